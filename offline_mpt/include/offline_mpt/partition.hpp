@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mpc_core/parametric_program.hpp"
+
+namespace polyfly {
+
+/// How an exploration ended.
+enum class ExploreStatus {
+  kComplete,     ///< every facet of every region leads to a region or to the edge of the feasible set
+  kIncomplete,   ///< a gap was left: `witness` is a parameter that no region holds
+  kLimited,      ///< a limit on regions or time was reached
+  kInterrupted,  ///< stopped from outside
+  kInfeasible,   ///< no parameter in the box admits a solution
+};
+
+const char* toString(ExploreStatus status);
+
+/// Set of parameters for which one active set is optimal, with its law.
+/// Half-spaces are in the program's own parameters: G theta <= g, minimal, each row scaled so that
+/// G theta - g is a distance when every parameter's range is mapped to [-1, 1].
+struct CriticalRegion {
+  std::vector<int> active;  ///< sorted row indices of the program
+  Eigen::MatrixXd G;        ///< rows x p
+  Eigen::VectorXd g;        ///< rows
+  Eigen::MatrixXd K;        ///< q x p
+  Eigen::VectorXd k;        ///< q, u = K theta + k
+  Eigen::VectorXd centre;   ///< p, an interior parameter (Chebyshev centre in scaled parameters)
+  double radius = 0.0;      ///< Chebyshev radius [scaled]
+};
+
+struct ExploreStats {
+  std::uint64_t regions = 0;
+  std::uint64_t candidate_sets = 0;  ///< active sets looked at
+  std::uint64_t degenerate_facets = 0;
+  std::uint64_t lp_pivots = 0;
+  double cpu_seconds = 0.0;          ///< not written to maps
+};
+
+/// The solution of a parametric program. Regions are sorted by active set.
+struct Partition {
+  ExploreStatus status = ExploreStatus::kInfeasible;
+  std::vector<CriticalRegion> regions;
+  Eigen::VectorXd witness;  ///< p, with kIncomplete
+  ExploreStats stats;
+};
+
+}  // namespace polyfly

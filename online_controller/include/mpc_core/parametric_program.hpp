@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "region_maps/signal.hpp"
+
+namespace polyfly {
+
+/// A multiparametric quadratic (H = 0: linear) program in theta:
+///
+///     min_z 1/2 z' H z + (f + F theta)' z   s.t.   A z <= b + S theta,  rows in `equalities` hold with "=",
+///     lower <= theta <= upper,  A_theta theta <= b_theta
+///
+/// and the affine map from its minimiser to what the controller applies,
+///
+///     u = E z + C theta + c.
+///
+/// Sizes: z n, theta p, rows m, inputs q.
+struct ParametricProgram {
+  std::string name;
+  std::string text;         ///< the problem file it came from, verbatim; may be empty
+  std::string text_kind;    ///< "yaml" or "json"
+  double period = 0.0;      ///< sampling time of the controller [s]; 0 if there is none
+
+  Eigen::MatrixXd H;        ///< n x n, symmetric
+  Eigen::VectorXd f;        ///< n
+  Eigen::MatrixXd F;        ///< n x p
+  Eigen::MatrixXd A;        ///< m x n
+  Eigen::VectorXd b;        ///< m
+  Eigen::MatrixXd S;        ///< m x p
+  std::vector<int> equalities;
+
+  std::vector<Signal> parameters;  ///< p, with the box lower..upper
+  Eigen::MatrixXd A_theta;         ///< k x p, may have no rows
+  Eigen::VectorXd b_theta;         ///< k
+
+  std::vector<Signal> inputs;      ///< q, with the bounds of u (infinite where there are none)
+  Eigen::MatrixXd E;               ///< q x n
+  Eigen::MatrixXd C;               ///< q x p
+  Eigen::VectorXd c;               ///< q
+
+  int variableCount() const { return static_cast<int>(H.rows()); }
+  int parameterCount() const { return static_cast<int>(parameters.size()); }
+  int rowCount() const { return static_cast<int>(A.rows()); }
+  int inputCount() const { return static_cast<int>(inputs.size()); }
+};
+
+/// Throws Error naming `program.name` and the field when sizes disagree, an entry is not finite, H is
+/// not symmetric positive semidefinite, an equality index is out of range, or a parameter's range is
+/// empty or unbounded.
+void checkProgram(const ParametricProgram& program);
+
+/// Reads the generic JSON form (keys H f F A b B, eq_ids, lb ub A_theta b_theta, out; B is S here).
+/// Throws Error naming file, field and rule.
+ParametricProgram loadProgramJson(const std::string& path);
+ParametricProgram parseProgramJson(const std::string& text, const std::string& source);
+
+}  // namespace polyfly

@@ -1,0 +1,71 @@
+# Functions shared by the packages. Functions only: a variable set here would be lost to sibling
+# packages in one catkin_make run.
+#
+# A package is built by catkin when CATKIN_DEVEL_PREFIX is defined, else by plain CMake from the
+# project's root. ROS code is built by catkin only.
+
+# polyfly_library(NAME SOURCES file... [LINK target...] [PRIVATE target...])
+#   A library with the package's include/ folder.
+function(polyfly_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  add_library(${name} ${ARG_SOURCES})
+  target_compile_features(${name} PUBLIC cxx_std_17)
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
+  polyfly_warnings(${name})
+  if(DEFINED CATKIN_DEVEL_PREFIX)
+    install(TARGETS ${name} ARCHIVE DESTINATION lib LIBRARY DESTINATION lib)
+  endif()
+endfunction()
+
+# polyfly_tool(NAME SOURCES file... [LINK target...])
+#   A command-line tool; plain CMake leaves it in the preset's bin folder.
+function(polyfly_tool name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name}_tool ${ARG_SOURCES})
+  target_link_libraries(${name}_tool PRIVATE ${ARG_LINK})
+  set_target_properties(${name}_tool PROPERTIES OUTPUT_NAME ${name})
+  if(DEFINED POLYFLY_BIN_DIR)
+    set_target_properties(${name}_tool PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${POLYFLY_BIN_DIR})
+  endif()
+  polyfly_warnings(${name}_tool)
+endfunction()
+
+# polyfly_test(NAME SOURCES file... [LINK target...])
+#   A GoogleTest program, run by ctest. Under catkin the same tests are left to the plain build.
+function(polyfly_test name)
+  if(DEFINED CATKIN_DEVEL_PREFIX OR NOT BUILD_TESTING)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  find_package(GTest REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
+  polyfly_warnings(${name})
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT "POLYFLY_ROOT=${CMAKE_SOURCE_DIR}")
+endfunction()
+
+# polyfly_warnings(TARGET): the project's warnings, as errors where POLYFLY_WERROR is on.
+function(polyfly_warnings name)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
+  if(POLYFLY_WERROR)
+    target_compile_options(${name} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# polyfly_import(PACKAGE...)
+#   Makes the libraries of another package of the project usable as targets: they are already targets
+#   in one build of the whole project; in an isolated catkin build they come from its exported configuration.
+function(polyfly_import)
+  foreach(package ${ARGN})
+    if(NOT TARGET ${package})
+      find_package(${package} REQUIRED)
+      add_library(${package} INTERFACE IMPORTED GLOBAL)
+      target_include_directories(${package} SYSTEM INTERFACE ${${package}_INCLUDE_DIRS})
+      target_link_libraries(${package} INTERFACE ${${package}_LIBRARIES})
+    endif()
+  endforeach()
+endfunction()

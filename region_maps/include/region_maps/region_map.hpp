@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "region_maps/mapped_file.hpp"
+#include "region_maps/signal.hpp"
+
+namespace polyfly {
+
+/// What a look-up found.
+enum class LookupStatus : std::uint8_t {
+  kInside,            ///< theta lies in `region`
+  kOutsideBox,        ///< a parameter is out of its range
+  kOutsidePartition,  ///< in the box, but in no region: the problem is infeasible there, or the map has a hole
+  kNotFinite,         ///< NaN or infinity in theta
+};
+
+struct Lookup {
+  LookupStatus status = LookupStatus::kNotFinite;
+  std::uint32_t region = 0;  ///< valid with kInside
+  std::uint32_t law = 0;     ///< valid with kInside
+};
+
+/// Bounds on the cost of one look-up, computed from the tree when the map opens.
+struct LookupCost {
+  std::uint32_t depth = 0;          ///< greatest number of interior nodes on a path
+  std::uint32_t region_checks = 0;  ///< greatest number of half-spaces tested at a leaf
+  std::uint64_t multiply_adds = 0;  ///< greatest number of multiply-adds of `evaluate`
+};
+
+/// A critical region as it lies in the file. Pointers live as long as the map.
+struct RegionView {
+  const std::int32_t* rows = nullptr;  ///< see MapContent::rows
+  std::uint32_t row_count = 0;
+  const std::int32_t* active = nullptr;
+  std::uint32_t active_count = 0;
+  std::uint32_t law = 0;
+};
+
+/// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
+/// index, finiteness, checksum) and throws polyfly::Error with the file and the rule that it breaks;
+/// afterwards a look-up only tests its own input. Look-ups allocate nothing and may run concurrently.
+class RegionMap {
+ public:
+  /// Maps the file into memory. Throws Error.
+  static RegionMap open(const std::string& path);
+
+  /// Reads `size` bytes at `data`, which must be 64-byte aligned and outlive the map; `name` is used
+  /// in errors. Throws Error.
+  static RegionMap view(const void* data, std::size_t size, const std::string& name);
+
+  const std::string& path() const noexcept { return path_; }
+  std::string_view name() const noexcept;
+  std::string_view problemText() const noexcept;
+  std::string_view problemKind() const noexcept;
+  std::string_view solverStatus() const noexcept;
+  std::string_view solverNotes() const noexcept;
+  double period() const noexcept;
+  double tolerance() const noexcept;
+  const std::vector<Signal>& parameters() const noexcept { return parameters_; }
+  const std::vector<Signal>& inputs() const noexcept { return inputs_; }
+  const LookupCost& cost() const noexcept { return cost_; }
+
+  std::size_t regionCount() const noexcept;
+  std::size_t lawCount() const noexcept;
+  std::size_t planeCount() const noexcept;
+  std::size_t nodeCount() const noexcept;
+  std::size_t leafCount() const noexcept;
+  std::size_t bytes() const noexcept;
+
+  RegionView region(std::size_t index) const noexcept;
+  const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
+  const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
+
+  /// Region that holds theta (p numbers), by the search tree.
+  Lookup locate(const double* theta) const noexcept;
+
+  /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
+  Lookup evaluate(const double* theta, double* u) const noexcept;
+
+  /// First region in file order that holds theta, testing all: the reference for `locate`.
+  Lookup locateExhaustively(const double* theta) const noexcept;
+
+  /// Whether theta lies in region `index` within the map's tolerance.
+  bool contains(std::size_t index, const double* theta) const noexcept;
+
+ private:
+  // The owner of this class completes it: pointers into the file, MappedFile, signals, cost.
+};
+
+}  // namespace polyfly
