@@ -1,0 +1,188 @@
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kZeroRow =
+    1e-13;  // a state row below this, relative to its parameter part, does not depend on z
+
+/// Which entries of theta are the error, the previous input and the input reference.
+struct Selectors {
+  Eigen::MatrixXd error;      ///< e_0 = error theta, nx x p
+  Eigen::MatrixXd reference;  ///< u_ref = reference theta, nu x p
+  Eigen::MatrixXd change;     ///< u_{-1} - u_ref = change theta, nu x p
+};
+
+Selectors select(const MpcProblem& problem) {
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  const Eigen::Index nx = problem.stateCount();
+  const Eigen::Index nu = problem.inputCount();
+  Selectors selectors;
+  selectors.error = Eigen::MatrixXd::Zero(nx, p);
+  selectors.reference = Eigen::MatrixXd::Zero(nu, p);
+  Eigen::MatrixXd previous = Eigen::MatrixXd::Zero(nu, p);
+  std::vector<bool> has_previous(static_cast<std::size_t>(nu), false);
+  for (Eigen::Index j = 0; j < p; ++j) {
+    const MpcProblem::Parameter& parameter = problem.parameters[static_cast<std::size_t>(j)];
+    switch (parameter.role) {
+      case ParameterRole::kError:
+        selectors.error(parameter.index, j) = 1.0;
+        break;
+      case ParameterRole::kPreviousInput:
+        previous(parameter.index, j) = 1.0;
+        has_previous[static_cast<std::size_t>(parameter.index)] = true;
+        break;
+      case ParameterRole::kInputReference:
+        selectors.reference(parameter.index, j) = 1.0;
+        break;
+    }
+  }
+  // Without a previous input, u_{-1} := u_ref, so that the first change is u~_0 itself.
+  selectors.change = Eigen::MatrixXd::Zero(nu, p);
+  for (Eigen::Index i = 0; i < nu; ++i) {
+    if (has_previous[static_cast<std::size_t>(i)]) {
+      selectors.change.row(i) = previous.row(i) - selectors.reference.row(i);
+    }
+  }
+  return selectors;
+}
+
+/// e_k = state[k-1] e_0 + input[k-1] z, k = 1..N.
+struct Prediction {
+  std::vector<Eigen::MatrixXd> state;
+  std::vector<Eigen::MatrixXd> input;
+};
+
+Prediction predict(const DiscreteModel& model, int horizon) {
+  const Eigen::Index nx = model.A.rows();
+  const Eigen::Index nu = model.B.cols();
+  Prediction prediction;
+  Eigen::MatrixXd state = Eigen::MatrixXd::Identity(nx, nx);
+  Eigen::MatrixXd input = Eigen::MatrixXd::Zero(nx, horizon * nu);
+  for (int k = 0; k < horizon; ++k) {
+    state = (model.A * state).eval();
+    input = (model.A * input).eval();
+    input.middleCols(k * nu, nu) = model.B;
+    prediction.state.push_back(state);
+    prediction.input.push_back(input);
+  }
+  return prediction;
+}
+
+/// 1/2 z'Hz + (F theta)'z equals Eq. 4 but for terms without z; hence the factors 2.
+void setCost(const MpcProblem& problem, const DiscreteModel& model, const Prediction& prediction,
+             const Selectors& selectors, ParametricProgram* program) {
+  const int N = problem.horizon;
+  const Eigen::Index nu = problem.inputCount();
+  const Eigen::Index n = N * nu;
+  const Eigen::MatrixXd P = solveRiccati(model.A, model.B, problem.Q, problem.R);
+  program->H = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd F_error = Eigen::MatrixXd::Zero(n, problem.stateCount());
+  for (int k = 0; k < N; ++k) {
+    const Eigen::MatrixXd weighted =
+        (k + 1 < N ? problem.Q : P) * prediction.input[static_cast<std::size_t>(k)];
+    program->H.noalias() += 2.0 * prediction.input[static_cast<std::size_t>(k)].transpose() * weighted;
+    F_error.noalias() += 2.0 * weighted.transpose() * prediction.state[static_cast<std::size_t>(k)];
+  }
+  for (int k = 0; k < N; ++k) {
+    const Eigen::Index i = k * nu;
+    program->H.block(i, i, nu, nu) += 2.0 * (problem.R + problem.R_delta);
+    if (k + 1 == N) continue;
+    program->H.block(i, i, nu, nu) += 2.0 * problem.R_delta;
+    program->H.block(i, i + nu, nu, nu) -= 2.0 * problem.R_delta;
+    program->H.block(i + nu, i, nu, nu) -= 2.0 * problem.R_delta;
+  }
+  program->H = (0.5 * (program->H + program->H.transpose())).eval();
+  program->f = Eigen::VectorXd::Zero(n);
+  program->F = F_error * selectors.error;
+  program->F.topRows(nu) -= 2.0 * problem.R_delta * selectors.change;
+}
+
+/// Collects rows A z <= b + S theta; those without z become A_theta theta <= b_theta.
+class Rows {
+ public:
+  explicit Rows(ParametricProgram* program) : program_(program) {}
+
+  void add(const Eigen::RowVectorXd& on_z, double bound, const Eigen::RowVectorXd& on_theta) {
+    if (!std::isfinite(bound)) return;
+    const double size = on_z.cwiseAbs().maxCoeff();
+    if (size <= kZeroRow * on_theta.cwiseAbs().maxCoeff()) {
+      append(-on_theta, bound, &program_->A_theta, &program_->b_theta);
+      return;
+    }
+    append(on_z, bound, &program_->A, &program_->b);
+    program_->S.conservativeResize(program_->A.rows(), on_theta.size());
+    program_->S.bottomRows(1) = on_theta;
+  }
+
+ private:
+  static void append(const Eigen::RowVectorXd& row, double bound, Eigen::MatrixXd* matrix,
+                     Eigen::VectorXd* vector) {
+    matrix->conservativeResize(matrix->rows() + 1, row.size());
+    matrix->bottomRows(1) = row;
+    vector->conservativeResize(vector->size() + 1);
+    (*vector)(vector->size() - 1) = bound;
+  }
+
+  ParametricProgram* program_;
+};
+
+void setRows(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
+             ParametricProgram* program) {
+  const Eigen::Index nu = problem.inputCount();
+  const Eigen::Index n = problem.horizon * nu;
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  program->A.resize(0, n);
+  program->b.resize(0);
+  program->S.resize(0, p);
+  program->A_theta.resize(0, p);
+  program->b_theta.resize(0);
+  Rows rows(program);
+  for (const double sign : {1.0, -1.0}) {  // upper bounds first, then lower ones
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Signal& input = problem.inputs[static_cast<std::size_t>(i % nu)];
+      const Eigen::RowVectorXd unit = sign * Eigen::RowVectorXd::Unit(n, i);
+      rows.add(unit, sign > 0.0 ? input.upper : -input.lower, -sign * selectors.reference.row(i % nu));
+    }
+  }
+  for (const double sign : {1.0, -1.0}) {
+    for (std::size_t k = 0; k < prediction.input.size(); ++k) {
+      const Eigen::MatrixXd on_theta = -sign * prediction.state[k] * selectors.error;
+      for (int i = 0; i < problem.stateCount(); ++i) {
+        const Signal& state = problem.states[static_cast<std::size_t>(i)];
+        rows.add(sign * prediction.input[k].row(i), sign > 0.0 ? state.upper : -state.lower, on_theta.row(i));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ParametricProgram condense(const MpcProblem& problem) {
+  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const Prediction prediction = predict(model, problem.horizon);
+  const Selectors selectors = select(problem);
+  ParametricProgram program;
+  program.name = problem.name;
+  program.text = problem.text;
+  program.text_kind = "yaml";
+  program.period = problem.sampling_time;
+  setCost(problem, model, prediction, selectors, &program);
+  setRows(problem, prediction, selectors, &program);
+  for (const MpcProblem::Parameter& parameter : problem.parameters)
+    program.parameters.push_back(parameter.signal);
+  program.inputs = problem.inputs;
+  const Eigen::Index nu = problem.inputCount();
+  program.E = Eigen::MatrixXd::Identity(nu, program.H.rows());
+  program.C = selectors.reference;
+  program.c = Eigen::VectorXd::Zero(nu);
+  checkProgram(program);
+  return program;
+}
+
+}  // namespace polyfly

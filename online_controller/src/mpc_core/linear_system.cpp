@@ -1,0 +1,106 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <string>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kMaxDoublings = 60;             // step k spans 2^k periods
+constexpr double kStepTolerance = 1e-14;      // last change of P, relative
+constexpr double kResidualTolerance = 1e-9;   // of the Riccati equation, relative to P
+constexpr double kStabilityMargin = 1e-9;     // 1 - spectral radius of the closed loop
+constexpr double kSingularTolerance = 1e-12;  // reciprocal condition of Eq. 6 after scaling
+
+double norm(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+DiscreteModel discretise(const MpcProblem& problem, double period) {
+  if (!(period > 0.0)) throw Error(problem.source + ": period: must be greater than 0");
+  const Eigen::Index nx = problem.A_c.rows();
+  const Eigen::Index nu = problem.B_c.cols();
+  const Eigen::Index nd = problem.Bd_c.cols();
+  // exp([A B Bd; 0 0 0] T) = [exp(A T), int exp(A s) ds [B Bd]; 0, I], which needs no inverse of A.
+  Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(nx + nu + nd, nx + nu + nd);
+  augmented.topLeftCorner(nx, nx) = problem.A_c;
+  augmented.block(0, nx, nx, nu) = problem.B_c;
+  augmented.block(0, nx + nu, nx, nd) = problem.Bd_c;
+  const Eigen::MatrixXd exponential = (augmented * period).exp();
+  if (!exponential.allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
+  DiscreteModel model;
+  model.A = exponential.topLeftCorner(nx, nx);
+  model.B = exponential.block(0, nx, nx, nu);
+  model.Bd = exponential.block(0, nx + nu, nx, nd);
+  model.period = period;
+  return model;
+}
+
+Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
+                             const Eigen::MatrixXd& R) {
+  const Eigen::Index n = A.rows();
+  const bool sizes = n > 0 && A.cols() == n && B.rows() == n && B.cols() > 0 && Q.rows() == n &&
+                     Q.cols() == n && R.rows() == B.cols() && R.cols() == B.cols();
+  if (!sizes) throw Error("Riccati equation: sizes of A, B, Q, R must agree");
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
+  // Structured doubling: P_k is the cost of 2^k periods, so that it converges quadratically.
+  Eigen::MatrixXd A_k = A;
+  Eigen::MatrixXd G_k = B * R.ldlt().solve(B.transpose());
+  Eigen::MatrixXd P = Q;
+  bool converged = false;
+  for (int k = 0; k < kMaxDoublings && !converged; ++k) {
+    const Eigen::PartialPivLU<Eigen::MatrixXd> W(identity + G_k * P);
+    const Eigen::MatrixXd W_A = W.solve(A_k);
+    const Eigen::MatrixXd W_G = W.solve(G_k);
+    const Eigen::MatrixXd change = A_k.transpose() * P * W_A;
+    const Eigen::MatrixXd G_change = A_k * W_G * A_k.transpose();
+    A_k = (A_k * W_A).eval();
+    G_k += 0.5 * (G_change + G_change.transpose());
+    P += 0.5 * (change + change.transpose());
+    if (!P.allFinite()) break;
+    converged = norm(change) <= kStepTolerance * norm(P);
+  }
+  const std::string hint = "; (A, B) must be stabilisable and (A, Q) detectable";
+  if (!converged) throw Error("Riccati equation: no convergence" + hint);
+  const Eigen::MatrixXd S = R + B.transpose() * P * B;
+  const Eigen::MatrixXd K = S.ldlt().solve(B.transpose() * P * A);
+  const Eigen::MatrixXd residual = A.transpose() * P * A - A.transpose() * P * B * K + Q - P;
+  if (!(norm(residual) <= kResidualTolerance * norm(P)))
+    throw Error("Riccati equation: residual too large" + hint);
+  const double radius = (A - B * K).eigenvalues().cwiseAbs().maxCoeff();
+  if (!(radius < 1.0 - kStabilityMargin)) throw Error("Riccati equation: solution does not stabilise" + hint);
+  return P;
+}
+
+SteadyState steadyState(const DiscreteModel& model, const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
+                        const Eigen::VectorXd& r) {
+  const Eigen::Index nx = model.A.rows();
+  const Eigen::Index nu = model.B.cols();
+  if (C.rows() != nu || C.cols() != nx || d.size() != model.Bd.cols() || r.size() != C.rows()) {
+    throw Error("steady state: sizes of A, B, C, d, r must agree, with as many outputs as inputs");
+  }
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(nx + nu, nx + nu);
+  matrix.topLeftCorner(nx, nx) = model.A - Eigen::MatrixXd::Identity(nx, nx);
+  matrix.topRightCorner(nx, nu) = model.B;
+  matrix.bottomLeftCorner(nu, nx) = C;
+  Eigen::VectorXd right(nx + nu);
+  right << -(model.Bd * d), r;
+  // Rows differ by the sampling time and by units: scale them, so that the rank test sees the structure.
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    const double scale = matrix.row(row).cwiseAbs().maxCoeff();
+    if (scale > 0.0) {
+      matrix.row(row) /= scale;
+      right(row) /= scale;
+    }
+  }
+  Eigen::FullPivLU<Eigen::MatrixXd> lu(matrix);
+  lu.setThreshold(kSingularTolerance);
+  if (!lu.isInvertible()) throw Error("steady state: [A-I B; C 0] (Eq. 6) must be invertible");
+  const Eigen::VectorXd solution = lu.solve(right);
+  return SteadyState{solution.head(nx), solution.tail(nu)};
+}
+
+}  // namespace polyfly

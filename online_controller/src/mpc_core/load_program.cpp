@@ -1,0 +1,29 @@
+#include <string>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "read_text.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+}  // namespace
+
+ParametricProgram loadProgram(const std::string& path) {
+  const bool yaml = endsWith(path, ".yaml") || endsWith(path, ".yml");
+  if (!yaml && !endsWith(path, ".json")) throw Error(path + ": file: name must end in .yaml, .yml or .json");
+  return parseProgram(readText(path), yaml ? "yaml" : "json", path);
+}
+
+ParametricProgram parseProgram(const std::string& text, const std::string& kind, const std::string& source) {
+  if (kind == "yaml") return condense(parseProblem(text, source));
+  if (kind == "json") return parseProgramJson(text, source);
+  throw Error(source + ": text_kind: must be yaml or json, got '" + kind + "'");
+}
+
+}  // namespace polyfly

@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "mpc_core/parametric_program.hpp"
+#include "read_text.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+using nlohmann::json;
+
+/// The generic form; every complaint reads `file: field: rule`.
+class JsonReader {
+ public:
+  JsonReader(const std::string& text, const std::string& source) : source_(source) {
+    std::vector<std::set<std::string>> keys;
+    const auto refuse_duplicates = [&](int, json::parse_event_t event, json& parsed) {
+      if (event == json::parse_event_t::object_start) keys.emplace_back();
+      if (event == json::parse_event_t::object_end) keys.pop_back();
+      if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second) {
+        fail(parsed.get<std::string>(), "duplicate key");
+      }
+      return true;
+    };
+    try {
+      root_ = json::parse(text, refuse_duplicates);
+    } catch (const json::parse_error& error) {
+      const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+      const auto line = 1 + std::count(text.begin(), end, '\n');
+      throw Error(source_ + ":" + std::to_string(line) + ": file: is not valid JSON: " + error.what());
+    } catch (const json::exception& error) {
+      fail("file", std::string("is not valid JSON: ") + error.what());
+    }
+    if (!root_.is_object()) fail("file", "must be an object");
+  }
+
+  [[noreturn]] void fail(const std::string& field, const std::string& rule) const {
+    throw Error(source_ + ": " + field + ": " + rule);
+  }
+
+  bool has(const std::string& key) const { return root_.contains(key); }
+
+  const json& at(const std::string& key) const {
+    if (!root_.contains(key)) fail(key, "missing");
+    return root_.at(key);
+  }
+
+  std::string text(const std::string& key) const {
+    if (!at(key).is_string() || at(key).get<std::string>().empty()) fail(key, "must be text");
+    return at(key).get<std::string>();
+  }
+
+  Eigen::VectorXd vector(const std::string& key, Eigen::Index size) const {
+    return entries(at(key), key, size);
+  }
+
+  Eigen::MatrixXd matrix(const std::string& key, Eigen::Index rows, Eigen::Index cols) const {
+    const json& value = array(at(key), key);
+    if (static_cast<Eigen::Index>(value.size()) != rows) {
+      fail(key, "must have " + std::to_string(rows) + " rows, got " + std::to_string(value.size()));
+    }
+    Eigen::MatrixXd result(rows, cols);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const std::string field = key + "[" + std::to_string(row) + "]";
+      result.row(row) = entries(value[static_cast<std::size_t>(row)], field, cols).transpose();
+    }
+    return result;
+  }
+
+  /// 0-based indices below `limit`, without repetition.
+  std::vector<int> indices(const std::string& key, int limit) const {
+    std::vector<int> result;
+    for (const json& entry : array(at(key), key)) {
+      const bool valid = entry.is_number_integer() && entry.get<std::int64_t>() >= 0 &&
+                         entry.get<std::int64_t>() < static_cast<std::int64_t>(limit);
+      if (!valid) fail(key, "must hold whole numbers from 0 to " + std::to_string(limit - 1));
+      const int index = entry.get<int>();
+      if (std::find(result.begin(), result.end(), index) != result.end()) {
+        fail(key, "must not repeat " + std::to_string(index));
+      }
+      result.push_back(index);
+    }
+    return result;
+  }
+
+  /// Length of the list at `key`, which must not be empty unless `may_be_empty`.
+  Eigen::Index count(const std::string& key, bool may_be_empty) const {
+    const json& value = array(at(key), key);
+    if (value.empty() && !may_be_empty) fail(key, "must not be empty");
+    return static_cast<Eigen::Index>(value.size());
+  }
+
+  /// `key`, where given, must state the size that the matrices have.
+  void agrees(const std::string& key, Eigen::Index size) const {
+    if (!has(key)) return;
+    if (!at(key).is_number_integer() || at(key).get<std::int64_t>() != size) {
+      fail(key, "must be " + std::to_string(size) + ", as the matrices have it");
+    }
+  }
+
+ private:
+  const json& array(const json& value, const std::string& field) const {
+    if (!value.is_array()) fail(field, "must be a list");
+    return value;
+  }
+
+  Eigen::VectorXd entries(const json& value, const std::string& field, Eigen::Index size) const {
+    array(value, field);
+    if (static_cast<Eigen::Index>(value.size()) != size) {
+      fail(field, "must have " + std::to_string(size) + " numbers, got " + std::to_string(value.size()));
+    }
+    Eigen::VectorXd result(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const json& entry = value[static_cast<std::size_t>(i)];
+      if (!entry.is_number()) fail(field, "must hold finite numbers only");
+      result(i) = entry.get<double>();
+    }
+    return result;
+  }
+
+  std::string source_;
+  json root_;
+};
+
+void setBox(const JsonReader& reader, ParametricProgram* program) {
+  const Eigen::Index p = reader.count("lb", false);
+  const Eigen::VectorXd lower = reader.vector("lb", p);
+  const Eigen::VectorXd upper = reader.vector("ub", p);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    if (!(lower(i) < upper(i))) reader.fail("lb", "must be below ub, entry " + std::to_string(i));
+    program->parameters.push_back({"theta_" + std::to_string(i), "1", lower(i), upper(i)});
+  }
+  const Eigen::Index rows = reader.has("A_theta") ? reader.count("A_theta", true) : 0;
+  program->A_theta.resize(rows, p);
+  program->b_theta.resize(rows);
+  if (reader.has("A_theta")) program->A_theta = reader.matrix("A_theta", rows, p);
+  if (rows > 0 || reader.has("b_theta")) program->b_theta = reader.vector("b_theta", rows);
+}
+
+void setOutput(const JsonReader& reader, ParametricProgram* program) {
+  const int n = program->variableCount();
+  std::vector<int> out;
+  if (reader.has("out")) {
+    out = reader.indices("out", n);
+    if (out.empty()) reader.fail("out", "must not be empty");
+  } else {
+    for (int i = 0; i < n; ++i) out.push_back(i);
+  }
+  const auto q = static_cast<Eigen::Index>(out.size());
+  program->E = Eigen::MatrixXd::Zero(q, n);
+  program->C = Eigen::MatrixXd::Zero(q, program->parameterCount());
+  program->c = Eigen::VectorXd::Zero(q);
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < q; ++i) {
+    program->E(i, out[static_cast<std::size_t>(i)]) = 1.0;
+    program->inputs.push_back({"u_" + std::to_string(i), "1", -kUnbounded, kUnbounded});
+  }
+}
+
+/// File name without folder and ending.
+std::string stem(const std::string& source) {
+  const std::size_t slash = source.find_last_of('/');
+  const std::string file = slash == std::string::npos ? source : source.substr(slash + 1);
+  return file.substr(0, file.find_last_of('.'));
+}
+
+}  // namespace
+
+ParametricProgram parseProgramJson(const std::string& text, const std::string& source) {
+  const JsonReader reader(text, source);
+  ParametricProgram program;
+  program.name = reader.has("name") ? reader.text("name") : stem(source);
+  program.text = text;
+  program.text_kind = "json";
+  setBox(reader, &program);
+  const Eigen::Index n = reader.count("f", false);
+  const Eigen::Index m = reader.count("b", true);
+  const Eigen::Index p = program.parameterCount();
+  program.H = reader.matrix("H", n, n);
+  program.f = reader.vector("f", n);
+  program.F = reader.matrix("F", n, p);
+  program.A = reader.matrix("A", m, n);
+  program.b = reader.vector("b", m);
+  program.S = reader.matrix("B", m, p);
+  if (reader.has("eq_ids")) program.equalities = reader.indices("eq_ids", static_cast<int>(m));
+  reader.agrees("n", n);
+  reader.agrees("m", m);
+  reader.agrees("n_theta", p);
+  setOutput(reader, &program);
+  try {
+    checkProgram(program);
+  } catch (const Error& error) {
+    throw Error(source + ": " + error.what());
+  }
+  return program;
+}
+
+ParametricProgram loadProgramJson(const std::string& path) { return parseProgramJson(readText(path), path); }
+
+}  // namespace polyfly

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+
+namespace polyfly {
+
+/// The whole file at `path`. Throws Error `path: file: rule` when it is missing, a directory, empty or too
+/// large.
+std::string readText(const std::string& path);
+
+}  // namespace polyfly
