@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "mpc_core/mpc_problem.hpp"
+
+namespace polyfly {
+
+/// Noise of the observer's model, as standard deviations; only their ratios shape the gain. Entry i belongs
+/// to state i of the problem. The defaults suit the axes of a multirotor (position, velocity, angle) at 0.01
+/// s and give an estimate that follows a step of wind within about one second.
+struct ObserverOptions {
+  double period = 0.01;  ///< time between samples, above 0 [s]
+
+  /// Error of the model in one period, 0 or more [unit of the state]
+  std::array<double, 4> process = {1e-4, 5e-3, 1e-2, 1e-2};
+
+  /// Error of the measurement, above 0 [unit of the state]
+  std::array<double, 4> measurement = {0.005, 0.02, 0.01, 0.05};
+
+  /// Drift of the disturbance in one period, above 0 [unit of the disturbance]
+  double disturbance = 0.005;
+};
+
+/// Observer of Eq. 5 for one axis whose whole state is measured: it estimates the constant disturbance d that
+/// the model leaves unexplained, so that the targets of Eq. 6 remove the offset.
+///
+/// The filter form is used, so that an estimate uses the sample it comes with:
+///     x^- = A x + B u + Bd d,  d^- = d             (once per period)
+///     [x; d] = [x^-; d^-] + L (x^- - y)            (sign of Eq. 5: predicted minus measured, hence L < 0)
+/// It is Eq. 5 with the gain [A Bd; 0 I] L, its estimates taken after the correction. L is the steady-state
+/// Kalman gain.
+class DisturbanceObserver {
+ public:
+  static constexpr int kMaxStates = 4;
+  static constexpr int kMaxPeriods = 20;  ///< longest gap that is predicted across
+
+  /// Needs 1 to 4 states, one input, one disturbance that shows in the state. Throws Error otherwise, or when
+  /// an option is out of range.
+  DisturbanceObserver(const MpcProblem& problem, const ObserverOptions& options);
+
+  /// The sample `y` (all states, absolute) is `periods` nominal periods after the last one, during which
+  /// `u_previous` was held. The first sample after reset, or one more than kMaxPeriods late, sets the state
+  /// and keeps the disturbance. Values that are not finite are ignored; count their periods into the next
+  /// call.
+  void update(const double* y, const double* u_previous, int periods) noexcept;
+
+  /// Forgets the state and sets the disturbance to 0.
+  void reset() noexcept;
+
+  const double* state() const noexcept { return estimate_.data(); }  ///< stateCount() entries
+  double disturbance() const noexcept { return estimate_[static_cast<std::size_t>(state_count_)]; }
+  int stateCount() const noexcept { return state_count_; }
+
+  /// L = [L_x; L_d], (nx + 1) x nx.
+  Eigen::MatrixXd gain() const;
+
+ private:
+  static constexpr int kMaxSize = kMaxStates + 1;
+  using Vector = std::array<double, kMaxSize>;
+
+  void predict(double u) noexcept;
+  void correct(const double* y) noexcept;
+
+  int state_count_ = 0;
+  std::array<Vector, kMaxSize> transition_{};  ///< rows of [A Bd; 0 I]
+  Vector input_{};                             ///< [B; 0]
+  std::array<Vector, kMaxSize> gain_{};        ///< rows of L
+  Vector estimate_{};                          ///< [x; d]
+  bool started_ = false;
+};
+
+}  // namespace polyfly
