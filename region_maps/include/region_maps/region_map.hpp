@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "region_maps/format.hpp"
+#include "region_maps/map_content.hpp"
 #include "region_maps/mapped_file.hpp"
 #include "region_maps/signal.hpp"
 
@@ -15,7 +18,8 @@ namespace polyfly {
 enum class LookupStatus : std::uint8_t {
   kInside,            ///< theta lies in `region`
   kOutsideBox,        ///< a parameter is out of its range
-  kOutsidePartition,  ///< in the box, but in no region: the problem is infeasible there, or the map has a hole
+  kOutsidePartition,  ///< in the box, but in no region: the problem is infeasible there, or the map has a
+                      ///< hole
   kNotFinite,         ///< NaN or infinity in theta
 };
 
@@ -44,6 +48,7 @@ struct RegionView {
 /// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
 /// index, finiteness, checksum) and throws polyfly::Error with the file and the rule that it breaks;
 /// afterwards a look-up only tests its own input. Look-ups allocate nothing and may run concurrently.
+/// Moves, does not copy; a map that was moved from may only be assigned to or destroyed.
 class RegionMap {
  public:
   /// Maps the file into memory. Throws Error.
@@ -89,7 +94,48 @@ class RegionMap {
   bool contains(std::size_t index, const double* theta) const noexcept;
 
  private:
-  // The owner of this class completes it: pointers into the file, MappedFile, signals, cost.
+  /// What a look-up reads. All but `box` points into the file.
+  struct Tables {
+    const double* box = nullptr;  ///< (lower, upper) of each parameter, widened by the tolerance
+    const double* planes = nullptr;
+    const double* laws = nullptr;
+    const MapContent::Region* regions = nullptr;
+    const std::int32_t* rows = nullptr;
+    const MapContent::Node* nodes = nullptr;
+    const MapContent::Leaf* leaves = nullptr;
+    const std::uint32_t* candidates = nullptr;
+    double tolerance = 0.0;
+    std::uint32_t root = 0;
+    std::uint32_t parameters = 0;
+    std::uint32_t inputs = 0;
+  };
+
+  /// The look-ups for one number of parameters; chosen when the map opens.
+  struct Functions {
+    Lookup (*locate)(const Tables&, const double* theta) noexcept = nullptr;
+    Lookup (*evaluate)(const Tables&, const double* theta, double* u) noexcept = nullptr;
+    Lookup (*locate_exhaustively)(const Tables&, std::size_t regions, const double* theta) noexcept = nullptr;
+    bool (*contains)(const Tables&, std::size_t region, const double* theta) noexcept = nullptr;
+  };
+
+  template <std::uint32_t kParameters>
+  struct PointLocation;
+
+  RegionMap() = default;
+  void load(const void* data, std::size_t size);
+  static Functions functionsFor(std::uint32_t parameters) noexcept;
+
+  std::string path_;
+  MappedFile file_;
+  const format::Header* header_ = nullptr;                  // into the file
+  const std::int32_t* active_ = nullptr;                    // into the file
+  std::array<std::string_view, format::kTextCount> texts_;  // into the file
+  std::vector<Signal> parameters_;
+  std::vector<Signal> inputs_;
+  std::vector<double> box_;
+  LookupCost cost_;
+  Tables tables_;
+  Functions functions_;
 };
 
 }  // namespace polyfly

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "region_maps/map_content.hpp"
+
+namespace polyfly {
+
+/// The bytes of the file that holds `content`; the same content gives the same bytes.
+/// Throws Error naming `content.name` and the rule of FORMAT.md that the content breaks.
+std::vector<std::byte> layOut(const MapContent& content);
+
+/// Lays out `content` and writes it with writeFileAtomically. Throws Error.
+void writeMap(const MapContent& content, const std::string& path);
+
+/// Replaces the file at `path`, or makes it: readers see the old bytes or the new ones, also after a loss of
+/// power. Writes beside it, syncs, renames, syncs the folder. The first 64 bytes are written last and are
+/// zero until then, so a left-over of a killed writer (`path`.tmp-*) is recognisable. Throws Error; the old
+/// file is untouched then and nothing is left behind.
+void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes);
+
+}  // namespace polyfly

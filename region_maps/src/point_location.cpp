@@ -1,0 +1,118 @@
+#include <cmath>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// The look-ups for kParameters parameters, 0: any number. Constants in place of the number let the compiler
+/// unroll.
+template <std::uint32_t kParameters>
+struct RegionMap::PointLocation {
+  static std::size_t size(const Tables& tables) noexcept {
+    return kParameters != 0 ? kParameters : tables.parameters;
+  }
+
+  /// a . theta - c. Negating a plane negates the result exactly, so two regions that share a plane agree on
+  /// it.
+  static double distance(const double* plane, const double* theta, std::size_t p) noexcept {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < p; ++i) sum += plane[i] * theta[i];
+    return sum - plane[p];
+  }
+
+  /// kInside, unless theta is out of the box.
+  static LookupStatus testBox(const Tables& tables, const double* theta) noexcept {
+    const std::size_t p = size(tables);
+    bool inside = true;
+    for (std::size_t i = 0; i < p; ++i)
+      inside &= theta[i] >= tables.box[2 * i] && theta[i] <= tables.box[2 * i + 1];
+    if (inside) return LookupStatus::kInside;  // the box is finite, so theta is
+    for (std::size_t i = 0; i < p; ++i) {
+      if (!std::isfinite(theta[i])) return LookupStatus::kNotFinite;
+    }
+    return LookupStatus::kOutsideBox;
+  }
+
+  static bool contains(const Tables& tables, std::size_t region, const double* theta) noexcept {
+    const std::size_t p = size(tables);
+    const MapContent::Region& r = tables.regions[region];
+    const std::int32_t* const rows = tables.rows + r.first_row;
+    for (std::uint32_t i = 0; i < r.row_count; ++i) {
+      const std::int32_t row = rows[i];
+      const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
+      const double d = distance(tables.planes + plane * (p + 1), theta, p);
+      if (!((row < 0 ? -d : d) <= tables.tolerance)) return false;
+    }
+    return true;
+  }
+
+  static Lookup locate(const Tables& tables, const double* theta) noexcept {
+    const LookupStatus box = testBox(tables, theta);
+    if (box != LookupStatus::kInside) return {box};
+    const std::size_t p = size(tables);
+    std::uint32_t child = tables.root;
+    while ((child & MapContent::kLeaf) == 0) {
+      const MapContent::Node& node = tables.nodes[child];
+      child = distance(tables.planes + node.plane * (p + 1), theta, p) <= 0.0 ? node.below : node.above;
+    }
+    const MapContent::Leaf& leaf = tables.leaves[child & ~MapContent::kLeaf];
+    const std::uint32_t* const candidates = tables.candidates + leaf.first;
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      if (contains(tables, candidates[i], theta)) {
+        return {LookupStatus::kInside, candidates[i], tables.regions[candidates[i]].law};
+      }
+    }
+    return {LookupStatus::kOutsidePartition};
+  }
+
+  static Lookup evaluate(const Tables& tables, const double* theta, double* u) noexcept {
+    const Lookup found = locate(tables, theta);
+    if (found.status != LookupStatus::kInside) return found;
+    const std::size_t p = size(tables);
+    const double* row = tables.laws + std::size_t{found.law} * tables.inputs * (p + 1);
+    for (std::uint32_t j = 0; j < tables.inputs; ++j, row += p + 1) {
+      double sum = row[p];
+      for (std::size_t i = 0; i < p; ++i) sum += row[i] * theta[i];
+      u[j] = sum;
+    }
+    return found;
+  }
+
+  static Lookup locateExhaustively(const Tables& tables, std::size_t regions, const double* theta) noexcept {
+    const LookupStatus box = testBox(tables, theta);
+    if (box != LookupStatus::kInside) return {box};
+    for (std::size_t i = 0; i < regions; ++i) {
+      if (contains(tables, i, theta)) {
+        return {LookupStatus::kInside, static_cast<std::uint32_t>(i), tables.regions[i].law};
+      }
+    }
+    return {LookupStatus::kOutsidePartition};
+  }
+
+  static Functions functions() noexcept { return {locate, evaluate, locateExhaustively, contains}; }
+};
+
+RegionMap::Functions RegionMap::functionsFor(std::uint32_t parameters) noexcept {
+  switch (parameters) {
+    case 1:
+      return PointLocation<1>::functions();
+    case 2:
+      return PointLocation<2>::functions();
+    case 3:
+      return PointLocation<3>::functions();
+    case 4:
+      return PointLocation<4>::functions();
+    case 5:
+      return PointLocation<5>::functions();
+    case 6:
+      return PointLocation<6>::functions();
+    case 7:
+      return PointLocation<7>::functions();
+    case 8:
+      return PointLocation<8>::functions();
+    default:
+      return PointLocation<0>::functions();
+  }
+}
+
+}  // namespace polyfly

@@ -1,0 +1,122 @@
+#include "region_maps/region_map.hpp"
+
+#include "check_map.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::vector<Signal> readSignals(const std::string_view* texts, const format::Bounds* bounds,
+                                std::size_t count) {
+  std::vector<Signal> signals(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    signals[i] = {std::string(texts[2 * i]), std::string(texts[2 * i + 1]), bounds[i].lower, bounds[i].upper};
+  }
+  return signals;
+}
+
+std::vector<double> widenedBox(const std::vector<Signal>& parameters, double tolerance) {
+  std::vector<double> box;
+  box.reserve(2 * parameters.size());
+  for (const Signal& parameter : parameters) {
+    const double slack = tolerance * (0.5 * parameter.upper - 0.5 * parameter.lower);
+    box.push_back(parameter.lower - slack);
+    box.push_back(parameter.upper + slack);
+  }
+  return box;
+}
+
+}  // namespace
+
+RegionMap RegionMap::open(const std::string& path) {
+  RegionMap map;
+  map.path_ = path;
+  map.file_ = MappedFile(path);
+  map.load(map.file_.data(), map.file_.size());
+  return map;
+}
+
+RegionMap RegionMap::view(const void* data, std::size_t size, const std::string& name) {
+  if (reinterpret_cast<std::uintptr_t>(data) % format::kAlignment != 0) {
+    throw Error(name + ": must be aligned to 64 bytes in memory");
+  }
+  RegionMap map;
+  map.path_ = name;
+  map.load(data, size);
+  return map;
+}
+
+void RegionMap::load(const void* data, std::size_t size) {
+  checkFrame(data, size, path_);
+  const MapFacts facts = checkStructure(data, size, path_);
+  const format::Header& header = *static_cast<const format::Header*>(data);
+  checkCost(header, facts.cost, path_);
+  cost_ = facts.cost;
+  header_ = &header;
+  for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i] = facts.texts[i];
+  const std::string_view* const signal_texts = facts.texts.data() + format::kTextCount;
+  const auto* const bounds = sectionStart<format::Bounds>(header, format::kBounds);
+  const std::size_t p = header.parameters;
+  parameters_ = readSignals(signal_texts, bounds, p);
+  inputs_ = readSignals(signal_texts + 2 * p, bounds + p, header.inputs);
+  box_ = widenedBox(parameters_, header.tolerance);
+  active_ = sectionStart<std::int32_t>(header, format::kActive);
+  tables_.box = box_.data();
+  tables_.planes = sectionStart<double>(header, format::kPlanes);
+  tables_.laws = sectionStart<double>(header, format::kLaws);
+  tables_.regions = sectionStart<MapContent::Region>(header, format::kRegions);
+  tables_.rows = sectionStart<std::int32_t>(header, format::kRows);
+  tables_.nodes = sectionStart<MapContent::Node>(header, format::kNodes);
+  tables_.leaves = sectionStart<MapContent::Leaf>(header, format::kLeaves);
+  tables_.candidates = sectionStart<std::uint32_t>(header, format::kCandidates);
+  tables_.tolerance = header.tolerance;
+  tables_.root = header.root;
+  tables_.parameters = header.parameters;
+  tables_.inputs = header.inputs;
+  functions_ = functionsFor(header.parameters);
+}
+
+std::string_view RegionMap::name() const noexcept { return texts_[format::kName]; }
+std::string_view RegionMap::problemText() const noexcept { return texts_[format::kProblemText]; }
+std::string_view RegionMap::problemKind() const noexcept { return texts_[format::kProblemKind]; }
+std::string_view RegionMap::solverStatus() const noexcept { return texts_[format::kSolverStatus]; }
+std::string_view RegionMap::solverNotes() const noexcept { return texts_[format::kSolverNotes]; }
+double RegionMap::period() const noexcept { return header_->period; }
+double RegionMap::tolerance() const noexcept { return header_->tolerance; }
+
+std::size_t RegionMap::regionCount() const noexcept { return header_->sections[format::kRegions].count; }
+std::size_t RegionMap::lawCount() const noexcept { return header_->sections[format::kLaws].count; }
+std::size_t RegionMap::planeCount() const noexcept { return header_->sections[format::kPlanes].count; }
+std::size_t RegionMap::nodeCount() const noexcept { return header_->sections[format::kNodes].count; }
+std::size_t RegionMap::leafCount() const noexcept { return header_->sections[format::kLeaves].count; }
+std::size_t RegionMap::bytes() const noexcept { return header_->file_size; }
+
+RegionView RegionMap::region(std::size_t index) const noexcept {
+  const MapContent::Region& region = tables_.regions[index];
+  return {tables_.rows + region.first_row, region.row_count, active_ + region.first_active,
+          region.active_count, region.law};
+}
+
+const double* RegionMap::plane(std::size_t index) const noexcept {
+  return tables_.planes + index * (std::size_t{tables_.parameters} + 1);
+}
+
+const double* RegionMap::law(std::size_t index) const noexcept {
+  return tables_.laws + index * (std::size_t{tables_.parameters} + 1) * tables_.inputs;
+}
+
+Lookup RegionMap::locate(const double* theta) const noexcept { return functions_.locate(tables_, theta); }
+
+Lookup RegionMap::evaluate(const double* theta, double* u) const noexcept {
+  return functions_.evaluate(tables_, theta, u);
+}
+
+Lookup RegionMap::locateExhaustively(const double* theta) const noexcept {
+  return functions_.locate_exhaustively(tables_, regionCount(), theta);
+}
+
+bool RegionMap::contains(std::size_t index, const double* theta) const noexcept {
+  return functions_.contains(tables_, index, theta);
+}
+
+}  // namespace polyfly
