@@ -11,11 +11,11 @@ namespace polyfly {
 
 /// Vehicle state from odometry. World frame W: x forward at yaw 0, y left, z up (ENU).
 struct VehicleState {
-  double stamp = 0.0;                                                  ///< [s]
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();                  ///< in W [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                  ///< in W [m/s]
-  Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();        ///< body to W
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();          ///< in body [rad/s]
+  double stamp = 0.0;                                            ///< [s]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< in W [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< in W [m/s]
+  Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();  ///< body to W
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();    ///< in body [rad/s]
 };
 
 /// What to track at one instant, in W.
@@ -38,11 +38,11 @@ struct AttitudeCommand {
 
 /// Why the command is what it is. Worse states have greater numbers; the step reports the worst of the axes.
 enum class ControlStatus : std::uint8_t {
-  kOptimal = 0,        ///< the explicit law's answer
-  kClipped = 1,        ///< a parameter left the map's box; it was clipped to the box and the law evaluated there
-  kHoldLast = 2,       ///< no answer for this sample: the last command is repeated
-  kLevel = 3,          ///< no answer for longer: level attitude, hover thrust
-  kNoReference = 4,    ///< nothing to track yet: level attitude, hover thrust
+  kOptimal = 0,   ///< the explicit law's answer
+  kClipped = 1,   ///< a parameter left the map's box; it was clipped to the box and the law evaluated there
+  kHoldLast = 2,  ///< no answer for this sample: the last command is repeated
+  kLevel = 3,     ///< no answer for longer: level attitude, hover thrust
+  kNoReference = 4,  ///< nothing to track yet: level attitude, hover thrust
 };
 
 /// Why an axis had no answer or a changed one.
@@ -59,17 +59,19 @@ constexpr int kMaxParameters = 8;
 
 /// What one axis did in one step.
 struct AxisReport {
-  std::array<double, kMaxParameters> theta{};  ///< parameters as assembled, before clipping, in the map's order
-  int size = 0;                                ///< number of parameters
+  std::array<double, kMaxParameters>
+      theta{};   ///< parameters as assembled, before clipping, in the map's order
+  int size = 0;  ///< number of parameters, 0 if none could be assembled
   LookupStatus lookup = LookupStatus::kNotFinite;  ///< of `theta` before clipping
-  int outside_parameter = -1;                  ///< first parameter out of range, or -1
-  std::int64_t region = -1;                    ///< region used, or -1
-  double input = 0.0;                          ///< u of the axis (angle [rad] or acceleration [m/s^2])
-  double disturbance = 0.0;                    ///< observer's estimate [m/s^2]
+  int outside_parameter = -1;                      ///< first parameter out of range, or -1
+  std::int64_t region = -1;                        ///< region used, or -1
+  double input = 0.0;                              ///< u of the axis (angle [rad] or acceleration [m/s^2])
+  double disturbance = 0.0;                        ///< observer's estimate [m/s^2]
 };
 
 /// Everything that one control step produced.
 struct ControlReport {
+  double stamp = 0.0;  ///< of the odometry, or the time at which its silence was noticed [s]
   ControlStatus status = ControlStatus::kNoReference;
   ControlReason reason = ControlReason::kNoReference;
   AttitudeCommand command;

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/observer.hpp"
+#include "online_controller/options.hpp"
+#include "online_controller/types.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Signals that a map must have to serve an axis, by name.
+struct AxisNames {
+  const char* axis;
+  const char* position_error;
+  const char* velocity_error;
+  const char* angle_error;  ///< nullptr: the input is an acceleration, there is no lag state
+  const char* previous_input;
+  const char* input_reference;
+  const char* input;
+  const char* input_unit;
+};
+
+constexpr std::array<AxisNames, 3> kAxisNames{{
+    {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad"},
+    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad"},
+    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2"},
+}};
+
+/// What is measured of one axis, in the world-aligned frame.
+struct AxisSample {
+  double position = 0.0;  ///< [m]
+  double velocity = 0.0;  ///< [m/s]
+  double angle = 0.0;     ///< tilt that accelerates the axis [rad]; 0 for the vertical
+};
+
+/// What the axis shall do, with the derivatives that the model needs to follow it without lag.
+struct AxisReference {
+  double position = 0.0;      ///< [m]
+  double velocity = 0.0;      ///< [m/s]
+  double acceleration = 0.0;  ///< [m/s^2]
+  double jerk = 0.0;          ///< [m/s^3]
+};
+
+/// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
+/// active.
+struct AxisTarget {
+  double angle = 0.0;  ///< [rad]
+  double input = 0.0;  ///< u_ref, not limited [rad or m/s^2]
+};
+
+/// One axis of the explicit controller: signals bound by name, observer, target, look-up.
+///
+/// The axis is a chain p' = v, v' = -drag v + G s + B_d d, where s is the input itself (vertical) or a tilt
+/// angle that follows the input with a first-order lag, s' = a s + b u. The numbers are read off the problem
+/// in the map.
+class Axis {
+ public:
+  /// Keeps a reference to `map`. Throws Error naming the map, the signal or field, and the rule.
+  Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options);
+
+  /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
+  /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref, and (s_ref, u_ref) is its steady state. When a_ref
+  /// changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
+  /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit.
+  AxisTarget target(const AxisReference& reference, double disturbance) const noexcept;
+
+  /// Lets the observer take the sample, `periods` control periods after the last one, during which
+  /// `applied_input` was held.
+  void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
+
+  void reset() noexcept { observer_.reset(); }
+
+  /// Assembles the parameters and evaluates the map; fills the report. Without an answer (kHoldLast) its
+  /// input is left alone.
+  ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
+                         AxisReport& report) const noexcept;
+
+  /// The observer's estimate, 0 with options.offset_free unset [m/s^2].
+  double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
+  double inputLower() const noexcept { return input_lower_; }
+  double inputUpper() const noexcept { return input_upper_; }
+
+ private:
+  enum class Entry { kPositionError, kVelocityError, kAngleError, kPreviousInput, kInputReference };
+
+  Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options,
+       const MpcProblem& problem);
+  void bindSignals(const AxisNames& names);
+  void readModel(const MpcProblem& problem, const AxisNames& names);
+
+  const RegionMap* map_;  // not owned
+  std::array<Entry, kMaxParameters> entries_{};
+  std::array<double, kMaxParameters> lower_{};
+  std::array<double, kMaxParameters> upper_{};
+  int size_ = 0;
+  double input_lower_ = 0.0;
+  double input_upper_ = 0.0;
+
+  bool has_lag_ = false;
+  int position_state_ = 0;
+  int velocity_state_ = 1;
+  int angle_state_ = 2;
+  double velocity_gain_ = 0.0;     // dv'/dv = -drag [1/s]
+  double drive_gain_ = 0.0;        // dv'/ds
+  double disturbance_gain_ = 0.0;  // dv'/dd
+  double lag_pole_ = 0.0;          // ds'/ds [1/s]
+  double lag_gain_ = 0.0;          // ds'/du
+  bool offset_free_ = true;
+  DisturbanceObserver observer_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,48 @@
+#pragma once
+
+namespace polyfly {
+
+/// Admissible values of an option, ends included.
+struct Range {
+  double least = 0.0;
+  double greatest = 0.0;
+};
+
+/// Constants of the vehicle and of the controller around the maps. The defaults are those of a Firefly.
+/// The prediction model itself (attitude loop, drag) comes from the maps.
+struct MultirotorOptions {
+  double mass = 1.52;               ///< [kg]
+  double gravity = 9.8066;          ///< [m/s^2]
+  double control_period = 0.01;     ///< nominal time between odometry messages [s]
+  double yaw_gain = 1.8;            ///< K_yaw [1/s]
+  double yaw_rate_max = 1.5707963;  ///< [rad/s]
+  double angle_max = 0.4363323;     ///< on the command that is sent, after Eq. 41 [rad]
+  double thrust_min = 5.0;          ///< mass-normalised, on the command that is sent [m/s^2]
+  double thrust_max = 20.0;         ///< mass-normalised, on the command that is sent [m/s^2]
+  int hold_periods = 10;            ///< samples without an answer during which the last command is repeated
+  double disturbance_drift =
+      0.005;                ///< of the observer's model, per control period: greater follows faster [m/s^2]
+  bool offset_free = true;  ///< use the disturbance estimate (Eq. 5-6)
+};
+
+/// The one list of the options: calls visit(key, field, unit, range) for each double and int, and
+/// visit(key, field) for each bool. Keys are parameter names relative to a node's private namespace.
+template <class Options, class Visit>
+void visitOptions(Options& options, Visit&& visit) {
+  visit("vehicle/mass", options.mass, "kg", Range{0.01, 1000.0});
+  visit("vehicle/gravity", options.gravity, "m/s^2", Range{1.0, 30.0});
+  visit("controller/control_period", options.control_period, "s", Range{0.0005, 1.0});
+  visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0});
+  visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0});
+  visit("controller/angle_max", options.angle_max, "rad", Range{0.01, 1.0});
+  visit("controller/thrust_min", options.thrust_min, "m/s^2", Range{0.5, 50.0});
+  visit("controller/thrust_max", options.thrust_max, "m/s^2", Range{1.0, 200.0});
+  visit("controller/hold_periods", options.hold_periods, "samples", Range{0.0, 1000.0});
+  visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
+  visit("controller/offset_free", options.offset_free);
+}
+
+/// Throws Error naming the key, its range and its value; hover thrust must lie between the thrust limits.
+void checkOptions(const MultirotorOptions& options);
+
+}  // namespace polyfly

@@ -1,0 +1,218 @@
+#include "online_controller/axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string place(const RegionMap& map, const AxisNames& names) {
+  return map.path() + ": as the " + names.axis + " map: ";
+}
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+/// The problem that the map was made from, after what every map must be has been checked.
+MpcProblem problemOf(const RegionMap& map, const AxisNames& names) {
+  if (map.solverStatus() != "complete") {
+    throw Error(place(map, names) + "solver status: must be 'complete', got " +
+                quoted(std::string(map.solverStatus())));
+  }
+  if (map.problemKind() != "yaml") {
+    throw Error(place(map, names) + "problem: must be a tracking problem (yaml), got " +
+                quoted(std::string(map.problemKind())));
+  }
+  return parseProblem(std::string(map.problemText()), map.path() + ": problem");
+}
+
+void requireUnit(const RegionMap& map, const AxisNames& names, const Signal& signal,
+                 const std::string& unit) {
+  if (signal.unit == unit) return;
+  throw Error(place(map, names) + "signal " + quoted(signal.name) + ": unit must be " + quoted(unit) +
+              ", got " + quoted(signal.unit));
+}
+
+ObserverOptions observerOptions(const MultirotorOptions& options) {
+  ObserverOptions result;
+  result.period = options.control_period;
+  result.disturbance = options.disturbance_drift;
+  return result;
+}
+
+}  // namespace
+
+Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options)
+    : Axis(map, names, options, problemOf(map, names)) {}
+
+Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options,
+           const MpcProblem& problem)
+    : map_(&map),
+      has_lag_(names.angle_error != nullptr),
+      offset_free_(options.offset_free),
+      observer_(problem, observerOptions(options)) {
+  bindSignals(names);
+  readModel(problem, names);
+}
+
+void Axis::bindSignals(const AxisNames& names) {
+  struct Wanted {
+    const char* name;
+    const char* unit;
+    Entry entry;
+  };
+  std::vector<Wanted> wanted{{names.position_error, "m", Entry::kPositionError},
+                             {names.velocity_error, "m/s", Entry::kVelocityError},
+                             {names.previous_input, names.input_unit, Entry::kPreviousInput},
+                             {names.input_reference, names.input_unit, Entry::kInputReference}};
+  if (has_lag_) wanted.push_back({names.angle_error, "rad", Entry::kAngleError});
+  static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
+
+  std::vector<bool> found(wanted.size(), false);
+  size_ = 0;
+  for (const Signal& signal : map_->parameters()) {
+    const auto match = std::find_if(wanted.begin(), wanted.end(),
+                                    [&](const Wanted& entry) { return signal.name == entry.name; });
+    if (match == wanted.end()) {
+      throw Error(place(*map_, names) + "parameter " + quoted(signal.name) + ": not a signal of this axis");
+    }
+    const auto which = static_cast<std::size_t>(match - wanted.begin());
+    if (found[which])
+      throw Error(place(*map_, names) + "parameter " + quoted(signal.name) + ": listed twice");
+    found[which] = true;
+    requireUnit(*map_, names, signal, match->unit);
+    const auto slot = static_cast<std::size_t>(size_++);
+    entries_[slot] = match->entry;
+    lower_[slot] = signal.lower;
+    upper_[slot] = signal.upper;
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!found[i]) throw Error(place(*map_, names) + "parameter " + quoted(wanted[i].name) + ": missing");
+  }
+
+  if (map_->inputs().size() != 1 || map_->inputs().front().name != names.input) {
+    std::string got;
+    for (const Signal& signal : map_->inputs()) got += (got.empty() ? "" : ", ") + quoted(signal.name);
+    throw Error(place(*map_, names) + "inputs: must be " + quoted(names.input) + " alone, got " + got);
+  }
+  const Signal& input = map_->inputs().front();
+  requireUnit(*map_, names, input, names.input_unit);
+  input_lower_ = input.lower;
+  input_upper_ = input.upper;
+}
+
+void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
+  const int states = has_lag_ ? 3 : 2;
+  const auto require = [&](bool holds, const std::string& rule) {
+    if (!holds) throw Error(place(*map_, names) + "model: " + rule);
+  };
+  require(problem.stateCount() == states && problem.inputCount() == 1 && problem.Bd_c.cols() == 1,
+          "must have " + std::to_string(states) + " states, one input and one disturbance");
+
+  // Which state an error parameter belongs to is written in the problem, not in an order of names.
+  const auto stateOf = [&](const char* name) {
+    for (const MpcProblem::Parameter& parameter : problem.parameters) {
+      if (parameter.signal.name == name && parameter.role == ParameterRole::kError) return parameter.index;
+    }
+    throw Error(place(*map_, names) + "parameter " + quoted(name) + ": must be the error of a state");
+  };
+  const int p = stateOf(names.position_error);
+  const int v = stateOf(names.velocity_error);
+  const int s = has_lag_ ? stateOf(names.angle_error) : v;
+  const auto& A = problem.A_c;
+  const auto& B = problem.B_c;
+  const auto& Bd = problem.Bd_c;
+  require(p != v && (!has_lag_ || (s != p && s != v)),
+          "each error parameter must belong to a state of its own");
+  require(
+      A(p, v) == 1.0 && A(p, p) == 0.0 && (!has_lag_ || A(p, s) == 0.0) && B(p, 0) == 0.0 && Bd(p, 0) == 0.0,
+      "the derivative of the position must be the velocity");
+  require(A(v, p) == 0.0 && Bd(v, 0) != 0.0 && std::isfinite(1.0 / Bd(v, 0)),
+          "the disturbance must act on the velocity, the position must not");
+  if (has_lag_) {
+    require(B(v, 0) == 0.0 && A(v, s) != 0.0, "the velocity must be driven by the angle, not by the input");
+    require(A(s, p) == 0.0 && A(s, v) == 0.0 && Bd(s, 0) == 0.0 && A(s, s) < 0.0 && B(s, 0) != 0.0,
+            "the angle must follow the input with a stable first-order lag");
+  } else {
+    require(B(v, 0) != 0.0, "the velocity must be driven by the input");
+  }
+
+  position_state_ = p;
+  velocity_state_ = v;
+  angle_state_ = s;
+  velocity_gain_ = A(v, v);
+  disturbance_gain_ = Bd(v, 0);
+  drive_gain_ = has_lag_ ? A(v, s) : B(v, 0);
+  lag_pole_ = has_lag_ ? A(s, s) : 0.0;
+  lag_gain_ = has_lag_ ? B(s, 0) : 0.0;
+}
+
+AxisTarget Axis::target(const AxisReference& reference, double disturbance) const noexcept {
+  // B_d d_eq and its rate, with the disturbance constant.
+  const double equivalent =
+      disturbance_gain_ * disturbance + velocity_gain_ * reference.velocity - reference.acceleration;
+  const double equivalent_rate = velocity_gain_ * reference.acceleration - reference.jerk;
+  const double drive = -equivalent / drive_gain_;
+  if (!has_lag_) return {0.0, drive};
+  const double drive_rate = -equivalent_rate / drive_gain_;
+  return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_};
+}
+
+void Axis::observe(const AxisSample& sample, double applied_input, int periods) noexcept {
+  std::array<double, DisturbanceObserver::kMaxStates> measured{};
+  measured[static_cast<std::size_t>(position_state_)] = sample.position;
+  measured[static_cast<std::size_t>(velocity_state_)] = sample.velocity;
+  if (has_lag_) measured[static_cast<std::size_t>(angle_state_)] = sample.angle;
+  observer_.update(measured.data(), &applied_input, periods);
+}
+
+ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
+                             AxisReport& report) const noexcept {
+  const AxisTarget goal = target(reference, disturbance());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+    switch (entries_[i]) {
+      case Entry::kPositionError:
+        report.theta[i] = sample.position - reference.position;
+        break;
+      case Entry::kVelocityError:
+        report.theta[i] = sample.velocity - reference.velocity;
+        break;
+      case Entry::kAngleError:
+        report.theta[i] = sample.angle - goal.angle;
+        break;
+      case Entry::kPreviousInput:
+        report.theta[i] = previous_input;
+        break;
+      case Entry::kInputReference:
+        report.theta[i] = goal.input;
+        break;
+    }
+  }
+  report.size = size_;
+  report.disturbance = disturbance();
+  report.outside_parameter = -1;
+  report.region = -1;
+
+  double input = 0.0;
+  Lookup lookup = map_->evaluate(report.theta.data(), &input);
+  report.lookup = lookup.status;
+  ControlStatus status = ControlStatus::kOptimal;
+  if (lookup.status == LookupStatus::kOutsideBox) {
+    std::array<double, kMaxParameters> clipped{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+      clipped[i] = std::clamp(report.theta[i], lower_[i], upper_[i]);
+      if (clipped[i] != report.theta[i] && report.outside_parameter < 0)
+        report.outside_parameter = static_cast<int>(i);
+    }
+    lookup = map_->evaluate(clipped.data(), &input);
+    status = ControlStatus::kClipped;
+  }
+  if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
+  report.region = lookup.region;
+  // The law meets the bounds up to rounding; what is applied meets them exactly.
+  report.input = std::clamp(input, input_lower_, input_upper_);
+  return status;
+}
+
+}  // namespace polyfly

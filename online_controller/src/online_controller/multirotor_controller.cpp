@@ -1,0 +1,215 @@
+#include "online_controller/multirotor_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+/// Positions, velocities and so on beyond this are taken for corrupt data [SI]: large finite numbers would
+/// poison the observer as surely as NaN does.
+constexpr double kLargestSaneNumber = 1e6;
+
+/// Odometry whose quaternion is farther than this from unit length has no attitude.
+constexpr double kUnitTolerance = 0.05;
+
+bool sane(double value) noexcept { return std::abs(value) <= kLargestSaneNumber; }  // false for NaN
+
+bool sane(const Eigen::Vector3d& vector) noexcept {
+  return sane(vector.x()) && sane(vector.y()) && sane(vector.z());
+}
+
+bool sane(const VehicleState& state) noexcept {
+  const double squared_norm = state.attitude.squaredNorm();
+  return std::isfinite(state.stamp) && sane(state.position) && sane(state.velocity) &&
+         std::abs(squared_norm - 1.0) <= 2.0 * kUnitTolerance;
+}
+
+bool sane(const Reference& reference) noexcept {
+  return sane(reference.position) && sane(reference.velocity) && sane(reference.acceleration) &&
+         sane(reference.jerk) && sane(reference.yaw) && sane(reference.yaw_rate);
+}
+
+/// A silent exchange of two maps would be noticed by their signals; a missing one here.
+const RegionMap& given(const RegionMap* map, const AxisNames& names) {
+  if (map == nullptr) throw Error(std::string(names.axis) + " map: missing");
+  return *map;
+}
+
+Axis makeAxis(const std::array<const RegionMap*, 3>& maps, std::size_t axis,
+              const MultirotorOptions& options) {
+  return {given(maps[axis], kAxisNames[axis]), kAxisNames[axis], options};
+}
+
+const MultirotorOptions& checked(const MultirotorOptions& options) {
+  checkOptions(options);
+  return options;
+}
+
+AxisReference along(const Reference& reference, int axis) noexcept {
+  return {reference.position[axis], reference.velocity[axis], reference.acceleration[axis],
+          reference.jerk[axis]};
+}
+
+}  // namespace
+
+MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
+                                           const MultirotorOptions& options)
+    : options_(checked(options)),
+      axes_{makeAxis(maps, 0, options), makeAxis(maps, 1, options), makeAxis(maps, 2, options)} {
+  reset();
+}
+
+void MultirotorController::reset() noexcept {
+  for (Axis& axis : axes_) axis.reset();
+  observing_ = false;
+  observed_until_ = 0.0;
+  unanswered_ = 0;
+  report_ = ControlReport{};
+  level();
+}
+
+const ControlReport& MultirotorController::step(const VehicleState& state,
+                                                const Reference& reference) noexcept {
+  if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
+  if (!sane(state)) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  const TiltAngles tilt{angles.roll, angles.pitch};
+  const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
+  const std::array<AxisSample, 3> samples{{{state.position.x(), state.velocity.x(), world.pitch},
+                                           {state.position.y(), state.velocity.y(), world.roll},
+                                           {state.position.z(), state.velocity.z(), 0.0}}};
+  observe(state, samples);
+  if (!sane(reference)) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+
+  ControlStatus worst = ControlStatus::kOptimal;
+  ControlReason reason = ControlReason::kNone;
+  std::array<AxisReport, 3>& reports = report_.axis;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const ControlStatus status =
+        axes_[i].evaluate(samples[i], along(reference, static_cast<int>(i)), inputs_[i], reports[i]);
+    if (status > worst) {
+      worst = status;
+      reason =
+          status == ControlStatus::kClipped ? ControlReason::kOutsideBox : ControlReason::kOutsidePartition;
+    }
+  }
+  if (worst == ControlStatus::kHoldLast) {
+    withoutAnswer(reason);
+    return report_;
+  }
+  for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input;
+  send(tilt, angles.yaw, reference);
+  report_.status = worst;
+  report_.reason = reason;
+  has_command_ = true;
+  unanswered_ = 0;
+  return report_;
+}
+
+void MultirotorController::observe(const VehicleState& state,
+                                   const std::array<AxisSample, 3>& samples) noexcept {
+  // Whole periods are counted on a time line of their own, so that jitter of the stamps does not add up.
+  const double late = (state.stamp - observed_until_) / options_.control_period;
+  int periods = DisturbanceObserver::kMaxPeriods + 1;  // starts on the sample
+  if (observing_ && late < -0.5) {
+    for (Axis& axis : axes_) axis.reset();  // time went back: another flight
+  } else if (observing_ && late < DisturbanceObserver::kMaxPeriods + 0.5) {
+    periods = static_cast<int>(std::lround(late));
+  }
+  if (periods == 0) return;
+  observed_until_ = periods > DisturbanceObserver::kMaxPeriods
+                        ? state.stamp
+                        : observed_until_ + periods * options_.control_period;
+  observing_ = true;
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(samples[i], applied_[i], periods);
+}
+
+void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
+                                const Reference& reference) noexcept {
+  // The accelerations of Eq. 41 are zero here: they are in the targets already, see Axis::target. The tilt is
+  // divided by the thrust after its limits, because that is the thrust which will act.
+  const double demanded = compensatedThrust(inputs_[2], measured_tilt, options_.gravity, 0.0);
+  const double thrust = std::clamp(demanded, options_.thrust_min, options_.thrust_max);
+  const TiltAngles desired = worldToBodyTilt({inputs_[1], inputs_[0]}, yaw);
+  const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
+  AttitudeCommand& command = report_.command;
+  command.roll = std::clamp(tilt.roll, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(tilt.pitch, -options_.angle_max, options_.angle_max);
+  command.thrust = options_.mass * thrust;
+  const double yaw_rate = options_.yaw_gain * wrapAngle(reference.yaw - yaw) + reference.yaw_rate;
+  command.yaw_rate = std::clamp(yaw_rate, -options_.yaw_rate_max, options_.yaw_rate_max);
+
+  // What the limits left of the inputs, Eq. 41 and 40 backwards: the observer must not take a limit for wind.
+  applied_ = inputs_;
+  if (thrust != demanded) applied_[2] = thrust * tiltCosine(measured_tilt) - options_.gravity;
+  if (command.roll != tilt.roll || command.pitch != tilt.pitch) {
+    const double scale = thrust / options_.gravity;
+    const TiltAngles world = bodyToWorldTilt({command.roll * scale, command.pitch * scale}, yaw);
+    applied_[0] = world.pitch;
+    applied_[1] = world.roll;
+  }
+}
+
+void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    AxisReport& axis = report_.axis[i];
+    // What is applied is the last command, not what this sample could not answer.
+    axis.input = inputs_[i];
+    axis.disturbance = axes_[i].disturbance();
+    axis.region = -1;
+    if (reason == ControlReason::kNotFinite) {
+      axis.size = 0;
+      axis.theta.fill(0.0);
+      axis.lookup = LookupStatus::kNotFinite;
+      axis.outside_parameter = -1;
+    }
+  }
+  unanswered_ = std::min(unanswered_ + 1, options_.hold_periods + 1);
+  report_.reason = reason;
+  report_.status = ControlStatus::kHoldLast;
+  if (!has_command_ || unanswered_ > options_.hold_periods) {
+    level();
+    report_.status = ControlStatus::kLevel;
+  }
+}
+
+void MultirotorController::level() noexcept {
+  report_.command = AttitudeCommand{};
+  report_.command.thrust = options_.mass * options_.gravity;
+  for (AxisReport& axis : report_.axis) axis.input = 0.0;
+  inputs_.fill(0.0);
+  applied_.fill(0.0);
+  has_command_ = false;
+}
+
+const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
+  report_.axis.fill(AxisReport{});
+  level();
+  report_.stamp = stamp;
+  report_.status = ControlStatus::kNoReference;
+  report_.reason = ControlReason::kNoReference;
+  return report_;
+}
+
+const ControlReport& MultirotorController::onSilence(double now) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    report_.axis[i] = AxisReport{};
+    report_.axis[i].disturbance = axes_[i].disturbance();
+  }
+  level();
+  report_.stamp = now;
+  report_.status = ControlStatus::kLevel;
+  report_.reason = ControlReason::kStale;
+  return report_;
+}
+
+}  // namespace polyfly
