@@ -1,0 +1,150 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <string>
+
+#include "online_controller/options.hpp"
+#include "online_controller/types.hpp"
+#include "polyfly_test/gaussian_source.hpp"
+
+namespace polyfly {
+
+/// The vehicle that flies in the simulator, Eq. 37, and what disturbs it. Vectors are in the world frame W
+/// (x, y, z up). The defaults are those of the Firefly hexacopter, undisturbed and measured without error.
+struct PlantOptions {
+  double mass = 1.52;       ///< [kg]
+  double gravity = 9.8066;  ///< g of Eq. 37 [m/s^2]
+
+  double roll_gain = 0.9;      ///< K_phi [-]
+  double roll_time = 0.25;     ///< tau_phi [s]
+  double pitch_gain = 0.9;     ///< K_theta [-]
+  double pitch_time = 0.255;   ///< tau_theta [s]
+  double yaw_rate_time = 0.0;  ///< lag of the yaw rate behind its command [s], 0: none
+  double thrust_time = 0.0;    ///< lag of the thrust behind its command [s], 0: none
+
+  Eigen::Vector3d drag{0.01, 0.01, 0.0};  ///< A_x, A_y, A_z per mass [1/s]
+
+  double angle_max = 0.7853982;     ///< roll and pitch commands are cut to +-this [rad]
+  double yaw_rate_max = 1.5707963;  ///< [rad/s]
+  double thrust_min = 5.0;          ///< per mass [m/s^2]
+  double thrust_max = 20.0;         ///< per mass [m/s^2]
+
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< constant part of d(t) [m/s^2]
+  Eigen::Vector3d gust_sigma =
+      Eigen::Vector3d::Zero();  ///< standard deviation of its Gauss-Markov part [m/s^2]
+  double gust_time = 1.0;       ///< correlation time of the gusts [s]
+
+  double position_noise = 0.0;          ///< standard deviation per axis [m]
+  double velocity_noise = 0.0;          ///< standard deviation per axis [m/s]
+  double attitude_noise = 0.0;          ///< standard deviation per axis [rad]
+  double angular_velocity_noise = 0.0;  ///< standard deviation per axis [rad/s]
+
+  double command_delay = 0.0;   ///< from odometry to the effect of its command [s]
+  double odometry_delay = 0.0;  ///< age of what an odometry says [s]
+
+  double period = 0.01;    ///< between odometry samples [s]
+  double substep = 0.001;  ///< of the integration [s]; must divide the period
+  int seed = 1;            ///< of noise and gusts
+};
+
+/// Lists the fields of PlantOptions once: visit(key, field, unit, range). A vector's range is that of each
+/// entry.
+template <class Options, class Visitor>
+void visitPlantOptions(Options& self, Visitor&& visit) {
+  visit("mass", self.mass, "kg", Range{0.01, 1000.0});
+  visit("gravity", self.gravity, "m/s^2", Range{0.0, 100.0});
+  visit("roll_gain", self.roll_gain, "-", Range{0.01, 10.0});
+  visit("roll_time", self.roll_time, "s", Range{0.001, 10.0});
+  visit("pitch_gain", self.pitch_gain, "-", Range{0.01, 10.0});
+  visit("pitch_time", self.pitch_time, "s", Range{0.001, 10.0});
+  visit("yaw_rate_time", self.yaw_rate_time, "s", Range{0.0, 10.0});
+  visit("thrust_time", self.thrust_time, "s", Range{0.0, 10.0});
+  visit("drag", self.drag, "1/s", Range{0.0, 100.0});
+  visit("angle_max", self.angle_max, "rad", Range{0.0, 1.5});
+  visit("yaw_rate_max", self.yaw_rate_max, "rad/s", Range{0.0, 100.0});
+  visit("thrust_min", self.thrust_min, "m/s^2", Range{0.0, 1000.0});
+  visit("thrust_max", self.thrust_max, "m/s^2", Range{0.0, 1000.0});
+  visit("wind", self.wind, "m/s^2", Range{-100.0, 100.0});
+  visit("gust_sigma", self.gust_sigma, "m/s^2", Range{0.0, 100.0});
+  visit("gust_time", self.gust_time, "s", Range{0.001, 1000.0});
+  visit("position_noise", self.position_noise, "m", Range{0.0, 10.0});
+  visit("velocity_noise", self.velocity_noise, "m/s", Range{0.0, 10.0});
+  visit("attitude_noise", self.attitude_noise, "rad", Range{0.0, 1.0});
+  visit("angular_velocity_noise", self.angular_velocity_noise, "rad/s", Range{0.0, 10.0});
+  visit("command_delay", self.command_delay, "s", Range{0.0, 1.0});
+  visit("odometry_delay", self.odometry_delay, "s", Range{0.0, 1.0});
+  visit("period", self.period, "s", Range{0.0001, 1.0});
+  visit("substep", self.substep, "s", Range{0.00001, 0.1});
+  visit("seed", self.seed, "-", Range{0.0, 2147483647.0});
+}
+
+/// Throws Error, naming the field and its rule, when an option is out of range or options do not fit
+/// together.
+void checkPlantOptions(const PlantOptions& options);
+
+/// What the integration carries. Euler angles in the order yaw, pitch, roll (R(psi, theta, phi) of Eq. 37).
+struct PlantState {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in W [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< in W [m/s]
+  double roll = 0.0;                                   ///< [rad]
+  double pitch = 0.0;                                  ///< [rad]
+  double yaw = 0.0;                                    ///< not wrapped [rad]
+  double yaw_rate = 0.0;                               ///< psi' [rad/s]
+  double thrust = 0.0;                                 ///< T, per mass [m/s^2]
+};
+
+/// Third column of R(psi, theta, phi): the body's z axis in W.
+Eigen::Vector3d bodyZ(double roll, double pitch, double yaw);
+
+/// A multirotor in simulated time. The same options give the same flight, bit for bit.
+class MultirotorPlant {
+ public:
+  /// Starts at `start`; its thrust and yaw rate are the command that acts until the first one arrives. Throws
+  /// Error.
+  MultirotorPlant(const PlantOptions& options, const PlantState& start);
+
+  /// Integrates one period with the command, held over the period after `command_delay`. A command that is
+  /// not finite is ignored: the one before stays.
+  void advance(const AttitudeCommand& command);
+
+  /// Odometry now: noisy and as old as `odometry_delay`; the stamp is the time that the state was true. Draws
+  /// random numbers, so call it once per period.
+  VehicleState measure();
+
+  double time() const;  ///< simulated seconds since the start
+  const PlantState& state() const { return state_; }
+  VehicleState truth() const;                                    ///< the state now, without noise or delay
+  Eigen::Vector3d disturbance() const { return wind_ + gust_; }  ///< d(t) that acts now [m/s^2]
+  std::int64_t saturatedCommands() const { return saturated_; }  ///< commands cut to the vehicle's limits
+  std::int64_t ignoredCommands() const { return ignored_; }      ///< commands that were not finite
+
+ private:
+  struct Pending {
+    std::int64_t step;  // substep at which it takes effect
+    AttitudeCommand command;
+  };
+
+  AttitudeCommand saturate(const AttitudeCommand& command);
+  void substep();
+  void drawGust();
+
+  PlantOptions options_;
+  Eigen::Vector3d wind_;
+  Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();
+  GaussianSource gust_noise_;
+  GaussianSource sensor_noise_;
+  PlantState state_;
+  AttitudeCommand acting_;
+  std::deque<Pending> pending_;
+  std::deque<VehicleState> history_;  // front: what odometry tells now
+  std::int64_t step_ = 0;             // substeps since the start
+  std::int64_t steps_per_period_ = 0;
+  std::int64_t command_delay_steps_ = 0;
+  std::int64_t odometry_delay_steps_ = 0;
+  std::int64_t saturated_ = 0;
+  std::int64_t ignored_ = 0;
+};
+
+}  // namespace polyfly

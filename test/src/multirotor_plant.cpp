@@ -1,0 +1,223 @@
+#include "polyfly_test/multirotor_plant.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "polyfly_test/range_check.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kWholeSteps = 1e-6;  // how far a ratio of times may be from a whole number
+constexpr std::uint64_t kSensorStream = 0x9e3779b97f4a7c15u;  // keeps gusts and sensor noise apart
+
+// What is integrated: position, velocity, roll, pitch, yaw, yaw rate, thrust.
+using StateVector = Eigen::Matrix<double, 11, 1>;
+
+StateVector pack(const PlantState& state) {
+  StateVector x;
+  x << state.position, state.velocity, state.roll, state.pitch, state.yaw, state.yaw_rate, state.thrust;
+  return x;
+}
+
+PlantState unpack(const StateVector& x) {
+  PlantState state;
+  state.position = x.segment<3>(0);
+  state.velocity = x.segment<3>(3);
+  state.roll = x[6];
+  state.pitch = x[7];
+  state.yaw = x[8];
+  state.yaw_rate = x[9];
+  state.thrust = x[10];
+  return state;
+}
+
+double lagRate(double target, double value, double time) {
+  return time > 0.0 ? (target - value) / time : 0.0;
+}
+
+// Eq. 37, with the yaw rate and the thrust as further first-order lags.
+StateVector derivative(const PlantOptions& options, const StateVector& x, const AttitudeCommand& command,
+                       const Eigen::Vector3d& disturbance) {
+  StateVector rate;
+  const Eigen::Vector3d velocity = x.segment<3>(3);
+  rate.segment<3>(0) = velocity;
+  rate.segment<3>(3) = bodyZ(x[6], x[7], x[8]) * x[10] - options.drag.cwiseProduct(velocity) + disturbance;
+  rate[5] -= options.gravity;
+  rate[6] = (options.roll_gain * command.roll - x[6]) / options.roll_time;
+  rate[7] = (options.pitch_gain * command.pitch - x[7]) / options.pitch_time;
+  rate[8] = x[9];
+  rate[9] = lagRate(command.yaw_rate, x[9], options.yaw_rate_time);
+  rate[10] = lagRate(command.thrust / options.mass, x[10], options.thrust_time);
+  return rate;
+}
+
+// Rates of the Euler angles as angular velocity in the body.
+Eigen::Vector3d bodyRates(const PlantState& state, double roll_rate, double pitch_rate) {
+  const double sin_roll = std::sin(state.roll);
+  const double cos_roll = std::cos(state.roll);
+  const double cos_pitch = std::cos(state.pitch);
+  return {roll_rate - std::sin(state.pitch) * state.yaw_rate,
+          cos_roll * pitch_rate + sin_roll * cos_pitch * state.yaw_rate,
+          -sin_roll * pitch_rate + cos_roll * cos_pitch * state.yaw_rate};
+}
+
+VehicleState toVehicleState(const PlantOptions& options, const PlantState& state,
+                            const AttitudeCommand& acting, double stamp) {
+  VehicleState vehicle;
+  vehicle.stamp = stamp;
+  vehicle.position = state.position;
+  vehicle.velocity = state.velocity;
+  vehicle.attitude = Eigen::AngleAxisd(state.yaw, Eigen::Vector3d::UnitZ()) *
+                     Eigen::AngleAxisd(state.pitch, Eigen::Vector3d::UnitY()) *
+                     Eigen::AngleAxisd(state.roll, Eigen::Vector3d::UnitX());
+  vehicle.angular_velocity =
+      bodyRates(state, (options.roll_gain * acting.roll - state.roll) / options.roll_time,
+                (options.pitch_gain * acting.pitch - state.pitch) / options.pitch_time);
+  return vehicle;
+}
+
+// Number of `part`s in `whole`, which must be a whole number.
+std::int64_t wholeSteps(double whole, double part, const char* name) {
+  const double ratio = whole / part;
+  const double steps = std::round(ratio);
+  if (std::abs(ratio - steps) > kWholeSteps * std::max(1.0, steps)) {
+    throw Error("plant: " + std::string(name) + ": must be a multiple of substep " + std::to_string(part) +
+                " s, got " + std::to_string(whole) + " s");
+  }
+  return static_cast<std::int64_t>(steps);
+}
+
+}  // namespace
+
+void checkPlantOptions(const PlantOptions& options) {
+  visitPlantOptions(options, RangeCheck{"plant"});
+  if (options.thrust_min > options.thrust_max) {
+    throw Error("plant: thrust_min: must not exceed thrust_max");
+  }
+  if (wholeSteps(options.period, options.substep, "period") < 1) {
+    throw Error("plant: substep: must not exceed period");
+  }
+  wholeSteps(options.command_delay, options.substep, "command_delay");
+  wholeSteps(options.odometry_delay, options.substep, "odometry_delay");
+}
+
+Eigen::Vector3d bodyZ(double roll, double pitch, double yaw) {
+  const double sin_roll = std::sin(roll);
+  const double cos_roll = std::cos(roll);
+  const double sin_pitch = std::sin(pitch);
+  const double sin_yaw = std::sin(yaw);
+  const double cos_yaw = std::cos(yaw);
+  return {cos_yaw * sin_pitch * cos_roll + sin_yaw * sin_roll,
+          sin_yaw * sin_pitch * cos_roll - cos_yaw * sin_roll, std::cos(pitch) * cos_roll};
+}
+
+MultirotorPlant::MultirotorPlant(const PlantOptions& options, const PlantState& start)
+    : options_(options),
+      wind_(options.wind),
+      gust_noise_(static_cast<std::uint64_t>(options.seed)),
+      sensor_noise_(static_cast<std::uint64_t>(options.seed) ^ kSensorStream),
+      state_(start) {
+  checkPlantOptions(options);
+  if (!pack(start).allFinite()) {
+    throw Error("plant: start: must be finite");
+  }
+  steps_per_period_ = wholeSteps(options.period, options.substep, "period");
+  command_delay_steps_ = wholeSteps(options.command_delay, options.substep, "command_delay");
+  odometry_delay_steps_ = wholeSteps(options.odometry_delay, options.substep, "odometry_delay");
+  // The attitude that the start holds, so that nothing moves before the first command.
+  acting_.roll = start.roll / options.roll_gain;
+  acting_.pitch = start.pitch / options.pitch_gain;
+  acting_.yaw_rate = start.yaw_rate;
+  acting_.thrust = start.thrust * options.mass;
+  gust_ = options_.gust_sigma.cwiseProduct(gust_noise_.next3());  // stationary from the beginning
+  history_.push_back(truth());
+}
+
+double MultirotorPlant::time() const { return static_cast<double>(step_) * options_.substep; }
+
+AttitudeCommand MultirotorPlant::saturate(const AttitudeCommand& command) {
+  AttitudeCommand cut;
+  cut.roll = std::clamp(command.roll, -options_.angle_max, options_.angle_max);
+  cut.pitch = std::clamp(command.pitch, -options_.angle_max, options_.angle_max);
+  cut.yaw_rate = std::clamp(command.yaw_rate, -options_.yaw_rate_max, options_.yaw_rate_max);
+  cut.thrust =
+      std::clamp(command.thrust, options_.thrust_min * options_.mass, options_.thrust_max * options_.mass);
+  if (cut.roll != command.roll || cut.pitch != command.pitch || cut.yaw_rate != command.yaw_rate ||
+      cut.thrust != command.thrust) {
+    ++saturated_;
+  }
+  return cut;
+}
+
+void MultirotorPlant::advance(const AttitudeCommand& command) {
+  const bool finite = std::isfinite(command.roll) && std::isfinite(command.pitch) &&
+                      std::isfinite(command.yaw_rate) && std::isfinite(command.thrust);
+  if (finite) {
+    pending_.push_back({step_ + command_delay_steps_, saturate(command)});
+  } else {
+    ++ignored_;
+  }
+  for (std::int64_t i = 0; i < steps_per_period_; ++i) {
+    while (!pending_.empty() && pending_.front().step <= step_) {
+      acting_ = pending_.front().command;
+      pending_.pop_front();
+    }
+    substep();
+  }
+}
+
+// One step of the classical Runge-Kutta method; command and disturbance are constant over it.
+void MultirotorPlant::substep() {
+  // Without a lag the command acts at once.
+  if (options_.yaw_rate_time <= 0.0) {
+    state_.yaw_rate = acting_.yaw_rate;
+  }
+  if (options_.thrust_time <= 0.0) {
+    state_.thrust = acting_.thrust / options_.mass;
+  }
+  const double h = options_.substep;
+  const Eigen::Vector3d disturbance = this->disturbance();
+  const StateVector x = pack(state_);
+  const StateVector k1 = derivative(options_, x, acting_, disturbance);
+  const StateVector k2 = derivative(options_, x + 0.5 * h * k1, acting_, disturbance);
+  const StateVector k3 = derivative(options_, x + 0.5 * h * k2, acting_, disturbance);
+  const StateVector k4 = derivative(options_, x + h * k3, acting_, disturbance);
+  state_ = unpack(x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4));
+  ++step_;
+  drawGust();
+  history_.push_back(truth());
+  while (static_cast<std::int64_t>(history_.size()) > odometry_delay_steps_ + 1) {
+    history_.pop_front();
+  }
+}
+
+// Exact discretisation of the first-order Gauss-Markov process: its variance does not depend on the step.
+void MultirotorPlant::drawGust() {
+  const double decay = std::exp(-options_.substep / options_.gust_time);
+  const double drive = std::sqrt(1.0 - decay * decay);
+  gust_ = decay * gust_ + drive * options_.gust_sigma.cwiseProduct(gust_noise_.next3());
+}
+
+VehicleState MultirotorPlant::truth() const { return toVehicleState(options_, state_, acting_, time()); }
+
+VehicleState MultirotorPlant::measure() {
+  VehicleState measured = history_.front();
+  // Before the start the vehicle stood where it starts, so the stamp is older than the start at first.
+  measured.stamp = static_cast<double>(step_ - odometry_delay_steps_) * options_.substep;
+  measured.position += options_.position_noise * sensor_noise_.next3();
+  measured.velocity += options_.velocity_noise * sensor_noise_.next3();
+  const Eigen::Vector3d tilt = options_.attitude_noise * sensor_noise_.next3();
+  const double angle = tilt.norm();
+  if (angle > 0.0) {
+    measured.attitude = measured.attitude * Eigen::Quaterniond(Eigen::AngleAxisd(angle, tilt / angle));
+    measured.attitude.normalize();
+  }
+  measured.angular_velocity += options_.angular_velocity_noise * sensor_noise_.next3();
+  return measured;
+}
+
+}  // namespace polyfly
