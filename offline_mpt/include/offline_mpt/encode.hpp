@@ -2,16 +2,14 @@
 
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/partition.hpp"
+#include "offline_mpt/search_tree.hpp"
 #include "region_maps/map_content.hpp"
 
 namespace polyfly {
 
-struct TreeOptions {
-  double side_tolerance = 1e-9;  ///< a region counts as on one side of a plane up to this overlap [scaled]
-};
-
 /// Shares planes and laws among regions, builds the search tree and fills all that a map file holds.
 /// The tree answers as a test of all regions would. Throws Error when the partition has no region.
-MapContent encode(const ParametricProgram& program, const Partition& partition, const TreeOptions& options = {});
+MapContent encode(const ParametricProgram& program, const Partition& partition,
+                  const TreeOptions& options = {});
 
 }  // namespace polyfly

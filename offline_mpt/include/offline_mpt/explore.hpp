@@ -15,17 +15,19 @@ struct ExploreProgress {
 };
 
 struct ExploreOptions {
-  int threads = 1;                            ///< worker threads, 1..256; the result does not depend on it
-  std::uint64_t region_limit = 10'000'000;    ///< stop after so many regions
-  double time_limit = 0.0;                    ///< [s], 0: none
-  double facet_tolerance = 1e-9;              ///< least violation that makes a half-space count as a facet [scaled]
-  double radius_tolerance = 1e-10;            ///< regions with a smaller inscribed ball are left to their neighbours [scaled]
-  const std::atomic<bool>* stop = nullptr;    ///< set from outside to interrupt
+  int threads = 1;                          ///< worker threads, 1..256; the result does not depend on it
+  std::uint64_t region_limit = 10'000'000;  ///< stop after so many regions
+  double time_limit = 0.0;                  ///< [s], 0: none
+  double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
+  double radius_tolerance =
+      1e-10;  ///< regions with a smaller inscribed ball are left to their neighbours [scaled]
+  const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 };
 
 /// Partitions the parameter set of a strictly convex program into critical regions.
-/// Throws Error when the program is not strictly convex on its equalities' null space or its parameter set is unbounded.
+/// Throws Error when the program is not strictly convex on its equalities' null space or its parameter set is
+/// unbounded.
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly

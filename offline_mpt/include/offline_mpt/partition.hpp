@@ -38,7 +38,7 @@ struct ExploreStats {
   std::uint64_t candidate_sets = 0;  ///< active sets looked at
   std::uint64_t degenerate_facets = 0;
   std::uint64_t lp_pivots = 0;
-  double cpu_seconds = 0.0;          ///< not written to maps
+  double cpu_seconds = 0.0;  ///< not written to maps
 };
 
 /// The solution of a parametric program. Regions are sorted by active set.

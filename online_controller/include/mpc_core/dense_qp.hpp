@@ -16,9 +16,9 @@ enum class QpStatus {
 ///
 ///     min_z 1/2 z'Hz + g'z   s.t.   A z <= b,   rows in `equalities` with "=".
 ///
-/// Dual active-set method (Goldfarb and Idnani, 1983) on the Gram matrix A H^-1 A', whose Cholesky factor follows the
-/// active set by up- and downdates. H and A are factorised once; then any (g, b) is solved without
-/// allocation. One object serves one thread.
+/// Dual active-set method (Goldfarb and Idnani, 1983) on the Gram matrix A H^-1 A', whose Cholesky factor
+/// follows the active set by up- and downdates. H and A are factorised once; then any (g, b) is solved
+/// without allocation. One object serves one thread.
 class DenseQp {
  public:
   /// H n x n positive definite, A m x n. Throws Error when H is not positive definite or sizes disagree.
@@ -27,9 +27,11 @@ class DenseQp {
   /// `g` n numbers, `b` m numbers. With `warm`, starts from the active set of the previous call.
   QpStatus solve(const double* g, const double* b, bool warm = false) noexcept;
 
-  const Eigen::VectorXd& z() const noexcept { return z_; }            ///< minimiser, n
-  const Eigen::VectorXd& lambda() const noexcept { return lambda_; }  ///< multipliers, m; >= 0 on inequalities
-  const Eigen::VectorXd& slack() const noexcept { return slack_; }    ///< b - A z, m, of the normalised rows
+  const Eigen::VectorXd& z() const noexcept { return z_; }  ///< minimiser, n
+  const Eigen::VectorXd& lambda() const noexcept {
+    return lambda_;
+  }                                                                 ///< multipliers, m; >= 0 on inequalities
+  const Eigen::VectorXd& slack() const noexcept { return slack_; }  ///< b - A z, m, of the normalised rows
 
   /// Rows that hold with equality and are linearly independent, in the order in which they joined.
   const int* activeRows() const noexcept { return active_.data(); }
@@ -53,19 +55,19 @@ class DenseQp {
   int n_ = 0;
   int m_ = 0;
   int equality_count_ = 0;
-  Eigen::MatrixXd H_inverse_;          // n x n
-  Eigen::MatrixXd A_;                  // m x n, rows of unit length in the norm of H^-1
-  Eigen::MatrixXd W_;                  // n x m, H^-1 A'
-  Eigen::MatrixXd gram_;               // m x m, A H^-1 A', unit diagonal
-  Eigen::VectorXd row_scale_;          // m
+  Eigen::MatrixXd H_inverse_;  // n x n
+  Eigen::MatrixXd A_;          // m x n, rows of unit length in the norm of H^-1
+  Eigen::MatrixXd W_;          // n x m, H^-1 A'
+  Eigen::MatrixXd gram_;       // m x m, A H^-1 A', unit diagonal
+  Eigen::VectorXd row_scale_;  // m
   std::vector<int> equalities_;
   std::vector<char> is_equality_;
   std::vector<char> is_active_;
-  std::vector<char> is_void_;          // rows 0 z <= b
-  Eigen::MatrixXd factor_;             // lower triangular, gram of the active rows
-  Eigen::VectorXd z_free_, d_;         // unconstrained minimiser; slack there
+  std::vector<char> is_void_;   // rows 0 z <= b
+  Eigen::MatrixXd factor_;      // lower triangular, gram of the active rows
+  Eigen::VectorXd z_free_, d_;  // unconstrained minimiser; slack there
   Eigen::VectorXd z_, lambda_, slack_;
-  Eigen::VectorXd direction_;          // work space, as long as the active set
+  Eigen::VectorXd direction_;  // work space, as long as the active set
   std::vector<int> active_;
   int active_count_ = 0;
   int iterations_ = 0;

@@ -10,10 +10,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFeasible = 1e-11;     // violation of a normalised row that is left alone, relative to 1 + |d|
-constexpr double kDependent = 1e-11;    // pivot below which a row depends on the active ones
-constexpr double kVoidRow = 1e-13;      // squared length below which a row constrains nothing
-constexpr double kNegative = 1e-12;     // direction entries below this do not block
+constexpr double kFeasible = 1e-11;   // violation of a normalised row that is left alone, relative to 1 + |d|
+constexpr double kDependent = 1e-11;  // pivot below which a row depends on the active ones
+constexpr double kVoidRow = 1e-13;    // squared length below which a row constrains nothing
+constexpr double kNegative = 1e-12;   // direction entries below this do not block
 
 }  // namespace
 
@@ -69,7 +69,7 @@ QpStatus DenseQp::solve(const double* g, const double* b, bool warm) noexcept {
   }
   updateSlack();
   for (const int row : equalities_) {
-    if (is_active_[row]) continue;
+    if (is_active_[row] || is_void_[row]) continue;
     if (satisfy(row) != StepResult::kAdded) return QpStatus::kInfeasible;
   }
   for (int i = 0; i < m_; ++i) {
@@ -81,9 +81,12 @@ QpStatus DenseQp::solve(const double* g, const double* b, bool warm) noexcept {
     const int row = mostViolated();
     if (row < 0) break;
     switch (satisfy(row)) {
-      case StepResult::kAdded: break;
-      case StepResult::kInfeasible: return QpStatus::kInfeasible;
-      case StepResult::kIterationLimit: return QpStatus::kIterationLimit;
+      case StepResult::kAdded:
+        break;
+      case StepResult::kInfeasible:
+        return QpStatus::kInfeasible;
+      case StepResult::kIterationLimit:
+        return QpStatus::kIterationLimit;
     }
   }
   finish();
@@ -122,14 +125,14 @@ void DenseQp::warmStart() noexcept {
 
 // Moves along the dual until `row` holds, dropping rows whose multipliers reach zero on the way.
 DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
-  const double sign = is_equality_[row] && slack_(row) > 0.0 ? -1.0 : 1.0;  // an equality may pull the other way
+  const double sign =
+      is_equality_[row] && slack_(row) > 0.0 ? -1.0 : 1.0;  // an equality may pull the other way
   for (;;) {
     if (++iterations_ > iteration_limit_) return StepResult::kIterationLimit;
     for (int j = 0; j < active_count_; ++j) direction_(j) = gram_(active_[j], row);
     solveFactor(direction_.data());
     double curvature = gram_(row, row);
     for (int j = 0; j < active_count_; ++j) curvature -= direction_(j) * gram_(active_[j], row);
-    if (is_void_[row]) return StepResult::kAdded;  // tested apart
 
     int blocking = -1;
     double dual_step = std::numeric_limits<double>::infinity();
@@ -143,8 +146,8 @@ DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
       }
     }
     const bool independent = curvature > kDependent;
-    const double primal_step =
-        independent ? std::max(0.0, -sign * slack_(row)) / curvature : std::numeric_limits<double>::infinity();
+    const double primal_step = independent ? std::max(0.0, -sign * slack_(row)) / curvature
+                                           : std::numeric_limits<double>::infinity();
     if (!independent && blocking < 0) {
       const bool holds = std::abs(slack_(row)) <= 1e3 * kFeasible * (1.0 + std::abs(d_(row)));
       return holds ? StepResult::kAdded : StepResult::kInfeasible;
@@ -156,6 +159,7 @@ DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
       updateSlack();
       return StepResult::kAdded;
     }
+    if (blocking < 0) return StepResult::kInfeasible;  // the row depends on the active ones after all
     lambda_(active_[blocking]) = 0.0;
     drop(blocking);
     updateSlack();

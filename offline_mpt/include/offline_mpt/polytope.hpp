@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+namespace polyfly {
+
+/// Result of removing redundant half-spaces.
+struct MinimalRows {
+  std::vector<int> facets;     ///< indices of the rows that bound the polytope, ascending
+  std::vector<double> beyond;  ///< per facet a point (dimension numbers) that violates this row and no other
+};
+
+/// Linear programming over small dense polytopes {t : a_i . t <= b_i}, in 1 to kMaxDimension dimensions.
+///
+/// A row is dimension + 1 numbers (a, b) with |a| = 1. The polytope must be bounded. Work space is kept
+/// between calls; one object serves one thread. The method is the primal simplex on dictionaries: the slacks
+/// of all rows as affine functions of the slacks of the rows that are tight at the current vertex, so that
+/// one pivot costs rows x dimension multiply-adds and every vertex passed proves rows redundant or
+/// irredundant for free.
+class PolytopeSolver {
+ public:
+  static constexpr int kMaxDimension = 12;
+
+  /// Throws Error when `dimension` is not in 1..kMaxDimension.
+  explicit PolytopeSolver(int dimension);
+  ~PolytopeSolver();
+  PolytopeSolver(PolytopeSolver&&) noexcept;
+  PolytopeSolver& operator=(PolytopeSolver&&) noexcept;
+
+  /// Centre and radius of the largest inscribed ball. The radius is negative when the polytope is empty (it
+  /// then says by how much). `centre` is read as a guess and overwritten. False when the simplex failed (see
+  /// kMaxPivots).
+  bool chebyshev(const double* rows, int count, double* centre, double& radius);
+
+  /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other row.
+  /// `interior` must lie strictly inside. Of rows that coincide one is kept. False when the simplex failed.
+  bool minimal(const double* rows, int count, const double* interior, double tolerance, MinimalRows& result);
+
+  /// A point where direction . t is greatest; false when the simplex failed. `interior` must lie inside.
+  bool support(const double* rows, int count, const double* interior, const double* direction, double* point);
+
+  /// Pivots since construction.
+  unsigned long long pivots() const;
+
+  class Kernel;  ///< implementation, one per dimension
+
+ private:
+  std::unique_ptr<Kernel> plain_;   // in `dimension`
+  std::unique_ptr<Kernel> lifted_;  // in `dimension` + 1, for the inscribed ball
+  int dimension_ = 0;
+  std::vector<double> lifted_rows_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,335 @@
+#include "offline_mpt/explore.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <random>
+#include <unordered_set>
+
+#include "least_distance.hpp"
+#include "mpc_core/dense_qp.hpp"
+#include "region_builder.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kProbeStep = 1e-7;       // how far a probe steps across a degenerate facet [scaled]
+constexpr double kProbeTolerance = 1e-9;  // a region holds a probe within this [scaled]
+constexpr double kActive = 1e-10;         // multipliers below this are not active in a starting point
+constexpr double kMargin = 1e-9;          // least feasible margin of a starting point
+constexpr std::size_t kBatch = 1024;      // sets handed out between two looks at the limits
+
+struct ActiveSetHash {
+  std::size_t operator()(const ActiveSet& set) const {
+    std::uint64_t hash = 1469598103934665603ull;
+    for (const std::uint16_t row : set) hash = (hash ^ row) * 1099511628211ull;
+    return static_cast<std::size_t>(hash ^ hash >> 29);
+  }
+};
+
+/// What describing one active set yields.
+struct Described {
+  BuildStatus status = BuildStatus::kThin;
+  RegionData region;
+  std::vector<ActiveSet> neighbours;
+  std::vector<double> unsettled;  // probes (p numbers each) that no candidate of their facet holds
+  std::uint32_t degenerate_facets = 0;
+};
+
+/// Everything that one thread needs.
+struct Worker {
+  Worker(const LeastDistance& program, const ExploreOptions& options)
+      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {}
+
+  RegionBuilder builder;
+  DenseQp qp;
+  std::vector<ActiveSet> sets;
+};
+
+/// Active set at t, ascending; false where the program is infeasible.
+bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, ActiveSet& active) {
+  Eigen::VectorXd t1(program.p + 1);
+  t1 << t, 1.0;
+  const Eigen::VectorXd g = program.F * t1;
+  const Eigen::VectorXd b = program.S * t1;
+  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
+  active.clear();
+  for (int k = 0; k < qp.activeCount(); ++k) {
+    const int row = qp.activeRows()[k];
+    if (qp.lambda()(row) > kActive) active.push_back(static_cast<std::uint16_t>(row));
+  }
+  std::sort(active.begin(), active.end());
+  return true;
+}
+
+/// A point just across the facet, on the way from the region's centre to a point beyond.
+Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p) {
+  double inside = facet.row[p];
+  double outside = facet.row[p];
+  double distance = 0.0;
+  for (int j = 0; j < p; ++j) {
+    inside -= facet.row[j] * region.centre[j];
+    outside -= facet.row[j] * facet.beyond[j];
+    distance = std::max(distance, std::abs(facet.beyond[j] - region.centre[j]));
+  }
+  double fraction = inside / (inside - outside);
+  fraction = std::min(0.5 * (fraction + 1.0), fraction + kProbeStep / std::max(distance, kProbeStep));
+  Eigen::VectorXd probe(p);
+  for (int j = 0; j < p; ++j) probe(j) = region.centre[j] + fraction * (facet.beyond[j] - region.centre[j]);
+  return probe;
+}
+
+void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet, Described& out) {
+  const Eigen::VectorXd probe = across(out.region, facet, program.p);
+  ActiveSet active;
+  if (!activeSetAt(program, worker.qp, probe, active)) return;  // the edge of the feasible set
+  worker.sets.push_back(active);
+  for (const ActiveSet& set : worker.sets) {
+    if (worker.builder.holds(set, probe.data(), kProbeTolerance)) return;
+  }
+  out.unsettled.insert(out.unsettled.end(), probe.data(), probe.data() + program.p);
+}
+
+Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
+  Described out;
+  out.status = worker.builder.build(active, out.region);
+  if (out.status == BuildStatus::kWeak) {
+    for (const std::uint16_t row : active) {
+      ActiveSet smaller = active;
+      smaller.erase(std::remove(smaller.begin(), smaller.end(), row), smaller.end());
+      out.neighbours.push_back(std::move(smaller));
+    }
+  }
+  if (out.status != BuildStatus::kRegion) return out;
+  std::vector<std::size_t> probed;
+  for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
+    bool degenerate = false;
+    worker.builder.neighbours(active, out.region.facets[f], worker.sets, degenerate);
+    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
+    if (degenerate) probed.push_back(f);
+  }
+  out.degenerate_facets = static_cast<std::uint32_t>(probed.size());
+  for (const std::size_t f : probed) {  // after all facets: a probe overwrites the builder's rows
+    bool degenerate = false;
+    RegionData again;
+    worker.builder.build(active, again);
+    worker.builder.neighbours(active, out.region.facets[f], worker.sets, degenerate);
+    probeFacet(program, worker, out.region.facets[f], out);
+    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
+  }
+  return out;
+}
+
+/// Parameter with the greatest feasible margin: max r, r <= 1, with slack r in every row and r to every side
+/// of the domain.
+bool feasibleParameter(const LeastDistance& program, Eigen::VectorXd& t) {
+  const int n = program.n;
+  const int p = program.p;
+  const int rows = program.m + program.domainCount() + 1;
+  constexpr double kRegular = 1e-6;  // makes the program strictly convex
+  Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, n + p + 1);
+  Eigen::VectorXd b(rows);
+  for (int i = 0; i < program.m; ++i) {
+    const double length = std::max(program.A.row(i).norm(), 1e-300);
+    A.row(i).head(n) = program.A.row(i) / length;
+    A.row(i).segment(n, p) = -program.S.row(i).head(p) / length;
+    A(i, n + p) = 1.0;
+    b(i) = program.S(i, p) / length;
+  }
+  for (int d = 0; d < program.domainCount(); ++d) {
+    const double* row = program.domain.data() + static_cast<std::ptrdiff_t>(d) * (p + 1);
+    for (int j = 0; j < p; ++j) A(program.m + d, n + j) = row[j];
+    A(program.m + d, n + p) = 1.0;
+    b(program.m + d) = row[p];
+  }
+  A(rows - 1, n + p) = 1.0;
+  b(rows - 1) = 1.0;
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
+  g(n + p) = -1.0;
+  DenseQp qp(H, A);
+  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
+  t = qp.z().segment(n, p);
+  return qp.z()(n + p) > kMargin;
+}
+
+/// A full-dimensional region to begin with.
+bool findStart(const LeastDistance& program, Worker& worker, ActiveSet& active) {
+  if (program.domain_empty) return false;
+  Eigen::VectorXd centre = Eigen::VectorXd::Zero(program.p);
+  if (!feasibleParameter(program, centre)) return false;
+  std::mt19937_64 random(1);
+  constexpr int kTries = 200;
+  RegionData region;
+  for (int round = 0; round < kTries; ++round) {
+    Eigen::VectorXd t = centre;
+    const double spread = round == 0 ? 0.0 : std::pow(10.0, -1.0 - round % 6);
+    for (int j = 0; j < program.p; ++j) {
+      const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
+      t(j) += spread * (2.0 * unit - 1.0);
+    }
+    if (!activeSetAt(program, worker.qp, t, active)) continue;
+    if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
+  }
+  return false;
+}
+
+CriticalRegion toRegion(const LeastDistance& program, const ActiveSet& active, const RegionData& data) {
+  const int p = program.p;
+  const int q = static_cast<int>(program.U.rows());
+  CriticalRegion region;
+  for (const std::uint16_t row : active) region.active.push_back(program.row_ids[row]);
+  std::sort(region.active.begin(), region.active.end());
+  region.G.resize(static_cast<Eigen::Index>(data.facets.size()), p);
+  region.g.resize(region.G.rows());
+  for (Eigen::Index f = 0; f < region.G.rows(); ++f) {
+    double bound = data.facets[f].row[p];
+    for (int j = 0; j < p; ++j) {
+      region.G(f, j) = data.facets[f].row[j] / program.half(j);
+      bound += region.G(f, j) * program.centre(j);
+    }
+    region.g(f) = bound;
+  }
+  region.K.resize(q, p);
+  region.k.resize(q);
+  region.centre.resize(p);
+  for (int i = 0; i < q; ++i) {
+    double constant = data.law[static_cast<std::size_t>(i) * (p + 1) + p];
+    for (int j = 0; j < p; ++j) {
+      region.K(i, j) = data.law[static_cast<std::size_t>(i) * (p + 1) + j] / program.half(j);
+      constant -= region.K(i, j) * program.centre(j);
+    }
+    region.k(i) = constant;
+  }
+  for (int j = 0; j < p; ++j) region.centre(j) = program.centre(j) + program.half(j) * data.centre[j];
+  region.radius = data.radius;
+  return region;
+}
+
+/// The exploration itself: waves of active sets, each described in parallel and merged in order.
+class Exploration {
+ public:
+  Exploration(const LeastDistance& program, const ExploreOptions& options)
+      : program_(program), options_(options), workers_([&] { return Worker(program, options); }) {}
+
+  Partition run() {
+    const std::clock_t cpu_start = std::clock();
+    begin_ = std::chrono::steady_clock::now();
+    ActiveSet first;
+    if (!findStart(program_, workers_.local(), first)) return std::move(partition_);
+    partition_.status = ExploreStatus::kComplete;
+    seen_.insert(first);
+    std::vector<ActiveSet> wave{first};
+    while (!wave.empty() && partition_.status == ExploreStatus::kComplete) wave = advance(wave);
+    std::sort(partition_.regions.begin(), partition_.regions.end(),
+              [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
+    if (partition_.status == ExploreStatus::kComplete) settleProbes();
+    partition_.stats.regions = partition_.regions.size();
+    partition_.stats.candidate_sets = seen_.size();
+    for (Worker& worker : workers_) partition_.stats.lp_pivots += worker.builder.pivots();
+    partition_.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+    return std::move(partition_);
+  }
+
+ private:
+  std::vector<ActiveSet> advance(const std::vector<ActiveSet>& wave) {
+    std::vector<ActiveSet> next;
+    std::vector<Described> described;
+    for (std::size_t first = 0; first < wave.size(); first += kBatch) {
+      if (limitReached()) return {};
+      const std::size_t count = std::min(kBatch, wave.size() - first);
+      described.assign(count, {});
+      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        described[i] = describe(program_, workers_.local(), wave[first + i]);
+      });
+      for (std::size_t i = 0; i < count; ++i) merge(wave[first + i], described[i], next);
+      if (options_.progress)
+        options_.progress({partition_.regions.size(), wave.size() - first - count + next.size()});
+    }
+    return next;
+  }
+
+  void merge(const ActiveSet& active, Described& described, std::vector<ActiveSet>& next) {
+    if (described.status == BuildStatus::kFailed) partition_.status = ExploreStatus::kIncomplete;
+    for (ActiveSet& set : described.neighbours) {
+      if (seen_.insert(set).second) next.push_back(std::move(set));
+    }
+    if (described.status != BuildStatus::kRegion) return;
+    partition_.stats.degenerate_facets += described.degenerate_facets;
+    unsettled_.insert(unsettled_.end(), described.unsettled.begin(), described.unsettled.end());
+    partition_.regions.push_back(toRegion(program_, active, described.region));
+  }
+
+  bool limitReached() {
+    if (options_.stop != nullptr && options_.stop->load()) {
+      partition_.status = ExploreStatus::kInterrupted;
+    } else if (partition_.regions.size() >= options_.region_limit) {
+      partition_.status = ExploreStatus::kLimited;
+    } else if (options_.time_limit > 0.0 &&
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() >
+                   options_.time_limit) {
+      partition_.status = ExploreStatus::kLimited;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  // A probe that none of its facet's own candidates holds must lie in some other region.
+  void settleProbes() {
+    const int p = program_.p;
+    for (std::size_t i = 0; i + p <= unsettled_.size(); i += p) {
+      const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled_.data() + i, p);
+      const Eigen::VectorXd theta = program_.centre + program_.half.cwiseProduct(t);
+      const bool held = std::any_of(
+          partition_.regions.begin(), partition_.regions.end(),
+          [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
+      if (held) continue;
+      partition_.status = ExploreStatus::kIncomplete;
+      partition_.witness = theta;
+      return;
+    }
+  }
+
+  const LeastDistance& program_;
+  const ExploreOptions& options_;
+  tbb::enumerable_thread_specific<Worker> workers_;
+  std::chrono::steady_clock::time_point begin_;
+  std::unordered_set<ActiveSet, ActiveSetHash> seen_;
+  std::vector<double> unsettled_;
+  Partition partition_;
+};
+
+}  // namespace
+
+const char* toString(ExploreStatus status) {
+  switch (status) {
+    case ExploreStatus::kComplete:
+      return "complete";
+    case ExploreStatus::kIncomplete:
+      return "incomplete";
+    case ExploreStatus::kLimited:
+      return "limited";
+    case ExploreStatus::kInterrupted:
+      return "interrupted";
+    case ExploreStatus::kInfeasible:
+      return "infeasible";
+  }
+  return "unknown";
+}
+
+Partition explore(const ParametricProgram& program, const ExploreOptions& options) {
+  checkProgram(program);
+  const LeastDistance scaled = toLeastDistance(program);
+  Partition partition;
+  tbb::task_arena arena(std::max(1, options.threads));
+  arena.execute([&] { partition = Exploration(scaled, options).run(); });
+  return partition;
+}
+
+}  // namespace polyfly

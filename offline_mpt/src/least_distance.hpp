@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mpc_core/parametric_program.hpp"
+
+namespace polyfly {
+
+/// A parametric program brought to the form in which it is explored.
+///
+/// Parameters are scaled, theta = centre + half .* t with t in [-1, 1]^p; equalities are eliminated; rows
+/// that repeat or are implied by a parallel row are dropped; rows have unit length in the norm of H^-1. With
+/// multipliers lambda of the rows left,
+///
+///     slack(t) = D (t, 1) + gram lambda,   u(t) = U (t, 1) + V lambda.
+struct LeastDistance {
+  int p = 0;                   ///< parameters
+  int n = 0;                   ///< variables left
+  int m = 0;                   ///< rows left
+  Eigen::VectorXd centre;      ///< p
+  Eigen::VectorXd half;        ///< p
+  std::vector<int> row_ids;    ///< m, rows of the program
+  Eigen::MatrixXd gram;        ///< m x m, unit diagonal
+  Eigen::MatrixXd D;           ///< m x (p + 1), slack of the unconstrained minimiser; constant last
+  Eigen::MatrixXd U;           ///< q x (p + 1)
+  Eigen::MatrixXd V;           ///< q x m
+  std::vector<double> domain;  ///< rows (a, b): a . t <= b, |a| = 1; the first 2 p are the box
+  bool domain_empty = false;   ///< a row without z can never hold
+
+  // The reduced program in t, for starting points: min 1/2 z'Hz + (f + F t)'z, A z <= b + S t.
+  Eigen::MatrixXd H;
+  Eigen::MatrixXd F;  ///< n x (p + 1), constant last
+  Eigen::MatrixXd A;  ///< m x n
+  Eigen::MatrixXd S;  ///< m x (p + 1), constant last
+
+  int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
+};
+
+/// Throws Error when H is not positive definite where the equalities leave it free, or the equalities fix
+/// parameters.
+LeastDistance toLeastDistance(const ParametricProgram& program);
+
+}  // namespace polyfly

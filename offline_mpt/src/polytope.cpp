@@ -1,0 +1,235 @@
+#include "offline_mpt/polytope.hpp"
+
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "dictionary.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+
+class PolytopeSolver::Kernel {
+ public:
+  virtual ~Kernel() = default;
+  virtual bool minimal(const double* rows, int count, const double* interior, double tolerance,
+                       MinimalRows& result) = 0;
+  /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
+  virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
+                        double* point) = 0;
+  virtual unsigned long long pivots() const = 0;
+};
+
+namespace {
+
+enum class RowState : char { kUnknown, kFacet, kRedundant };
+
+template <int N>
+class KernelOf final : public PolytopeSolver::Kernel {
+ public:
+  bool minimal(const double* rows, int count, const double* interior, double tolerance,
+               MinimalRows& result) override {
+    if (!dictionary_.start(rows, count, interior)) return false;
+    state_.assign(count, RowState::kUnknown);
+    beyond_.resize(static_cast<std::size_t>(count) * N);
+    tolerance_ = tolerance;
+    sweep();
+    for (int i = 0; i < count; ++i) {
+      if (state_[i] == RowState::kUnknown && !decide(i)) return false;
+    }
+    result.facets.clear();
+    result.beyond.clear();
+    for (int i = 0; i < count; ++i) {
+      if (state_[i] != RowState::kFacet) continue;
+      result.facets.push_back(i);
+      const double* point = beyond_.data() + static_cast<std::size_t>(i) * N;
+      result.beyond.insert(result.beyond.end(), point, point + N);
+    }
+    return true;
+  }
+
+  bool maximise(const double* rows, int count, const double* start, const double* direction,
+                double* point) override {
+    if (!dictionary_.start(rows, count, start)) return false;
+    typename Dictionary<N>::Row objective;
+    int stalled = 0;
+    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
+      objective.fill(0.0);
+      for (int q = 0; q < N; ++q) {
+        if (direction[q] == 0.0) continue;
+        const auto& coordinate = dictionary_.coordinate(q);
+        for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * coordinate[k];
+      }
+      const int column = dictionary_.fallingColumn(objective, stalled > Dictionary<N>::kStallLimit);
+      if (column < 0) {
+        dictionary_.point(0, 0.0, point);
+        return true;
+      }
+      int blocking = -1;
+      const double step = dictionary_.ratio(column, -1, blocking);
+      if (blocking < 0) return false;
+      stalled = step > kStall ? 0 : stalled + 1;
+      dictionary_.pivot(blocking, column);
+    }
+    return false;
+  }
+
+  unsigned long long pivots() const override { return dictionary_.pivots(); }
+
+ private:
+  static constexpr double kStall = 1e-13;  // shorter steps count as degenerate
+  static constexpr double kReach = 1.0;    // `beyond` points stay within this of the vertex
+
+  // Reads off the current dictionary what it proves. A slack that grows along every column never
+  // falls below its value here; a tight row whose column can go negative is needed.
+  void sweep() {
+    for (int i = 0; i < dictionary_.count(); ++i) {
+      if (state_[i] != RowState::kUnknown || dictionary_.slot(i) >= 0) continue;
+      const auto& row = dictionary_.slack(i);
+      if (row[0] < 0.0) continue;
+      bool grows = true;
+      for (int j = 0; j < N && grows; ++j) grows = row[j + 1] >= -Dictionary<N>::kPivot;
+      if (grows) markRedundant(i);
+    }
+    for (int j = 0; j < N; ++j) {
+      const int i = dictionary_.nonbasic(j);
+      if (state_[i] == RowState::kUnknown) provedByColumn(i, j);
+    }
+  }
+
+  // Whether row i, tight in column j, can be violated alone by more than the tolerance.
+  bool provedByColumn(int i, int j) {
+    int blocking = -1;
+    const double step = std::min(dictionary_.ratioBelow(j, blocking), kReach);
+    if (step <= tolerance_) return false;
+    markFacet(i, j, -step);
+    return true;
+  }
+
+  // Minimises slack i over the other rows until it is negative or at its minimum.
+  bool decide(int i) {
+    int stalled = 0;
+    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
+      const int slot = dictionary_.slot(i);
+      if (slot >= 0) {
+        int blocking = -1;
+        const double step = std::min(dictionary_.ratioBelow(slot, blocking), kReach);
+        if (step > tolerance_) {
+          markFacet(i, slot, -step);
+          return true;
+        }
+        dictionary_.pivot(blocking, slot);
+        ++stalled;
+        continue;
+      }
+      const auto& row = dictionary_.slack(i);
+      const int column = dictionary_.fallingColumn(row, stalled > Dictionary<N>::kStallLimit);
+      if (column < 0) {
+        markRedundant(i);
+        return true;
+      }
+      int blocking = -1;
+      const double step = dictionary_.ratio(column, i, blocking);
+      if (row[0] + row[column + 1] * step < -tolerance_) {
+        const double reach = std::min(step, (row[0] + kReach) / -row[column + 1]);
+        markFacet(i, column, reach);
+        return true;
+      }
+      if (blocking < 0) return false;
+      stalled = step > kStall ? 0 : stalled + 1;
+      dictionary_.pivot(blocking, column);
+      if (stalled == 0) sweep();
+      if (state_[i] != RowState::kUnknown) return true;
+    }
+    return false;
+  }
+
+  void markRedundant(int i) {
+    state_[i] = RowState::kRedundant;
+    dictionary_.relax(i);
+  }
+
+  void markFacet(int i, int column, double step) {
+    state_[i] = RowState::kFacet;
+    dictionary_.point(column, step, beyond_.data() + static_cast<std::size_t>(i) * N);
+  }
+
+  Dictionary<N> dictionary_;
+  std::vector<RowState> state_;
+  std::vector<double> beyond_;
+  double tolerance_ = 0.0;
+};
+
+template <int N>
+std::unique_ptr<PolytopeSolver::Kernel> makeKernel(int dimension) {
+  if (dimension == N) return std::make_unique<KernelOf<N>>();
+  if constexpr (N <= PolytopeSolver::kMaxDimension) {
+    return makeKernel<N + 1>(dimension);
+  } else {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+PolytopeSolver::PolytopeSolver(int dimension) : dimension_(dimension) {
+  if (dimension < 1 || dimension > kMaxDimension) {
+    throw Error("polytope: dimension must be 1 to " + std::to_string(kMaxDimension) + ", got " +
+                std::to_string(dimension));
+  }
+  plain_ = makeKernel<1>(dimension);
+  lifted_ = makeKernel<1>(dimension + 1);
+}
+
+PolytopeSolver::~PolytopeSolver() = default;
+PolytopeSolver::PolytopeSolver(PolytopeSolver&&) noexcept = default;
+PolytopeSolver& PolytopeSolver::operator=(PolytopeSolver&&) noexcept = default;
+
+// The ball of radius r around t lies inside when a_i . t + r <= b_i: one more variable, and any t is a start.
+bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, double& radius) {
+  const int n = dimension_;
+  lifted_rows_.resize(static_cast<std::size_t>(count) * (n + 2));
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < count; ++i) {
+    const double* row = rows + static_cast<std::ptrdiff_t>(i) * (n + 1);
+    double* lifted = lifted_rows_.data() + static_cast<std::ptrdiff_t>(i) * (n + 2);
+    double slack = row[n];
+    for (int j = 0; j < n; ++j) {
+      lifted[j] = row[j];
+      slack -= row[j] * centre[j];
+    }
+    lifted[n] = 1.0;
+    lifted[n + 1] = row[n];
+    least = std::min(least, slack);
+  }
+  double start[kMaxDimension + 1];
+  double direction[kMaxDimension + 1] = {};
+  double best[kMaxDimension + 1];
+  std::copy(centre, centre + n, start);
+  start[n] = least - 0.5;
+  direction[n] = 1.0;
+  if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best)) return false;
+  std::copy(best, best + n, centre);
+  radius = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < count; ++i) {
+    const double* row = rows + static_cast<std::ptrdiff_t>(i) * (n + 1);
+    double slack = row[n];
+    for (int j = 0; j < n; ++j) slack -= row[j] * centre[j];
+    radius = std::min(radius, slack);
+  }
+  return true;
+}
+
+bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
+                             MinimalRows& result) {
+  return plain_->minimal(rows, count, interior, tolerance, result);
+}
+
+bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,
+                             double* point) {
+  return plain_->maximise(rows, count, interior, direction, point);
+}
+
+unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }
+
+}  // namespace polyfly

@@ -1,0 +1,282 @@
+#include "region_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+constexpr double kIndependent = 1e-11;  // squared distance of a unit row from the span of the others
+constexpr double kConstant = 1e-11;     // relative slope below which a row does not depend on the parameters
+constexpr double kCoincident = 1e-9;    // difference below which two unit half-spaces are the same plane
+constexpr double kExchange = 1e-9;      // weight above which a row can leave in an exchange
+constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
+
+ActiveSet with(const ActiveSet& active, int row) {
+  ActiveSet result = active;
+  result.insert(std::upper_bound(result.begin(), result.end(), row), static_cast<std::uint16_t>(row));
+  return result;
+}
+
+ActiveSet without(const ActiveSet& active, int row) {
+  ActiveSet result = active;
+  result.erase(std::remove(result.begin(), result.end(), row), result.end());
+  return result;
+}
+
+}  // namespace
+
+RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance)
+    : program_(program),
+      facet_tolerance_(facet_tolerance),
+      radius_tolerance_(radius_tolerance),
+      width_(program.p + 1),
+      gram_(static_cast<std::size_t>(program.m) * program.m),
+      D_(static_cast<std::size_t>(program.m) * width_),
+      is_active_(program.m, 0),
+      scratch_(program.n + 2),
+      solver_(program.p) {
+  for (int i = 0; i < program.m; ++i) {
+    for (int j = 0; j < program.m; ++j)
+      gram_[static_cast<std::size_t>(i) * program.m + j] = program.gram(i, j);
+    for (int j = 0; j < width_; ++j) D_[static_cast<std::size_t>(i) * width_ + j] = program.D(i, j);
+  }
+}
+
+bool RegionBuilder::factorise(const ActiveSet& active) {
+  const int k = static_cast<int>(active.size());
+  if (k > program_.n) return false;
+  factor_.resize(static_cast<std::size_t>(k) * k);
+  for (int r = 0; r < k; ++r) {
+    const double* source = gram_.data() + static_cast<std::size_t>(active[r]) * program_.m;
+    double* row = factor_.data() + static_cast<std::size_t>(r) * k;
+    for (int c = 0; c <= r; ++c) {
+      const double* other = factor_.data() + static_cast<std::size_t>(c) * k;
+      double value = source[active[c]];
+      for (int i = 0; i < c; ++i) value -= row[i] * other[i];
+      if (c < r) {
+        row[c] = value / other[c];
+      } else if (value > kIndependent) {
+        row[c] = std::sqrt(value);
+      } else {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Solves factor factor' X = X in place for width_ right-hand sides lying side by side.
+void RegionBuilder::solveFactor(double* x) const {
+  const int k = static_cast<int>(multipliers_.size()) / width_;
+  for (int r = 0; r < k; ++r) {
+    double* row = x + r * width_;
+    for (int c = 0; c < r; ++c) {
+      const double weight = factor_[static_cast<std::size_t>(r) * k + c];
+      for (int j = 0; j < width_; ++j) row[j] -= weight * x[c * width_ + j];
+    }
+    const double inverse = 1.0 / factor_[static_cast<std::size_t>(r) * k + r];
+    for (int j = 0; j < width_; ++j) row[j] *= inverse;
+  }
+  for (int r = k - 1; r >= 0; --r) {
+    double* row = x + r * width_;
+    for (int c = r + 1; c < k; ++c) {
+      const double weight = factor_[static_cast<std::size_t>(c) * k + r];
+      for (int j = 0; j < width_; ++j) row[j] -= weight * x[c * width_ + j];
+    }
+    const double inverse = 1.0 / factor_[static_cast<std::size_t>(r) * k + r];
+    for (int j = 0; j < width_; ++j) row[j] *= inverse;
+  }
+}
+
+// Adds affine (t, 1) >= 0 as a unit half-space. False: the set describes no region.
+bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale, BuildStatus& status) {
+  double squared = 0.0;
+  for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
+  const double length = std::sqrt(squared);
+  if (length <= kConstant * scale) {
+    if (affine[program_.p] < -kConstant * scale) {
+      status = BuildStatus::kThin;
+      return false;
+    }
+    if (origin.kind == RowOrigin::Kind::kMultiplier && affine[program_.p] <= kConstant * scale) {
+      status = BuildStatus::kWeak;
+      return false;
+    }
+    return true;
+  }
+  const double inverse = 1.0 / length;
+  for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
+  rows_.push_back(affine[program_.p] * inverse);
+  origins_.push_back(origin);
+  return true;
+}
+
+BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
+  const int k = static_cast<int>(active.size());
+  multipliers_.resize(static_cast<std::size_t>(k) * width_);
+  if (!factorise(active)) return BuildStatus::kDependent;
+  double scale = 1.0;
+  for (int r = 0; r < k; ++r) {
+    for (int j = 0; j < width_; ++j) {
+      const double value = -D_[static_cast<std::size_t>(active[r]) * width_ + j];
+      multipliers_[static_cast<std::size_t>(r) * width_ + j] = value;
+      scale = std::max(scale, std::abs(value));
+    }
+  }
+  solveFactor(multipliers_.data());
+
+  rows_.assign(program_.domain.begin(), program_.domain.end());
+  origins_.clear();
+  for (int d = 0; d < program_.domainCount(); ++d) origins_.push_back({RowOrigin::Kind::kDomain, d});
+  BuildStatus status = BuildStatus::kRegion;
+  for (int r = 0; r < k; ++r) {
+    const RowOrigin origin{RowOrigin::Kind::kMultiplier, active[r]};
+    if (!addRow(multipliers_.data() + static_cast<std::size_t>(r) * width_, origin, scale, status))
+      return status;
+  }
+  for (const int row : active) is_active_[row] = 1;
+  double slack[PolytopeSolver::kMaxDimension + 1];
+  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
+    if (is_active_[i]) continue;
+    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
+    const double* d = D_.data() + static_cast<std::size_t>(i) * width_;
+    for (int j = 0; j < width_; ++j) slack[j] = d[j];
+    for (int r = 0; r < k; ++r) {
+      const double weight = gram[active[r]];
+      for (int j = 0; j < width_; ++j)
+        slack[j] += weight * multipliers_[static_cast<std::size_t>(r) * width_ + j];
+    }
+    addRow(slack, {RowOrigin::Kind::kSlack, i}, scale, status);
+  }
+  for (const int row : active) is_active_[row] = 0;
+  return status;
+}
+
+BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
+  const BuildStatus status = assembleRows(active);
+  if (status != BuildStatus::kRegion) return status;
+  const int count = static_cast<int>(origins_.size());
+  region.centre.assign(program_.p, 0.0);
+  if (!solver_.chebyshev(rows_.data(), count, region.centre.data(), region.radius))
+    return BuildStatus::kFailed;
+  if (region.radius <= radius_tolerance_) return BuildStatus::kThin;
+  // A facet of a thin region shows at the region's own scale.
+  const double tolerance = std::min(facet_tolerance_, 0.1 * region.radius);
+  if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
+    return BuildStatus::kFailed;
+  region.facets.resize(minimal_.facets.size());
+  for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
+    const int row = minimal_.facets[f];
+    Facet& facet = region.facets[f];
+    facet.origin = origins_[row];
+    facet.row.assign(rows_.begin() + row * width_, rows_.begin() + (row + 1) * width_);
+    facet.beyond.assign(minimal_.beyond.begin() + f * program_.p,
+                        minimal_.beyond.begin() + (f + 1) * program_.p);
+  }
+  law(active, region.law);
+  return BuildStatus::kRegion;
+}
+
+void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) const {
+  const int q = static_cast<int>(program_.U.rows());
+  out.resize(static_cast<std::size_t>(q) * width_);
+  for (int i = 0; i < q; ++i) {
+    for (int j = 0; j < width_; ++j) {
+      double value = program_.U(i, j);
+      for (std::size_t r = 0; r < active.size(); ++r) {
+        value += program_.V(i, active[r]) * multipliers_[r * width_ + j];
+      }
+      out[static_cast<std::size_t>(i) * width_ + j] = value;
+    }
+  }
+}
+
+// Rows other than the domain's whose plane is the facet's.
+std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
+  std::vector<RowOrigin> result;
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    if (origins_[i].kind == RowOrigin::Kind::kDomain) continue;
+    double difference = 0.0;
+    for (int j = 0; j < width_; ++j)
+      difference = std::max(difference, std::abs(rows_[i * width_ + j] - facet.row[j]));
+    if (difference <= kCoincident) result.push_back(origins_[i]);
+  }
+  return result;
+}
+
+// Squared distance of `row` from the span of the active rows, and its weights in that span.
+double RegionBuilder::dependence(const ActiveSet& active, int row, std::vector<double>& weights) const {
+  const int k = static_cast<int>(active.size());
+  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
+  weights.resize(k);
+  double squared = gram[row];
+  for (int r = 0; r < k; ++r) {
+    double value = gram[active[r]];
+    for (int c = 0; c < r; ++c) value -= factor_[static_cast<std::size_t>(r) * k + c] * weights[c];
+    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
+    squared -= weights[r] * weights[r];
+  }
+  for (int r = k - 1; r >= 0; --r) {
+    double value = weights[r];
+    for (int c = r + 1; c < k; ++c) value -= factor_[static_cast<std::size_t>(c) * k + r] * weights[c];
+    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
+  }
+  return squared;
+}
+
+// `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
+// raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
+// facet.
+void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
+  std::vector<double> weights;
+  dependence(active, row, weights);
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    if (weights[r] > kExchange) sets.push_back(with(without(active, active[r]), row));
+  }
+}
+
+void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets,
+                               bool& degenerate) {
+  sets.clear();
+  degenerate = false;
+  if (facet.origin.kind == RowOrigin::Kind::kDomain) return;
+  const std::vector<RowOrigin> changes = coincident(facet);
+  std::vector<double> weights;
+  if (changes.size() == 1 && facet.origin.kind == RowOrigin::Kind::kMultiplier) {
+    sets.push_back(without(active, facet.origin.index));
+    return;
+  }
+  if (changes.size() == 1 && dependence(active, facet.origin.index, weights) > kIndependent) {
+    sets.push_back(with(active, facet.origin.index));
+    return;
+  }
+  degenerate = true;
+  const std::size_t count = std::min(changes.size(), kCoincidentLimit);
+  for (std::size_t subset = 1; subset < (std::size_t{1} << count); ++subset) {
+    ActiveSet candidate = active;
+    for (std::size_t c = 0; c < count; ++c) {
+      if ((subset >> c & 1u) == 0) continue;
+      candidate = changes[c].kind == RowOrigin::Kind::kMultiplier ? without(candidate, changes[c].index)
+                                                                  : with(candidate, changes[c].index);
+    }
+    sets.push_back(std::move(candidate));
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    if (changes[c].kind != RowOrigin::Kind::kSlack) continue;
+    if (dependence(active, changes[c].index, weights) <= kIndependent)
+      exchange(active, changes[c].index, sets);
+  }
+}
+
+bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
+  if (assembleRows(active) != BuildStatus::kRegion) return false;
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    double slack = rows_[i * width_ + program_.p];
+    for (int j = 0; j < program_.p; ++j) slack -= rows_[i * width_ + j] * t[j];
+    if (slack < -tolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace polyfly

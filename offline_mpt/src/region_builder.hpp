@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "least_distance.hpp"
+#include "offline_mpt/polytope.hpp"
+
+namespace polyfly {
+
+/// Row indices of a LeastDistance, ascending.
+using ActiveSet = std::vector<std::uint16_t>;
+
+/// Where a half-space of a region comes from.
+struct RowOrigin {
+  enum class Kind : std::uint8_t { kMultiplier, kSlack, kDomain };
+  Kind kind = Kind::kDomain;
+  int index = 0;  ///< row of the program (multiplier, slack) or of the domain
+};
+
+/// A half-space that bounds a region, and what lies behind it.
+struct Facet {
+  RowOrigin origin;
+  std::vector<double> row;     ///< (a, b) in scaled parameters
+  std::vector<double> beyond;  ///< a point that violates this row alone
+};
+
+/// A full-dimensional region in scaled parameters.
+struct RegionData {
+  std::vector<Facet> facets;
+  std::vector<double> centre;
+  double radius = 0.0;
+  std::vector<double> law;  ///< q rows of p + 1 numbers: u = law (t, 1)
+};
+
+enum class BuildStatus : std::uint8_t {
+  kRegion,     ///< full-dimensional
+  kThin,       ///< empty or flatter than the tolerance
+  kDependent,  ///< the active rows are linearly dependent
+  kWeak,       ///< a multiplier is zero everywhere: the set without it is the same
+  kFailed,     ///< the simplex gave up
+};
+
+/// Turns active sets into regions. Everything it computes for a set depends on that set alone. One object,
+/// one thread.
+class RegionBuilder {
+ public:
+  RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
+
+  BuildStatus build(const ActiveSet& active, RegionData& region);
+
+  /// Active sets that can be optimal across `facet` of the region of `active`. The region must be the last
+  /// one built. `degenerate` tells that more than one candidate exists, or that rows coincide in the facet.
+  void neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets,
+                  bool& degenerate);
+
+  /// Whether the region of `active` holds t within `tolerance`; false where the rows are dependent.
+  bool holds(const ActiveSet& active, const double* t, double tolerance);
+
+  unsigned long long pivots() const { return solver_.pivots(); }
+
+ private:
+  bool factorise(const ActiveSet& active);
+  void solveFactor(double* x) const;
+  BuildStatus assembleRows(const ActiveSet& active);
+  bool addRow(const double* affine, RowOrigin origin, double scale, BuildStatus& status);
+  void law(const ActiveSet& active, std::vector<double>& out) const;
+  double dependence(const ActiveSet& active, int row, std::vector<double>& weights) const;
+  std::vector<RowOrigin> coincident(const Facet& facet) const;
+  void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
+
+  const LeastDistance& program_;
+  double facet_tolerance_;
+  double radius_tolerance_;
+  int width_;                 // p + 1
+  std::vector<double> gram_;  // row-major copies, so that the inner loops run along memory
+  std::vector<double> D_;
+  std::vector<double> factor_;       // lower triangle, k x k of stride n + 1
+  std::vector<double> multipliers_;  // k x (p + 1)
+  std::vector<double> rows_;         // (a, b)
+  std::vector<RowOrigin> origins_;
+  std::vector<char> is_active_;
+  std::vector<double> scratch_;
+  PolytopeSolver solver_;
+  MinimalRows minimal_;
+};
+
+}  // namespace polyfly
