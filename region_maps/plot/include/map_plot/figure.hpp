@@ -1,0 +1,125 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace polyfly {
+
+/// Colours that people with any of the common colour-vision deficiencies can tell apart (Okabe and Ito).
+namespace palette {
+constexpr const char* kBlue = "#0072b2";
+constexpr const char* kVermilion = "#d55e00";
+constexpr const char* kGreen = "#009e73";
+constexpr const char* kOrange = "#e69f00";
+constexpr const char* kSky = "#56b4e9";
+constexpr const char* kPurple = "#cc79a7";
+constexpr const char* kInk = "#22272e";
+constexpr const char* kGrey = "#8a929c";
+}  // namespace palette
+
+/// One curve of a panel.
+struct Series {
+  enum class Style {
+    kLine,
+    kDashed,
+    kSteps,   ///< holds each value until the next x
+    kPoints,  ///< a dot for each sample
+    kBars,    ///< boxes of the width between neighbouring x, from the axis up
+  };
+
+  std::string label;  ///< in the legend; none if empty
+  std::vector<double> x;
+  std::vector<double> y;  ///< a NaN interrupts the line
+  Style style = Style::kLine;
+  std::string color = palette::kBlue;  ///< #rrggbb
+  double width = 1.8;                  ///< [px]
+};
+
+/// A straight line across the panel: horizontal (a bound of y) or vertical (a mark on x).
+struct Rule {
+  double value = 0.0;
+  std::string label;  ///< written at the line; none if empty
+  std::string color = palette::kVermilion;
+  bool solid = false;  ///< dashed otherwise
+};
+
+/// A shaded interval of x.
+struct Band {
+  double from = 0.0;
+  double to = 0.0;
+  std::string color = "#fdf1dc";
+};
+
+/// Filled polygons of one colour.
+struct Patches {
+  std::vector<std::vector<std::pair<double, double>>>
+      polygons;        ///< each a ring of (x, y), closed by the writer
+  std::string fill;    ///< #rrggbb; outline only if empty
+  std::string border;  ///< #rrggbb; none if empty
+  double width = 0.6;  ///< of the border [px]
+};
+
+/// What the fill colours of the patches mean; drawn as a bar to the right of the panel.
+struct ColorScale {
+  double lower = 0.0;
+  double upper = 1.0;
+  std::string label;
+  std::vector<std::string> colors;  ///< from lower to upper, at equal distances
+};
+
+/// One coordinate system. Axes carry their unit in the label, for example "time [s]".
+struct Panel {
+  using Range = std::pair<double, double>;
+
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<Patches> patches;  ///< drawn first, in order
+  std::vector<Band> bands;
+  std::vector<Series> series;
+  std::vector<Rule> bounds;      ///< horizontal
+  std::vector<Rule> marks;       ///< vertical
+  std::optional<Range> x_range;  ///< fitted to the data otherwise
+  std::optional<Range> y_range;
+  std::optional<ColorScale> scale;
+  bool equal_axes = false;  ///< one unit of x is as long as one of y
+  bool log_x = false;
+  bool log_y = false;
+  bool legend_below = false;  ///< under the panel instead of above its upper right corner
+  std::vector<std::pair<double, std::string>> x_ticks;  ///< names in place of numbers, if any
+};
+
+/// A picture of panels in rows and columns.
+struct Figure {
+  std::string title;
+  int width = 960;            ///< [px], 100..10000
+  int height = 480;           ///< [px], 100..10000
+  int columns = 1;            ///< >= 1
+  std::vector<Panel> panels;  ///< row by row
+};
+
+enum class ImageFormat { kSvg, kPng };
+
+/// The picture as the bytes of an image file. Runs `gnuplot`; throws Error when it is not installed or fails,
+/// or when the figure breaks a rule above (empty, sizes of x and y differ).
+std::string renderFigure(const Figure& figure, ImageFormat format);
+
+/// Renders by the ending of `path` (.svg or .png), writes beside it and renames. Throws Error naming the
+/// path.
+void writeFigure(const Figure& figure, const std::string& path);
+
+/// The gnuplot commands and data of a figure: everything but the terminal. Deterministic.
+std::string figureScript(const Figure& figure);
+
+/// A histogram of `values` as bars over `bins` bins that are equal on a linear or logarithmic scale. Values
+/// out of [lower, upper] fall into the first or last bin; those that are not finite are left out. lower <
+/// upper, both > 0 on a logarithmic scale.
+Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic);
+
+/// The same curve with at most about `points` points, keeping the extremes of each stretch, so that no peak
+/// is lost.
+Series thinned(const Series& series, std::size_t points);
+
+}  // namespace polyfly

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "map_plot/figure.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// A plane through the parameter space: two parameters are free, the others fixed.
+struct SliceRequest {
+  std::string x;  ///< name of the parameter along x
+  std::string y;  ///< name of the parameter along y
+  /// Values of the others by name, in the parameter's unit. Not named: 0 where the box holds it, else the
+  /// box's middle.
+  std::vector<std::pair<std::string, double>> at;
+};
+
+/// A region of the map, cut by the plane.
+struct SlicePolygon {
+  std::uint32_t region = 0;
+  std::uint32_t law = 0;
+  std::vector<std::pair<double, double>> corners;  ///< convex, counter-clockwise, in the parameters' units
+};
+
+struct Slice {
+  int x = 0;                           ///< index of the parameter along x
+  int y = 0;                           ///< index of the parameter along y
+  std::vector<double> theta;           ///< all parameters; entries x and y are not used
+  std::vector<SlicePolygon> polygons;  ///< in file order; regions that the plane misses are left out
+};
+
+/// Cuts every region of the map. Throws Error naming the map, the parameter and the rule when a name is
+/// unknown or given twice, or a value is outside the box.
+Slice slice(const RegionMap& map, const SliceRequest& request);
+
+/// The slice as a panel: filled by the value of the first input, lines between regions.
+Panel slicePanel(const RegionMap& map, const Slice& cut);
+
+/// Draws a slice into `file` (.svg or .png). Throws Error.
+void plotSlice(const RegionMap& map, const SliceRequest& request, const std::string& file);
+
+}  // namespace polyfly

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+
+#include "map_plot/figure.hpp"
+#include "region_maps/error.hpp"
+#include "run_gnuplot.hpp"
+
+namespace polyfly {
+namespace {
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+ImageFormat formatOf(const std::string& path) {
+  if (endsWith(path, ".svg")) {
+    return ImageFormat::kSvg;
+  }
+  if (endsWith(path, ".png")) {
+    return ImageFormat::kPng;
+  }
+  throw Error(path + ": ending: a picture is named .svg or .png");
+}
+
+// Appends every extreme of series[from, to) in order of x: first, least, greatest, last.
+void appendExtremes(const Series& series, std::size_t from, std::size_t to, Series* out) {
+  std::size_t least = from;
+  std::size_t greatest = from;
+  std::size_t gap = to;
+  for (std::size_t index = from; index < to; ++index) {
+    if (std::isnan(series.y[index])) {
+      gap = index;
+      continue;
+    }
+    if (!(series.y[index] >= series.y[least])) least = index;
+    if (!(series.y[index] <= series.y[greatest])) greatest = index;
+  }
+  std::vector<std::size_t> kept = {from, least, greatest, to - 1};
+  if (gap != to) kept.push_back(gap);
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  for (const std::size_t index : kept) {
+    out->x.push_back(series.x[index]);
+    out->y.push_back(series.y[index]);
+  }
+}
+
+}  // namespace
+
+std::string renderFigure(const Figure& figure, ImageFormat format) {
+  const std::string size = std::to_string(figure.width) + "," + std::to_string(figure.height);
+  std::string script = figureScript(figure);
+  switch (format) {
+    case ImageFormat::kSvg:
+      script = "set terminal svg noenhanced size " + size +
+               " dynamic background '#ffffff' font 'Helvetica,13'\n" + script;
+      break;
+    case ImageFormat::kPng:
+      script =
+          "set terminal pngcairo noenhanced size " + size + " background '#ffffff' font 'Sans,10'\n" + script;
+      break;
+  }
+  return runGnuplot(script);
+}
+
+void writeFigure(const Figure& figure, const std::string& path) {
+  const std::string image = renderFigure(figure, formatOf(path));
+  const std::string beside = path + ".part";
+  std::ofstream file(beside, std::ios::binary);
+  file.write(image.data(), static_cast<std::streamsize>(image.size()));
+  file.close();
+  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
+    const std::string reason = std::strerror(errno);
+    std::remove(beside.c_str());
+    throw Error(path + ": cannot be written: " + reason);
+  }
+}
+
+Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic) {
+  if (bins < 1 || !(lower < upper) || (logarithmic && lower <= 0.0)) {
+    throw Error("histogram: needs a bin and lower < upper, both above 0 on a logarithmic scale");
+  }
+  const auto scaled = [logarithmic](double value) { return logarithmic ? std::log10(value) : value; };
+  const double from = scaled(lower);
+  const double width = (scaled(upper) - from) / bins;
+  Series bars;
+  bars.style = Series::Style::kBars;
+  bars.y.assign(static_cast<std::size_t>(bins), 0.0);
+  for (int bin = 0; bin < bins; ++bin) {
+    const double middle = from + (bin + 0.5) * width;
+    bars.x.push_back(logarithmic ? std::pow(10.0, middle) : middle);
+  }
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    const double clamped = std::min(std::max(value, lower), upper);
+    const int bin = std::min(bins - 1, static_cast<int>((scaled(clamped) - from) / width));
+    bars.y[static_cast<std::size_t>(bin)] += 1.0;
+  }
+  return bars;
+}
+
+Series thinned(const Series& series, std::size_t points) {
+  constexpr std::size_t kPerStretch = 4;  // kept points
+  const std::size_t stretches = std::max<std::size_t>(points / kPerStretch, 1);
+  if (series.x.size() <= points || series.x.size() != series.y.size()) {
+    return series;
+  }
+  Series result = series;
+  result.x.clear();
+  result.y.clear();
+  const std::size_t count = series.x.size();
+  for (std::size_t stretch = 0; stretch < stretches; ++stretch) {
+    const std::size_t from = count * stretch / stretches;
+    const std::size_t to = count * (stretch + 1) / stretches;
+    if (from < to) appendExtremes(series, from, to, &result);
+  }
+  return result;
+}
+
+}  // namespace polyfly
