@@ -65,7 +65,8 @@ void YamlField::checkKeys(std::initializer_list<const char*> required,
   std::set<std::string> seen;
   for (const auto& entry : node_) {
     const int line = std::max(entry.first.Mark().line, 0) + 1;
-    if (!entry.first.IsScalar()) throw Error(format(source_, line, path_, "keys must be plain names"));
+    if (!entry.first.IsScalar())
+      throw Error(format(source_, line, path_.empty() ? "file" : path_, "keys must be plain names"));
     const std::string key = entry.first.Scalar();
     const std::string field = path_.empty() ? key : path_ + "." + key;
     if (!contains(required, key) && !contains(optional, key)) {
