@@ -25,7 +25,7 @@ struct FigureOptions {
   int laps = 2;                          ///< whole turns of the phase
   double yaw_turn = 4.712389;            ///< [rad]
   double hold_time = 10.0;               ///< at the end [s]
-  double sample_period = 0.01;           ///< between points of the trajectory [s]
+  double sample_period = 0.05;           ///< between points of the trajectory [s]
 };
 
 /// Lists the fields of FigureOptions once: visit(key, field, unit, range).

@@ -1,0 +1,113 @@
+#include "flight_recorder.hpp"
+
+#include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "read_options.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kPollTime = 0.02;  // wall time between looks at the publishers [s]
+constexpr std::uint32_t kUnbounded = 0;
+constexpr bool kLatched = true;
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) : nh_(nh) {
+  std::vector<std::string> topics;
+  if (!private_nh.getParam("topics", topics) || topics.empty()) {
+    throw polyfly::Error(private_nh.resolveName("topics") + ": must list the topics to record");
+  }
+  if (!private_nh.getParam("bag", path_) || path_.empty()) {
+    throw polyfly::Error(private_nh.resolveName("bag") + ": must name the bag file");
+  }
+  const double linger = readNumber(private_nh, "linger", 0.5, 0.0, 100.0);
+  try {
+    bag_.open(path_ + ".active", rosbag::bagmode::Write);
+  } catch (const rosbag::BagException& error) {
+    throw polyfly::Error(path_ + ".active: cannot be written: " + error.what());
+  }
+  open_ = true;
+
+  ready_pub_ = nh_.advertise<std_msgs::Bool>("recorder/ready", 1, kLatched);
+  closed_pub_ = nh_.advertise<std_msgs::String>("recorder/closed", 1, kLatched);
+  for (const std::string& topic : topics) {
+    subscribe(topic);
+  }
+  // What was sent before the end may still be under way on other connections: the file stays open for a
+  // moment.
+  close_timer_ = nh_.createWallTimer(
+      ros::WallDuration(linger), [this](const ros::WallTimerEvent&) { close(); }, true, false);
+  done_sub_ = nh_.subscribe<std_msgs::String>(
+      "flight/summary", kUnbounded, [this](const std_msgs::String::ConstPtr&) { close_timer_.start(); });
+  ready_timer_ = nh_.createWallTimer(ros::WallDuration(kPollTime),
+                                     [this](const ros::WallTimerEvent&) { announceWhenConnected(); });
+}
+
+FlightRecorder::~FlightRecorder() { close(); }
+
+void FlightRecorder::subscribe(const std::string& topic) {
+  ros::SubscribeOptions options;
+  options.topic = topic;
+  options.queue_size = kUnbounded;
+  options.md5sum = ros::message_traits::md5sum<topic_tools::ShapeShifter>();
+  options.datatype = ros::message_traits::datatype<topic_tools::ShapeShifter>();
+  options.helper = boost::make_shared<ros::SubscriptionCallbackHelperT<const Event&>>(
+      [this, name = nh_.resolveName(topic)](const Event& event) { write(name, event); });
+  subscribers_.push_back(nh_.subscribe(options));
+}
+
+void FlightRecorder::write(const std::string& topic, const Event& event) {
+  if (!open_) {
+    return;
+  }
+  try {
+    bag_.write(topic, std::max(ros::Time::now(), ros::TIME_MIN), *event.getMessage(),
+               event.getConnectionHeaderPtr());
+  } catch (const rosbag::BagException& error) {
+    ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
+    open_ = false;
+    ros::requestShutdown();
+  }
+}
+
+void FlightRecorder::announceWhenConnected() {
+  const bool connected =
+      std::all_of(subscribers_.begin(), subscribers_.end(),
+                  [](const ros::Subscriber& subscriber) { return subscriber.getNumPublishers() > 0; });
+  if (!connected) {
+    return;
+  }
+  ready_timer_.stop();
+  std_msgs::Bool message;
+  message.data = true;
+  ready_pub_.publish(message);
+}
+
+void FlightRecorder::close() {
+  if (!open_) {
+    return;
+  }
+  open_ = false;
+  try {
+    bag_.close();
+  } catch (const rosbag::BagException& error) {
+    ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
+    return;
+  }
+  if (std::rename((path_ + ".active").c_str(), path_.c_str()) != 0) {
+    ROS_FATAL_STREAM("recorder: cannot rename " << path_ << ".active");
+    return;
+  }
+  ROS_INFO_STREAM("recorder: closed " << path_);
+  std_msgs::String message;
+  message.data = path_;
+  closed_pub_.publish(message);
+}
+
+}  // namespace polyfly_ros

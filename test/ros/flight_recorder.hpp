@@ -1,0 +1,44 @@
+#pragma once
+
+#include <ros/ros.h>
+#include <rosbag/bag.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <string>
+#include <vector>
+
+namespace polyfly_ros {
+
+/// Records topics to a bag without loss. `rosbag record` keeps at most 100 unread messages per topic, which a
+/// flight in lockstep, many times faster than real time, can exceed; the queues here are unbounded. The
+/// flight waits for `recorder/ready` and the end of the flight for `recorder/closed`. Topics and parameters:
+/// test/README.md.
+class FlightRecorder {
+ public:
+  /// Opens the bag as `FILE.active`. Throws polyfly::Error when that fails or a parameter breaks its rule.
+  FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+  ~FlightRecorder();
+  FlightRecorder(const FlightRecorder&) = delete;
+  FlightRecorder& operator=(const FlightRecorder&) = delete;
+
+ private:
+  using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
+
+  void subscribe(const std::string& topic);
+  void write(const std::string& topic, const Event& event);
+  void announceWhenConnected();
+  void close();
+
+  ros::NodeHandle nh_;
+  std::string path_;
+  rosbag::Bag bag_;
+  bool open_ = false;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber done_sub_;
+  ros::Publisher ready_pub_;
+  ros::Publisher closed_pub_;
+  ros::WallTimer ready_timer_;
+  ros::WallTimer close_timer_;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,37 @@
+#include <nodelet/nodelet.h>
+
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "figure_player.hpp"
+#include "flight_recorder.hpp"
+#include "plant_node.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_test {
+
+/// A nodelet that is nothing but the node it holds. A bad parameter ends the manager, as it ends the
+/// stand-alone node.
+template <class Node>
+class Shell : public nodelet::Nodelet {
+  void onInit() override {
+    try {
+      node_ = std::make_unique<Node>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const polyfly::Error& error) {
+      NODELET_FATAL_STREAM(error.what());
+      ros::requestShutdown();
+    }
+  }
+
+  std::unique_ptr<Node> node_;
+};
+
+class MultirotorPlant : public Shell<polyfly_ros::PlantNode> {};
+class FigurePlayer : public Shell<polyfly_ros::FigurePlayer> {};
+class FlightRecorder : public Shell<polyfly_ros::FlightRecorder> {};
+
+}  // namespace polyfly_test
+
+PLUGINLIB_EXPORT_CLASS(polyfly_test::MultirotorPlant, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(polyfly_test::FigurePlayer, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(polyfly_test::FlightRecorder, nodelet::Nodelet)

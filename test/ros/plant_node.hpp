@@ -1,0 +1,88 @@
+#pragma once
+
+#include <mav_msgs/RollPitchYawrateThrust.h>
+#include <ros/ros.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "polyfly_test/multirotor_plant.hpp"
+#include "polyfly_test/odometry_fault.hpp"
+
+namespace polyfly_ros {
+
+/// The simulated vehicle. It owns the time of the flight: it publishes /clock and odometry, and in lockstep
+/// waits for the command that bears the odometry's stamp before time goes on. Topics and parameters:
+/// test/README.md.
+class PlantNode {
+ public:
+  /// Throws polyfly::Error when a parameter breaks its rule.
+  PlantNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+  ~PlantNode();
+  PlantNode(const PlantNode&) = delete;
+  PlantNode& operator=(const PlantNode&) = delete;
+
+ private:
+  struct Settings {
+    polyfly::PlantOptions plant;
+    polyfly::FaultOptions faults;
+    double duration = 0.0;                  // simulated [s]; 0: to the trajectory's end
+    double real_time_factor = 0.0;          // simulated per wall time; 0: as fast as possible
+    double silence_real_time_factor = 1.0;  // the same while odometry is silent
+    double command_timeout = 5.0;           // wall time that one command may take [s]
+    double start_timeout = 60.0;            // wall time until all are connected [s]
+    double settle_time = 0.3;               // wall time from connected to start [s]
+    double end_timeout = 10.0;              // wall time for the recorder to close its file [s]
+    int odometry_subscribers = 1;           // needed for the start
+    bool recorder = false;                  // wait for recorder/ready and recorder/closed
+    bool shutdown_when_done = false;
+    std::string frame = "world";
+    std::string body_frame = "base_link";
+  };
+
+  void readSettings(const ros::NodeHandle& private_nh);
+  void connect();
+  void run();
+  bool waitForStart();
+  std::string missingForStart();
+  void fly();
+  void publishSample(polyfly::MultirotorPlant& plant, double time);
+  void waitForCommand(const ros::Time& stamp);
+  void publishSummary(const polyfly::MultirotorPlant& plant, long samples);
+  void finish();
+  void pause(double seconds);
+
+  ros::NodeHandle nh_;
+  Settings settings_;
+  ros::Publisher clock_pub_;
+  ros::Publisher odometry_pub_;
+  ros::Publisher truth_pub_;
+  ros::Publisher disturbance_pub_;
+  ros::Publisher summary_pub_;
+  ros::Subscriber command_sub_;
+  ros::Subscriber trajectory_sub_;
+  ros::Subscriber ready_sub_;
+  ros::Subscriber closed_sub_;
+
+  std::mutex mutex_;  // guards what the callbacks write
+  std::condition_variable changed_;
+  trajectory_msgs::MultiDOFJointTrajectory::ConstPtr trajectory_;
+  polyfly::AttitudeCommand command_;
+  ros::Time command_stamp_;
+  bool has_command_ = false;
+  bool recorder_ready_ = false;
+  bool recorder_closed_ = false;
+  bool stopping_ = false;
+
+  ros::Time start_;  // of the flight, simulated
+  long missed_commands_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace polyfly_ros

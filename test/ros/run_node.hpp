@@ -1,0 +1,23 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+
+/// The stand-alone twin of a nodelet: the same class, its own process.
+template <class Node>
+int runNode(int argc, char** argv, const char* name) {
+  ros::init(argc, argv, name);
+  try {
+    Node node(ros::NodeHandle(), ros::NodeHandle("~"));
+    ros::spin();
+  } catch (const polyfly::Error& error) {
+    ROS_FATAL_STREAM(error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace polyfly_ros
