@@ -1,0 +1,280 @@
+#include "region_maps/write_map.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "made_map.hpp"
+#include "region_maps/error.hpp"
+#include "scratch_folder.hpp"
+
+namespace polyfly {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+/// XXH64 as its specification has it, for whole inputs with seed 0: the oracle of the checksum.
+class ReferenceHash {
+ public:
+  static std::uint64_t of(const Bytes& bytes) {
+    const std::size_t n = bytes.size();
+    std::size_t at = 0;
+    std::uint64_t hash = kPrime5;
+    if (n >= 32) {
+      std::uint64_t lane[4] = {kPrime1 + kPrime2, kPrime2, 0, 0 - kPrime1};
+      for (; at + 32 <= n; at += 32) {
+        for (std::size_t i = 0; i < 4; ++i) lane[i] = round(lane[i], little(bytes, at + 8 * i, 8));
+      }
+      hash = turn(lane[0], 1) + turn(lane[1], 7) + turn(lane[2], 12) + turn(lane[3], 18);
+      for (const std::uint64_t value : lane) hash = (hash ^ round(0, value)) * kPrime1 + kPrime4;
+    }
+    hash += n;
+    for (; at + 8 <= n; at += 8) hash = turn(hash ^ round(0, little(bytes, at, 8)), 27) * kPrime1 + kPrime4;
+    for (; at + 4 <= n; at += 4) hash = turn(hash ^ (little(bytes, at, 4) * kPrime1), 23) * kPrime2 + kPrime3;
+    for (; at < n; ++at) hash = turn(hash ^ (little(bytes, at, 1) * kPrime5), 11) * kPrime1;
+    hash = (hash ^ (hash >> 33)) * kPrime2;
+    hash = (hash ^ (hash >> 29)) * kPrime3;
+    return hash ^ (hash >> 32);
+  }
+
+  static std::uint64_t little(const Bytes& bytes, std::size_t at, std::size_t count) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < count; ++i) value |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
+    return value;
+  }
+
+ private:
+  static constexpr std::uint64_t kPrime1 = 0x9E3779B185EBCA87u;
+  static constexpr std::uint64_t kPrime2 = 0xC2B2AE3D27D4EB4Fu;
+  static constexpr std::uint64_t kPrime3 = 0x165667B19E3779F9u;
+  static constexpr std::uint64_t kPrime4 = 0x85EBCA77C2B2AE63u;
+  static constexpr std::uint64_t kPrime5 = 0x27D4EB2F165667C5u;
+
+  static std::uint64_t turn(std::uint64_t value, int bits) {
+    return (value << bits) | (value >> (64 - bits));
+  }
+  static std::uint64_t round(std::uint64_t lane, std::uint64_t value) {
+    return turn(lane + value * kPrime2, 31) * kPrime1;
+  }
+};
+
+double numberAt(const Bytes& bytes, std::size_t at) {
+  const std::uint64_t bits = ReferenceHash::little(bytes, at, 8);
+  double value = 0.0;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
+}
+
+TEST(ReferenceHash, KnowsThePublishedValueOfNothing) {
+  EXPECT_EQ(ReferenceHash::of({}), 0xEF46DB3751D8E999u);
+}
+
+TEST(LayOut, FollowsFormatMd) {
+  const MapContent map = makeSmallMap();
+  const Bytes bytes = layOut(map);
+  const auto u32 = [&](std::size_t at) { return ReferenceHash::little(bytes, at, 4); };
+  const auto u64 = [&](std::size_t at) { return ReferenceHash::little(bytes, at, 8); };
+  EXPECT_EQ(std::memcmp(bytes.data(), "PFLYMAP\n", 8), 0);
+  EXPECT_EQ(std::to_integer<int>(bytes[8]), 4);  // little-endian 0x01020304
+  EXPECT_EQ(u32(12), 1u);
+  EXPECT_EQ(u64(16), bytes.size());
+  Bytes blank;
+  for (std::size_t i = 0; i < bytes.size(); ++i) blank.push_back(i >= 24 && i < 32 ? std::byte{0} : bytes[i]);
+  EXPECT_EQ(u64(24), ReferenceHash::of(blank));
+  EXPECT_EQ(u32(32), 2u);
+  EXPECT_EQ(u32(36), 1u);
+  EXPECT_EQ(u32(40), map.root);
+  EXPECT_EQ(u32(44), 10u);
+  EXPECT_EQ(numberAt(bytes, 48), 0.125);
+  EXPECT_EQ(numberAt(bytes, 56), 1e-6);
+  EXPECT_EQ(u32(64), 2u);                // two nodes on every path
+  EXPECT_EQ(u32(68), 4u);                // one square with four sides
+  EXPECT_EQ(u64(72), (2u + 4 + 1) * 2);  // and one law, two multiply-adds each
+  const std::size_t elements[] = {u64(104), 3, 6, 4, 4, 16, map.active.size(), 3, 4, 4};
+  const std::size_t sizes[] = {1, 16, 24, 24, 20, 4, 4, 12, 8, 4};
+  std::size_t end = 256;
+  for (std::size_t i = 0; i < 10; ++i) {
+    const std::size_t offset = (end + 63) / 64 * 64;
+    EXPECT_EQ(u64(96 + 16 * i), offset) << "section " << i;
+    EXPECT_EQ(u64(104 + 16 * i), elements[i]) << "section " << i;
+    end = offset + elements[i] * sizes[i];
+  }
+  EXPECT_EQ(bytes.size(), (end + 63) / 64 * 64);
+  EXPECT_EQ(std::memcmp(bytes.data() + 256, "small\0name: small\n", 18), 0);
+  const std::size_t bounds = u64(112);
+  EXPECT_EQ(numberAt(bytes, bounds + 24), 2.0);  // greatest value of the second parameter
+  const std::size_t nodes = u64(96 + 16 * 7);
+  EXPECT_EQ(u32(nodes), map.nodes[0].plane);
+  EXPECT_EQ(u32(nodes + 4), map.nodes[0].below);
+  EXPECT_EQ(u32(nodes + 8), map.nodes[0].above);
+}
+
+TEST(LayOut, GivesTheSameBytesForTheSameContent) {
+  TreeRecipe recipe;
+  EXPECT_EQ(layOut(makeTreeMap(recipe)), layOut(makeTreeMap(recipe)));
+  recipe.seed = 2;
+  EXPECT_NE(layOut(makeTreeMap(recipe)), layOut(makeTreeMap({})));
+}
+
+TEST(LayOut, RefusesContentThatBreaksARule) {
+  const struct {
+    const char* reason;
+    std::function<void(MapContent&)> change;
+  } cases[] = {
+      {"small: parameters: must be 1 to 256, got 0", [](MapContent& m) { m.parameters.clear(); }},
+      {"small: inputs: must be 1 to 256, got 0", [](MapContent& m) { m.inputs.clear(); }},
+      {"small: planes: must hold p + 1 numbers each", [](MapContent& m) { m.planes.pop_back(); }},
+      {"small: laws: must hold m rows of p + 1", [](MapContent& m) { m.laws.push_back(0.0); }},
+      {"small: solver notes: holds a zero byte", [](MapContent& m) { m.solver_notes.push_back('\0'); }},
+      {"small: unit of a signal: holds a zero byte", [](MapContent& m) { m.inputs[0].unit.push_back('\0'); }},
+      {"small: parameter 1: name theta_0 occurs twice",
+       [](MapContent& m) { m.parameters[1].name = "theta_0"; }},
+      {"small: parameter 0: lower must not exceed", [](MapContent& m) { m.parameters[0].lower = 5.0; }},
+      {"small: section planes 0: holds a number that is not finite",
+       [](MapContent& m) { m.planes[0] = std::numeric_limits<double>::quiet_NaN(); }},
+      {"small: region 2: law 9 does not exist", [](MapContent& m) { m.regions[2].law = 9; }},
+      {"small: node 0: node 7 does not exist", [](MapContent& m) { m.nodes[0].above = 7; }},
+      {"small: section laws: must not be empty", [](MapContent& m) { m.laws.clear(); }},
+      {"small: section leaves: must not be empty", [](MapContent& m) { m.leaves.clear(); }},
+      {"region map: header: period must be finite",
+       [](MapContent& m) {
+         m.name.clear();
+         m.period = -1.0;
+       }},
+  };
+  for (const auto& test : cases) {
+    MapContent map = makeSmallMap();
+    test.change(map);
+    try {
+      layOut(map);
+      ADD_FAILURE() << "accepted: " << test.reason;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find(test.reason), 0u)
+          << error.what() << "\nexpected: " << test.reason;
+    }
+  }
+}
+
+TEST(WriteMap, WritesTheBytesAndNothingElse) {
+  const ScratchFolder folder;
+  writeMap(makeSmallMap(), folder.file("a.map"));
+  EXPECT_EQ(readBytes(folder.file("a.map")), layOut(makeSmallMap()));
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.map"});
+  struct stat info = {};
+  ASSERT_EQ(::stat(folder.file("a.map").c_str(), &info), 0);
+  EXPECT_NE(info.st_mode & S_IRUSR, 0u);
+}
+
+TEST(WriteMap, ReplacesAnOldFile) {
+  const ScratchFolder folder;
+  const std::string path = folder.save("a.map", Bytes(100'000, std::byte{7}));
+  writeMap(makeSmallMap(), path);
+  EXPECT_EQ(readBytes(path), layOut(makeSmallMap()));
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(WriteMap, BadContentLeavesTheOldFile) {
+  const ScratchFolder folder;
+  const Bytes old(10, std::byte{7});
+  const std::string path = folder.save("a.map", old);
+  MapContent map = makeSmallMap();
+  map.root = 99;
+  EXPECT_THROW(writeMap(map, path), Error);
+  EXPECT_EQ(readBytes(path), old);
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+/// The text of the error; empty if the file was written.
+std::string writeError(const std::string& path, const Bytes& bytes) {
+  try {
+    writeFileAtomically(path, bytes);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WriteFileAtomically, WritesShortAndEmptyFiles) {
+  const ScratchFolder folder;
+  for (const std::size_t size : {0u, 1u, 63u, 64u, 65u, 200u}) {
+    const Bytes bytes(size, std::byte{3});
+    writeFileAtomically(folder.file("short"), bytes);
+    EXPECT_EQ(readBytes(folder.file("short")), bytes);
+  }
+}
+
+TEST(WriteFileAtomically, WritesIntoTheWorkingFolder) {
+  const ScratchFolder folder;
+  const auto old = std::filesystem::current_path();
+  std::filesystem::current_path(folder.file(""));
+  const std::string error = writeError("plain", Bytes(5, std::byte{1}));
+  std::filesystem::current_path(old);
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(readBytes(folder.file("plain")).size(), 5u);
+}
+
+TEST(WriteFileAtomically, FolderThatDoesNotExist) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("nowhere/a.map");
+  EXPECT_EQ(writeError(path, Bytes(5)), path + ": cannot be written: No such file or directory");
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(WriteFileAtomically, FolderThatMayNotBeWritten) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const ScratchFolder folder;
+  const Bytes old(10, std::byte{7});
+  const std::string path = folder.save("a.map", old);
+  ASSERT_EQ(::chmod(folder.file("").c_str(), 0555), 0);
+  const std::string error = writeError(path, Bytes(5));
+  ASSERT_EQ(::chmod(folder.file("").c_str(), 0755), 0);
+  EXPECT_EQ(error, path + ": cannot be written: Permission denied");
+  EXPECT_EQ(readBytes(path), old);
+}
+
+TEST(WriteFileAtomically, TargetThatCannotBeReplaced) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder.file("a.map/inside"));
+  const std::string error = writeError(folder.file("a.map"), Bytes(500));
+  EXPECT_EQ(error.find(folder.file("a.map") + ": cannot be replaced: "), 0u) << error;
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.map"});
+}
+
+TEST(WriteFileAtomically, NoSpaceLeavesTheOldFileAndNothingElse) {
+  const ScratchFolder folder;
+  const Bytes old(10, std::byte{7});
+  const std::string path = folder.save("a.map", old);
+  // A limit on the size of files stands for a full disk.
+  struct rlimit limit = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  struct rlimit small = limit;
+  small.rlim_cur = 4096;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string error = writeError(path, Bytes(100'000, std::byte{9}));
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(error, path + ": cannot be written: File too large");
+  EXPECT_EQ(readBytes(path), old);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.map"});
+}
+
+TEST(WriteFileAtomically, StepsAroundALeftOver) {
+  const ScratchFolder folder;
+  const std::string left_over = "a.map.tmp-" + std::to_string(::getpid()) + "-0";
+  folder.save(left_over, Bytes(3));
+  EXPECT_EQ(writeError(folder.file("a.map"), Bytes(5, std::byte{1})), "");
+  EXPECT_EQ(readBytes(folder.file(left_over)), Bytes(3));
+  EXPECT_EQ(readBytes(folder.file("a.map")).size(), 5u);
+  EXPECT_EQ(folder.names().size(), 2u);
+}
+
+}  // namespace
+}  // namespace polyfly
