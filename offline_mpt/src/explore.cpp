@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "least_distance.hpp"
+#include "margin.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "region_builder.hpp"
 #include "region_maps/error.hpp"
@@ -18,11 +19,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kProbeStep = 1e-7;       // how far a probe steps across a degenerate facet [scaled]
-constexpr double kProbeTolerance = 1e-9;  // a region holds a probe within this [scaled]
-constexpr double kActive = 1e-10;         // multipliers below this are not active in a starting point
-constexpr double kMargin = 1e-9;          // least feasible margin of a starting point
-constexpr std::size_t kBatch = 1024;      // sets handed out between two looks at the limits
+constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
+constexpr double kProbeTolerance =
+    1e-8;                          // a region holds a probe within this, as the map's look-up does [scaled]
+constexpr double kActive = 1e-10;  // multipliers below this are not active in a starting point
+constexpr std::size_t kBatch = 1024;  // sets handed out between two looks at the limits
 
 struct ActiveSetHash {
   std::size_t operator()(const ActiveSet& set) const {
@@ -125,44 +126,9 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
   return out;
 }
 
-/// Parameter with the greatest feasible margin: max r, r <= 1, with slack r in every row and r to every side
-/// of the domain.
-bool feasibleParameter(const LeastDistance& program, Eigen::VectorXd& t) {
-  const int n = program.n;
-  const int p = program.p;
-  const int rows = program.m + program.domainCount() + 1;
-  constexpr double kRegular = 1e-6;  // makes the program strictly convex
-  Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, n + p + 1);
-  Eigen::VectorXd b(rows);
-  for (int i = 0; i < program.m; ++i) {
-    const double length = std::max(program.A.row(i).norm(), 1e-300);
-    A.row(i).head(n) = program.A.row(i) / length;
-    A.row(i).segment(n, p) = -program.S.row(i).head(p) / length;
-    A(i, n + p) = 1.0;
-    b(i) = program.S(i, p) / length;
-  }
-  for (int d = 0; d < program.domainCount(); ++d) {
-    const double* row = program.domain.data() + static_cast<std::ptrdiff_t>(d) * (p + 1);
-    for (int j = 0; j < p; ++j) A(program.m + d, n + j) = row[j];
-    A(program.m + d, n + p) = 1.0;
-    b(program.m + d) = row[p];
-  }
-  A(rows - 1, n + p) = 1.0;
-  b(rows - 1) = 1.0;
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
-  g(n + p) = -1.0;
-  DenseQp qp(H, A);
-  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
-  t = qp.z().segment(n, p);
-  return qp.z()(n + p) > kMargin;
-}
-
 /// A full-dimensional region to begin with.
-bool findStart(const LeastDistance& program, Worker& worker, ActiveSet& active) {
-  if (program.domain_empty) return false;
-  Eigen::VectorXd centre = Eigen::VectorXd::Zero(program.p);
-  if (!feasibleParameter(program, centre)) return false;
+bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
+               ActiveSet& active) {
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   RegionData region;
@@ -214,14 +180,21 @@ CriticalRegion toRegion(const LeastDistance& program, const ActiveSet& active, c
 /// The exploration itself: waves of active sets, each described in parallel and merged in order.
 class Exploration {
  public:
-  Exploration(const LeastDistance& program, const ExploreOptions& options)
-      : program_(program), options_(options), workers_([&] { return Worker(program, options); }) {}
+  Exploration(const LeastDistance& program, const Eigen::VectorXd& start, const ExploreOptions& options)
+      : program_(program),
+        start_(start),
+        options_(options),
+        workers_([&] { return Worker(program, options); }) {}
 
   Partition run() {
     const std::clock_t cpu_start = std::clock();
     begin_ = std::chrono::steady_clock::now();
     ActiveSet first;
-    if (!findStart(program_, workers_.local(), first)) return std::move(partition_);
+    if (!findStart(program_, start_, workers_.local(), first)) {
+      partition_.status = ExploreStatus::kIncomplete;
+      partition_.witness = program_.centre + program_.half.cwiseProduct(start_);
+      return std::move(partition_);
+    }
     partition_.status = ExploreStatus::kComplete;
     seen_.insert(first);
     std::vector<ActiveSet> wave{first};
@@ -297,6 +270,7 @@ class Exploration {
   }
 
   const LeastDistance& program_;
+  const Eigen::VectorXd& start_;
   const ExploreOptions& options_;
   tbb::enumerable_thread_specific<Worker> workers_;
   std::chrono::steady_clock::time_point begin_;
@@ -325,10 +299,14 @@ const char* toString(ExploreStatus status) {
 
 Partition explore(const ParametricProgram& program, const ExploreOptions& options) {
   checkProgram(program);
-  const LeastDistance scaled = toLeastDistance(program);
+  ParametricProgram explicit_equalities = program;
+  const Margin margin = findMargin(explicit_equalities);
   Partition partition;
+  if (!margin.feasible) return partition;
+  const LeastDistance scaled = toLeastDistance(explicit_equalities);
+  if (scaled.domain_empty) return partition;
   tbb::task_arena arena(std::max(1, options.threads));
-  arena.execute([&] { partition = Exploration(scaled, options).run(); });
+  arena.execute([&] { partition = Exploration(scaled, margin.t, options).run(); });
   return partition;
 }
 

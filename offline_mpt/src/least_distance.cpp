@@ -112,6 +112,7 @@ void keepRows(LeastDistance& ld, const Eigen::MatrixXd& M, const std::vector<int
   ld.m = count;
   ld.gram = M_kept * M_kept.transpose();
   ld.gram.diagonal().setOnes();
+  ld.M = std::move(M_kept);
   ld.D = std::move(D);
   ld.A = std::move(A);
   ld.S = std::move(S);

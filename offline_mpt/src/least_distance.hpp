@@ -21,7 +21,8 @@ struct LeastDistance {
   Eigen::VectorXd centre;      ///< p
   Eigen::VectorXd half;        ///< p
   std::vector<int> row_ids;    ///< m, rows of the program
-  Eigen::MatrixXd gram;        ///< m x m, unit diagonal
+  Eigen::MatrixXd M;           ///< m x n, unit rows A L^-T with H = L L'
+  Eigen::MatrixXd gram;        ///< m x m, M M'
   Eigen::MatrixXd D;           ///< m x (p + 1), slack of the unconstrained minimiser; constant last
   Eigen::MatrixXd U;           ///< q x (p + 1)
   Eigen::MatrixXd V;           ///< q x m

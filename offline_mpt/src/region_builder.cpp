@@ -6,10 +6,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kIndependent = 1e-11;  // squared distance of a unit row from the span of the others
-constexpr double kConstant = 1e-11;     // relative slope below which a row does not depend on the parameters
-constexpr double kCoincident = 1e-9;    // difference below which two unit half-spaces are the same plane
-constexpr double kExchange = 1e-9;      // weight above which a row can leave in an exchange
+constexpr double kSafePivot = 1e-6;  // squared distance from others below which products of unit rows mislead
+constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
+constexpr double kConstant = 1e-11;    // relative slope below which a row does not depend on the parameters
+constexpr double kCoincident = 1e-9;   // difference below which two unit half-spaces are the same plane
+constexpr double kExchange = 1e-9;     // weight above which a row can leave in an exchange
 constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
 
 ActiveSet with(const ActiveSet& active, int row) {
@@ -34,7 +35,6 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
       is_active_(program.m, 0),
-      scratch_(program.n + 2),
       solver_(program.p) {
   for (int i = 0; i < program.m; ++i) {
     for (int j = 0; j < program.m; ++j)
@@ -56,12 +56,35 @@ bool RegionBuilder::factorise(const ActiveSet& active) {
       for (int i = 0; i < c; ++i) value -= row[i] * other[i];
       if (c < r) {
         row[c] = value / other[c];
-      } else if (value > kIndependent) {
+      } else if (value > kSafePivot) {
         row[c] = std::sqrt(value);
       } else {
-        return false;
+        return factoriseAccurately(active);
       }
     }
+  }
+  return true;
+}
+
+// The same factor from the rows themselves, orthogonalised twice: distances come out with full accuracy,
+// where products of rows only keep their squares. Few sets need it.
+bool RegionBuilder::factoriseAccurately(const ActiveSet& active) {
+  const int k = static_cast<int>(active.size());
+  Eigen::MatrixXd basis(program_.n, k);
+  for (int r = 0; r < k; ++r) {
+    Eigen::VectorXd row = program_.M.row(active[r]);
+    double* out = factor_.data() + static_cast<std::size_t>(r) * k;
+    std::fill(out, out + r, 0.0);
+    for (int pass = 0; pass < 2; ++pass) {
+      for (int c = 0; c < r; ++c) {
+        const double weight = basis.col(c).dot(row);
+        out[c] += weight;
+        row -= weight * basis.col(c);
+      }
+    }
+    out[r] = row.norm();
+    if (out[r] <= kIndependent) return false;
+    basis.col(r) = row / out[r];
   }
   return true;
 }
@@ -205,8 +228,8 @@ std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
   return result;
 }
 
-// Squared distance of `row` from the span of the active rows, and its weights in that span.
-double RegionBuilder::dependence(const ActiveSet& active, int row, std::vector<double>& weights) const {
+// Whether `row` lies in the span of the active rows, and its weights there.
+bool RegionBuilder::depends(const ActiveSet& active, int row, std::vector<double>& weights) const {
   const int k = static_cast<int>(active.size());
   const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
   weights.resize(k);
@@ -222,7 +245,10 @@ double RegionBuilder::dependence(const ActiveSet& active, int row, std::vector<d
     for (int c = r + 1; c < k; ++c) value -= factor_[static_cast<std::size_t>(c) * k + r] * weights[c];
     weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
   }
-  return squared;
+  if (squared > kSafePivot) return false;
+  Eigen::VectorXd rest = program_.M.row(row);
+  for (int r = 0; r < k; ++r) rest -= weights[r] * program_.M.row(active[r]).transpose();
+  return rest.norm() <= kIndependent;
 }
 
 // `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
@@ -230,7 +256,7 @@ double RegionBuilder::dependence(const ActiveSet& active, int row, std::vector<d
 // facet.
 void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
   std::vector<double> weights;
-  dependence(active, row, weights);
+  if (!depends(active, row, weights)) return;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (weights[r] > kExchange) sets.push_back(with(without(active, active[r]), row));
   }
@@ -247,7 +273,7 @@ void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std:
     sets.push_back(without(active, facet.origin.index));
     return;
   }
-  if (changes.size() == 1 && dependence(active, facet.origin.index, weights) > kIndependent) {
+  if (changes.size() == 1 && !depends(active, facet.origin.index, weights)) {
     sets.push_back(with(active, facet.origin.index));
     return;
   }
@@ -263,9 +289,7 @@ void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std:
     sets.push_back(std::move(candidate));
   }
   for (std::size_t c = 0; c < count; ++c) {
-    if (changes[c].kind != RowOrigin::Kind::kSlack) continue;
-    if (dependence(active, changes[c].index, weights) <= kIndependent)
-      exchange(active, changes[c].index, sets);
+    if (changes[c].kind == RowOrigin::Kind::kSlack) exchange(active, changes[c].index, sets);
   }
 }
 

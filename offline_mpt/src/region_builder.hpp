@@ -61,11 +61,12 @@ class RegionBuilder {
 
  private:
   bool factorise(const ActiveSet& active);
+  bool factoriseAccurately(const ActiveSet& active);
   void solveFactor(double* x) const;
   BuildStatus assembleRows(const ActiveSet& active);
   bool addRow(const double* affine, RowOrigin origin, double scale, BuildStatus& status);
   void law(const ActiveSet& active, std::vector<double>& out) const;
-  double dependence(const ActiveSet& active, int row, std::vector<double>& weights) const;
+  bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
   std::vector<RowOrigin> coincident(const Facet& facet) const;
   void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
 
@@ -80,7 +81,6 @@ class RegionBuilder {
   std::vector<double> rows_;         // (a, b)
   std::vector<RowOrigin> origins_;
   std::vector<char> is_active_;
-  std::vector<double> scratch_;
   PolytopeSolver solver_;
   MinimalRows minimal_;
 };

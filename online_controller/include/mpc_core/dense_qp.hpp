@@ -8,7 +8,8 @@ namespace polyfly {
 enum class QpStatus {
   kOptimal,
   kInfeasible,      ///< the constraints contradict each other
-  kIterationLimit,  ///< more than 20 (m + n) + 100 changes of the active set
+  kIterationLimit,  ///< more than 20 (m + n) + 100 changes of the active set, or rounding prevented a
+                    ///< solution
   kNotFinite,       ///< NaN or infinity in g or b
 };
 
@@ -50,7 +51,8 @@ class DenseQp {
   void resolveMultipliers() noexcept;
   void updateSlack() noexcept;
   int mostViolated() const noexcept;
-  void finish() noexcept;
+  double largestMultiplier() const noexcept;
+  bool finish() noexcept;
 
   int n_ = 0;
   int m_ = 0;

@@ -11,9 +11,12 @@ namespace polyfly {
 namespace {
 
 constexpr double kFeasible = 1e-11;   // violation of a normalised row that is left alone, relative to 1 + |d|
-constexpr double kDependent = 1e-11;  // pivot below which a row depends on the active ones
+constexpr double kDependent = 1e-10;  // pivot below which a row depends on the active ones
 constexpr double kVoidRow = 1e-13;    // squared length below which a row constrains nothing
-constexpr double kNegative = 1e-12;   // direction entries below this do not block
+constexpr int kPolishRounds = 10;     // restarts after rounding has spoilt the multipliers
+constexpr double kRounding =
+    1e-13;  // multipliers above minus this, relative to the largest, count as non-negative
+constexpr double kNegative = 1e-12;  // direction entries below this do not block
 
 }  // namespace
 
@@ -77,20 +80,20 @@ QpStatus DenseQp::solve(const double* g, const double* b, bool warm) noexcept {
       return QpStatus::kInfeasible;
     }
   }
-  for (;;) {
-    const int row = mostViolated();
-    if (row < 0) break;
-    switch (satisfy(row)) {
-      case StepResult::kAdded:
-        break;
-      case StepResult::kInfeasible:
-        return QpStatus::kInfeasible;
-      case StepResult::kIterationLimit:
-        return QpStatus::kIterationLimit;
+  for (int round = 0; round < kPolishRounds; ++round) {
+    for (int row = mostViolated(); row >= 0; row = mostViolated()) {
+      switch (satisfy(row)) {
+        case StepResult::kAdded:
+          break;
+        case StepResult::kInfeasible:
+          return QpStatus::kInfeasible;
+        case StepResult::kIterationLimit:
+          return QpStatus::kIterationLimit;
+      }
     }
+    if (finish()) return QpStatus::kOptimal;
   }
-  finish();
-  return QpStatus::kOptimal;
+  return QpStatus::kIterationLimit;
 }
 
 bool DenseQp::startFrom(const double* g, const double* b) noexcept {
@@ -108,7 +111,7 @@ void DenseQp::warmStart() noexcept {
   for (;;) {
     resolveMultipliers();
     int worst = -1;
-    double least = 0.0;
+    double least = -kRounding * (1.0 + largestMultiplier());
     for (int j = 0; j < active_count_; ++j) {
       const int row = active_[j];
       if (!is_equality_[row] && lambda_(row) < least) {
@@ -145,7 +148,7 @@ DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
         blocking = j;
       }
     }
-    const bool independent = curvature > kDependent;
+    const bool independent = active_count_ < n_ && curvature > kDependent;
     const double primal_step = independent ? std::max(0.0, -sign * slack_(row)) / curvature
                                            : std::numeric_limits<double>::infinity();
     if (!independent && blocking < 0) {
@@ -228,6 +231,12 @@ void DenseQp::resolveMultipliers() noexcept {
   for (int j = 0; j < active_count_; ++j) lambda_(active_[j]) = direction_(j);
 }
 
+double DenseQp::largestMultiplier() const noexcept {
+  double largest = 0.0;
+  for (int j = 0; j < active_count_; ++j) largest = std::max(largest, std::abs(lambda_(active_[j])));
+  return largest;
+}
+
 void DenseQp::updateSlack() noexcept {
   slack_ = d_;
   for (int i = 0; i < m_; ++i) {
@@ -248,14 +257,21 @@ int DenseQp::mostViolated() const noexcept {
   return worst;
 }
 
-// Removes the rounding that the updates have gathered and undoes the scaling of the rows.
-void DenseQp::finish() noexcept {
-  lambda_.setZero();
-  resolveMultipliers();
+// Removes the rounding that the updates have gathered. True when the result still is optimal; if not, rows
+// whose multipliers turned out negative are dropped and the search can go on.
+bool DenseQp::finish() noexcept {
+  const int before = active_count_;
+  warmStart();
   updateSlack();
+  if (active_count_ != before || mostViolated() >= 0) return false;
   z_ = z_free_;
-  for (int j = 0; j < active_count_; ++j) z_.noalias() -= lambda_(active_[j]) * W_.col(active_[j]);
+  for (int j = 0; j < active_count_; ++j) {
+    double& multiplier = lambda_(active_[j]);
+    if (!is_equality_[active_[j]]) multiplier = std::max(multiplier, 0.0);
+    z_.noalias() -= multiplier * W_.col(active_[j]);
+  }
   lambda_.array() *= row_scale_.array();
+  return true;
 }
 
 }  // namespace polyfly

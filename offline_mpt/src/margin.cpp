@@ -1,0 +1,100 @@
+#include "margin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/dense_qp.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMargin = 1e-9;   // margins below this count as none [rows of unit length]
+constexpr double kRegular = 1e-7;  // weight of |(z, t)|^2 that makes the search strictly convex
+constexpr double kImplied = 1e-4;  // share of the margin's price above which a row counts as blocking
+constexpr double kNoLength =
+    1e-13;  // rows shorter than this, relative to their largest entry, have no normal
+
+/// max r over (z, t, r): rows of the program in scaled parameters with slack r, r <= 1. Box rows follow, then
+/// A_theta's.
+struct Search {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd b;
+  int domain = 0;  ///< first row of the parameters' own
+};
+
+Search assemble(const ParametricProgram& program) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  const int m = program.rowCount();
+  const int k = static_cast<int>(program.A_theta.rows());
+  Eigen::VectorXd centre(p), half(p);
+  for (int j = 0; j < p; ++j) {
+    centre(j) = 0.5 * (program.parameters[j].lower + program.parameters[j].upper);
+    half(j) = 0.5 * (program.parameters[j].upper - program.parameters[j].lower);
+  }
+  Search search;
+  search.domain = m;
+  search.A = Eigen::MatrixXd::Zero(m + 2 * p + k + 1, n + p + 1);
+  search.b = Eigen::VectorXd::Zero(m + 2 * p + k + 1);
+  search.A.topLeftCorner(m, n) = program.A;
+  search.A.block(0, n, m, p) = -program.S * half.asDiagonal();
+  search.b.head(m) = program.b + program.S * centre;
+  for (int j = 0; j < p; ++j) {
+    search.A(m + 2 * j, n + j) = 1.0;
+    search.A(m + 2 * j + 1, n + j) = -1.0;
+    search.b.segment(m + 2 * j, 2).setOnes();
+  }
+  if (k > 0) {
+    search.A.block(m + 2 * p, n, k, p) = program.A_theta * half.asDiagonal();
+    search.b.segment(m + 2 * p, k) = program.b_theta - program.A_theta * centre;
+  }
+  for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
+    const double length = search.A.row(i).norm();
+    const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
+    if (length <= kNoLength * largest || length == 0.0) continue;
+    search.A.row(i) /= length;
+    search.b(i) /= length;
+  }
+  search.A.col(n + p).setOnes();
+  for (const int row : program.equalities) search.A(row, n + p) = 0.0;
+  search.b(search.b.size() - 1) = 1.0;
+  return search;
+}
+
+/// Rows that keep the margin at zero; false when only the parameters' own rows do.
+bool addImplied(const DenseQp& qp, const Search& search, ParametricProgram& program) {
+  bool added = false;
+  for (int row = 0; row < search.domain; ++row) {
+    if (qp.lambda()(row) <= kImplied) continue;
+    if (std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end())
+      continue;
+    program.equalities.push_back(row);
+    added = true;
+  }
+  std::sort(program.equalities.begin(), program.equalities.end());
+  return added;
+}
+
+}  // namespace
+
+Margin findMargin(ParametricProgram& program) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  for (;;) {
+    const Search search = assemble(program);
+    const Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
+    g(n + p) = -1.0;
+    DenseQp qp(H, search.A, program.equalities);
+    if (qp.solve(g.data(), search.b.data()) != QpStatus::kOptimal) return {};
+    const double margin = qp.z()(n + p);
+    if (margin < -kMargin) return {};
+    if (margin > kMargin) return {true, qp.z().segment(n, p)};
+    if (!addImplied(qp, search, program)) {
+      throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");
+    }
+  }
+}
+
+}  // namespace polyfly
