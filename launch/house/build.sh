@@ -1,0 +1,61 @@
+# shellcheck shell=bash
+# The two builds: plain CMake for the tools and the tests without ROS, catkin for everything.
+
+planBuild() {
+  plan configure 10
+  plan "$1" "$2"
+  plan catkin 120
+}
+
+configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }
+buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
+
+# catkinBuild TARGET...: the workspace of catkin_ws/src, built under build/catkin so that catkin_ws stays clean.
+catkinBuild() {
+  mkdir -p build/catkin/src
+  ln -sfn /usr/share/catkin/cmake/toplevel.cmake build/catkin/src/CMakeLists.txt
+  ln -sfn ../../../catkin_ws/src build/catkin/src/polyfly
+  catkin_make -C build/catkin --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+    -DCMAKE_BUILD_TYPE=Release -DPOLYFLY_WERROR=ON "-j$(jobs_at_once)" -l1000 "$@"
+}
+
+# linkRosTools: the tools that need ROS libraries are built by catkin; build/bin points to them.
+linkRosTools() {
+  local tool
+  for tool in build/catkin/devel/lib/calibration/*; do
+    if [ -f "$tool" ] && [ -x "$tool" ] && [ ! -f "build/bin/${tool##*/}" -o -L "build/bin/${tool##*/}" ]; then
+      ln -sfn "../catkin/devel/lib/calibration/${tool##*/}" "build/bin/${tool##*/}"
+    fi
+  done
+}
+
+# buildAll TARGET STEP: the plain target (tools or all) and the workspace.
+buildAll() {
+  own bin
+  own release
+  own catkin
+  step configure "configuring the plain build" configurePreset release
+  step "$2" "building the ROS-free libraries and tools" buildPreset release "$1"
+  step catkin "building the ROS packages" catkinBuild
+  linkRosTools
+}
+
+# inWorkspace COMMAND...: with the environment of the built workspace.
+inWorkspace() {
+  (
+    set +u
+    # shellcheck source=/dev/null
+    . "$root/build/catkin/devel/setup.bash"
+    set -u
+    "$@"
+  )
+}
+
+buildCommand() {
+  planInstall run
+  planBuild tools 60
+  requirePackages run
+  buildAll tools tools
+  say "Built. The tools are in build/bin: $(ls build/bin | tr '\n' ' ')"
+  say "For ROS: source build/catkin/devel/setup.bash"
+}

@@ -1,0 +1,138 @@
+# shellcheck shell=bash
+# What the commands of ./run share: folders they own, steps with the time left, logs.
+
+# Debian's own tools come first: another python3 on PATH would hide the ROS modules.
+export PATH="/usr/bin:/bin:$PATH"
+export PYTHONDONTWRITEBYTECODE=1
+unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH PYTHONPATH LD_LIBRARY_PATH
+export ROS_HOME="$root/build/.run/ros" ROS_LOG_DIR="$root/build/.run/ros/log"
+
+say() { printf '%s\n' "$*"; }
+die() { printf 'run: %s\n' "$*" >&2; exit 1; }
+
+# own NAME: makes the folder build/NAME and notes that it is ours, so that `clean` may remove it.
+own() {
+  mkdir -p build/.run
+  if [ ! -e "build/$1" ]; then
+    mkdir -p "build/$1"
+    printf '%s\n' "$1" >> build/.run/made
+  fi
+}
+
+# takeLock: one ./run at a time in a tree; a ./run started by another is part of it.
+takeLock() {
+  [ -z "${POLYFLY_RUN_LOCKED:-}" ] || return 0
+  mkdir -p build/.run
+  exec 9> build/.run/lock
+  if ! flock --nonblock 9; then
+    say "Another ./run is at work in this tree; waiting for it."
+    flock 9
+  fi
+  export POLYFLY_RUN_LOCKED=1
+}
+
+cleanCommand() {
+  local name
+  if [ -f build/.run/made ]; then
+    while read -r name; do
+      [ -n "$name" ] || continue
+      say "removing build/$name"
+      rm -rf "build/$name"
+    done < <(sort -u build/.run/made)
+  fi
+  rm -rf build/.run
+  rmdir build 2> /dev/null || true
+  say "Clean."
+}
+
+# jobs: as many compilers as there are cores, but no more than fit the free memory (1.5 GB each).
+jobs_at_once() {
+  local cores free_mb fit
+  cores=$(nproc)
+  free_mb=$(awk '/^MemAvailable/ {print int($2 / 1024)}' /proc/meminfo)
+  fit=$((free_mb / 1500))
+  [ "$fit" -ge 1 ] || fit=1
+  echo $((cores < fit ? cores : fit))
+}
+
+# Steps of the running command: plan them all first, then run them in the same order.
+step_names=()
+step_seconds=()
+step_index=0
+
+# plan NAME SECONDS: a step that will take about SECONDS on two cores; what it took here last time counts more.
+plan() {
+  local last=""
+  if [ -f build/.run/times ]; then
+    last=$(awk -v name="$1" '$1 == name {seconds = $2} END {print seconds}' build/.run/times)
+  fi
+  step_names+=("$1")
+  step_seconds+=("${last:-$2}")
+}
+
+# timeLeft: seconds left from the current step on, given that it has run for $1 seconds.
+timeLeft() {
+  local left i
+  left=$((step_seconds[step_index] - $1))
+  [ "$left" -ge 0 ] || left=0
+  for ((i = step_index + 1; i < ${#step_names[@]}; ++i)); do
+    left=$((left + step_seconds[i]))
+  done
+  echo "$left"
+}
+
+# step NAME TEXT COMMAND...: runs the command of a planned step with its output in build/.run/log/NAME.log,
+# tells how long is left now and then, and shows the end of the log when it fails.
+step() {
+  local name=$1 text=$2 started now status=0
+  shift 2
+  while [ "$step_index" -lt "${#step_names[@]}" ] && [ "${step_names[$step_index]}" != "$name" ]; do
+    step_index=$((step_index + 1))
+  done
+  [ "$step_index" -lt "${#step_names[@]}" ] || plan "$name" 0
+  mkdir -p build/.run/log
+  started=$(date +%s)
+  say "[$((step_index + 1))/${#step_names[@]}] $text (about $(timeLeft 0) s left)"
+  "$@" > "build/.run/log/$name.log" 2>&1 9>&- &
+  step_pid=$!
+  (
+    trap 'kill $! 2> /dev/null; exit' TERM
+    while sleep 15 & wait $!; do
+      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft $(($(date +%s) - started))) s left"
+    done
+  ) 9>&- &
+  local ticker=$!
+  wait "$step_pid" || status=$?
+  step_pid=""
+  kill "$ticker" 2> /dev/null || true
+  wait "$ticker" 2> /dev/null || true
+  now=$(date +%s)
+  if [ "$status" -ne 0 ]; then
+    tail -n 60 "build/.run/log/$name.log" >&2
+    say "run: the step '$name' failed ($text); its whole output is in build/.run/log/$name.log" >&2
+    return "$status"
+  fi
+  echo "$name $((now - started))" >> build/.run/times
+  step_index=$((step_index + 1))
+}
+
+# An interrupted command takes its running step with it.
+step_pid=""
+stopStep() {
+  trap - INT TERM
+  if [ -n "$step_pid" ]; then
+    kill "$step_pid" 2> /dev/null || true
+    wait "$step_pid" 2> /dev/null || true
+  fi
+  exit 130
+}
+trap stopStep INT TERM
+
+# freePort: a loopback port that nobody listens on.
+freePort() {
+  python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
+
+# scriptNames KIND, scriptExists KIND NAME: the drop-in scripts of `bench` and `experiments`.
+scriptNames() { (cd "test/$1" 2> /dev/null && ls -- *.sh 2> /dev/null | sed 's/\.sh$//' | tr '\n' ' '); }
+scriptExists() { [[ "$2" =~ ^[a-z0-9_]+$ ]] && [ -f "test/$1/$2.sh" ]; }

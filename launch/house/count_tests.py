@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Counts test cases out of result files and prints `N passed, N failed` (and `, N skipped` where any).
+
+usage: count_tests.py [--ctest JUNIT GTEST_FOLDER]... [--catkin FOLDER]
+
+A ctest program that wrote a GoogleTest file counts with its cases, any other as one case; a program that
+failed without a failed case (it crashed, or a sanitizer stopped it) counts as one failure more. Exit
+status 1 when something failed or nothing ran.
+"""
+import os
+import sys
+import xml.etree.ElementTree as xml
+
+
+class Count:
+    def __init__(self):
+        self.passed = self.failed = self.skipped = 0
+
+    def add(self, other):
+        self.passed += other.passed
+        self.failed += other.failed
+        self.skipped += other.skipped
+
+    def text(self):
+        end = f", {self.skipped} skipped" if self.skipped else ""
+        return f"{self.passed} passed, {self.failed} failed{end}"
+
+
+def count_cases(path):
+    """Cases of one GoogleTest or JUnit file."""
+    count = Count()
+    for case in xml.parse(path).getroot().iter("testcase"):
+        if case.find("failure") is not None or case.find("error") is not None:
+            count.failed += 1
+        elif case.find("skipped") is not None or case.get("status") == "notrun":
+            count.skipped += 1
+        else:
+            count.passed += 1
+    return count
+
+
+def count_ctest(junit, gtest_folder):
+    total = Count()
+    for case in xml.parse(junit).getroot().iter("testcase"):
+        own = os.path.join(gtest_folder, case.get("name") + ".xml")
+        failed = case.get("status") == "fail" or case.find("failure") is not None
+        count = Count()
+        if os.path.exists(own):
+            count = count_cases(own)
+            if failed and not count.failed:
+                count.failed = 1
+        elif failed or case.get("status") == "notrun":
+            count.failed = 1
+        elif case.get("status") == "disabled" or case.find("skipped") is not None:
+            count.skipped = 1
+        else:
+            count.passed = 1
+        if count.failed:
+            print(f"  failed: {case.get('name')}: {count.text()}")
+        total.add(count)
+    return total
+
+
+def count_catkin(folder):
+    """rostest leaves a file with all cases of a launch file (rostest-*), and one more for each program in it
+    (rosunit-*): the former are counted."""
+    total = Count()
+    for where, _, names in sorted(os.walk(folder)):
+        for name in sorted(names):
+            if not name.endswith(".xml") or name.startswith("rosunit-"):
+                continue
+            count = count_cases(os.path.join(where, name))
+            if count.failed:
+                print(f"  failed: {name}: {count.text()}")
+            total.add(count)
+    return total
+
+
+def main(arguments):
+    total = Count()
+    while arguments:
+        kind = arguments.pop(0)
+        if kind == "--ctest":
+            junit, folder = arguments.pop(0), arguments.pop(0)
+            count, label = count_ctest(junit, folder), os.path.basename(os.path.dirname(junit))
+        elif kind == "--catkin":
+            count, label = count_catkin(arguments.pop(0)), "rostest"
+        else:
+            sys.exit(__doc__)
+        print(f"{label + ':':9} {count.text()}")
+        total.add(count)
+    print(total.text())
+    return 1 if total.failed or not total.passed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

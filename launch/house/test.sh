@@ -1,0 +1,49 @@
+# shellcheck shell=bash
+# ./run test: unit tests optimised, under the address and the thread sanitizer; rostests; the README's commands.
+
+# runCtest PRESET [ctest option...]: leaves JUnit and GoogleTest results in build/.run/results/PRESET.
+runCtest() {
+  local preset=$1 results="$root/build/.run/results/$1"
+  shift
+  rm -rf "$results"
+  mkdir -p "$results/gtest"
+  GTEST_OUTPUT="xml:$results/gtest/" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error \
+    --output-junit "$results/ctest.xml" "$@"
+}
+
+# A failing test is counted, not fatal, as long as it left its results.
+runTests() { runCtest "$@" || [ -f "build/.run/results/$1/ctest.xml" ]; }
+
+runRostests() {
+  rm -rf build/catkin/build/test_results
+  catkinBuild tests
+  inWorkspace catkinBuild -j1 run_tests || true
+  [ -d build/catkin/build/test_results ]
+}
+
+testCommand() {
+  planInstall run
+  planBuild all 150
+  plan asan_build 150
+  plan tsan_build 60
+  plan tests 30
+  plan asan_tests 60
+  plan tsan_tests 30
+  plan rostests 60
+  requirePackages run
+  buildAll all all
+  own asan
+  own tsan
+  step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
+  step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests
+  step tests "running the tests" runTests release
+  step asan_tests "running the tests under the address and undefined-behaviour sanitizers" runTests asan
+  step tsan_tests "running the threaded tests under the thread sanitizer" runTests tsan -L threads
+  step rostests "running the tests with ROS nodes" runRostests
+  python3 launch/house/count_tests.py --ctest build/.run/results/release/ctest.xml build/.run/results/release/gtest \
+    --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
+    --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest \
+    --catkin build/catkin/build/test_results
+}
+
+buildSanitized() { configurePreset "$1" && buildPreset "$@"; }
