@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "online_controller/types.hpp"
@@ -61,6 +62,28 @@ class ReferenceTrajectory {
 
  private:
   std::vector<TrajectorySample> samples_;
+};
+
+/// The trajectory in force, and the one that takes over at its start. Times of its trajectories count from
+/// their start.
+class ReferenceSchedule {
+ public:
+  /// Takes over at time `start` [s], or with the next sample when there is none. It replaces a trajectory
+  /// that still waits; the one in force ends when it takes over. The first of all is in force at once and
+  /// holds its first pose until its start. An empty trajectory is ignored.
+  void set(ReferenceTrajectory trajectory, std::optional<double> start);
+
+  /// The reference at `time` [s], nothing before the first trajectory. Does not allocate.
+  std::optional<Reference> sample(double time) noexcept;
+
+ private:
+  struct Entry {
+    ReferenceTrajectory trajectory;
+    std::optional<double> start;
+  };
+  Entry active_;
+  Entry next_;
+  bool next_waits_ = false;
 };
 
 }  // namespace polyfly

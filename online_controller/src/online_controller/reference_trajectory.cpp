@@ -136,4 +136,20 @@ Reference ReferenceTrajectory::sample(double time) const noexcept {
   return between(*(next - 1), *next, time);
 }
 
+void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double> start) {
+  if (trajectory.empty()) return;
+  next_waits_ = !active_.trajectory.empty();
+  (next_waits_ ? next_ : active_) = {std::move(trajectory), start};
+}
+
+std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
+  if (next_waits_ && (!next_.start || time >= *next_.start)) {
+    std::swap(active_, next_);  // what was in force is freed by the next call of set, not here
+    next_waits_ = false;
+  }
+  if (active_.trajectory.empty()) return std::nullopt;
+  if (!active_.start) active_.start = time;
+  return active_.trajectory.sample(time - *active_.start);
+}
+
 }  // namespace polyfly

@@ -1,0 +1,158 @@
+#include "online_controller_ros/controller_node.hpp"
+
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <exception>
+#include <optional>
+
+#include "online_controller_ros/conversions.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr std::array<const char*, 3> kMapKeys{"maps/longitudinal", "maps/lateral", "maps/vertical"};
+constexpr double kLogInterval = 1.0;  // between two warnings [s]
+
+using Clock = std::chrono::steady_clock;
+
+std::int64_t nanosecondsSince(Clock::time_point start) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count();
+}
+
+std::array<const polyfly::RegionMap*, 3> pointers(const std::array<polyfly::RegionMap, 3>& maps) {
+  return {&maps[0], &maps[1], &maps[2]};
+}
+
+}  // namespace
+
+ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle) {
+  Setup setup;
+  ParameterReader reader(private_handle);
+  for (std::size_t i = 0; i < kMapKeys.size(); ++i) {
+    setup.map_paths[i] = reader.requiredText(kMapKeys[i], "the path of a region map");
+  }
+  polyfly::visitOptions(setup.controller, reader);
+  visitNodeOptions(setup.node, reader);
+  reader.refuseUnknown({"maps", "vehicle", "controller"});
+  return setup;
+}
+
+ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
+    : ExplicitMpcNode(handle, readSetup(private_handle)) {
+} catch (const std::exception& error) {
+  ROS_FATAL("explicit MPC does not start: %s", error.what());
+  throw;
+}
+
+ExplicitMpcNode::ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup)
+    : maps_{polyfly::RegionMap::open(setup.map_paths[0]), polyfly::RegionMap::open(setup.map_paths[1]),
+            polyfly::RegionMap::open(setup.map_paths[2])},
+      parameters_{maps_[0].parameters(), maps_[1].parameters(), maps_[2].parameters()},
+      controller_(pointers(maps_), setup.controller),
+      silence_(setup.node.stale_periods * setup.controller.control_period) {
+  connect(handle);
+}
+
+void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
+  command_publisher_ =
+      handle.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", 1);
+  status_publisher_ = handle.advertise<online_controller::ControllerStatus>("controller_status", 100);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  trajectory_subscriber_ =
+      handle.subscribe("command/trajectory", 1, &ExplicitMpcNode::onTrajectory, this, hints);
+  pose_subscriber_ = handle.subscribe("command/pose", 1, &ExplicitMpcNode::onPose, this, hints);
+  odometry_subscriber_ = handle.subscribe("odometry", 1, &ExplicitMpcNode::onOdometry, this, hints);
+  watchdog_ = handle.createTimer(ros::Duration(controller_.options().control_period),
+                                 [this](const ros::TimerEvent&) { onWatchdog(); });
+}
+
+void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
+  arrival_ = ros::Time::now();
+  has_odometry_ = true;
+  frame_ = message->header.frame_id;
+  odometry_age_ = (arrival_ - message->header.stamp).toSec();
+  const polyfly::VehicleState state = toVehicleState(*message);
+  const std::optional<polyfly::Reference> reference = references_.sample(state.stamp);
+
+  const Clock::time_point start = Clock::now();
+  const polyfly::ControlReport& report =
+      reference ? controller_.step(state, *reference) : controller_.stepWithoutReference(state.stamp);
+  const std::int64_t step_time_ns = nanosecondsSince(start);
+  publish(report, message->header, step_time_ns);
+}
+
+void ExplicitMpcNode::onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
+  try {
+    references_.set(toReferenceTrajectory(*message), startOf(*message));
+  } catch (const polyfly::Error& error) {
+    ROS_ERROR("explicit MPC keeps its reference: %s", error.what());
+  }
+}
+
+void ExplicitMpcNode::onPose(const geometry_msgs::PoseStamped::ConstPtr& message) {
+  try {
+    references_.set(toReferenceTrajectory(*message), std::nullopt);
+  } catch (const polyfly::Error& error) {
+    ROS_ERROR("explicit MPC keeps its reference: %s", error.what());
+  }
+}
+
+void ExplicitMpcNode::onWatchdog() {
+  const ros::Time now = ros::Time::now();
+  if (!has_odometry_) return;
+  if (now < arrival_) arrival_ = now;  // simulated time began anew
+  if (now - arrival_ <= silence_) return;
+  const Clock::time_point start = Clock::now();
+  const polyfly::ControlReport& report = controller_.onSilence(now.toSec());
+  const std::int64_t step_time_ns = nanosecondsSince(start);
+  std_msgs::Header header;
+  header.stamp = now;
+  header.frame_id = frame_;
+  odometry_age_ = (now - arrival_).toSec();
+  publish(report, header, step_time_ns);
+}
+
+void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_msgs::Header& header,
+                              std::int64_t step_time_ns) {
+  // A fresh message each time: neighbours in the same nodelet manager share it, so it must not change
+  // afterwards.
+  const auto command = boost::make_shared<mav_msgs::RollPitchYawrateThrust>();
+  command->header = header;
+  fillCommand(report.command, *command);
+  command_publisher_.publish(command);
+
+  const auto status = boost::make_shared<online_controller::ControllerStatus>();
+  status->header = header;
+  status->sequence = sequence_++;
+  status->odometry_age = odometry_age_;
+  status->step_time_ns = step_time_ns;
+  status->lookup_time_ns = lookupTime(report);
+  fillStatus(report, parameters_, *status);
+  status_publisher_.publish(status);
+  logChange(report);
+}
+
+std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) const {
+  for (const polyfly::AxisReport& axis : report.axis) {
+    if (axis.size == 0) return 0;
+  }
+  double input = 0.0;
+  const Clock::time_point start = Clock::now();
+  for (std::size_t i = 0; i < maps_.size(); ++i) maps_[i].evaluate(report.axis[i].theta.data(), &input);
+  return nanosecondsSince(start) / static_cast<std::int64_t>(maps_.size());
+}
+
+void ExplicitMpcNode::logChange(const polyfly::ControlReport& report) {
+  if (report.status == logged_status_ && report.reason == logged_reason_) return;
+  logged_status_ = report.status;
+  logged_reason_ = report.reason;
+  const std::string text = describe(report, parameters_);
+  if (report.status == polyfly::ControlStatus::kOptimal) {
+    ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
+  } else {
+    ROS_WARN_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
+  }
+}
+
+}  // namespace polyfly_ros

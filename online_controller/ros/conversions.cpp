@@ -1,0 +1,199 @@
+#include "online_controller_ros/conversions.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "online_controller/attitude.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+using polyfly::ControlReason;
+using polyfly::ControlStatus;
+using polyfly::LookupStatus;
+
+/// A quaternion whose length differs from 1 by more than this is no attitude.
+constexpr double kUnitTolerance = 0.05;
+
+template <class Vector>
+Eigen::Vector3d toEigen(const Vector& message) {
+  return {message.x, message.y, message.z};
+}
+
+/// Of unit length, or all NaN.
+Eigen::Quaterniond toAttitude(const geometry_msgs::Quaternion& message) {
+  const Eigen::Quaterniond raw(message.w, message.x, message.y, message.z);
+  const double norm = raw.norm();
+  if (std::abs(norm - 1.0) <= kUnitTolerance) return raw.normalized();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  return {kNan, kNan, kNan, kNan};
+}
+
+double toYaw(const geometry_msgs::Quaternion& message, const std::string& place) {
+  const Eigen::Quaterniond attitude = toAttitude(message);
+  if (std::isnan(attitude.w()))
+    throw polyfly::Error(place + "orientation must be a quaternion of unit length");
+  return polyfly::eulerAngles(attitude).yaw;
+}
+
+polyfly::TrajectorySample toSample(const trajectory_msgs::MultiDOFJointTrajectoryPoint& point,
+                                   std::size_t index) {
+  const std::string place = "command/trajectory: point " + std::to_string(index) + ": ";
+  if (point.transforms.size() != 1 || point.velocities.size() > 1 || point.accelerations.size() > 1) {
+    throw polyfly::Error(place + "must have one transform, and at most one velocity and one acceleration");
+  }
+  polyfly::TrajectorySample sample;
+  sample.time = point.time_from_start.toSec();
+  sample.position = toEigen(point.transforms[0].translation);
+  sample.yaw = toYaw(point.transforms[0].rotation, place);
+  sample.has_velocity = !point.velocities.empty();
+  if (sample.has_velocity) {
+    sample.velocity = toEigen(point.velocities[0].linear);
+    sample.yaw_rate = point.velocities[0].angular.z;
+  }
+  sample.has_acceleration = !point.accelerations.empty();
+  if (sample.has_acceleration) sample.acceleration = toEigen(point.accelerations[0].linear);
+  return sample;
+}
+
+const char* words(ControlStatus status) {
+  switch (status) {
+    case ControlStatus::kOptimal:
+      return "optimal";
+    case ControlStatus::kClipped:
+      return "clipped";
+    case ControlStatus::kHoldLast:
+      return "last command repeated";
+    case ControlStatus::kLevel:
+      return "level attitude, hover thrust";
+    case ControlStatus::kNoReference:
+      return "level attitude, hover thrust";
+  }
+  return "";
+}
+
+const char* words(ControlReason reason) {
+  switch (reason) {
+    case ControlReason::kNone:
+      return "";
+    case ControlReason::kOutsideBox:
+      return "outside the range of its map";
+    case ControlReason::kOutsidePartition:
+      return "no region holds the parameters";
+    case ControlReason::kNotFinite:
+      return "odometry or reference is not finite or absurdly large";
+    case ControlReason::kStale:
+      return "odometry is silent";
+    case ControlReason::kNoReference:
+      return "nothing to track yet";
+  }
+  return "";
+}
+
+void fillAxis(const polyfly::AxisReport& report, const std::vector<polyfly::Signal>& parameters,
+              online_controller::AxisStatus& message) {
+  using Message = online_controller::AxisStatus;
+  static_assert(static_cast<int>(LookupStatus::kInside) == Message::INSIDE &&
+                    static_cast<int>(LookupStatus::kOutsideBox) == Message::OUTSIDE_BOX &&
+                    static_cast<int>(LookupStatus::kOutsidePartition) == Message::OUTSIDE_PARTITION &&
+                    static_cast<int>(LookupStatus::kNotFinite) == Message::NOT_FINITE,
+                "the message restates the enumeration");
+  message.lookup = static_cast<std::uint8_t>(report.lookup);
+  message.theta.assign(report.theta.begin(), report.theta.begin() + report.size);
+  if (report.outside_parameter >= 0) {
+    message.outside_parameter = parameters.at(static_cast<std::size_t>(report.outside_parameter)).name;
+  }
+  message.region = report.region;
+  message.input = report.input;
+  message.disturbance = report.disturbance;
+}
+
+}  // namespace
+
+polyfly::VehicleState toVehicleState(const nav_msgs::Odometry& message) {
+  polyfly::VehicleState state;
+  state.stamp = message.header.stamp.toSec();
+  state.position = toEigen(message.pose.pose.position);
+  state.attitude = toAttitude(message.pose.pose.orientation);
+  state.velocity = state.attitude * toEigen(message.twist.twist.linear);
+  state.angular_velocity = toEigen(message.twist.twist.angular);
+  return state;
+}
+
+polyfly::ReferenceTrajectory toReferenceTrajectory(const trajectory_msgs::MultiDOFJointTrajectory& message) {
+  std::vector<polyfly::TrajectorySample> samples;
+  samples.reserve(message.points.size());
+  for (std::size_t i = 0; i < message.points.size(); ++i) samples.push_back(toSample(message.points[i], i));
+  try {
+    return polyfly::ReferenceTrajectory(std::move(samples));
+  } catch (const polyfly::Error& error) {
+    throw polyfly::Error(std::string("command/trajectory: ") + error.what());
+  }
+}
+
+std::optional<double> startOf(const trajectory_msgs::MultiDOFJointTrajectory& message) {
+  if (message.header.stamp.isZero()) return std::nullopt;
+  return message.header.stamp.toSec();
+}
+
+polyfly::ReferenceTrajectory toReferenceTrajectory(const geometry_msgs::PoseStamped& message) {
+  const double yaw = toYaw(message.pose.orientation, "command/pose: ");
+  try {
+    return polyfly::ReferenceTrajectory::pose(toEigen(message.pose.position), yaw);
+  } catch (const polyfly::Error& error) {
+    throw polyfly::Error(std::string("command/pose: ") + error.what());
+  }
+}
+
+void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYawrateThrust& message) {
+  message.roll = command.roll;
+  message.pitch = command.pitch;
+  message.yaw_rate = command.yaw_rate;
+  message.thrust.x = 0.0;
+  message.thrust.y = 0.0;
+  message.thrust.z = command.thrust;
+}
+
+void fillStatus(const polyfly::ControlReport& report,
+                const std::array<std::vector<polyfly::Signal>, 3>& parameters,
+                online_controller::ControllerStatus& message) {
+  using Message = online_controller::ControllerStatus;
+  static_assert(static_cast<int>(ControlStatus::kOptimal) == Message::OPTIMAL &&
+                    static_cast<int>(ControlStatus::kClipped) == Message::CLIPPED &&
+                    static_cast<int>(ControlStatus::kHoldLast) == Message::HOLD_LAST &&
+                    static_cast<int>(ControlStatus::kLevel) == Message::LEVEL &&
+                    static_cast<int>(ControlStatus::kNoReference) == Message::NO_REFERENCE &&
+                    static_cast<int>(ControlReason::kNone) == Message::REASON_NONE &&
+                    static_cast<int>(ControlReason::kOutsideBox) == Message::REASON_OUTSIDE_BOX &&
+                    static_cast<int>(ControlReason::kOutsidePartition) == Message::REASON_OUTSIDE_PARTITION &&
+                    static_cast<int>(ControlReason::kNotFinite) == Message::REASON_NOT_FINITE &&
+                    static_cast<int>(ControlReason::kStale) == Message::REASON_STALE &&
+                    static_cast<int>(ControlReason::kNoReference) == Message::REASON_NO_REFERENCE,
+                "the message restates the enumerations");
+  message.status = static_cast<std::uint8_t>(report.status);
+  message.reason = static_cast<std::uint8_t>(report.reason);
+  message.text = describe(report, parameters);
+  fillAxis(report.axis[0], parameters[0], message.longitudinal);
+  fillAxis(report.axis[1], parameters[1], message.lateral);
+  fillAxis(report.axis[2], parameters[2], message.vertical);
+}
+
+std::string describe(const polyfly::ControlReport& report,
+                     const std::array<std::vector<polyfly::Signal>, 3>& parameters) {
+  std::string text = words(report.status);
+  if (report.reason == ControlReason::kNone) return text;
+  text += ": ";
+  if (report.reason == ControlReason::kOutsideBox) {
+    std::string names;
+    for (std::size_t i = 0; i < report.axis.size(); ++i) {
+      const int outside = report.axis[i].outside_parameter;
+      if (outside >= 0)
+        names += (names.empty() ? "" : ", ") + parameters[i].at(static_cast<std::size_t>(outside)).name;
+    }
+    text += names + " ";
+  }
+  return text + words(report.reason);
+}
+
+}  // namespace polyfly_ros

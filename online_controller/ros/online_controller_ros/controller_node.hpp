@@ -1,0 +1,82 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/options.hpp"
+#include "online_controller/reference_trajectory.hpp"
+#include "online_controller_ros/parameter_reader.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly_ros {
+
+/// What the node needs beyond the controller's own options.
+struct NodeOptions {
+  int stale_periods = 10;  ///< control periods without odometry after which it counts as silent
+};
+
+template <class Options, class Visit>
+void visitNodeOptions(Options& options, Visit&& visit) {
+  visit("controller/stale_periods", options.stale_periods, "control periods", polyfly::Range{2.0, 10000.0});
+}
+
+/// The explicit controller on ROS topics: odometry and references in, attitude commands and status out.
+/// Topics and parameters are listed in online_controller/README.md. Callbacks must not run concurrently.
+class ExplicitMpcNode {
+ public:
+  /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
+  /// the parameters or a map are not fit to fly.
+  ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
+
+ private:
+  struct Setup {
+    std::array<std::string, 3> map_paths;
+    polyfly::MultirotorOptions controller;
+    NodeOptions node;
+  };
+
+  static Setup readSetup(const ros::NodeHandle& private_handle);
+  ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup);
+  void connect(ros::NodeHandle& handle);
+
+  void onOdometry(const nav_msgs::Odometry::ConstPtr& message);
+  void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);
+  void onPose(const geometry_msgs::PoseStamped::ConstPtr& message);
+  void onWatchdog();
+
+  void publish(const polyfly::ControlReport& report, const std_msgs::Header& header,
+               std::int64_t step_time_ns);
+  std::int64_t lookupTime(const polyfly::ControlReport& report) const;
+  void logChange(const polyfly::ControlReport& report);
+
+  std::array<polyfly::RegionMap, 3> maps_;
+  std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the maps
+  polyfly::MultirotorController controller_;
+  polyfly::ReferenceSchedule references_;
+  ros::Duration silence_;  // longer than this without odometry is silence
+
+  ros::Publisher command_publisher_;
+  ros::Publisher status_publisher_;
+  ros::Subscriber odometry_subscriber_;
+  ros::Subscriber trajectory_subscriber_;
+  ros::Subscriber pose_subscriber_;
+  ros::Timer watchdog_;
+
+  bool has_odometry_ = false;
+  ros::Time arrival_;          // of the last odometry
+  std::string frame_;          // of the last odometry
+  double odometry_age_ = 0.0;  // at its arrival [s]
+  std::uint32_t sequence_ = 0;
+  polyfly::ControlStatus logged_status_ = polyfly::ControlStatus::kOptimal;
+  polyfly::ControlReason logged_reason_ = polyfly::ControlReason::kNone;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <mav_msgs/RollPitchYawrateThrust.h>
+#include <nav_msgs/Odometry.h>
+#include <online_controller/AxisStatus.h>
+#include <online_controller/ControllerStatus.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/types.hpp"
+#include "region_maps/signal.hpp"
+
+// The only place where messages become values and frames change. Also for replaying a bag.
+namespace polyfly_ros {
+
+/// The twist of an odometry message is in its child frame, the body: the velocity is rotated to the world.
+/// The quaternion is normalised; one that is not finite or far from unit length becomes NaN, which the
+/// controller refuses.
+polyfly::VehicleState toVehicleState(const nav_msgs::Odometry& message);
+
+/// Times count from the header's stamp, see startOf. Each point has one transform; yaw comes from its
+/// rotation, tilt is ignored. Points without velocities or accelerations leave these to ReferenceTrajectory.
+/// A velocity's angular z is the yaw rate. Throws Error naming topic, point and rule.
+polyfly::ReferenceTrajectory toReferenceTrajectory(const trajectory_msgs::MultiDOFJointTrajectory& message);
+
+/// When the trajectory starts: its stamp [s], or nothing (with the next odometry) where the stamp is zero.
+std::optional<double> startOf(const trajectory_msgs::MultiDOFJointTrajectory& message);
+
+/// A pose to hold; tilt is ignored, and so is the stamp: it counts from the next odometry. Throws Error.
+polyfly::ReferenceTrajectory toReferenceTrajectory(const geometry_msgs::PoseStamped& message);
+
+/// Roll, pitch, yaw rate and thrust; the caller sets the header.
+void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYawrateThrust& message);
+
+/// Status, reason and axes; the caller sets header, sequence and times. `parameters` names those of each
+/// axis.
+void fillStatus(const polyfly::ControlReport& report,
+                const std::array<std::vector<polyfly::Signal>, 3>& parameters,
+                online_controller::ControllerStatus& message);
+
+/// "clipped: e_p_x outside the range of its map", for logs and the status message.
+std::string describe(const polyfly::ControlReport& report,
+                     const std::array<std::vector<polyfly::Signal>, 3>& parameters);
+
+}  // namespace polyfly_ros

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "online_controller/options.hpp"
+
+namespace polyfly_ros {
+
+/// Reads options from a node's private parameters. It is the visitor of an option list: each call reads one
+/// parameter, or leaves the default where it is not set, and throws Error naming it when its type or range is
+/// wrong.
+class ParameterReader {
+ public:
+  explicit ParameterReader(const ros::NodeHandle& private_handle) : handle_(private_handle) {}
+
+  void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range);
+  void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range);
+  void operator()(const char* key, bool& field);
+
+  /// Throws Error unless the parameter is a text that is not empty. `what` says what it is for.
+  std::string requiredText(const std::string& key, const std::string& what);
+
+  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling.
+  void refuseUnknown(const std::vector<std::string>& namespaces) const;
+
+ private:
+  bool given(const std::string& key);
+
+  ros::NodeHandle handle_;
+  std::set<std::string> read_;
+};
+
+}  // namespace polyfly_ros

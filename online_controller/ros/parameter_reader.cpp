@@ -1,0 +1,76 @@
+#include "online_controller_ros/parameter_reader.hpp"
+
+#include <ros/param.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+[[noreturn]] void refuseValue(const std::string& name, const std::string& rule) {
+  throw polyfly::Error("parameter " + name + ": " + rule);
+}
+
+template <class Value>
+void requireRange(const std::string& name, Value value, const char* unit, const polyfly::Range& range) {
+  // Written so that NaN fails.
+  if (value >= range.least && value <= range.greatest) return;
+  std::ostringstream rule;
+  rule << "must lie in [" << range.least << ", " << range.greatest << "] " << unit << ", got " << value;
+  refuseValue(name, rule.str());
+}
+
+}  // namespace
+
+bool ParameterReader::given(const std::string& key) {
+  read_.insert(handle_.resolveName(key));
+  return handle_.hasParam(key);
+}
+
+void ParameterReader::operator()(const char* key, double& field, const char* unit,
+                                 const polyfly::Range& range) {
+  if (given(key) && !handle_.getParam(key, field)) refuseValue(handle_.resolveName(key), "must be a number");
+  requireRange(handle_.resolveName(key), field, unit, range);
+}
+
+void ParameterReader::operator()(const char* key, int& field, const char* unit, const polyfly::Range& range) {
+  if (given(key)) {
+    // roscpp would round 2.5 to an integer silently.
+    XmlRpc::XmlRpcValue value;
+    handle_.getParam(key, value);
+    if (value.getType() != XmlRpc::XmlRpcValue::TypeInt)
+      refuseValue(handle_.resolveName(key), "must be a whole number");
+    field = static_cast<int>(value);
+  }
+  requireRange(handle_.resolveName(key), field, unit, range);
+}
+
+void ParameterReader::operator()(const char* key, bool& field) {
+  if (given(key) && !handle_.getParam(key, field))
+    refuseValue(handle_.resolveName(key), "must be true or false");
+}
+
+std::string ParameterReader::requiredText(const std::string& key, const std::string& what) {
+  std::string text;
+  if (!given(key)) refuseValue(handle_.resolveName(key), "missing, must be " + what);
+  if (!handle_.getParam(key, text) || text.empty()) refuseValue(handle_.resolveName(key), "must be " + what);
+  return text;
+}
+
+void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
+  std::vector<std::string> names;
+  if (!ros::param::getParamNames(names))
+    throw polyfly::Error("the parameter server does not list its parameters");
+  std::sort(names.begin(), names.end());
+  for (const std::string& space : namespaces) {
+    const std::string prefix = handle_.resolveName(space) + "/";
+    for (const std::string& name : names) {
+      if (name.compare(0, prefix.size(), prefix) == 0 && read_.count(name) == 0) refuseValue(name, "unknown");
+    }
+  }
+}
+
+}  // namespace polyfly_ros
