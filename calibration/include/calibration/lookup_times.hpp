@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+struct Percentiles {
+  double p50 = 0.0;
+  double p90 = 0.0;
+  double p99 = 0.0;
+  double p999 = 0.0;
+  double max = 0.0;
+};
+
+/// Nearest-rank percentiles; all 0 for no values.
+Percentiles percentiles(std::vector<double> values);
+
+/// Time of one look-up with its law, measured over batches of `batch` different parameters so that the
+/// clock's own resolution does not matter; each value is a batch's mean.
+struct LookupTimes {
+  std::vector<double> in_order;  ///< parameters as they came in flight [ns]
+  std::vector<double> shuffled;  ///< in seeded random order: caches and branch prediction help less [ns]
+};
+
+/// `thetas`: parameter vectors, one after the other, each with the map's number of parameters. Goes over them
+/// until at least `measurements` batches are timed each way, and each parameter was used. Empty result for no
+/// parameters.
+LookupTimes measureLookups(const RegionMap& map, const std::vector<double>& thetas, int batch = 16,
+                           int measurements = 4000);
+
+}  // namespace polyfly
