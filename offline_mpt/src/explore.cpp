@@ -21,8 +21,10 @@ namespace {
 
 constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
 constexpr double kProbeTolerance =
-    1e-8;                          // a region holds a probe within this, as the map's look-up does [scaled]
-constexpr double kActive = 1e-10;  // multipliers below this are not active in a starting point
+    1e-8;  // a region holds a probe within this, as the map's look-up does [scaled]
+constexpr double kEdge =
+    1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
+constexpr double kActive = 1e-10;     // multipliers below this are not active in a starting point
 constexpr std::size_t kBatch = 1024;  // sets handed out between two looks at the limits
 
 struct ActiveSetHash {
@@ -52,12 +54,14 @@ struct Worker {
   std::vector<ActiveSet> sets;
 };
 
-/// Active set at t, ascending; false where the program is infeasible.
-bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, ActiveSet& active) {
+/// Active set at t with all rows of unit length tightened by `margin`, ascending; false where that is
+/// infeasible.
+bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
+                 ActiveSet& active) {
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;
   const Eigen::VectorXd g = program.F * t1;
-  const Eigen::VectorXd b = program.S * t1;
+  const Eigen::VectorXd b = program.S * t1 - margin * program.length;
   if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
   active.clear();
   for (int k = 0; k < qp.activeCount(); ++k) {
@@ -88,7 +92,8 @@ Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p) {
 void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet, Described& out) {
   const Eigen::VectorXd probe = across(out.region, facet, program.p);
   ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, active)) return;  // the edge of the feasible set
+  if (!activeSetAt(program, worker.qp, probe, kEdge, active)) return;  // the edge of the feasible set
+  if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
   worker.sets.push_back(active);
   for (const ActiveSet& set : worker.sets) {
     if (worker.builder.holds(set, probe.data(), kProbeTolerance)) return;
@@ -139,7 +144,7 @@ bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Work
       const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
       t(j) += spread * (2.0 * unit - 1.0);
     }
-    if (!activeSetAt(program, worker.qp, t, active)) continue;
+    if (!activeSetAt(program, worker.qp, t, 0.0, active)) continue;
     if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
   }
   return false;

@@ -100,6 +100,7 @@ void keepRows(LeastDistance& ld, const Eigen::MatrixXd& M, const std::vector<int
   const int count = static_cast<int>(kept.size());
   Eigen::MatrixXd M_kept(count, ld.n), D(count, ld.p + 1), A(count, ld.n), S(count, ld.p + 1),
       V(ld.V.rows(), count);
+  Eigen::VectorXd length(count);
   std::vector<int> ids(count);
   for (int k = 0; k < count; ++k) {
     M_kept.row(k) = M.row(kept[k]);
@@ -107,6 +108,7 @@ void keepRows(LeastDistance& ld, const Eigen::MatrixXd& M, const std::vector<int
     A.row(k) = ld.A.row(kept[k]);
     S.row(k) = ld.S.row(kept[k]);
     V.col(k) = ld.V.col(kept[k]);
+    length(k) = ld.length(kept[k]);
     ids[k] = ld.row_ids[kept[k]];
   }
   ld.m = count;
@@ -117,6 +119,7 @@ void keepRows(LeastDistance& ld, const Eigen::MatrixXd& M, const std::vector<int
   ld.A = std::move(A);
   ld.S = std::move(S);
   ld.V = std::move(V);
+  ld.length = std::move(length);
   ld.row_ids = std::move(ids);
 }
 
@@ -167,6 +170,7 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   ld.A.resize(program.rowCount(), ld.n);
   ld.S.resize(program.rowCount(), ld.p + 1);
   ld.D.resize(program.rowCount(), ld.p + 1);
+  ld.length.resize(program.rowCount());
   for (int i = 0; i < program.rowCount(); ++i) {
     if (isEquality(program, i)) continue;
     const Eigen::VectorXd m_row = cholesky.matrixL().solve(A_all.row(i).transpose());
@@ -179,6 +183,7 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
     M.row(ld.m) = m_row / length;
     ld.A.row(ld.m) = A_all.row(i);
     ld.S.row(ld.m) = S_all.row(i);
+    ld.length(ld.m) = length;
     ld.D.row(ld.m) = (S_all.row(i) - A_all.row(i) * y_free) / length;
     ld.row_ids.push_back(i);
     ++ld.m;

@@ -31,9 +31,10 @@ struct LeastDistance {
 
   // The reduced program in t, for starting points: min 1/2 z'Hz + (f + F t)'z, A z <= b + S t.
   Eigen::MatrixXd H;
-  Eigen::MatrixXd F;  ///< n x (p + 1), constant last
-  Eigen::MatrixXd A;  ///< m x n
-  Eigen::MatrixXd S;  ///< m x (p + 1), constant last
+  Eigen::MatrixXd F;       ///< n x (p + 1), constant last
+  Eigen::MatrixXd A;       ///< m x n
+  Eigen::VectorXd length;  ///< m, of the rows of A in the norm of H^-1
+  Eigen::MatrixXd S;       ///< m x (p + 1), constant last
 
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
