@@ -1,0 +1,18 @@
+# shellcheck shell=bash
+# ./run demo: the main job, from a fresh machine to a report of a flight.
+
+demoCommand() {
+  planInstall run
+  planBuild tools 60
+  plan maps 10
+  plan flight 20
+  plan report 10
+  requirePackages run
+  buildAll tools tools
+  own demo
+  step maps "solving the region maps of the three axes" solveAxes
+  step flight "flying the figure over ROS topics" fly build/demo build/demo/maps
+  step report "validating the flight from its bag" validateFlight build/demo build/demo/maps
+  say "The flight:"
+  sayResult build/demo
+}

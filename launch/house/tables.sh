@@ -1,0 +1,49 @@
+# shellcheck shell=bash
+# ./run bench and ./run experiments: each name is a script that is dropped in, test/bench/NAME.sh or
+# test/experiments/NAME.sh (README.md in each folder).
+
+# runScript KIND NAME: with the functions of launch/house at hand and the result's place in $output.
+runScript() {
+  local kind=$1 name=$2 output
+  case "$kind" in
+    bench) output=build/bench/$name.json ;;
+    experiments) output=build/experiments/$name ;;
+  esac
+  # shellcheck source=/dev/null
+  . "test/$kind/$name.sh"
+}
+
+namesOrAll() { if [ -n "${2:-}" ]; then echo "$2"; else scriptNames "$1"; fi; }
+
+benchCommand() {
+  local name
+  planInstall run
+  planBuild tools 60
+  for name in $(namesOrAll bench "${1:-}"); do plan "bench_$name" 30; done
+  requirePackages run
+  buildAll tools tools
+  own bench
+  for name in $(namesOrAll bench "${1:-}"); do
+    rm -f "build/bench/$name.json"
+    step "bench_$name" "measuring: $name" runScript bench "$name"
+    python3 launch/house/show_table.py "build/bench/$name.json"
+  done
+}
+
+experimentsCommand() {
+  local name
+  planInstall run
+  planBuild tools 60
+  for name in $(namesOrAll experiments "${1:-}"); do plan "experiment_$name" 30; done
+  requirePackages run
+  buildAll tools tools
+  own experiments
+  for name in $(namesOrAll experiments "${1:-}"); do
+    mkdir -p "build/experiments/$name"
+    step "experiment_$name" "experiment: $name" runScript experiments "$name"
+    [ -s "build/experiments/$name/summary.json" ] && [ -s "build/experiments/$name/report/index.html" ] ||
+      die "the experiment '$name' left no summary.json or report/index.html"
+    say "experiment $name:"
+    sayResult "build/experiments/$name"
+  done
+}
