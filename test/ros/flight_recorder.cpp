@@ -58,17 +58,37 @@ void FlightRecorder::subscribe(const std::string& topic) {
   options.md5sum = ros::message_traits::md5sum<topic_tools::ShapeShifter>();
   options.datatype = ros::message_traits::datatype<topic_tools::ShapeShifter>();
   options.helper = boost::make_shared<ros::SubscriptionCallbackHelperT<const Event&>>(
-      [this, name = nh_.resolveName(topic)](const Event& event) { write(name, event); });
+      [this, name = nh_.resolveName(topic)](const Event& event) { record(name, event); });
   subscribers_.push_back(nh_.subscribe(options));
 }
 
-void FlightRecorder::write(const std::string& topic, const Event& event) {
+void FlightRecorder::record(const std::string& topic, const Event& event) {
+  if (!open_) {
+    return;
+  }
+  const ros::Time now = ros::Time::now();
+  if (now.isZero()) {
+    early_.emplace_back(topic, event);
+    return;
+  }
+  writeEarly(now);
+  write(topic, event, now);
+}
+
+// What came before the first /clock bears the time of the first message after it.
+void FlightRecorder::writeEarly(const ros::Time& time) {
+  for (const std::pair<std::string, Event>& message : early_) {
+    write(message.first, message.second, time);
+  }
+  early_.clear();
+}
+
+void FlightRecorder::write(const std::string& topic, const Event& event, const ros::Time& time) {
   if (!open_) {
     return;
   }
   try {
-    bag_.write(topic, std::max(ros::Time::now(), ros::TIME_MIN), *event.getMessage(),
-               event.getConnectionHeaderPtr());
+    bag_.write(topic, time, *event.getMessage(), event.getConnectionHeaderPtr());
   } catch (const rosbag::BagException& error) {
     ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
     open_ = false;
@@ -93,6 +113,7 @@ void FlightRecorder::close() {
   if (!open_) {
     return;
   }
+  writeEarly(ros::TIME_MIN);
   open_ = false;
   try {
     bag_.close();

@@ -5,6 +5,7 @@
 #include <topic_tools/shape_shifter.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace polyfly_ros {
@@ -25,7 +26,9 @@ class FlightRecorder {
   using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
 
   void subscribe(const std::string& topic);
-  void write(const std::string& topic, const Event& event);
+  void record(const std::string& topic, const Event& event);
+  void writeEarly(const ros::Time& time);
+  void write(const std::string& topic, const Event& event, const ros::Time& time);
   void announceWhenConnected();
   void close();
 
@@ -33,6 +36,7 @@ class FlightRecorder {
   std::string path_;
   rosbag::Bag bag_;
   bool open_ = false;
+  std::vector<std::pair<std::string, Event>> early_;  // arrived before simulated time began
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber done_sub_;
   ros::Publisher ready_pub_;

@@ -47,7 +47,7 @@ PlantNode::~PlantNode() {
 }
 
 void PlantNode::readSettings(const ros::NodeHandle& private_nh) {
-  OptionsReader plant_reader(private_nh, "plant");
+  OptionsReader plant_reader(private_nh, "vehicle");
   polyfly::visitPlantOptions(settings_.plant, plant_reader);
   plant_reader.refuseUnknown();
   polyfly::checkPlantOptions(settings_.plant);
@@ -161,8 +161,7 @@ std::string PlantNode::missingForStart() {
 
 bool PlantNode::waitForStart() {
   const WallClock::time_point begin = WallClock::now();
-  std::string missing = missingForStart();
-  while (!missing.empty()) {
+  for (std::string missing = missingForStart(); !missing.empty(); missing = missingForStart()) {
     if (secondsSince(begin) > settings_.start_timeout) {
       ROS_FATAL_STREAM("plant: no flight, after " << settings_.start_timeout
                                                   << " s there is still missing: " << missing);

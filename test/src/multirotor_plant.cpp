@@ -85,7 +85,7 @@ std::int64_t wholeSteps(double whole, double part, const char* name) {
   const double ratio = whole / part;
   const double steps = std::round(ratio);
   if (std::abs(ratio - steps) > kWholeSteps * std::max(1.0, steps)) {
-    throw Error("plant: " + std::string(name) + ": must be a multiple of substep " + std::to_string(part) +
+    throw Error("vehicle: " + std::string(name) + ": must be a multiple of substep " + std::to_string(part) +
                 " s, got " + std::to_string(whole) + " s");
   }
   return static_cast<std::int64_t>(steps);
@@ -94,12 +94,12 @@ std::int64_t wholeSteps(double whole, double part, const char* name) {
 }  // namespace
 
 void checkPlantOptions(const PlantOptions& options) {
-  visitPlantOptions(options, RangeCheck{"plant"});
+  visitPlantOptions(options, RangeCheck{"vehicle"});
   if (options.thrust_min > options.thrust_max) {
-    throw Error("plant: thrust_min: must not exceed thrust_max");
+    throw Error("vehicle: thrust_min: must not exceed thrust_max");
   }
   if (wholeSteps(options.period, options.substep, "period") < 1) {
-    throw Error("plant: substep: must not exceed period");
+    throw Error("vehicle: substep: must not exceed period");
   }
   wholeSteps(options.command_delay, options.substep, "command_delay");
   wholeSteps(options.odometry_delay, options.substep, "odometry_delay");
@@ -123,7 +123,7 @@ MultirotorPlant::MultirotorPlant(const PlantOptions& options, const PlantState& 
       state_(start) {
   checkPlantOptions(options);
   if (!pack(start).allFinite()) {
-    throw Error("plant: start: must be finite");
+    throw Error("vehicle: start: must be finite");
   }
   steps_per_period_ = wholeSteps(options.period, options.substep, "period");
   command_delay_steps_ = wholeSteps(options.command_delay, options.substep, "command_delay");
