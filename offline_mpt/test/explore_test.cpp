@@ -1,0 +1,152 @@
+// Partitions of generated programs: every parameter is answered, once, by the optimal law.
+#include "offline_mpt/explore.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <random>
+
+#include "mpc_core/dense_qp.hpp"
+#include "offline_mpt/encode.hpp"
+#include "random_program.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kInside = 1e-9;  // scaled distance within which a region holds a parameter
+
+Eigen::VectorXd randomTheta(int p, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  return Eigen::VectorXd::NullaryExpr(p, [&] { return uniform(random); });
+}
+
+/// First move of the program at theta by its own QP; false where infeasible.
+bool solveAt(const ParametricProgram& program, DenseQp& qp, const Eigen::VectorXd& theta, double& u) {
+  const Eigen::VectorXd g = program.f + program.F * theta;
+  const Eigen::VectorXd b = program.b + program.S * theta;
+  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
+  u = (program.E * qp.z() + program.C * theta + program.c)(0);
+  return true;
+}
+
+struct Size {
+  int n, m, p;
+};
+
+class Generated : public ::testing::TestWithParam<Size> {};
+
+TEST_P(Generated, EveryParameterHasItsOptimalLaw) {
+  const Size size = GetParam();
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const ParametricProgram program = randomProgram(size.n, size.m, size.p, seed);
+    const Partition partition = explore(program);
+    ASSERT_EQ(partition.status, ExploreStatus::kComplete) << program.name;
+    DenseQp qp(program.H, program.A);
+    std::mt19937_64 random(seed);
+    for (int k = 0; k < 500; ++k) {
+      const Eigen::VectorXd theta = randomTheta(size.p, random);
+      double expected = 0.0;
+      const bool feasible = solveAt(program, qp, theta, expected);
+      int holders = 0;
+      for (const CriticalRegion& region : partition.regions) {
+        if ((region.G * theta - region.g).maxCoeff() > kInside) continue;
+        ++holders;
+        EXPECT_NEAR((region.K * theta + region.k)(0), expected, 1e-7 * (1.0 + std::abs(expected)));
+      }
+      EXPECT_EQ(holders, feasible ? 1 : 0) << program.name << " sample " << k;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Generated,
+                         ::testing::Values(Size{2, 8, 1}, Size{3, 12, 2}, Size{5, 20, 3}, Size{4, 14, 4},
+                                           Size{3, 10, 5}, Size{2, 8, 6}));
+
+TEST(Explore, RegionsAreMinimalAndTheirCentresInside) {
+  const Partition partition = explore(randomProgram(5, 20, 3, 11));
+  for (const CriticalRegion& region : partition.regions) {
+    const Eigen::VectorXd slack = region.g - region.G * region.centre;
+    EXPECT_NEAR(slack.minCoeff(), region.radius, 1e-12);
+    EXPECT_GT(region.radius, 0.0);
+  }
+}
+
+TEST(Explore, ThreadsDoNotChangeTheBytes) {
+  const ParametricProgram program = randomProgram(8, 24, 3, 5);
+  ExploreOptions options;
+  const std::vector<std::byte> one = layOut(encode(program, explore(program, options)));
+  for (const int threads : {2, 3, 8}) {
+    options.threads = threads;
+    EXPECT_EQ(layOut(encode(program, explore(program, options))), one) << threads << " threads";
+  }
+}
+
+TEST(Explore, LimitKeepsWhatWasFoundAndSaysSo) {
+  ExploreOptions options;
+  options.region_limit = 5;
+  const Partition partition = explore(randomProgram(8, 24, 3, 5), options);
+  EXPECT_EQ(partition.status, ExploreStatus::kLimited);
+  EXPECT_GE(partition.regions.size(), 5u);
+}
+
+TEST(Explore, StopFlagInterrupts) {
+  const std::atomic<bool> stop{true};
+  ExploreOptions options;
+  options.stop = &stop;
+  EXPECT_EQ(explore(randomProgram(8, 24, 3, 5), options).status, ExploreStatus::kInterrupted);
+}
+
+TEST(Explore, InfeasibleProgramHasNoRegion) {
+  ParametricProgram program = randomProgram(2, 6, 2, 3);
+  program.A.row(1) = -program.A.row(0);
+  program.b(0) = program.b(1) = -1.0;
+  program.S.topRows(2).setZero();
+  const Partition partition = explore(program);
+  EXPECT_EQ(partition.status, ExploreStatus::kInfeasible);
+  EXPECT_TRUE(partition.regions.empty());
+}
+
+TEST(Explore, DuplicateAndScaledRowsChangeNothing) {
+  const ParametricProgram program = randomProgram(4, 14, 2, 9);
+  ParametricProgram doubled = program;
+  doubled.A.resize(28, 4);
+  doubled.S.resize(28, 2);
+  doubled.b.resize(28);
+  doubled.A << program.A, 2.5 * program.A;
+  doubled.S << program.S, 2.5 * program.S;
+  doubled.b << program.b, 2.5 * program.b;
+  EXPECT_EQ(explore(doubled).regions.size(), explore(program).regions.size());
+}
+
+TEST(Explore, OppositeInequalitiesAreAnEquality) {
+  ParametricProgram program = randomProgram(4, 14, 2, 9);
+  ParametricProgram equality = program;
+  equality.equalities = {0};
+  equality.A.row(1).setZero();  // row 1 says nothing
+  equality.b(1) = 1.0;
+  equality.S.row(1).setZero();
+  program.A.row(1) = -program.A.row(0);
+  program.b(1) = -program.b(0);
+  program.S.row(1) = -program.S.row(0);
+  const Partition from_pair = explore(program);
+  const Partition from_equality = explore(equality);
+  ASSERT_EQ(from_pair.status, ExploreStatus::kComplete);
+  EXPECT_EQ(from_pair.regions.size(), from_equality.regions.size());
+}
+
+TEST(Explore, RefusesProgramsThatAreNotStrictlyConvex) {
+  ParametricProgram program = randomProgram(3, 10, 2, 4);
+  program.H.setZero();
+  EXPECT_THROW(explore(program), Error);
+}
+
+TEST(Explore, RefusesAnUnboundedParameter) {
+  ParametricProgram program = randomProgram(3, 10, 2, 4);
+  program.parameters[1].upper = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(explore(program), Error);
+}
+
+}  // namespace
+}  // namespace polyfly

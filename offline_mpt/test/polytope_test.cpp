@@ -1,0 +1,236 @@
+// The small linear programs against GLPK.
+#include "offline_mpt/polytope.hpp"
+
+#include <glpk.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // facets must be violated by this much
+constexpr double kAgreement = 1e-7;  // GLPK's own accuracy
+
+/// Rows (a, b), |a| = 1, of a polytope in n dimensions.
+struct Rows {
+  int n = 0;
+  std::vector<double> data;
+
+  int count() const { return static_cast<int>(data.size()) / (n + 1); }
+  const double* row(int i) const { return data.data() + static_cast<std::ptrdiff_t>(i) * (n + 1); }
+
+  void add(std::vector<double> a, double b) {
+    double squared = 0.0;
+    for (const double value : a) squared += value * value;
+    for (const double value : a) data.push_back(value / std::sqrt(squared));
+    data.push_back(b / std::sqrt(squared));
+  }
+};
+
+Rows box(int n, double half) {
+  Rows rows{n, {}};
+  for (int j = 0; j < n; ++j) {
+    std::vector<double> a(n, 0.0);
+    a[j] = 1.0;
+    rows.add(a, half);
+    a[j] = -1.0;
+    rows.add(a, half);
+  }
+  return rows;
+}
+
+/// max objective . (t, r) subject to the rows except `skip`; the rows' coefficient of r is `lift`.
+double glpkMaximum(const Rows& rows, const std::vector<double>& objective, double lift, int skip,
+                   bool& feasible) {
+  glp_term_out(GLP_OFF);
+  glp_prob* lp = glp_create_prob();
+  glp_set_obj_dir(lp, GLP_MAX);
+  glp_add_rows(lp, rows.count());
+  glp_add_cols(lp, rows.n + 1);
+  for (int j = 0; j <= rows.n; ++j) {
+    glp_set_col_bnds(lp, j + 1, GLP_FR, 0.0, 0.0);
+    glp_set_obj_coef(lp, j + 1, objective[j]);
+  }
+  if (lift == 0.0) glp_set_col_bnds(lp, rows.n + 1, GLP_FX, 0.0, 0.0);
+  for (int i = 0; i < rows.count(); ++i) {
+    std::vector<int> index{0};
+    std::vector<double> value{0.0};
+    for (int j = 0; j < rows.n; ++j) {
+      index.push_back(j + 1);
+      value.push_back(rows.row(i)[j]);
+    }
+    index.push_back(rows.n + 1);
+    value.push_back(lift);
+    glp_set_mat_row(lp, i + 1, rows.n + 1, index.data(), value.data());
+    // the skipped row may be exceeded a little, so that the program stays bounded
+    glp_set_row_bnds(lp, i + 1, GLP_UP, 0.0, rows.row(i)[rows.n] + (i == skip ? 1.0 : 0.0));
+  }
+  glp_smcp parameters;
+  glp_init_smcp(&parameters);
+  parameters.tol_bnd = parameters.tol_dj = 1e-10;
+  glp_simplex(lp, &parameters);
+  feasible = glp_get_status(lp) == GLP_OPT;
+  const double best = glp_get_obj_val(lp);
+  glp_delete_prob(lp);
+  return best;
+}
+
+/// How far row i can be exceeded when the others hold.
+double excess(const Rows& rows, int i) {
+  std::vector<double> objective(rows.row(i), rows.row(i) + rows.n);
+  objective.push_back(0.0);
+  bool feasible = false;
+  const double best = glpkMaximum(rows, objective, 0.0, i, feasible);
+  EXPECT_TRUE(feasible);
+  return best - rows.row(i)[rows.n];
+}
+
+Rows randomPolytope(int n, int cuts, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.3, 1.2);
+  Rows rows = box(n, 1.0);
+  for (int k = 0; k < cuts; ++k) {
+    std::vector<double> a(n);
+    double squared = 0.0;
+    for (double& value : a) {
+      value = normal(random);
+      squared += value * value;
+    }
+    rows.add(a, uniform(random) * std::sqrt(squared));
+  }
+  return rows;
+}
+
+class PolytopeOracle : public ::testing::TestWithParam<int> {};
+
+TEST_P(PolytopeOracle, InscribedBallIsTheLargest) {
+  const int n = GetParam();
+  std::mt19937_64 random(n);
+  PolytopeSolver solver(n);
+  for (int round = 0; round < 40; ++round) {
+    const Rows rows = randomPolytope(n, 3 + round, random);
+    std::vector<double> centre(n, 0.0);
+    double radius = 0.0;
+    ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
+    std::vector<double> objective(n, 0.0);
+    objective.push_back(1.0);
+    bool feasible = false;
+    EXPECT_NEAR(radius, glpkMaximum(rows, objective, 1.0, -1, feasible), kAgreement);
+    for (int i = 0; i < rows.count(); ++i) {
+      double slack = rows.row(i)[n];
+      for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * centre[j];
+      EXPECT_GE(slack, radius - 1e-12);
+    }
+  }
+}
+
+TEST_P(PolytopeOracle, MinimalRowsAreThoseThatCanBeExceededAlone) {
+  const int n = GetParam();
+  std::mt19937_64 random(100 + n);
+  PolytopeSolver solver(n);
+  MinimalRows minimal;
+  for (int round = 0; round < 25; ++round) {
+    const Rows rows = randomPolytope(n, 4 + 2 * round, random);
+    const std::vector<double> inside(n, 0.0);
+    ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+    std::vector<char> facet(rows.count(), 0);
+    for (const int i : minimal.facets) facet[i] = 1;
+    for (int i = 0; i < rows.count(); ++i) {
+      const double beyond = excess(rows, i);
+      if (std::abs(beyond) < kAgreement) continue;  // too close for GLPK
+      EXPECT_EQ(facet[i] != 0, beyond > 0.0) << "dimension " << n << " round " << round << " row " << i;
+    }
+    for (std::size_t f = 0; f < minimal.facets.size(); ++f) {
+      const double* point = minimal.beyond.data() + f * n;
+      for (const int i : minimal.facets) {
+        double slack = rows.row(i)[n];
+        for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * point[j];
+        if (i == minimal.facets[f]) {
+          EXPECT_LT(slack, 0.0);
+        } else {
+          EXPECT_GE(slack, -1e-10);
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Dimensions, PolytopeOracle, ::testing::Values(1, 2, 3, 4, 5, 6, 8));
+
+TEST(Polytope, OneOfCoincidentRowsIsKept) {
+  Rows rows = box(3, 1.0);
+  for (int i = 0; i < 6; ++i) {
+    const std::vector<double> a(rows.row(i), rows.row(i) + 3);
+    rows.add(a, rows.row(i)[3]);
+  }
+  PolytopeSolver solver(3);
+  MinimalRows minimal;
+  const double inside[3] = {0.1, -0.2, 0.3};
+  ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  EXPECT_EQ(minimal.facets.size(), 6u);
+}
+
+// At the apex of a many-sided pyramid all sides are tight at once: every pivot there is degenerate.
+TEST(Polytope, PyramidKeepsAllItsSides) {
+  constexpr int kSides = 24;
+  Rows rows = box(3, 4.0);
+  rows.add({0.0, 0.0, -1.0}, 0.0);
+  for (int k = 0; k < kSides; ++k) {
+    const double angle = 2.0 * M_PI * k / kSides;
+    rows.add({std::cos(angle), std::sin(angle), 1.0}, 1.0);
+  }
+  PolytopeSolver solver(3);
+  MinimalRows minimal;
+  const double inside[3] = {0.0, 0.0, 0.3};
+  ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  EXPECT_EQ(minimal.facets.size(), kSides + 1u);
+}
+
+// Rows that only touch the polytope, at a vertex or along an edge, are not needed.
+TEST(Polytope, TouchingRowsAreRedundant) {
+  Rows rows = box(2, 1.0);
+  rows.add({1.0, 1.0}, 2.0);
+  rows.add({2.0, 1.0}, 3.0);
+  PolytopeSolver solver(2);
+  MinimalRows minimal;
+  const double inside[2] = {0.0, 0.0};
+  ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  EXPECT_EQ(minimal.facets, (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(Polytope, ThinSlabHasTheRadiusOfItsHalfThickness) {
+  for (const double half : {1e-3, 1e-6, 1e-9}) {
+    Rows rows = box(4, 1.0);
+    rows.add({1.0, 2.0, -1.0, 0.5}, half * std::sqrt(6.25));
+    rows.add({-1.0, -2.0, 1.0, -0.5}, half * std::sqrt(6.25));
+    PolytopeSolver solver(4);
+    std::vector<double> centre(4, 0.7);
+    double radius = 0.0;
+    ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
+    EXPECT_NEAR(radius, half, 1e-6 * half + 1e-15);
+  }
+}
+
+TEST(Polytope, EmptyPolytopeHasNegativeRadius) {
+  Rows rows = box(3, 1.0);
+  rows.add({1.0, 0.0, 0.0}, -0.2);
+  rows.add({-1.0, 0.0, 0.0}, -0.3);
+  PolytopeSolver solver(3);
+  std::vector<double> centre(3, 0.0);
+  double radius = 0.0;
+  ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
+  EXPECT_NEAR(radius, -0.25, 1e-12);
+}
+
+TEST(Polytope, RefusesDimensionsItHasNoKernelFor) {
+  EXPECT_THROW(PolytopeSolver(0), Error);
+  EXPECT_THROW(PolytopeSolver(PolytopeSolver::kMaxDimension + 1), Error);
+}
+
+}  // namespace
+}  // namespace polyfly
