@@ -1,0 +1,209 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "online_controller/axis.hpp"
+#include "online_support.hpp"
+
+namespace {
+
+using polyfly::Axis;
+using polyfly::AxisReference;
+using polyfly::AxisSample;
+using polyfly::AxisTarget;
+using polyfly::kAxisNames;
+using polyfly::MapContent;
+using polyfly_test::axisContent;
+using polyfly_test::axisRefusal;
+using polyfly_test::MapInMemory;
+
+std::string replaceAll(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+/// A refusal names the map, the axis, and `parts`.
+void expectRefusal(const std::string& refusal, const std::vector<std::string>& parts) {
+  EXPECT_EQ(refusal.rfind("made.map: ", 0), 0u) << refusal;
+  for (const std::string& part : parts)
+    EXPECT_NE(refusal.find(part), std::string::npos) << part << " in: " << refusal;
+}
+
+TEST(Axis, TakesTheMapsOfTheProjectsProblems) {
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(axisRefusal(i, axisContent(i)), "") << kAxisNames[i].axis;
+}
+
+TEST(Axis, RefusesTheMapOfAnotherAxis) {
+  expectRefusal(axisRefusal(0, axisContent(1)), {"longitudinal", "'e_p_y'", "not a signal of this axis"});
+  expectRefusal(axisRefusal(1, axisContent(0)), {"lateral", "'e_p_x'"});
+  expectRefusal(axisRefusal(2, axisContent(0)), {"vertical", "'e_p_x'"});
+}
+
+TEST(Axis, RefusesAnIncompleteSolution) {
+  MapContent content = axisContent(1);
+  content.solver_status = "limited";
+  expectRefusal(axisRefusal(1, content), {"solver status", "'complete'", "'limited'"});
+}
+
+TEST(Axis, RefusesWrongSignals) {
+  MapContent content = axisContent(1);
+  content.parameters[2].unit = "deg";
+  expectRefusal(axisRefusal(1, content), {"'e_phi'", "unit must be 'rad'", "'deg'"});
+
+  content = axisContent(1);
+  content.parameters[4].name = "phi_ref";
+  expectRefusal(axisRefusal(1, content), {"'phi_ref'", "not a signal"});
+
+  content = axisContent(1);
+  content.inputs[0].name = "theta_cmd";
+  expectRefusal(axisRefusal(1, content), {"inputs", "'phi_cmd'", "'theta_cmd'"});
+
+  content = axisContent(1);
+  content.inputs[0].unit = "N";
+  expectRefusal(axisRefusal(1, content), {"'phi_cmd'", "unit must be 'rad'", "'N'"});
+}
+
+TEST(Axis, RefusesAMissingParameter) {
+  // The vertical problem has all but the angle: give the lateral axis its map with the signals renamed.
+  std::string text = polyfly_test::axisProblem(2);
+  text = replaceAll(replaceAll(text, "e_p_z", "e_p_y"), "e_v_z", "e_v_y");
+  text = replaceAll(replaceAll(text, "T_cmd", "phi_cmd"), "role: previous_input, of: phi_cmd, unit: m/s^2",
+                    "role: previous_input, of: phi_cmd, unit: rad");
+  MapContent content =
+      polyfly_test::oneRegionContent(replaceAll(text, "role: previous_input, of: phi_cmd, unit: rad",
+                                                "role: previous_input, of: phi_cmd, unit: m/s^2"),
+                                     {1.0, 1.0});
+  for (std::size_t i = 2; i < 4; ++i) content.parameters[i].unit = "rad";
+  content.inputs[0].unit = "rad";
+  expectRefusal(axisRefusal(1, content), {"'e_phi'", "missing"});
+}
+
+TEST(Axis, RefusesAModelThatIsNotItsChain) {
+  const std::string text = polyfly_test::axisProblem(1);
+  // The velocity must come from the angle with a lag, and the disturbance must act on the velocity.
+  const auto refusalOf = [&](const std::string& from, const std::string& to) {
+    EXPECT_NE(text.find(from), std::string::npos) << from;
+    return axisRefusal(1, polyfly_test::oneRegionContent(replaceAll(text, from, to), {0.3, 0.35, -1.0}));
+  };
+  expectRefusal(refusalOf("- [0, 1, 0]", "- [0, 2, 0]"), {"model", "derivative of the position"});
+  expectRefusal(refusalOf("- [0, 0, -4.0]", "- [0, 0, 4.0]"), {"model", "stable first-order lag"});
+  expectRefusal(refusalOf("- [0, 0, -4.0]", "- [0, 0.5, -4.0]"), {"model", "first-order lag"});
+}
+
+TEST(Axis, BindsByNameNotByPlace) {
+  // The same map with its parameters in another order gives the same input.
+  MapContent content = axisContent(1);
+  MapContent turned = content;
+  std::reverse(turned.parameters.begin(), turned.parameters.end());
+  std::reverse(turned.laws.begin(), turned.laws.end() - 1);
+  const MapInMemory map(content);
+  const MapInMemory turned_map(turned);
+  const Axis axis(map.map(), kAxisNames[1], {});
+  const Axis turned_axis(turned_map.map(), kAxisNames[1], {});
+  const AxisSample sample{0.5, -0.3, 0.04};
+  const AxisReference reference{0.1, 0.2, 0.3, 0.1};
+  polyfly::AxisReport report;
+  polyfly::AxisReport turned_report;
+  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(turned_axis.evaluate(sample, reference, 0.02, turned_report), polyfly::ControlStatus::kOptimal);
+  EXPECT_NEAR(report.input, turned_report.input, 1e-15);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(report.theta[i], turned_report.theta[4 - i]);
+}
+
+TEST(AxisTarget, AtRestIsTheSteadyStateOfEquation6) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MapInMemory map(axisContent(i));
+    const Axis axis(map.map(), kAxisNames[i], {});
+    const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
+    const polyfly::DiscreteModel model = polyfly::discretise(problem, problem.sampling_time);
+    for (const double disturbance : {0.0, 0.7, -1.3}) {
+      const polyfly::SteadyState steady = polyfly::steadyState(
+          model, problem.C, Eigen::VectorXd::Constant(1, disturbance), Eigen::VectorXd::Ones(1));
+      const AxisTarget target = axis.target({1.0, 0.0, 0.0, 0.0}, disturbance);
+      EXPECT_NEAR(target.input, steady.u(0), 1e-10);
+      if (problem.stateCount() == 3) {
+        EXPECT_NEAR(target.angle, steady.x(2), 1e-10);
+      }
+    }
+  }
+}
+
+TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
+  // (p_ref, v_ref, s_ref) with u_ref must solve x' = A x + B u + Bd d: the derivative by central differences.
+  constexpr double kStep = 1e-4;
+  constexpr double kRate = 1.7;  // of the sine [rad/s]
+  constexpr double kDisturbance = 0.4;
+  const auto along = [](double t) {
+    return AxisReference{2.0 * std::sin(kRate * t), 2.0 * kRate * std::cos(kRate * t),
+                         -2.0 * kRate * kRate * std::sin(kRate * t),
+                         -2.0 * kRate * kRate * kRate * std::cos(kRate * t)};
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MapInMemory map(axisContent(i));
+    const Axis axis(map.map(), kAxisNames[i], {});
+    const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
+    const int states = problem.stateCount();
+    const auto stateAt = [&](double t) {
+      const AxisReference reference = along(t);
+      Eigen::VectorXd state(states);
+      state.head(2) << reference.position, reference.velocity;
+      if (states == 3) state(2) = axis.target(reference, kDisturbance).angle;
+      return state;
+    };
+    for (double t = 0.0; t < 4.0; t += 0.37) {
+      const Eigen::VectorXd rate = (stateAt(t + kStep) - stateAt(t - kStep)) / (2.0 * kStep);
+      const Eigen::VectorXd model = problem.A_c * stateAt(t) +
+                                    problem.B_c * axis.target(along(t), kDisturbance).input +
+                                    problem.Bd_c * kDisturbance;
+      EXPECT_LT((rate - model).lpNorm<Eigen::Infinity>(), 1e-6) << kAxisNames[i].axis << " at " << t;
+    }
+  }
+}
+
+TEST(AxisTarget, ClosedLoopTracksASineUnderWindWithoutOffset) {
+  // The linear model, integrated by RK4, flown with observer and law at 100 Hz.
+  constexpr double kPeriod = 0.01;
+  constexpr int kSubsteps = 5;
+  constexpr double kWind = 0.6;
+  constexpr double kRate = 1.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const MapInMemory map(axisContent(i));
+    Axis axis(map.map(), kAxisNames[i], {});
+    const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
+    Eigen::VectorXd state = Eigen::VectorXd::Zero(problem.stateCount());
+    double input = 0.0;
+    double worst = 0.0;
+    for (int k = 0; k < 3000; ++k) {
+      const double t = k * kPeriod;
+      const AxisReference reference{std::sin(kRate * t), kRate * std::cos(kRate * t), -std::sin(kRate * t),
+                                    -std::cos(kRate * t)};
+      const AxisSample sample{state(0), state(1), state.size() == 3 ? state(2) : 0.0};
+      axis.observe(sample, input, 1);
+      polyfly::AxisReport report;
+      ASSERT_NE(axis.evaluate(sample, reference, input, report), polyfly::ControlStatus::kHoldLast);
+      input = report.input;
+      if (t > 20.0) worst = std::max(worst, std::abs(sample.position - reference.position));
+      const auto rate = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+        return problem.A_c * x + problem.B_c * input + problem.Bd_c * kWind;
+      };
+      for (int s = 0; s < kSubsteps; ++s) {
+        const double h = kPeriod / kSubsteps;
+        const Eigen::VectorXd k1 = rate(state);
+        const Eigen::VectorXd k2 = rate(state + 0.5 * h * k1);
+        const Eigen::VectorXd k3 = rate(state + 0.5 * h * k2);
+        const Eigen::VectorXd k4 = rate(state + h * k3);
+        state += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+      }
+    }
+    // What is left is the zero-order hold of the input, half a period late.
+    EXPECT_LT(worst, 0.02) << kAxisNames[i].axis;
+    EXPECT_NEAR(axis.disturbance(), kWind, 0.05) << kAxisNames[i].axis;
+  }
+}
+
+}  // namespace

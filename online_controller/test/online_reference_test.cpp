@@ -1,0 +1,190 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "online_controller/reference_trajectory.hpp"
+#include "region_maps/error.hpp"
+
+namespace {
+
+using polyfly::Reference;
+using polyfly::ReferenceSchedule;
+using polyfly::ReferenceTrajectory;
+using polyfly::TrajectorySample;
+
+constexpr double kPi = 3.14159265358979323846;
+
+TrajectorySample at(double time, const Eigen::Vector3d& position, double yaw = 0.0) {
+  TrajectorySample sample;
+  sample.time = time;
+  sample.position = position;
+  sample.yaw = yaw;
+  return sample;
+}
+
+/// A quintic in each axis and its derivatives, as an oracle.
+double quintic(double t) { return 1.0 + t * (-2.0 + t * (0.5 + t * (0.3 + t * (-0.2 + t * 0.04)))); }
+double quintic1(double t) { return -2.0 + t * (1.0 + t * (0.9 + t * (-0.8 + t * 0.2))); }
+double quintic2(double t) { return 1.0 + t * (1.8 + t * (-2.4 + t * 0.8)); }
+double quintic3(double t) { return 1.8 + t * (-4.8 + t * 2.4); }
+
+TrajectorySample onQuintic(double t) {
+  TrajectorySample sample = at(t, {quintic(t), 2.0 * quintic(t), -quintic(t)}, 0.1 * t);
+  sample.has_velocity = sample.has_acceleration = true;
+  sample.velocity = Eigen::Vector3d(1.0, 2.0, -1.0) * quintic1(t);
+  sample.acceleration = Eigen::Vector3d(1.0, 2.0, -1.0) * quintic2(t);
+  sample.yaw_rate = 0.1;
+  return sample;
+}
+
+std::string refusal(std::vector<TrajectorySample> samples) {
+  try {
+    const ReferenceTrajectory refused(std::move(samples));
+    return {};
+  } catch (const polyfly::Error& error) {
+    return error.what();
+  }
+}
+
+TEST(ReferenceTrajectory, ReproducesAQuinticWithAllItsDerivatives) {
+  const ReferenceTrajectory trajectory({onQuintic(-1.0), onQuintic(0.3), onQuintic(2.0)});
+  for (int i = 0; i <= 300; ++i) {
+    const double t = -1.0 + 0.01 * i;
+    const Reference reference = trajectory.sample(t);
+    const Eigen::Vector3d direction(1.0, 2.0, -1.0);
+    EXPECT_LT((reference.position - direction * quintic(t)).norm(), 1e-11) << t;
+    EXPECT_LT((reference.velocity - direction * quintic1(t)).norm(), 1e-10) << t;
+    EXPECT_LT((reference.acceleration - direction * quintic2(t)).norm(), 1e-9) << t;
+    EXPECT_LT((reference.jerk - direction * quintic3(t)).norm(), 1e-8) << t;
+    EXPECT_NEAR(reference.yaw, 0.1 * t, 1e-12);
+    EXPECT_NEAR(reference.yaw_rate, 0.1, 1e-12);
+  }
+}
+
+TEST(ReferenceTrajectory, HoldsFirstAndLastPoseAtRest) {
+  const ReferenceTrajectory trajectory({onQuintic(0.0), onQuintic(1.0)});
+  for (const double t : {-1e9, -1e-9}) {
+    const Reference before = trajectory.sample(t);
+    EXPECT_EQ(before.position, onQuintic(0.0).position);
+    EXPECT_EQ(before.velocity, Eigen::Vector3d::Zero());
+    EXPECT_EQ(before.acceleration, Eigen::Vector3d::Zero());
+    EXPECT_EQ(before.yaw_rate, 0.0);
+  }
+  for (const double t : {1.0 + 1e-9, 1e9}) {
+    const Reference after = trajectory.sample(t);
+    EXPECT_EQ(after.position, onQuintic(1.0).position);
+    EXPECT_EQ(after.velocity, Eigen::Vector3d::Zero());
+    EXPECT_EQ(after.jerk, Eigen::Vector3d::Zero());
+  }
+  const Reference nan = trajectory.sample(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(nan.position, onQuintic(0.0).position);
+}
+
+TEST(ReferenceTrajectory, DerivesWhatIsMissing) {
+  // Position only, unevenly sampled, of constant acceleration: differences by parabolas are exact inside.
+  std::vector<TrajectorySample> samples;
+  for (const double t : {0.0, 0.2, 0.5, 0.6, 1.0, 1.5})
+    samples.push_back(at(t, {3.0 * t, 0.5 * t * t, 1.0}, 0.4 * t));
+  const ReferenceTrajectory trajectory(samples);
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const double t = samples[i].time;
+    const Reference reference = trajectory.sample(t);
+    EXPECT_NEAR(reference.velocity.x(), 3.0, 1e-12);
+    EXPECT_NEAR(reference.velocity.y(), t, 1e-12);
+    EXPECT_NEAR(reference.velocity.z(), 0.0, 1e-12);
+    EXPECT_NEAR(reference.yaw_rate, 0.4, 1e-12);
+  }
+  // Two neighbours away from the ends, the velocities are exact and so are the accelerations.
+  EXPECT_NEAR(trajectory.sample(0.5).acceleration.y(), 1.0, 1e-12);
+  EXPECT_NEAR(trajectory.sample(0.6).acceleration.y(), 1.0, 1e-12);
+  EXPECT_NEAR(trajectory.sample(0.55).position.y(), 0.5 * 0.55 * 0.55, 1e-12);
+}
+
+TEST(ReferenceTrajectory, AccelerationIsContinuousWithDerivedData) {
+  std::vector<TrajectorySample> samples;
+  for (int i = 0; i < 20; ++i) samples.push_back(at(0.1 * i, {std::sin(0.3 * i), 0.0, 0.0}));
+  const ReferenceTrajectory trajectory(samples);
+  constexpr double kStep = 1e-9;
+  for (int i = 1; i < 19; ++i) {
+    const double t = samples[static_cast<std::size_t>(i)].time;
+    EXPECT_LT((trajectory.sample(t + kStep).acceleration - trajectory.sample(t - kStep).acceleration).norm(),
+              1e-3);
+  }
+}
+
+TEST(ReferenceTrajectory, YawTakesTheShorterWay) {
+  const ReferenceTrajectory trajectory({at(0.0, {0, 0, 0}, 3.0), at(1.0, {0, 0, 0}, -3.0)});
+  const Reference middle = trajectory.sample(0.5);
+  EXPECT_NEAR(std::abs(middle.yaw), kPi, 1e-9);
+  EXPECT_NEAR(middle.yaw_rate, 2.0 * kPi - 6.0, 1e-9);
+  EXPECT_NEAR(trajectory.sample(1.0).yaw, -3.0, 1e-9);
+}
+
+TEST(ReferenceTrajectory, PoseIsHeldForEver) {
+  const ReferenceTrajectory pose = ReferenceTrajectory::pose({1.0, 2.0, 3.0}, 0.5);
+  for (const double t : {-1e6, 0.0, 1e6}) {
+    const Reference reference = pose.sample(t);
+    EXPECT_EQ(reference.position, Eigen::Vector3d(1.0, 2.0, 3.0));
+    EXPECT_EQ(reference.velocity, Eigen::Vector3d::Zero());
+    EXPECT_EQ(reference.yaw, 0.5);
+  }
+}
+
+TEST(ReferenceTrajectory, SingleSampleIsAPose) {
+  TrajectorySample sample = onQuintic(0.0);
+  const ReferenceTrajectory trajectory({sample});
+  EXPECT_EQ(trajectory.sample(0.0).velocity, Eigen::Vector3d::Zero());
+}
+
+TEST(ReferenceTrajectory, RefusesBadSamples) {
+  EXPECT_NE(refusal({}).find("at least one"), std::string::npos);
+  EXPECT_NE(refusal({at(0.0, {0, 0, 0}), at(0.0, {1, 0, 0})}).find("sample 1: time"), std::string::npos);
+  EXPECT_NE(refusal({at(1.0, {0, 0, 0}), at(0.5, {1, 0, 0})}).find("sample 1: time"), std::string::npos);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusal({at(0.0, {0, nan, 0})}).find("sample 0"), std::string::npos);
+  EXPECT_NE(refusal({at(nan, {0, 0, 0})}).find("finite"), std::string::npos);
+  EXPECT_NE(refusal({at(0.0, {1e7, 0, 0})}).find("1e6"), std::string::npos);
+  EXPECT_NE(refusal({at(0.0, {0, 0, 0}, nan)}).find("finite"), std::string::npos);
+  const std::vector<TrajectorySample> many(ReferenceTrajectory::kMaxSamples + 1);
+  EXPECT_NE(refusal(many).find("at most"), std::string::npos);
+}
+
+TEST(ReferenceSchedule, NothingBeforeTheFirst) {
+  ReferenceSchedule schedule;
+  EXPECT_FALSE(schedule.sample(0.0));
+  schedule.set(ReferenceTrajectory(), 0.0);
+  EXPECT_FALSE(schedule.sample(0.0));
+}
+
+TEST(ReferenceSchedule, TimesCountFromTheStart) {
+  ReferenceSchedule schedule;
+  schedule.set(ReferenceTrajectory({onQuintic(0.0), onQuintic(1.0)}), 100.0);
+  EXPECT_EQ(schedule.sample(99.0)->position, onQuintic(0.0).position);
+  EXPECT_NEAR(schedule.sample(100.5)->position.x(), quintic(0.5), 1e-12);
+}
+
+TEST(ReferenceSchedule, WithoutAStartItStartsWithTheNextSample) {
+  ReferenceSchedule schedule;
+  schedule.set(ReferenceTrajectory({onQuintic(0.0), onQuintic(1.0)}), std::nullopt);
+  EXPECT_NEAR(schedule.sample(50.0)->position.x(), quintic(0.0), 1e-12);
+  EXPECT_NEAR(schedule.sample(50.25)->position.x(), quintic(0.25), 1e-12);
+  schedule.set(ReferenceTrajectory::pose({7, 8, 9}, 0.0), std::nullopt);
+  EXPECT_EQ(schedule.sample(50.26)->position.x(), 7.0);
+}
+
+TEST(ReferenceSchedule, ALaterTrajectoryWaitsForItsStart) {
+  ReferenceSchedule schedule;
+  schedule.set(ReferenceTrajectory::pose({1, 0, 0}, 0.0), 0.0);
+  EXPECT_EQ(schedule.sample(1.0)->position.x(), 1.0);
+  schedule.set(ReferenceTrajectory::pose({2, 0, 0}, 0.0), 2.0);
+  EXPECT_EQ(schedule.sample(1.9)->position.x(), 1.0);
+  schedule.set(ReferenceTrajectory::pose({3, 0, 0}, 0.0), 3.0);  // replaces the one that waits
+  EXPECT_EQ(schedule.sample(2.5)->position.x(), 1.0);
+  EXPECT_EQ(schedule.sample(3.0)->position.x(), 3.0);
+  EXPECT_EQ(schedule.sample(9.0)->position.x(), 3.0);
+}
+
+}  // namespace
