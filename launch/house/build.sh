@@ -23,7 +23,7 @@ catkinBuild() {
 linkRosTools() {
   local tool
   for tool in build/catkin/devel/lib/calibration/*; do
-    if [ -f "$tool" ] && [ -x "$tool" ] && [ ! -f "build/bin/${tool##*/}" -o -L "build/bin/${tool##*/}" ]; then
+    if [ -f "$tool" ] && [ -x "$tool" ] && { [ ! -e "build/bin/${tool##*/}" ] || [ -L "build/bin/${tool##*/}" ]; }; then
       ln -sfn "../catkin/devel/lib/calibration/${tool##*/}" "build/bin/${tool##*/}"
     fi
   done

@@ -70,11 +70,23 @@ plan() {
   step_seconds+=("${last:-$2}")
 }
 
-# timeLeft: seconds left from the current step on, given that it has run for $1 seconds.
+# ownSecondsLeft NAME SPENT: of the running step, by ninja's count in its log, or else by what was planned.
+ownSecondsLeft() {
+  local count
+  count=$(tail -c 4000 "build/.run/log/$1.log" 2> /dev/null | tr '\r' '\n' | grep -Eo '^\[[0-9]+/[0-9]+\]' | tail -n 1 | tr -d '[]') || true
+  if [ -n "$count" ] && [ "${count%/*}" -ge 3 ]; then
+    echo $(($2 * (${count#*/} - ${count%/*}) / ${count%/*}))
+  elif [ "$2" -lt "${step_seconds[step_index]}" ]; then
+    echo $((step_seconds[step_index] - $2))
+  else
+    echo 5
+  fi
+}
+
+# timeLeft NAME SPENT: seconds left of the command, when the running step has run for SPENT seconds.
 timeLeft() {
   local left i
-  left=$((step_seconds[step_index] - $1))
-  [ "$left" -ge 0 ] || left=0
+  left=$(ownSecondsLeft "$1" "$2")
   for ((i = step_index + 1; i < ${#step_names[@]}; ++i)); do
     left=$((left + step_seconds[i]))
   done
@@ -91,14 +103,15 @@ step() {
   done
   [ "$step_index" -lt "${#step_names[@]}" ] || plan "$name" 0
   mkdir -p build/.run/log
+  rm -f "build/.run/log/$name.log"
   started=$(date +%s)
-  say "[$((step_index + 1))/${#step_names[@]}] $text (about $(timeLeft 0) s left)"
+  say "[$((step_index + 1))/${#step_names[@]}] $text (about $(timeLeft "$name" 0) s left)"
   "$@" > "build/.run/log/$name.log" 2>&1 9>&- &
   step_pid=$!
   (
     trap 'kill $! 2> /dev/null; exit' TERM
     while sleep 15 & wait $!; do
-      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft $(($(date +%s) - started))) s left"
+      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft "$name" $(($(date +%s) - started))) s left"
     done
   ) 9>&- &
   local ticker=$!

@@ -1,4 +1,4 @@
-// Times RegionMap::evaluate at seeded random parameters of a map's box; prints rows as JSON (test/bench/README.md).
+// Times RegionMap::evaluate at seeded random parameters of a map's box; prints rows as JSON.
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
