@@ -117,6 +117,7 @@ AxisValidation validateAxis(const std::vector<ReplaySample>& samples, const Regi
     const std::optional<double> solved = online.input(report.theta.data());
     if (solved) {
       qp.add(input.front() - *solved, sample.state.stamp);
+      axis.qp_series.push_back({sample.state.stamp, std::abs(input.front() - *solved)});
     } else {
       ++axis.qp_failures;
     }

@@ -47,7 +47,8 @@ struct AxisValidation {
 
   std::size_t qp_compared = 0;
   std::size_t qp_failures = 0;  ///< samples inside the map where the online solver found no solution
-  Difference qp;                ///< |explicit - online| of the axis' input, over samples inside the map
+  std::vector<std::array<double, 2>> qp_series;  ///< stamp [s] and |explicit - online| of each sample
+  Difference qp;  ///< |explicit - online| of the axis' input, over samples inside the map
 
   LookupTimes lookups;
   Percentiles lookup_ns;           ///< of lookups.in_order

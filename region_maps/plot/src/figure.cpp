@@ -12,6 +12,16 @@ namespace {
 
 constexpr int kLeastPixels = 100;
 constexpr int kMostPixels = 10000;
+constexpr double kMostTicks = 6.0;  // on an axis of known range
+
+// The least of 1, 2, 5, 10, 20, ... (and their tenths) that is not below `step`.
+double roundStep(double step) {
+  const double power = std::pow(10.0, std::floor(std::log10(step)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= step) return factor * power;
+  }
+  return 10.0 * power;
+}
 
 void checkFigure(const Figure& figure) {
   const auto good = [](int pixels) { return pixels >= kLeastPixels && pixels <= kMostPixels; };
@@ -33,8 +43,8 @@ void checkFigure(const Figure& figure) {
   }
 }
 
-// Text for gnuplot: in single quotes nothing is special but the quote itself. gnuplot misreads some doubled quotes, so
-// a typographic one takes its place.
+// Text for gnuplot: in single quotes nothing is special but the quote itself. gnuplot misreads some doubled
+// quotes, so a typographic one takes its place.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char character : text) {
@@ -132,19 +142,30 @@ class ScriptWriter {
     out_ << "set ylabel " << quoted(panel.y_label) << "\n";
     out_ << (panel.legend_below ? "set key below center horizontal"
                                 : "set key at graph 1, graph 1 right bottom horizontal")
-         << " samplen 2 height 0.4 noautotitle\n";
+         << " maxrows 1 samplen 2 height 0.4 noautotitle\n";
     if (panel.log_x) out_ << "set logscale x\n";
     if (panel.log_y) out_ << "set logscale y\n";
     if (panel.equal_axes) out_ << "set size ratio -1\n";
     writeRange("x", panel.x_range);
     writeRange("y", panel.y_range);
-    if (!panel.x_ticks.empty()) {
-      out_ << "set xtics (";
-      for (std::size_t tick = 0; tick < panel.x_ticks.size(); ++tick) {
-        out_ << (tick == 0 ? "" : ", ") << quoted(panel.x_ticks[tick].second) << " "
-             << panel.x_ticks[tick].first;
+    writeTicks("x", panel.x_range, panel.log_x, panel.x_ticks);
+    writeTicks("y", panel.y_range, panel.log_y, panel.y_ticks);
+  }
+
+  using Names = std::vector<std::pair<double, std::string>>;
+
+  // Where the range is known, few enough ticks that their labels do not touch; gnuplot's own choice
+  // elsewhere.
+  void writeTicks(const char* axis, const std::optional<Panel::Range>& range, bool logarithmic,
+                  const Names& names) {
+    if (!names.empty()) {
+      out_ << "set " << axis << "tics (";
+      for (std::size_t tick = 0; tick < names.size(); ++tick) {
+        out_ << (tick == 0 ? "" : ", ") << quoted(names[tick].second) << " " << names[tick].first;
       }
       out_ << ")\n";
+    } else if (range && !logarithmic && range->first < range->second) {
+      out_ << "set " << axis << "tics " << roundStep((range->second - range->first) / kMostTicks) << "\n";
     }
   }
 

@@ -55,6 +55,17 @@ std::vector<double> fixedValues(const RegionMap& map, const SliceRequest& reques
   return theta;
 }
 
+// The part of a parameter's range that is drawn.
+Panel::Range window(const RegionMap& map, int parameter, const std::optional<Panel::Range>& wanted) {
+  const Signal& signal = map.parameters()[static_cast<std::size_t>(parameter)];
+  const Panel::Range range = {std::max(signal.lower, wanted ? wanted->first : signal.lower),
+                              std::min(signal.upper, wanted ? wanted->second : signal.upper)};
+  if (!(range.first < range.second)) {
+    throw Error(map.path() + ": slice: the window of " + signal.name + " has no part in its range");
+  }
+  return range;
+}
+
 // The plane's trace in the slice, a x + b y <= c in units where x and y run from -1 to 1.
 struct Trace {
   double a = 0.0;
@@ -70,14 +81,14 @@ Trace trace(const RegionMap& map, const Slice& cut, std::int32_t row) {
   Trace result;
   result.c = sign * plane[count];
   for (int index = 0; index < count; ++index) {
-    const Signal& signal = map.parameters()[static_cast<std::size_t>(index)];
     const double coefficient = sign * plane[index];
     if (index != cut.x && index != cut.y) {
       result.c -= coefficient * cut.theta[static_cast<std::size_t>(index)];
       continue;
     }
-    (index == cut.x ? result.a : result.b) = coefficient * 0.5 * (signal.upper - signal.lower);
-    result.c -= coefficient * 0.5 * (signal.upper + signal.lower);
+    const auto& [lower, upper] = index == cut.x ? cut.x_range : cut.y_range;
+    (index == cut.x ? result.a : result.b) = coefficient * 0.5 * (upper - lower);
+    result.c -= coefficient * 0.5 * (upper + lower);
   }
   return result;
 }
@@ -105,8 +116,10 @@ Slice slice(const RegionMap& map, const SliceRequest& request) {
     throw Error(map.path() + ": slice: both axes are '" + request.x + "'");
   }
   cut.theta = fixedValues(map, request, cut.x, cut.y);
-  const Signal& x = map.parameters()[static_cast<std::size_t>(cut.x)];
-  const Signal& y = map.parameters()[static_cast<std::size_t>(cut.y)];
+  cut.x_range = window(map, cut.x, request.x_window);
+  cut.y_range = window(map, cut.y, request.y_window);
+  const auto& [left, right] = cut.x_range;
+  const auto& [low, high] = cut.y_range;
   for (std::size_t index = 0; index < map.regionCount(); ++index) {
     const RegionView region = map.region(index);
     Ring ring = cutRegion(map, cut, region);
@@ -114,8 +127,8 @@ Slice slice(const RegionMap& map, const SliceRequest& request) {
       continue;
     }
     for (auto& [along_x, along_y] : ring) {
-      along_x = 0.5 * (x.lower + x.upper) + 0.5 * (x.upper - x.lower) * along_x;
-      along_y = 0.5 * (y.lower + y.upper) + 0.5 * (y.upper - y.lower) * along_y;
+      along_x = 0.5 * (left + right) + 0.5 * (right - left) * along_x;
+      along_y = 0.5 * (low + high) + 0.5 * (high - low) * along_y;
     }
     cut.polygons.push_back({static_cast<std::uint32_t>(index), region.law, std::move(ring)});
   }

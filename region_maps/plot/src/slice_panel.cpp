@@ -113,8 +113,8 @@ Panel slicePanel(const RegionMap& map, const Slice& cut) {
   panel.title = sliceTitle(map, cut);
   panel.x_label = axisLabel(x);
   panel.y_label = axisLabel(y);
-  panel.x_range = {x.lower, x.upper};
-  panel.y_range = {y.lower, y.upper};
+  panel.x_range = cut.x_range;
+  panel.y_range = cut.y_range;
   if (!map.inputs().empty()) {
     const auto range = inputRange(map, cut);
     panel.patches = inputBands(map, cut, range);

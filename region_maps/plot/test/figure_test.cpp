@@ -98,6 +98,7 @@ TEST(RenderFigure, drawsEveryKindOfElement) {
   panel.scale = ColorScale{0.0, 1.0, "u [rad]", {"#000000", "#ffffff"}};
   panel.log_x = panel.log_y = panel.legend_below = true;
   panel.x_ticks = {{1.0, "one"}, {2.0, "two"}};
+  panel.y_ticks = {{1.0, "first"}};
   figure.panels.push_back(panel);
   figure.columns = 2;
   const std::string svg = renderFigure(figure, ImageFormat::kSvg);

@@ -89,6 +89,7 @@ struct Panel {
   bool log_y = false;
   bool legend_below = false;  ///< under the panel instead of above its upper right corner
   std::vector<std::pair<double, std::string>> x_ticks;  ///< names in place of numbers, if any
+  std::vector<std::pair<double, std::string>> y_ticks;  ///< names in place of numbers, if any
 };
 
 /// A picture of panels in rows and columns.

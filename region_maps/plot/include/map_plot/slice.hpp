@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,8 @@ struct SliceRequest {
   /// Values of the others by name, in the parameter's unit. Not named: 0 where the box holds it, else the
   /// box's middle.
   std::vector<std::pair<std::string, double>> at;
+  std::optional<Panel::Range> x_window = std::nullopt;  ///< only this part; the whole range if none
+  std::optional<Panel::Range> y_window = std::nullopt;
 };
 
 /// A region of the map, cut by the plane.
@@ -27,14 +30,17 @@ struct SlicePolygon {
 };
 
 struct Slice {
-  int x = 0;                           ///< index of the parameter along x
-  int y = 0;                           ///< index of the parameter along y
+  int x = 0;             ///< index of the parameter along x
+  int y = 0;             ///< index of the parameter along y
+  Panel::Range x_range;  ///< cut to the box
+  Panel::Range y_range;
   std::vector<double> theta;           ///< all parameters; entries x and y are not used
   std::vector<SlicePolygon> polygons;  ///< in file order; regions that the plane misses are left out
 };
 
 /// Cuts every region of the map. Throws Error naming the map, the parameter and the rule when a name is
-/// unknown or given twice, or a value is outside the box.
+/// unknown or given twice, a value is outside the box, or a
+/// window is not in it.
 Slice slice(const RegionMap& map, const SliceRequest& request);
 
 /// The slice as a panel: filled by the value of the first input, lines between regions.

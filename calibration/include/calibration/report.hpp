@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibration/flight_log.hpp"
+#include "calibration/replay.hpp"
+#include "calibration/validation.hpp"
+#include "map_plot/figure.hpp"
+
+namespace polyfly {
+
+/// All that a report tells of. Views; the report is made while they live.
+struct ReportContent {
+  const FlightLog& log;
+  const std::vector<ReplaySample>& samples;
+  const AxisMaps& maps;
+  const MultirotorOptions& options;
+  const ValidationReport& validation;
+  const std::vector<std::string>& broken;  ///< sentences of brokenThresholds
+};
+
+/// A picture with the sentence under it.
+struct ReportFigure {
+  std::string heading;
+  std::string caption;
+  Figure figure;
+};
+
+/// The pictures of a flight, in the order of the page; what the log does not hold is left out.
+std::vector<ReportFigure> reportFigures(const ReportContent& content);
+
+/// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
+std::string toHtml(const ReportContent& content);
+
+/// Writes `index.html` and `summary.json` into the folder, which is made where it is missing. Throws Error
+/// naming the file.
+void writeReport(const ReportContent& content, const std::string& folder);
+
+}  // namespace polyfly

@@ -1,0 +1,247 @@
+#include "calibration/report.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "region_maps/error.hpp"
+#include "report_page.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string number(double value, int digits = 3) {
+  if (!std::isfinite(value)) return "–";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+std::string percent(double share) {
+  if (share >= 1.0) return "100 %";
+  // Never rounded up to 100.
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", std::floor(share * 1e4) / 1e2);
+  return text;
+}
+
+void writeTile(const std::string& value, const std::string& label, bool good, std::ostream& out) {
+  out << "<div class='tile" << (good ? "" : " bad") << "'><b>" << escaped(value) << "</b><span>"
+      << escaped(label) << "</span></div>\n";
+}
+
+void writeVerdict(const ReportContent& content, std::ostream& out) {
+  if (content.broken.empty()) {
+    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it</div>\n";
+    return;
+  }
+  out << "<div class='verdict bad'>Failed<ul>";
+  for (const std::string& sentence : content.broken) out << "<li>" << escaped(sentence) << "</li>";
+  out << "</ul></div>\n";
+}
+
+void writeTiles(const ValidationReport& report, std::ostream& out) {
+  out << "<div class='tiles'>\n";
+  writeTile(number(100.0 * report.tracking.rms) + " cm", "tracking error, root mean square", true, out);
+  writeTile(number(100.0 * report.tracking.max) + " cm", "tracking error, greatest", true, out);
+  writeTile(number(report.top_speed) + " m/s", "top speed", true, out);
+  if (report.hold) {
+    writeTile(number(1000.0 * report.hold->offset.norm()) + " mm", "offset at rest at the end", true, out);
+  }
+  writeTile(std::to_string(report.violationCount()),
+            "commands out of bounds, of " + std::to_string(report.commands.recorded),
+            report.violationCount() == 0, out);
+  writeTile(percent(report.coverage),
+            "of " + std::to_string(report.tracked_samples) + " samples inside the maps",
+            report.outside_map_samples == 0, out);
+  writeTile(std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
+            "regions visited", true, out);
+  writeTile(number(report.maxQpDifference(), 2), "greatest difference to the online QP", true, out);
+  writeTile(number(report.commands.max_difference, 2), "greatest difference to the recorded commands", true,
+            out);
+  writeTile(number(report.lookup_ns.p50) + " ns",
+            "median look-up; 99 % below " + number(report.lookup_ns.p99) + " ns", true, out);
+  out << "</div>\n";
+}
+
+void writeRow(const std::string& name, const std::array<std::string, 3>& cells, bool bad, std::ostream& out) {
+  out << "<tr" << (bad ? " class='bad'" : "") << "><td>" << escaped(name) << "</td>";
+  for (const std::string& cell : cells) out << "<td>" << escaped(cell) << "</td>";
+  out << "</tr>\n";
+}
+
+template <class Cell>
+void writeAxisRow(const ValidationReport& report, const std::string& name, Cell cell, bool bad,
+                  std::ostream& out) {
+  writeRow(name, {cell(report.axes[0]), cell(report.axes[1]), cell(report.axes[2])}, bad, out);
+}
+
+// A row of counts that ought to be zero.
+void writeFaultRow(const ValidationReport& report, const std::string& name,
+                   std::size_t AxisValidation::*count, std::ostream& out) {
+  const bool bad = std::any_of(report.axes.begin(), report.axes.end(),
+                               [count](const AxisValidation& axis) { return axis.*count > 0; });
+  writeAxisRow(
+      report, name, [count](const AxisValidation& axis) { return std::to_string(axis.*count); }, bad, out);
+}
+
+void writeAxes(const ValidationReport& report, std::ostream& out) {
+  out << "<section><h2>The three axes in numbers</h2><p>Each axis has its own region map.</p><div "
+         "class='scroll'><table>"
+         "<tr><th></th>";
+  for (const AxisValidation& axis : report.axes) out << "<th>" << escaped(axis.axis) << "</th>";
+  out << "</tr>\n";
+  using Axis = AxisValidation;
+  writeAxisRow(
+      report, "regions in the map", [](const Axis& axis) { return std::to_string(axis.regions); }, false,
+      out);
+  writeAxisRow(
+      report, "regions visited", [](const Axis& axis) { return std::to_string(axis.visited); }, false, out);
+  writeAxisRow(
+      report, "samples inside the map",
+      [](const Axis& axis) { return std::to_string(axis.inside) + " of " + std::to_string(axis.samples); },
+      false, out);
+  writeFaultRow(report, "outside: a parameter out of its range", &Axis::outside_box, out);
+  writeFaultRow(report, "outside: in range, but in no region", &Axis::outside_partition, out);
+  writeFaultRow(report, "not finite", &Axis::not_finite, out);
+  writeAxisRow(
+      report, "greatest difference to the online QP",
+      [](const Axis& axis) { return number(axis.qp.max, 2) + " " + axis.input_unit; }, false, out);
+  writeFaultRow(report, "samples that the online QP could not solve", &Axis::qp_failures, out);
+  writeAxisRow(
+      report, "position error, rms", [](const Axis& axis) { return number(axis.tracking.rms) + " m"; }, false,
+      out);
+  writeAxisRow(
+      report, "position error, greatest", [](const Axis& axis) { return number(axis.tracking.max) + " m"; },
+      false, out);
+  writeAxisRow(
+      report, "look-up, median", [](const Axis& axis) { return number(axis.lookup_ns.p50) + " ns"; }, false,
+      out);
+  writeAxisRow(
+      report, "look-up, 99 % below", [](const Axis& axis) { return number(axis.lookup_ns.p99) + " ns"; },
+      false, out);
+  writeAxisRow(
+      report, "look-up, 99.9 % below", [](const Axis& axis) { return number(axis.lookup_ns.p999) + " ns"; },
+      false, out);
+  writeAxisRow(
+      report, "shuffled look-up, median",
+      [](const Axis& axis) { return number(axis.lookup_shuffled_ns.p50) + " ns"; }, false, out);
+  if (report.hold) {
+    const Eigen::Vector3d& offset = report.hold->offset;
+    writeRow("offset at rest",
+             {number(offset.x()) + " m", number(offset.y()) + " m", number(offset.z()) + " m"}, false, out);
+  }
+  out << "</table></div></section>\n";
+}
+
+void writeUse(const ParameterUse& use, std::ostream& out) {
+  const auto place = [&use](double value) {
+    return 100.0 * std::clamp((value - use.lower) / (use.upper - use.lower), 0.0, 1.0);
+  };
+  const bool met = use.least <= use.greatest;
+  const char* bad = use.outside > 0 ? " class='bad'" : "";
+  out << "<span class='name'>" << escaped(use.name) << "</span><span class='left'>" << number(use.lower)
+      << "</span><div class='track'>";
+  if (met) {
+    out << "<i" << bad << " style='left:" << number(place(use.least), 5)
+        << "%;width:" << number(place(use.greatest) - place(use.least), 5) << "%'></i>";
+  }
+  out << "</div><span class='right'>" << number(use.upper) << " " << escaped(use.unit) << "</span><span"
+      << bad << ">" << (use.outside > 0 ? std::to_string(use.outside) + " outside" : "all inside")
+      << "</span>\n";
+}
+
+void writeCoverage(const ValidationReport& report, std::ostream& out) {
+  out << "<section><h2>Coverage</h2><p>What the flight used (blue) of each parameter's range in the maps "
+         "(grey, from the "
+         "number on the left to that on the right).</p><div class='use'>\n";
+  for (const AxisValidation& axis : report.axes) {
+    const double share =
+        axis.samples > 0 ? static_cast<double>(axis.inside) / static_cast<double>(axis.samples) : 0.0;
+    out << "<h3>" << escaped(axis.axis) << ": " << percent(share) << " of the samples inside</h3>\n";
+    for (const ParameterUse& use : axis.parameters) writeUse(use, out);
+  }
+  out << "</div></section>\n";
+}
+
+void writeRecord(const ValidationReport& report, std::ostream& out) {
+  const CommandValidation& commands = report.commands;
+  constexpr const char* kNames[4] = {"roll", "pitch", "yaw rate", "thrust"};
+  constexpr const char* kUnits[4] = {"rad", "rad", "rad/s", "N"};
+  out << "<section><h2>Replay against the record</h2><p>The recorded odometry, run through the same "
+         "controller again: "
+      << commands.compared << " of " << commands.recorded << " recorded commands compared";
+  if (commands.unanswered > 0) out << ", " << commands.unanswered << " odometry messages without a command";
+  if (report.statuses.compared > 0) {
+    out << "; status and regions differ in " << report.statuses.differing << " of "
+        << report.statuses.compared << " samples; one control step took "
+        << number(report.statuses.step_ns.p50 / 1000.0) << " µs in flight (median; 99 % below "
+        << number(report.statuses.step_ns.p99 / 1000.0) << " µs)";
+  }
+  out << ".</p><div class='scroll'><table><tr><th></th><th>greatest difference</th><th>rms</th></tr>\n";
+  for (std::size_t entry = 0; entry < 4; ++entry) {
+    const Difference& difference = commands.difference[entry];
+    out << "<tr><td>" << kNames[entry] << "</td><td>" << number(difference.max, 2) << " " << kUnits[entry]
+        << "</td><td>" << number(difference.rms, 2) << " " << kUnits[entry] << "</td></tr>\n";
+  }
+  out << "</table></div></section>\n";
+}
+
+// The picture without what only a file of its own needs in front of it.
+std::string inlineSvg(const Figure& figure) {
+  const std::string svg = renderFigure(figure, ImageFormat::kSvg);
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) throw Error("gnuplot: wrote no SVG");
+  return svg.substr(begin);
+}
+
+void writeFile(const std::string& text, const std::filesystem::path& path) {
+  const std::filesystem::path beside = path.string() + ".part";
+  std::ofstream file(beside, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
+    throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
+  }
+}
+
+}  // namespace
+
+std::string toHtml(const ReportContent& content) {
+  const ValidationReport& report = content.validation;
+  std::ostringstream out;
+  out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Flight "
+         "report</title><style>"
+      << kReportStyle << "</style></head><body><main>\n<h1>Flight report</h1>\n<p class='source'>"
+      << escaped(report.source) << " · " << number(report.duration) << " s · " << report.samples
+      << " samples</p>\n";
+  writeVerdict(content, out);
+  writeTiles(report, out);
+  const std::vector<ReportFigure> figures = reportFigures(content);
+  for (const ReportFigure& figure : figures) {
+    out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
+        << inlineSvg(figure.figure) << "</section>\n";
+  }
+  writeCoverage(report, out);
+  writeAxes(report, out);
+  writeRecord(report, out);
+  out << "</main></body></html>\n";
+  return out.str();
+}
+
+void writeReport(const ReportContent& content, const std::string& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw Error(folder + ": cannot be made: " + failure.message());
+  const std::filesystem::path base(folder);
+  writeFile(toHtml(content), base / "index.html");
+  writeFile(toJson(content.validation), base / "summary.json");
+}
+
+}  // namespace polyfly
