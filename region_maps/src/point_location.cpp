@@ -41,8 +41,9 @@ struct RegionMap::PointLocation {
   static LookupStatus testBox(const Tables& tables, const double* theta) noexcept {
     const std::size_t p = size(tables);
     bool inside = true;
-    for (std::size_t i = 0; i < p; ++i)
-      inside &= theta[i] >= tables.box[2 * i] && theta[i] <= tables.box[2 * i + 1];
+    for (std::size_t i = 0; i < p; ++i) {
+      inside &= (theta[i] >= tables.box[2 * i]) & (theta[i] <= tables.box[2 * i + 1]);
+    }
     if (inside) return LookupStatus::kInside;  // the box is finite, so theta is
     for (std::size_t i = 0; i < p; ++i) {
       if (!std::isfinite(theta[i])) return LookupStatus::kNotFinite;
