@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "online_controller/options.hpp"
+
+namespace polyfly {
+
+/// Reads the controller's options from the YAML file that the flight's node was given
+/// (launch/config/firefly.yaml): the maps `vehicle` and `controller`. Keys of the node that do not bear on a
+/// replay are passed over. Throws Error naming file, line, key and rule.
+MultirotorOptions loadControllerOptions(const std::string& path);
+
+}  // namespace polyfly

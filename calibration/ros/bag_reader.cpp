@@ -1,0 +1,269 @@
+#include "calibration_ros/bag_reader.hpp"
+
+#include <geometry_msgs/Vector3Stamped.h>
+#include <ros/exception.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "online_controller_ros/conversions.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+using polyfly::Error;
+using polyfly::FlightLog;
+
+template <class Message>
+std::string typeOf() {
+  return ros::message_traits::DataType<Message>::value();
+}
+
+void openBag(const std::string& path, rosbag::Bag* bag) {
+  std::error_code failure;
+  if (!std::filesystem::exists(path, failure)) throw Error(path + ": no such file");
+  if (!std::filesystem::is_regular_file(path, failure)) throw Error(path + ": not a file");
+  if (std::filesystem::file_size(path, failure) == 0) throw Error(path + ": is empty (0 bytes), not a bag");
+  try {
+    bag->open(path, rosbag::bagmode::Read);
+  } catch (const rosbag::BagUnindexedException&) {
+    throw Error(path +
+                ": has no index, because its recording was cut off; `rosbag reindex` keeps what was written");
+  } catch (const std::exception& error) {
+    throw Error(path + ": cannot be read as a bag: " + error.what());
+  }
+}
+
+std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag) {
+  std::map<std::string, std::string> types;
+  for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections()) {
+    types[connection->topic] = connection->datatype;
+  }
+  return types;
+}
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+// The namespace in which the bag's only vehicle lives, with slashes on both sides.
+std::string findNamespace(const std::string& path, const std::map<std::string, std::string>& types,
+                          const std::string& command) {
+  std::vector<std::string> found;
+  for (const auto& [topic, type] : types) {
+    if (type == typeOf<mav_msgs::RollPitchYawrateThrust>() && endsWith(topic, "/" + command)) {
+      found.push_back(topic.substr(0, topic.size() - command.size()));
+    }
+  }
+  if (found.size() > 1) {
+    std::string names;
+    for (const std::string& name : found) names += " " + name;
+    throw Error(path + ": holds commands of several vehicles, in the namespaces" + names + ": choose one");
+  }
+  return found.empty() ? "/" : found.front();
+}
+
+// Collects the log while messages come in the order of the record.
+class LogBuilder {
+ public:
+  explicit LogBuilder(const std::string& path) { log_.source = path; }
+
+  void add(const nav_msgs::Odometry& message) { log_.add(toVehicleState(message)); }
+
+  void add(const trajectory_msgs::MultiDOFJointTrajectory& message) {
+    addReference([&message] { return std::make_pair(toReferenceTrajectory(message), startOf(message)); });
+  }
+
+  void add(const geometry_msgs::PoseStamped& message) {
+    addReference(
+        [&message] { return std::make_pair(toReferenceTrajectory(message), std::optional<double>()); });
+  }
+
+  void add(const mav_msgs::RollPitchYawrateThrust& message) {
+    FlightLog::Command command;
+    command.stamp = message.header.stamp.toSec();
+    command.command = {message.roll, message.pitch, message.yaw_rate, message.thrust.z};
+    log_.commands.push_back(command);
+  }
+
+  void add(const online_controller::ControllerStatus& message) {
+    if (message.status > online_controller::ControllerStatus::NO_REFERENCE ||
+        message.reason > online_controller::ControllerStatus::REASON_NO_REFERENCE) {
+      throw Error("status or reason is none of those that the message defines");
+    }
+    FlightLog::Status status;
+    status.stamp = message.header.stamp.toSec();
+    status.status = static_cast<polyfly::ControlStatus>(message.status);
+    status.reason = static_cast<polyfly::ControlReason>(message.reason);
+    status.region = {message.longitudinal.region, message.lateral.region, message.vertical.region};
+    status.theta = {message.longitudinal.theta, message.lateral.theta, message.vertical.theta};
+    status.step_time = 1e-9 * static_cast<double>(message.step_time_ns);
+    log_.statuses.push_back(std::move(status));
+  }
+
+  void add(const geometry_msgs::Vector3Stamped& message) {
+    log_.disturbances.push_back(
+        {message.header.stamp.toSec(), {message.vector.x, message.vector.y, message.vector.z}});
+  }
+
+  // The node's own account says after which odometry it noticed silence; the order of arrival at the recorder
+  // does not.
+  FlightLog finish() {
+    std::map<double, std::vector<double>> silences;  // by the stamp of the odometry before
+    double before = -1.0;
+    for (const FlightLog::Status& status : log_.statuses) {
+      if (status.reason == polyfly::ControlReason::kStale) {
+        silences[before].push_back(status.stamp);
+      } else {
+        before = status.stamp;
+      }
+    }
+    const std::vector<FlightLog::Event> heard = std::exchange(log_.events, {});
+    for (const FlightLog::Event& event : heard) {
+      log_.events.push_back(event);
+      if (event.kind != FlightLog::EventKind::kOdometry) continue;
+      const auto after = silences.find(log_.odometry[event.index].stamp);
+      if (after == silences.end()) continue;
+      for (const double stamp : after->second) log_.addSilence(stamp);
+      silences.erase(after);
+    }
+    return std::move(log_);
+  }
+
+  std::size_t refusedReferences() const { return refused_; }
+  const std::string& refusal() const { return refusal_; }
+
+ private:
+  // The node keeps its reference when a new one breaks a rule, and so does the log.
+  template <class Convert>
+  void addReference(Convert convert) {
+    try {
+      auto [trajectory, start] = convert();
+      log_.add(std::move(trajectory), start);
+    } catch (const Error& error) {
+      ++refused_;
+      refusal_ = error.what();
+    }
+  }
+
+  FlightLog log_;
+  std::size_t refused_ = 0;
+  std::string refusal_;
+};
+
+class BagReader {
+ public:
+  BagReader(const std::string& path, const BagTopics& topics) : path_(path), topics_(topics), builder_(path) {
+    openBag(path_, &bag_);
+    types_ = typesByTopic(bag_);
+    if (types_.empty()) throw Error(path_ + ": holds no message");
+    prefix_ = topics.name_space.empty() ? findNamespace(path_, types_, topics.command)
+                                        : "/" + topics.name_space + "/";
+    while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
+  }
+
+  FlightLog read() {
+    require<nav_msgs::Odometry>(topics_.odometry);
+    require<mav_msgs::RollPitchYawrateThrust>(topics_.command);
+    const bool has_trajectory = use<trajectory_msgs::MultiDOFJointTrajectory>(topics_.trajectory);
+    const bool has_pose = use<geometry_msgs::PoseStamped>(topics_.pose);
+    if (!has_trajectory && !has_pose) {
+      missing(fullName(topics_.trajectory) + " nor on " + fullName(topics_.pose));
+    }
+    use<online_controller::ControllerStatus>(topics_.status);
+    use<geometry_msgs::Vector3Stamped>(topics_.disturbance);
+    readMessages();
+    FlightLog log = builder_.finish();
+    check(log);
+    return log;
+  }
+
+ private:
+  using Handler = std::function<void(const rosbag::MessageInstance&)>;
+
+  std::string fullName(const std::string& topic) const {
+    return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
+  }
+
+  [[noreturn]] void missing(const std::string& topic) const {
+    std::string known;
+    for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
+    throw Error(path_ + ": no message on " + topic + "; the bag has " + known);
+  }
+
+  // Whether the topic is in the bag; from then on its messages are read.
+  template <class Message>
+  bool use(const std::string& topic) {
+    const std::string name = fullName(topic);
+    const auto found = types_.find(name);
+    if (found == types_.end()) return false;
+    if (found->second != typeOf<Message>()) {
+      throw Error(path_ + ": topic " + name + ": must be " + typeOf<Message>() + ", is " + found->second);
+    }
+    handlers_[name] = [this, name](const rosbag::MessageInstance& instance) {
+      const auto message = instance.instantiate<Message>();
+      if (!message) {
+        throw Error(path_ + ": topic " + name + ": recorded with another definition of " + typeOf<Message>());
+      }
+      try {
+        builder_.add(*message);
+      } catch (const Error& error) {
+        throw Error(path_ + ": topic " + name + ": " + error.what());
+      }
+    };
+    return true;
+  }
+
+  template <class Message>
+  void require(const std::string& topic) {
+    if (!use<Message>(topic)) missing(fullName(topic));
+  }
+
+  void readMessages() {
+    std::vector<std::string> names;
+    for (const auto& [name, handler] : handlers_) names.push_back(name);
+    try {
+      for (const rosbag::MessageInstance& instance : rosbag::View(bag_, rosbag::TopicQuery(names))) {
+        handlers_.at(instance.getTopic())(instance);
+      }
+    } catch (const Error&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw Error(path_ + ": is damaged: " + error.what());
+    }
+  }
+
+  void check(const FlightLog& log) const {
+    if (log.odometry.empty()) missing(fullName(topics_.odometry));
+    if (log.commands.empty()) missing(fullName(topics_.command));
+    if (log.references.empty()) {
+      throw Error(path_ + ": no usable reference" +
+                  (builder_.refusedReferences() > 0 ? ", the last one: " + builder_.refusal() : ""));
+    }
+  }
+
+  std::string path_;
+  BagTopics topics_;
+  LogBuilder builder_;
+  rosbag::Bag bag_;
+  std::map<std::string, std::string> types_;
+  std::string prefix_;  // of topics in the vehicle's namespace, with slashes on both sides
+  std::map<std::string, Handler> handlers_;
+};
+
+}  // namespace
+
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics) {
+  return BagReader(path, topics).read();
+}
+
+}  // namespace polyfly_ros
