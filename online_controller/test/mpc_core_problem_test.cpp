@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <ostream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -236,6 +238,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"  - {name: e_p, role: error, of: p, unit: m, range: [-6, 7]}\n", "",
                             "  - {name: a_ref", "parameters", "role error of state 'p'"},
                     BadCase{"C: [[1, 0]]", "C: [[0, 1]]", "  C:", "model.C", "Eq. 6"},
+                    BadCase{"[0, -0.5]", "[0, 1e300]", "  A:", "model.A", "must not overflow"},
                     BadCase{"B: [[0], [1]]", "B: [[0], [0]]", "  C:", "model.C", "Eq. 6"},
                     BadCase{"Q: [4, 1]", "Q: [0, 1]", "  Q:", "weights.terminal", "detectable"}));
 
@@ -253,7 +256,7 @@ TEST(BadProblemFile, MalformedYamlNamesTheLine) {
 TEST(BadProblemFile, HoldsOneDocument) {
   const std::string text = std::string(kBase) + "---\nsecond: 1\n";
   const std::string message = errorOf([&] { parseProblem(text, "cart.yaml"); });
-  const std::string start = "cart.yaml:" + std::to_string(lineOf(text, "second")) + ": file: ";
+  const std::string start = "cart.yaml:" + std::to_string(lineOf(text, "---")) + ": file: ";
   EXPECT_EQ(message.find(start), 0u) << message;
 }
 
@@ -261,6 +264,36 @@ TEST(BadProblemFile, IsNotAMap) {
   EXPECT_EQ(errorOf([] { parseProblem("- 1\n", "cart.yaml"); }).find("cart.yaml:1: file: must be a map"), 0u);
   EXPECT_EQ(errorOf([] { parseProblem("# nothing\n", "cart.yaml"); }),
             "cart.yaml:1: file: must not be empty");
+}
+
+TEST(BadProblemFile, NeverCausesAnotherException) {
+  // Random damage: either it is still a problem, or the complaint is an Error that names the file.
+  const std::string base = kBase;
+  const std::string pieces = "[]{}:,-#&*!|>'\"%@`\n\t 0.e~<?\xff";
+  std::mt19937 generator(1);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string text = base;
+    for (int change = 0; change <= trial % 3; ++change) {
+      const std::size_t place = generator() % text.size();
+      const std::size_t length = generator() % 4;
+      text.replace(place, length, 1, pieces[generator() % pieces.size()]);
+    }
+    if (trial % 10 == 0) text.resize(generator() % text.size());
+    try {
+      parseProblem(text, "cart.yaml");
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_EQ(std::string(error.what()).find("cart.yaml:"), 0u) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(BadProblemFile, AliasThatHoldsItselfIsRefused) {
+  const std::string text = replaced(kBase, "C: [[1, 0]]", "C: &c [*c, *c]");
+  const std::string start = "cart.yaml:" + std::to_string(lineOf(text, "&c")) + ": ";
+  EXPECT_EQ(errorOf([&] { parseProblem(text, "cart.yaml"); }).find(start), 0u);
 }
 
 TEST(BadProblemFile, EndlessNestingIsRefused) {

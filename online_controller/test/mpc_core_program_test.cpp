@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,24 @@ TEST(BadProgramFile, MalformedMissingDirectoryEmpty) {
             0u);
   EXPECT_EQ(errorOf([] { loadProgramJson(projectRoot()); }),
             projectRoot() + ": file: must not be a directory");
+}
+
+TEST(BadProgramFile, NeverCausesAnotherException) {
+  const std::string base = kBase;
+  const std::string pieces = "[]{}:,-\"\n 0.e1\xff";
+  std::mt19937 generator(1);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string text = base;
+    text.replace(generator() % text.size(), generator() % 4, 1, pieces[generator() % pieces.size()]);
+    try {
+      parseProgramJson(text, "tiny.json");
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_EQ(std::string(error.what()).find("tiny.json:"), 0u) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 1000);
 }
 
 TEST(ProgramJson, ReferenceSamplesAreOptimalForTheProgramRead) {

@@ -106,30 +106,39 @@ void setCost(const MpcProblem& problem, const DiscreteModel& model, const Predic
 /// Collects rows A z <= b + S theta; those without z become A_theta theta <= b_theta.
 class Rows {
  public:
-  explicit Rows(ParametricProgram* program) : program_(program) {}
-
   void add(const Eigen::RowVectorXd& on_z, double bound, const Eigen::RowVectorXd& on_theta) {
     if (!std::isfinite(bound)) return;
-    const double size = on_z.cwiseAbs().maxCoeff();
-    if (size <= kZeroRow * on_theta.cwiseAbs().maxCoeff()) {
-      append(-on_theta, bound, &program_->A_theta, &program_->b_theta);
-      return;
+    const bool without_z = on_z.cwiseAbs().maxCoeff() <= kZeroRow * on_theta.cwiseAbs().maxCoeff();
+    (without_z ? parameter_rows_ : rows_).push_back({on_z, on_theta, bound});
+  }
+
+  void store(ParametricProgram* program, Eigen::Index n, Eigen::Index p) const {
+    const auto m = static_cast<Eigen::Index>(rows_.size());
+    program->A.resize(m, n);
+    program->b.resize(m);
+    program->S.resize(m, p);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const Row& row = rows_[static_cast<std::size_t>(i)];
+      program->A.row(i) = row.on_z;
+      program->b(i) = row.bound;
+      program->S.row(i) = row.on_theta;
     }
-    append(on_z, bound, &program_->A, &program_->b);
-    program_->S.conservativeResize(program_->A.rows(), on_theta.size());
-    program_->S.bottomRows(1) = on_theta;
+    const auto k = static_cast<Eigen::Index>(parameter_rows_.size());
+    program->A_theta.resize(k, p);
+    program->b_theta.resize(k);
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const Row& row = parameter_rows_[static_cast<std::size_t>(i)];
+      program->A_theta.row(i) = -row.on_theta;
+      program->b_theta(i) = row.bound;
+    }
   }
 
  private:
-  static void append(const Eigen::RowVectorXd& row, double bound, Eigen::MatrixXd* matrix,
-                     Eigen::VectorXd* vector) {
-    matrix->conservativeResize(matrix->rows() + 1, row.size());
-    matrix->bottomRows(1) = row;
-    vector->conservativeResize(vector->size() + 1);
-    (*vector)(vector->size() - 1) = bound;
-  }
-
-  ParametricProgram* program_;
+  struct Row {
+    Eigen::RowVectorXd on_z, on_theta;
+    double bound = 0.0;
+  };
+  std::vector<Row> rows_, parameter_rows_;
 };
 
 void setRows(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
@@ -137,12 +146,7 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
   const Eigen::Index nu = problem.inputCount();
   const Eigen::Index n = problem.horizon * nu;
   const auto p = static_cast<Eigen::Index>(problem.parameters.size());
-  program->A.resize(0, n);
-  program->b.resize(0);
-  program->S.resize(0, p);
-  program->A_theta.resize(0, p);
-  program->b_theta.resize(0);
-  Rows rows(program);
+  Rows rows;
   for (const double sign : {1.0, -1.0}) {  // upper bounds first, then lower ones
     for (Eigen::Index i = 0; i < n; ++i) {
       const Signal& input = problem.inputs[static_cast<std::size_t>(i % nu)];
@@ -159,6 +163,7 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
       }
     }
   }
+  rows.store(program, n, p);
 }
 
 }  // namespace

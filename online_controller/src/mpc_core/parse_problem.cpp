@@ -170,7 +170,12 @@ void readParameters(const YamlField& parameters, MpcProblem* problem) {
 
 /// Rules that hold between the fields: a steady state for every reference (Eq. 6) and a terminal weight.
 void checkControllable(const YamlField& root, const MpcProblem& problem) {
-  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  DiscreteModel model;
+  try {
+    model = discretise(problem, problem.sampling_time);
+  } catch (const Error&) {
+    root.at("model").at("A").fail("must not overflow within one sampling_time (Eq. 42)");
+  }
   try {
     steadyState(model, problem.C, Eigen::VectorXd::Zero(model.Bd.cols()),
                 Eigen::VectorXd::Zero(problem.C.rows()));
