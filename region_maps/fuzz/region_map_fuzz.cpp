@@ -67,7 +67,7 @@ void touchAll(const RegionMap& map) {
   (void)sink;
 }
 
-void tryMap(std::vector<std::byte> bytes) {
+void tryMap(const std::vector<std::byte>& bytes) {
   AlignedBytes copy(bytes);
   try {
     const RegionMap map = RegionMap::view(copy.data(), copy.size(), "fuzz");
@@ -114,6 +114,7 @@ void repair(std::vector<std::byte>& bytes) {
 }  // namespace
 }  // namespace polyfly
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto* const first = reinterpret_cast<const std::byte*>(data);
   std::vector<std::byte> bytes(first, first + size);

@@ -107,8 +107,11 @@ TEST(RegionMap, GivesBackAllThatWasWritten) {
   }
 }
 
-TEST(RegionMap, GivesBackTextWithManyLines) {
-  const MapContent content = makeSmallMap();
+TEST(RegionMap, GivesBackTextWithManyLinesAndAnyCharacter) {
+  MapContent content = makeSmallMap();
+  content.inputs[0].name = "\xc3\xa4";                                // two bytes
+  content.inputs[0].unit = "\xe2\x82\xac \xe0\xa4\x85 \xed\x95\x9c";  // three each
+  content.solver_notes += "\xf0\x9f\x9a\x81 \xf4\x8f\xbf\xbf\t\n";    // four each
   AlignedBytes copy(layOut(content));
   const RegionMap map = RegionMap::view(copy.data(), copy.size(), "small");
   EXPECT_EQ(map.path(), "small");

@@ -143,6 +143,13 @@ TEST(LayOut, RefusesContentThatBreaksARule) {
       {"small: node 0: node 7 does not exist", [](MapContent& m) { m.nodes[0].above = 7; }},
       {"small: section laws: must not be empty", [](MapContent& m) { m.laws.clear(); }},
       {"small: section leaves: must not be empty", [](MapContent& m) { m.leaves.clear(); }},
+      {"small: leaf 3: more than 2^32 - 1 half-spaces",
+       [](MapContent& m) {
+         m.rows.resize(70'000, 1);
+         m.regions[0] = {0, 70'000, 0, 0, 0};
+         m.candidates.resize(70'000, 0);
+         m.leaves[3] = {0, 70'000};
+       }},
       {"region map: header: period must be finite",
        [](MapContent& m) {
          m.name.clear();
