@@ -20,6 +20,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
+constexpr double kLinearProbe =
+    1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
 constexpr double kProbeTolerance =
     1e-8;  // a region holds a probe within this, as the map's look-up does [scaled]
 constexpr double kEdge =
@@ -73,7 +75,7 @@ bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorX
 }
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
-Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p) {
+Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, double step) {
   double inside = facet.row[p];
   double outside = facet.row[p];
   double distance = 0.0;
@@ -83,16 +85,17 @@ Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p) {
     distance = std::max(distance, std::abs(facet.beyond[j] - region.centre[j]));
   }
   double fraction = inside / (inside - outside);
-  fraction = std::min(0.5 * (fraction + 1.0), fraction + kProbeStep / std::max(distance, kProbeStep));
+  fraction = std::min(0.5 * (fraction + 1.0), fraction + step / std::max(distance, step));
   Eigen::VectorXd probe(p);
   for (int j = 0; j < p; ++j) probe(j) = region.centre[j] + fraction * (facet.beyond[j] - region.centre[j]);
   return probe;
 }
 
 void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet, Described& out) {
-  const Eigen::VectorXd probe = across(out.region, facet, program.p);
+  const double widen = program.linear ? kLinearProbe : 1.0;
+  const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * kProbeStep);
   ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, kEdge, active)) return;  // the edge of the feasible set
+  if (!activeSetAt(program, worker.qp, probe, widen * kEdge, active)) return;  // the edge of the feasible set
   if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
   worker.sets.push_back(active);
   for (const ActiveSet& set : worker.sets) {
@@ -239,6 +242,10 @@ class Exploration {
     }
     if (described.status != BuildStatus::kRegion) return;
     partition_.stats.degenerate_facets += described.degenerate_facets;
+    if (described.region.by_slack && described.region.tight.size() > active.size() &&
+        !tight_.insert(described.region.tight).second) {
+      return;  // the same rows are tight in a region that was found before: it is that region
+    }
     unsettled_.insert(unsettled_.end(), described.unsettled.begin(), described.unsettled.end());
     partition_.regions.push_back(toRegion(program_, active, described.region));
   }
@@ -280,6 +287,7 @@ class Exploration {
   tbb::enumerable_thread_specific<Worker> workers_;
   std::chrono::steady_clock::time_point begin_;
   std::unordered_set<ActiveSet, ActiveSetHash> seen_;
+  std::unordered_set<ActiveSet, ActiveSetHash> tight_;
   std::vector<double> unsettled_;
   Partition partition_;
 };

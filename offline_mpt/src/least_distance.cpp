@@ -1,6 +1,7 @@
 #include "least_distance.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <cmath>
 
@@ -9,7 +10,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRank = 1e-11;      // relative size below which a pivot or length counts as zero
+constexpr double kRank = 1e-11;         // relative size below which a pivot or length counts as zero
+constexpr double kSemidefinite = 1e-8;  // share of the mean eigenvalue added to a singular H
+constexpr double kLinearStart =
+    1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
 constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
 constexpr double kSame = 1e-12;      // difference below which two right-hand sides are equal
 
@@ -67,7 +71,8 @@ Elimination eliminateEqualities(const ParametricProgram& program, const LeastDis
   const int rank = static_cast<int>(qr.rank());
   const Eigen::MatrixXd Q = qr.householderQ();
   const Eigen::MatrixXd range = Q.leftCols(rank);
-  const Eigen::MatrixXd z_p = range * (A * range).completeOrthogonalDecomposition().solve(rhs);
+  Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
+  if (rank > 0) z_p = range * (A * range).completeOrthogonalDecomposition().solve(rhs);
   if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
     throw Error(program.name +
                 ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
@@ -139,6 +144,24 @@ void dropParallelRows(LeastDistance& ld, const Eigen::MatrixXd& M) {
   keepRows(ld, M, kept);
 }
 
+/// Lower triangular L with LL' = H, after H has been made positive definite; L = I for a linear program.
+Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
+  const double mean = ld.n > 0 ? ld.H.trace() / ld.n : 0.0;
+  if (ld.H.cwiseAbs().maxCoeff() == 0.0) {
+    ld.linear = true;
+    ld.cost = ld.F;
+    ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kRank) * Eigen::MatrixXd::Identity(ld.n, ld.n);
+    return Eigen::MatrixXd::Identity(ld.n, ld.n);
+  }
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(ld.H, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  if (least < -kSemidefinite * mean) {
+    throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
+  }
+  if (least < kSemidefinite * mean) ld.H.diagonal().array() += kSemidefinite * mean;
+  return ld.H.llt().matrixL();
+}
+
 }  // namespace
 
 LeastDistance toLeastDistance(const ParametricProgram& program) {
@@ -156,13 +179,11 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   ld.n = static_cast<int>(free.Z.cols());
   ld.H = free.Z.transpose() * program.H * free.Z;
   ld.F = free.Z.transpose() * (affineInScaled(program.F, program.f, ld) + program.H * free.z_p);
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(ld.H);
-  if (cholesky.info() != Eigen::Success ||
-      cholesky.matrixLLT().diagonal().minCoeff() <=
-          std::sqrt(kRank) * cholesky.matrixLLT().diagonal().maxCoeff()) {
-    throw Error(program.name + ": H: must be positive definite where the equalities leave z free");
-  }
-  const Eigen::MatrixXd y_free = -cholesky.solve(ld.F);  // unconstrained minimiser
+  const Eigen::MatrixXd root = metric(program.name, ld);
+  const auto lower = root.triangularView<Eigen::Lower>();
+  // unconstrained minimiser; of a linear program its part of order one
+  Eigen::MatrixXd y_free = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
+  if (!ld.linear) y_free = -lower.transpose().solve(lower.solve(ld.F));
 
   const Eigen::MatrixXd A_all = program.A * free.Z;
   const Eigen::MatrixXd S_all = affineInScaled(program.S, program.b, ld) - program.A * free.z_p;
@@ -173,7 +194,7 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   ld.length.resize(program.rowCount());
   for (int i = 0; i < program.rowCount(); ++i) {
     if (isEquality(program, i)) continue;
-    const Eigen::VectorXd m_row = cholesky.matrixL().solve(A_all.row(i).transpose());
+    const Eigen::VectorXd m_row = lower.solve(A_all.row(i).transpose());
     const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S_all.row(i).cwiseAbs().maxCoeff());
     if (A_all.row(i).norm() <= kRank * scale) {
       addDomainRow(ld, -S_all.row(i).head(ld.p), S_all(i, ld.p), scale);
@@ -190,7 +211,7 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   }
   const Eigen::MatrixXd E = program.E * free.Z;
   ld.U = affineInScaled(program.C, program.c, ld) + program.E * free.z_p + E * y_free;
-  ld.V = -(cholesky.matrixL().solve(E.transpose())).transpose() * M.topRows(ld.m).transpose();
+  ld.V = -(lower.solve(E.transpose())).transpose() * M.topRows(ld.m).transpose();
   dropParallelRows(ld, M);
   return ld;
 }

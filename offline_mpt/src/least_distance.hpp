@@ -14,6 +14,11 @@ namespace polyfly {
 /// multipliers lambda of the rows left,
 ///
 ///     slack(t) = D (t, 1) + gram lambda,   u(t) = U (t, 1) + V lambda.
+///
+/// A linear program (H = 0) is the limit of H = eps I for eps -> 0, taken symbolically: of all optima the one
+/// of least length |z| is chosen, which is unique and, where the cost does not depend on theta, continuous.
+/// Multipliers are then prices / eps + lambda with cost + M' prices = 0, and all of the above holds with the
+/// lambda of order one.
 struct LeastDistance {
   int p = 0;                   ///< parameters
   int n = 0;                   ///< variables left
@@ -27,6 +32,8 @@ struct LeastDistance {
   Eigen::MatrixXd U;           ///< q x (p + 1)
   Eigen::MatrixXd V;           ///< q x m
   std::vector<double> domain;  ///< rows (a, b): a . t <= b, |a| = 1; the first 2 p are the box
+  bool linear = false;         ///< H = 0
+  Eigen::MatrixXd cost;        ///< n x (p + 1), of a linear program
   bool domain_empty = false;   ///< a row without z can never hold
 
   // The reduced program in t, for starting points: min 1/2 z'Hz + (f + F t)'z, A z <= b + S t.
@@ -39,8 +46,8 @@ struct LeastDistance {
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
 
-/// Throws Error when H is not positive definite where the equalities leave it free, or the equalities fix
-/// parameters.
+/// An H that is only semidefinite where the equalities leave z free gets kSemidefinite times its mean
+/// eigenvalue added. Throws Error when H has a negative eigenvalue there, or the equalities fix parameters.
 LeastDistance toLeastDistance(const ParametricProgram& program);
 
 }  // namespace polyfly

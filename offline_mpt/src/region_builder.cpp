@@ -1,7 +1,9 @@
 #include "region_builder.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace polyfly {
 namespace {
@@ -10,7 +12,8 @@ constexpr double kSafePivot = 1e-6;  // squared distance from others below which
 constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
 constexpr double kConstant = 1e-11;    // relative slope below which a row does not depend on the parameters
 constexpr double kCoincident = 1e-9;   // difference below which two unit half-spaces are the same plane
-constexpr double kExchange = 1e-9;     // weight above which a row can leave in an exchange
+constexpr double kUnpaid = 1e-9;    // part of the cost that prices may leave, relative to its largest entry
+constexpr double kExchange = 1e-9;  // weight above which a row can leave in an exchange
 constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
 
 ActiveSet with(const ActiveSet& active, int row) {
@@ -35,6 +38,7 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
       is_active_(program.m, 0),
+      scratch_(program.p + 1),
       solver_(program.p) {
   for (int i = 0; i < program.m; ++i) {
     for (int j = 0; j < program.m; ++j)
@@ -135,45 +139,89 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   return true;
 }
 
+// Prices of the active rows, -gram^-1 M cost. False unless they pay for the whole cost with no price negative
+// everywhere.
+bool RegionBuilder::priceOut(const ActiveSet& active) {
+  const auto k = static_cast<Eigen::Index>(active.size());
+  prices_.resize(multipliers_.size());
+  for (Eigen::Index r = 0; r < k; ++r) {
+    for (int j = 0; j < width_; ++j)
+      prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
+  }
+  solveFactor(prices_.data());
+  const double scale = program_.cost.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd rest = program_.cost;
+  for (Eigen::Index r = 0; r < k; ++r) {
+    for (int j = 0; j < width_; ++j)
+      rest.col(j) += prices_[r * width_ + j] * program_.M.row(active[r]).transpose();
+  }
+  return rest.cwiseAbs().maxCoeff() <= kUnpaid * scale;
+}
+
+BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
+  BuildStatus status = BuildStatus::kRegion;
+  const double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    if (program_.linear) {
+      const double* price = prices_.data() + r * width_;
+      const double largest = std::abs(*std::max_element(
+          price, price + width_, [](double a, double b) { return std::abs(a) < std::abs(b); }));
+      if (largest > kUnpaid * price_scale) {  // the multiplier's sign is the price's
+        for (int j = 0; j < width_; ++j)
+          scratch_[j] = std::abs(price[j]) > kUnpaid * price_scale ? price[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, status))
+          return status;
+        continue;
+      }
+    }
+    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale, status)) {
+      return status;
+    }
+  }
+  return status;
+}
+
+BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
+  BuildStatus status = BuildStatus::kRegion;
+  idle_.clear();
+  for (const int row : active) is_active_[row] = 1;
+  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
+    if (is_active_[i]) continue;
+    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
+    std::copy_n(D_.data() + static_cast<std::size_t>(i) * width_, width_, scratch_.data());
+    for (std::size_t r = 0; r < active.size(); ++r) {
+      const double weight = gram[active[r]];
+      for (int j = 0; j < width_; ++j) scratch_[j] += weight * multipliers_[r * width_ + j];
+    }
+    const std::size_t before = origins_.size();
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, status);
+    if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
+      idle_.push_back(static_cast<std::uint16_t>(i));
+    }
+  }
+  for (const int row : active) is_active_[row] = 0;
+  return status;
+}
+
 BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
-  const int k = static_cast<int>(active.size());
-  multipliers_.resize(static_cast<std::size_t>(k) * width_);
+  multipliers_.resize(active.size() * width_);
   if (!factorise(active)) return BuildStatus::kDependent;
   double scale = 1.0;
-  for (int r = 0; r < k; ++r) {
+  for (std::size_t r = 0; r < active.size(); ++r) {
     for (int j = 0; j < width_; ++j) {
       const double value = -D_[static_cast<std::size_t>(active[r]) * width_ + j];
-      multipliers_[static_cast<std::size_t>(r) * width_ + j] = value;
+      multipliers_[r * width_ + j] = value;
       scale = std::max(scale, std::abs(value));
     }
   }
   solveFactor(multipliers_.data());
+  if (program_.linear && !priceOut(active)) return BuildStatus::kThin;
 
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
   for (int d = 0; d < program_.domainCount(); ++d) origins_.push_back({RowOrigin::Kind::kDomain, d});
-  BuildStatus status = BuildStatus::kRegion;
-  for (int r = 0; r < k; ++r) {
-    const RowOrigin origin{RowOrigin::Kind::kMultiplier, active[r]};
-    if (!addRow(multipliers_.data() + static_cast<std::size_t>(r) * width_, origin, scale, status))
-      return status;
-  }
-  for (const int row : active) is_active_[row] = 1;
-  double slack[PolytopeSolver::kMaxDimension + 1];
-  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
-    if (is_active_[i]) continue;
-    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
-    const double* d = D_.data() + static_cast<std::size_t>(i) * width_;
-    for (int j = 0; j < width_; ++j) slack[j] = d[j];
-    for (int r = 0; r < k; ++r) {
-      const double weight = gram[active[r]];
-      for (int j = 0; j < width_; ++j)
-        slack[j] += weight * multipliers_[static_cast<std::size_t>(r) * width_ + j];
-    }
-    addRow(slack, {RowOrigin::Kind::kSlack, i}, scale, status);
-  }
-  for (const int row : active) is_active_[row] = 0;
-  return status;
+  const BuildStatus status = addMultiplierRows(active, scale);
+  return status == BuildStatus::kRegion ? addSlackRows(active, scale) : status;
 }
 
 BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
@@ -188,6 +236,12 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
   const double tolerance = std::min(facet_tolerance_, 0.1 * region.radius);
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
     return BuildStatus::kFailed;
+  region.tight = active;
+  region.tight.insert(region.tight.end(), idle_.begin(), idle_.end());
+  std::sort(region.tight.begin(), region.tight.end());
+  region.by_slack = std::none_of(origins_.begin(), origins_.end(), [](const RowOrigin& origin) {
+    return origin.kind == RowOrigin::Kind::kMultiplier || origin.kind == RowOrigin::Kind::kPrice;
+  });
   region.facets.resize(minimal_.facets.size());
   for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
     const int row = minimal_.facets[f];
@@ -253,12 +307,38 @@ bool RegionBuilder::depends(const ActiveSet& active, int row, std::vector<double
 
 // `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
 // raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
-// facet.
+// facet. Constant prices tell which goes first: those of least price / w_j.
 void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
   std::vector<double> weights;
   if (!depends(active, row, weights)) return;
+  const bool constant_prices =
+      program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
+  double least = 0.0;
+  if (constant_prices) {
+    least = std::numeric_limits<double>::infinity();
+    for (std::size_t r = 0; r < active.size(); ++r) {
+      if (weights[r] > kExchange) least = std::min(least, prices_[r * width_ + program_.p] / weights[r]);
+    }
+    least += kUnpaid * (1.0 + std::abs(least));
+  }
   for (std::size_t r = 0; r < active.size(); ++r) {
-    if (weights[r] > kExchange) sets.push_back(with(without(active, active[r]), row));
+    if (weights[r] <= kExchange) continue;
+    if (constant_prices && prices_[r * width_ + program_.p] / weights[r] > least) continue;
+    sets.push_back(with(without(active, active[r]), row));
+  }
+}
+
+// A price vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
+// one stops it. Which one depends on the parameter, so all rows ahead are candidates.
+void RegionBuilder::enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets) {
+  const ActiveSet kept = without(active, leaving);
+  Eigen::VectorXd direction = -program_.M.row(leaving);
+  Eigen::MatrixXd basis(program_.n, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t r = 0; r < kept.size(); ++r)
+    basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
+  if (!kept.empty()) direction -= basis * basis.colPivHouseholderQr().solve(direction);
+  for (int i = 0; i < program_.m; ++i) {
+    if (program_.M.row(i).dot(direction) > kExchange) sets.push_back(with(kept, i));
   }
 }
 
@@ -267,6 +347,11 @@ void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std:
   sets.clear();
   degenerate = false;
   if (facet.origin.kind == RowOrigin::Kind::kDomain) return;
+  if (facet.origin.kind == RowOrigin::Kind::kPrice) {
+    enter(active, facet.origin.index, sets);
+    degenerate = true;
+    return;
+  }
   const std::vector<RowOrigin> changes = coincident(facet);
   std::vector<double> weights;
   if (changes.size() == 1 && facet.origin.kind == RowOrigin::Kind::kMultiplier) {
@@ -283,8 +368,8 @@ void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std:
     ActiveSet candidate = active;
     for (std::size_t c = 0; c < count; ++c) {
       if ((subset >> c & 1u) == 0) continue;
-      candidate = changes[c].kind == RowOrigin::Kind::kMultiplier ? without(candidate, changes[c].index)
-                                                                  : with(candidate, changes[c].index);
+      candidate = changes[c].kind == RowOrigin::Kind::kSlack ? with(candidate, changes[c].index)
+                                                             : without(candidate, changes[c].index);
     }
     sets.push_back(std::move(candidate));
   }

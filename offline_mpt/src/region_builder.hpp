@@ -13,9 +13,9 @@ using ActiveSet = std::vector<std::uint16_t>;
 
 /// Where a half-space of a region comes from.
 struct RowOrigin {
-  enum class Kind : std::uint8_t { kMultiplier, kSlack, kDomain };
+  enum class Kind : std::uint8_t { kMultiplier, kPrice, kSlack, kDomain };
   Kind kind = Kind::kDomain;
-  int index = 0;  ///< row of the program (multiplier, slack) or of the domain
+  int index = 0;  ///< row of the program (multiplier, price, slack) or of the domain
 };
 
 /// A half-space that bounds a region, and what lies behind it.
@@ -30,6 +30,8 @@ struct RegionData {
   std::vector<Facet> facets;
   std::vector<double> centre;
   double radius = 0.0;
+  ActiveSet tight;          ///< rows that hold with equality everywhere, the active ones among them
+  bool by_slack = false;    ///< only slacks bound the region: it depends on `tight` alone
   std::vector<double> law;  ///< q rows of p + 1 numbers: u = law (t, 1)
 };
 
@@ -69,6 +71,10 @@ class RegionBuilder {
   bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
   std::vector<RowOrigin> coincident(const Facet& facet) const;
   void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
+  void enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets);
+  BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
+  BuildStatus addSlackRows(const ActiveSet& active, double scale);
+  bool priceOut(const ActiveSet& active);
 
   const LeastDistance& program_;
   double facet_tolerance_;
@@ -78,9 +84,12 @@ class RegionBuilder {
   std::vector<double> D_;
   std::vector<double> factor_;       // lower triangle, k x k of stride n + 1
   std::vector<double> multipliers_;  // k x (p + 1)
+  std::vector<double> prices_;       // as multipliers_, of a linear program
+  std::vector<std::uint16_t> idle_;  // rows outside the set that are tight everywhere
   std::vector<double> rows_;         // (a, b)
   std::vector<RowOrigin> origins_;
   std::vector<char> is_active_;
+  std::vector<double> scratch_;
   PolytopeSolver solver_;
   MinimalRows minimal_;
 };

@@ -136,9 +136,17 @@ TEST(Explore, OppositeInequalitiesAreAnEquality) {
   EXPECT_EQ(from_pair.regions.size(), from_equality.regions.size());
 }
 
-TEST(Explore, RefusesProgramsThatAreNotStrictlyConvex) {
+TEST(Explore, RefusesAnIndefiniteHessian) {
   ParametricProgram program = randomProgram(3, 10, 2, 4);
-  program.H.setZero();
+  program.H(0, 0) = -1.0;
+  EXPECT_THROW(explore(program), Error);
+}
+
+TEST(Explore, RefusesParametersThatAreTiedToEachOther) {
+  ParametricProgram program = randomProgram(3, 10, 2, 4);
+  program.A.topRows(2).setZero();
+  program.S.topRows(2) << 1.0, 1.0, -1.0, -1.0;  // theta_0 + theta_1 = 0.1
+  program.b.head(2) << -0.1, 0.1;
   EXPECT_THROW(explore(program), Error);
 }
 

@@ -25,9 +25,13 @@ struct ExploreOptions {
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 };
 
-/// Partitions the parameter set of a strictly convex program into critical regions.
-/// Throws Error when the program is not strictly convex on its equalities' null space or its parameter set is
-/// unbounded.
+/// Partitions the parameter set of a convex program into critical regions.
+///
+/// H positive definite: the law is unique and continuous. H = 0: of several optima the shortest z is taken,
+/// which is unique and, where the cost does not depend on theta, continuous. H singular otherwise: 1e-8 of
+/// its mean eigenvalue is added to it, so that z is close to the shortest optimum. Rows may repeat, depend on
+/// each other or hold with equality everywhere. Throws Error when H is indefinite, the parameter set is
+/// unbounded, or the parameters that admit a solution form a lower-dimensional set.
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly
