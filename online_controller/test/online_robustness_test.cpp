@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
+#include <new>
 #include <random>
 #include <vector>
 
@@ -259,9 +259,8 @@ TEST(Robustness, TheSameCallsGiveTheSameBits) {
 
 TEST(Robustness, TheCounterCounts) {
   const long before = polyfly_test::allocationCount();
-  const auto memory = std::make_unique<double[]>(100);
+  ::operator delete(::operator new(100));  // called directly, which no compiler leaves out
   EXPECT_GT(polyfly_test::allocationCount(), before);
-  EXPECT_NE(memory, nullptr);
 }
 
 TEST(Robustness, NoCallInFlightAllocates) {

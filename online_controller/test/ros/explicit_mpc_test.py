@@ -1,0 +1,331 @@
+#!/usr/bin/env python3
+"""The controller on real topics, as node and as nodelet. Launched by explicit_mpc.test with the argument node or nodelet."""
+
+import hashlib
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import rospkg
+import rospy
+import rostest
+from geometry_msgs.msg import PoseStamped, Transform, Twist
+from mav_msgs.msg import RollPitchYawrateThrust
+from nav_msgs.msg import Odometry
+from online_controller.msg import AxisStatus, ControllerStatus
+from roslib.packages import find_node
+from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+
+HOVER = 1.52 * 9.8066
+PATIENCE = 20.0  # until something must have happened [s]
+RETRY = 0.5      # until a message counts as lost, while connections are being made [s]
+AXES = ("longitudinal", "lateral", "vertical")
+TWIN = "node"    # or nodelet, from the command line
+
+
+def command_line(namespace):
+    """Program and arguments of the twin under test."""
+    names = ["__ns:=" + namespace, "__name:=controller"]
+    if TWIN == "nodelet":
+        return [find_node("nodelet", "nodelet")[0], "standalone", "online_controller/ExplicitMpc"] + names
+    return [find_node("online_controller", "explicit_mpc_node")[0]] + names
+
+
+def make_maps(folder):
+    problems = rospkg.RosPack().get_path("region_maps")
+    environment = dict(os.environ, POLYFLY_ROOT=os.path.dirname(os.path.realpath(problems)))
+    subprocess.run([find_node("online_controller", "make_test_maps")[0], folder], env=environment, check=True)
+
+
+class Collector:
+    """Messages of a topic, to be waited for."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self.changed = threading.Condition()
+        self.subscriber = rospy.Subscriber(topic, kind, self.take)
+
+    def take(self, message):
+        with self.changed:
+            self.messages.append(message)
+            self.changed.notify_all()
+
+    def wait(self, condition, timeout=PATIENCE):
+        """The first message that meets the condition, None after the time-out."""
+        found = []
+
+        def arrived():
+            found.extend(m for m in self.messages if condition(m))
+            return bool(found)
+
+        with self.changed:
+            self.changed.wait_for(arrived, timeout)
+        return found[0] if found else None
+
+
+class Controller:
+    """The twin in a namespace of its own, with a partner for its topics."""
+
+    def __init__(self, namespace, maps, parameters=None):
+        self.namespace = "/" + namespace
+        for axis in AXES:
+            if maps.get(axis):
+                rospy.set_param(self.namespace + "/controller/maps/" + axis, maps[axis])
+        for key, value in (parameters or {}).items():
+            rospy.set_param(self.namespace + "/controller/" + key, value)
+        self.process = subprocess.Popen(command_line(self.namespace), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                        universal_newlines=True)
+
+    def connect(self):
+        self.odometry = rospy.Publisher(self.namespace + "/odometry", Odometry, queue_size=10)
+        self.pose = rospy.Publisher(self.namespace + "/command/pose", PoseStamped, queue_size=10, latch=True)
+        self.trajectory = rospy.Publisher(self.namespace + "/command/trajectory", MultiDOFJointTrajectory,
+                                          queue_size=10, latch=True)
+        self.commands = Collector(self.namespace + "/command/roll_pitch_yawrate_thrust", RollPitchYawrateThrust)
+        self.statuses = Collector(self.namespace + "/controller_status", ControllerStatus)
+        return self
+
+    def exchange(self, change=lambda odometry: None, accept=lambda status: True):
+        """Sends odometry until command and status with its stamp have arrived and the status is accepted."""
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        while rospy.Time.now() < deadline:
+            odometry = Odometry()
+            odometry.header.frame_id = "world"
+            odometry.pose.pose.orientation.w = 1.0
+            odometry.header.stamp = rospy.Time.now()
+            change(odometry)
+            stamp = odometry.header.stamp
+            self.odometry.publish(odometry)
+            status = self.statuses.wait(lambda m: m.header.stamp == stamp, RETRY)
+            command = self.commands.wait(lambda m: m.header.stamp == stamp, RETRY)
+            if status and command and accept(status):
+                return command, status
+        raise AssertionError("no answer to odometry")
+
+    def output_at_end(self):
+        output, _ = self.process.communicate(timeout=PATIENCE)
+        return output
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+        self.process.communicate(timeout=PATIENCE)
+
+
+def pose_at(x, y, z):
+    pose = PoseStamped()
+    pose.header.frame_id = "world"
+    pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = x, y, z
+    pose.pose.orientation.w = 1.0
+    return pose
+
+
+def is_level(command):
+    return (command.roll, command.pitch, command.yaw_rate) == (0.0, 0.0, 0.0) and abs(command.thrust.z - HOVER) < 1e-9
+
+
+class ExplicitMpcTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        make_maps(cls.folder.name)
+        cls.maps = {axis: os.path.join(cls.folder.name, axis + ".map") for axis in AXES}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def fly(self, parameters=None, maps=None):
+        # Patience with a slow machine, except where silence is the subject.
+        chosen = {"controller/stale_periods": 10000}
+        chosen.update(parameters or {})
+        controller = Controller(self.id().split(".")[-1], maps or self.maps, chosen)
+        self.addCleanup(controller.stop)
+        return controller.connect()
+
+    def test_answers_each_odometry_with_its_stamp(self):
+        controller = self.fly()
+        command, status = controller.exchange()
+        self.assertEqual(status.status, ControllerStatus.NO_REFERENCE)
+        self.assertTrue(is_level(command))
+
+        controller.pose.publish(pose_at(0.5, 0.0, 1.0))
+        command, status = controller.exchange(accept=lambda s: s.status != ControllerStatus.NO_REFERENCE)
+        self.assertEqual(status.status, ControllerStatus.OPTIMAL)
+        self.assertEqual(status.reason, ControllerStatus.REASON_NONE)
+        self.assertEqual(command.header.frame_id, "world")
+        self.assertGreater(command.pitch, 0.01)   # forward
+        self.assertGreater(command.thrust.z, HOVER)  # up
+        self.assertAlmostEqual(status.longitudinal.theta[0], -0.5)
+        self.assertEqual(len(status.lateral.theta), 5)
+        self.assertEqual(len(status.vertical.theta), 4)
+        self.assertEqual(status.longitudinal.lookup, AxisStatus.INSIDE)
+        self.assertEqual(status.longitudinal.region, 0)
+        self.assertGreater(status.step_time_ns, 0)
+        self.assertGreater(status.lookup_time_ns, 0)
+        self.assertGreaterEqual(status.odometry_age, 0.0)
+
+    def test_velocity_comes_from_the_body_frame(self):
+        controller = self.fly()
+        controller.pose.publish(pose_at(0.0, 0.0, 0.0))
+
+        def heading_left(odometry):
+            odometry.pose.pose.orientation.w = math.cos(math.pi / 4)
+            odometry.pose.pose.orientation.z = math.sin(math.pi / 4)
+            odometry.twist.twist.linear.x = 1.0
+
+        _, status = controller.exchange(heading_left, lambda s: s.status != ControllerStatus.NO_REFERENCE)
+        self.assertAlmostEqual(status.longitudinal.theta[1], 0.0)
+        self.assertAlmostEqual(status.lateral.theta[1], 1.0)
+
+    def test_follows_a_trajectory_and_keeps_it_when_a_bad_one_comes(self):
+        controller = self.fly()
+        trajectory = MultiDOFJointTrajectory()  # no stamp: starts with the next odometry
+        for i in range(3):
+            point = MultiDOFJointTrajectoryPoint()
+            transform = Transform()
+            transform.rotation.w = 1.0
+            transform.translation.x = 0.1 * i
+            velocity = Twist()
+            velocity.linear.x = 0.1
+            point.transforms, point.velocities, point.accelerations = [transform], [velocity], [Twist()]
+            point.time_from_start = rospy.Duration(100.0 * i)
+            trajectory.points.append(point)
+        controller.trajectory.publish(trajectory)
+        _, status = controller.exchange(accept=lambda s: s.status != ControllerStatus.NO_REFERENCE)
+        self.assertAlmostEqual(status.longitudinal.theta[1], -0.1)
+
+        trajectory.points[1].transforms[0].translation.x = float("nan")
+        controller.trajectory.publish(trajectory)
+        trajectory.points[1].transforms = []
+        controller.trajectory.publish(trajectory)
+        controller.pose.publish(pose_at(float("nan"), 0.0, 0.0))
+        for _ in range(5):
+            _, status = controller.exchange()
+            self.assertEqual(status.status, ControllerStatus.OPTIMAL)
+
+    def test_nan_odometry_gives_a_finite_command_and_a_status(self):
+        controller = self.fly({"controller/hold_periods": 2})
+        controller.pose.publish(pose_at(0.2, 0.1, 0.3))
+        last, _ = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+
+        def poison(odometry):
+            odometry.pose.pose.position.y = float("nan")
+
+        for expected in (ControllerStatus.HOLD_LAST, ControllerStatus.HOLD_LAST, ControllerStatus.LEVEL):
+            command, status = controller.exchange(poison)
+            self.assertEqual(status.status, expected)
+            self.assertEqual(status.reason, ControllerStatus.REASON_NOT_FINITE)
+            self.assertEqual(status.lateral.lookup, AxisStatus.NOT_FINITE)
+            self.assertEqual(len(status.lateral.theta), 0)
+            self.assertIn("not finite", status.text)
+            if expected == ControllerStatus.HOLD_LAST:
+                self.assertEqual((command.roll, command.pitch, command.thrust.z), (last.roll, last.pitch, last.thrust.z))
+            else:
+                self.assertTrue(is_level(command))
+        _, status = controller.exchange()
+        self.assertEqual(status.status, ControllerStatus.OPTIMAL)
+
+    def test_a_quaternion_that_is_none_counts_as_not_finite(self):
+        controller = self.fly()
+        controller.pose.publish(pose_at(0.0, 0.0, 0.0))
+        controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+
+        def blank(odometry):
+            odometry.pose.pose.orientation.w = 0.0
+
+        _, status = controller.exchange(blank)
+        self.assertEqual(status.reason, ControllerStatus.REASON_NOT_FINITE)
+
+    def test_outside_the_map_is_reported_with_the_parameter(self):
+        controller = self.fly()
+        controller.pose.publish(pose_at(50.0, 0.0, 0.0))
+        _, status = controller.exchange(accept=lambda s: s.status != ControllerStatus.NO_REFERENCE)
+        self.assertEqual(status.status, ControllerStatus.CLIPPED)
+        self.assertEqual(status.reason, ControllerStatus.REASON_OUTSIDE_BOX)
+        self.assertEqual(status.longitudinal.outside_parameter, "e_p_x")
+        self.assertEqual(status.lateral.outside_parameter, "")
+        self.assertIn("e_p_x", status.text)
+
+    def test_infeasible_parameters_hold(self):
+        controller = self.fly(maps=dict(self.maps, lateral=os.path.join(self.folder.name, "infeasible.map")))
+        controller.pose.publish(pose_at(0.0, 0.0, 0.0))
+        controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+
+        def beyond(odometry):
+            odometry.pose.pose.position.y = 2.0
+
+        _, status = controller.exchange(beyond)
+        self.assertEqual(status.status, ControllerStatus.HOLD_LAST)
+        self.assertEqual(status.reason, ControllerStatus.REASON_OUTSIDE_PARTITION)
+        self.assertEqual(status.lateral.region, -1)
+
+    def test_silence_levels_and_odometry_ends_it(self):
+        controller = self.fly({"controller/stale_periods": 50})
+        controller.pose.publish(pose_at(0.5, 0.0, 0.0))
+        command, _ = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+        self.assertFalse(is_level(command))
+        status = controller.statuses.wait(lambda m: m.reason == ControllerStatus.REASON_STALE)
+        self.assertIsNotNone(status)
+        self.assertEqual(status.status, ControllerStatus.LEVEL)
+        self.assertGreater(status.odometry_age, 0.5)
+        command = controller.commands.wait(lambda m: m.header.stamp == status.header.stamp)
+        self.assertTrue(is_level(command))
+        command, status = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+        self.assertFalse(is_level(command))
+
+    def refusal(self, maps=None, parameters=None):
+        """What the twin says when it must not start."""
+        controller = Controller("refusal_" + self.id().split(".")[-1], self.maps if maps is None else maps, parameters)
+        output = controller.output_at_end()
+        self.assertNotEqual(controller.process.returncode, 0)
+        rospy.delete_param(controller.namespace)
+        self.assertEqual(output.count("explicit MPC does not start"), 1, output)
+        return output
+
+    def test_refuses_maps_that_do_not_fit(self):
+        def with_lateral(name):
+            return dict(self.maps, lateral=os.path.join(self.folder.name, name))
+
+        missing = self.refusal({axis: self.maps[axis] for axis in AXES if axis != "lateral"})
+        self.assertIn("/controller/maps/lateral: missing", missing)
+        self.assertIn("nowhere.map", self.refusal(with_lateral("nowhere.map")))
+        self.assertIn("truncated.map", self.refusal(with_lateral("truncated.map")))
+        self.assertIn("flipped.map", self.refusal(with_lateral("flipped.map")))
+        wrong = self.refusal(with_lateral("longitudinal.map"))
+        self.assertIn("longitudinal.map: as the lateral map: parameter 'e_p_x': not a signal of this axis", wrong)
+        self.assertIn("must be 'complete'", self.refusal(with_lateral("limited.map")))
+
+    def test_refuses_parameters_that_are_not_fit(self):
+        self.assertIn("/controller/controller/yaw_gian: unknown", self.refusal(parameters={"controller/yaw_gian": 1.0}))
+        self.assertIn("/controller/vehicle/mass: must lie in", self.refusal(parameters={"vehicle/mass": -1.0}))
+        self.assertIn("/controller/vehicle/mass: must be a number", self.refusal(parameters={"vehicle/mass": "heavy"}))
+        self.assertIn("hold_periods: must be a whole number", self.refusal(parameters={"controller/hold_periods": 2.5}))
+        self.assertIn("hover", self.refusal(parameters={"controller/thrust_min": 15.0}))
+
+    @unittest.skipUnless("nodelet" in sys.argv, "of the nodelet only")
+    def test_a_manager_survives_a_nodelet_that_does_not_start(self):
+        tool = find_node("nodelet", "nodelet")[0]
+        manager = subprocess.Popen([tool, "manager", "__name:=survivor"])
+        self.addCleanup(manager.communicate)
+        self.addCleanup(manager.terminate)
+        rospy.wait_for_service("/survivor/load_nodelet", PATIENCE)
+        load = [tool, "load", "online_controller/ExplicitMpc", "/survivor", "__name:=unfit"]
+        self.assertNotEqual(subprocess.run(load, timeout=PATIENCE).returncode, 0)
+        self.assertIsNone(manager.poll())
+
+    def test_command_message_is_that_of_mav_msgs(self):
+        # ROS's rule for the checksum of a message, applied to the fields of the original definition.
+        header, vector = Odometry().header, RollPitchYawrateThrust().thrust
+        text = "%s header\nfloat64 roll\nfloat64 pitch\nfloat64 yaw_rate\n%s thrust" % (header._md5sum, vector._md5sum)
+        self.assertEqual(RollPitchYawrateThrust._md5sum, hashlib.md5(text.encode()).hexdigest())
+
+
+if __name__ == "__main__":
+    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
+    rospy.init_node("explicit_mpc_test")
+    rostest.rosrun("online_controller", "explicit_mpc_" + TWIN, ExplicitMpcTest, sys.argv)

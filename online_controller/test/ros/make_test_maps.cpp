@@ -1,0 +1,41 @@
+// make_test_maps FOLDER: writes small maps for the rostests: those of the three axes, one region each, and
+// damaged ones.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "../online_support.hpp"
+#include "region_maps/write_map.hpp"
+
+int main(int argc, char** argv) try {
+  if (argc != 2) {
+    std::fputs("usage: make_test_maps FOLDER\n", stderr);
+    return 2;
+  }
+  const std::string folder = std::string(argv[1]) + "/";
+  const std::vector<std::string> names{"longitudinal", "lateral", "vertical"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    polyfly::writeMap(polyfly_test::axisContent(i), folder + names[i] + ".map");
+  }
+
+  polyfly::MapContent limited = polyfly_test::axisContent(1);
+  limited.solver_status = "limited";
+  polyfly::writeMap(limited, folder + "limited.map");
+
+  polyfly::MapContent infeasible = polyfly_test::axisContent(1);
+  polyfly_test::cutOff(infeasible, 0, 1.0);
+  polyfly::writeMap(infeasible, folder + "infeasible.map");
+
+  std::vector<std::byte> bytes = polyfly::layOut(polyfly_test::axisContent(1));
+  bytes.resize(bytes.size() / 2);
+  polyfly::writeFileAtomically(folder + "truncated.map", bytes);
+
+  bytes = polyfly::layOut(polyfly_test::axisContent(1));
+  bytes[bytes.size() / 2] ^= std::byte{1};
+  polyfly::writeFileAtomically(folder + "flipped.map", bytes);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}
