@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Counts test cases out of result files and prints `N passed, N failed` (and `, N skipped` where any).
 
-usage: count_tests.py [--ctest JUNIT GTEST_FOLDER]... [--catkin FOLDER]
+usage: count_tests.py [--ctest JUNIT GTEST_FOLDER]... [--catkin FOLDER] [--check NAME FILE]...
 
 A ctest program that wrote a GoogleTest file counts with its cases, any other as one case; a program that
 failed without a failed case (it crashed, or a sanitizer stopped it) counts as one failure more. Exit
-status 1 when something failed or nothing ran.
+status 1 when something failed or nothing ran. FILE of a check holds the exit status of one script.
 """
 import os
 import sys
@@ -85,6 +85,14 @@ def main(arguments):
             count, label = count_ctest(junit, folder), os.path.basename(os.path.dirname(junit))
         elif kind == "--catkin":
             count, label = count_catkin(arguments.pop(0)), "rostest"
+        elif kind == "--check":
+            label, path = arguments.pop(0), arguments.pop(0)
+            count = Count()
+            with open(path) as file:
+                if file.read().strip() == "0":
+                    count.passed = 1
+                else:
+                    count.failed = 1
         else:
             sys.exit(__doc__)
         print(f"{label + ':':9} {count.text()}")

@@ -53,7 +53,7 @@ validateFlight() {
   for axis in $map_axes; do
     options+=(--map "$maps/multirotor_$axis.map")
   done
-  build/bin/validate_bag --bag "$folder/flight.bag" "${options[@]}" --json "$folder/summary.json" \
+  build/bin/validate_bag --bag "$folder/flight.bag" "${options[@]}" --options launch/config/firefly.yaml --json "$folder/summary.json" \
     --report "$folder/report" "$@"
 }
 

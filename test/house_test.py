@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""Tests ./run's promises that need no build: usage, what it installs and removes, how it counts.
+
+Commands that it may call (dpkg-query, id, apt-get) are replaced by exported bash functions, so nothing is
+installed. With GTEST_OUTPUT=xml:FOLDER/ the cases are left in FOLDER/house_test.xml.
+"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as xml
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+HOUSE = os.path.join(ROOT, "launch", "house")
+
+
+def run(folder, *arguments, functions=None):
+    environment = {"HOME": folder, "PATH": "/usr/bin:/bin"}
+    for name, body in (functions or {}).items():
+        environment[f"BASH_FUNC_{name}%%"] = "() { " + body + " }"
+    return subprocess.run([os.path.join(folder, "run"), *arguments], env=environment, capture_output=True, text=True,
+                          stdin=subprocess.DEVNULL)
+
+
+class TreeCase(unittest.TestCase):
+    """A copy of what ./run needs, in a folder of its own."""
+
+    def setUp(self):
+        self.tree = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.tree)
+        shutil.copy(os.path.join(ROOT, "run"), self.tree)
+        shutil.copytree(HOUSE, os.path.join(self.tree, "launch", "house"))
+        for kind in ("bench", "experiments"):
+            shutil.copytree(os.path.join(ROOT, "test", kind), os.path.join(self.tree, "test", kind))
+
+    def path(self, *parts):
+        return os.path.join(self.tree, *parts)
+
+
+class Usage(TreeCase):
+    def test_wrong_command_lines_give_usage_and_2(self):
+        for arguments in ([], ["fly"], ["demo", "twice"], ["clean", "-f"], ["bench", "nosuch"], ["bench", "lookup", "solve"],
+                          ["bench", "../run"], ["experiments", "nosuch"], ["experiments", ""]):
+            result = run(self.tree, *arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn("usage: ./run COMMAND", result.stderr, arguments)
+            self.assertTrue(result.stderr.startswith("run: "), arguments)
+        self.assertFalse(os.path.exists(self.path("build")), "a refused command line leaves nothing behind")
+
+    def test_help_names_every_command(self):
+        result = run(self.tree, "help")
+        self.assertEqual(result.returncode, 0)
+        for command in ("demo", "build", "test", "bench", "experiments", "lint", "install", "clean"):
+            self.assertIn(f"\n  {command} ", result.stdout)
+
+
+class Install(TreeCase):
+    def test_installs_nothing_where_nothing_is_missing(self):
+        with open(self.path("launch", "house", "packages.txt")) as file:
+            names = [line.split()[1] for line in file if line.strip() and not line.startswith("#")]
+        installed = "printf '%s\\n' " + " ".join(f"'installed {name}'" for name in names) + ";"
+        result = run(self.tree, "install", functions={"dpkg-query": installed, "apt-get": "touch called; return 1;"})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(os.path.exists(self.path("called")))
+
+    def test_installs_only_what_is_missing(self):
+        with open(self.path("launch", "house", "packages.txt"), "w") as file:
+            file.write("run g++\nrun cmake\nlint clang\n")
+        functions = {"dpkg-query": "echo 'installed g++';", "id": "echo 0;", "apt-get": 'echo "$*" >> called;'}
+        self.assertEqual(run(self.tree, "install", functions=functions).returncode, 0)
+        with open(self.path("called")) as file:
+            self.assertEqual(file.read().split(), "update -q install -q -y --no-install-recommends cmake".split())
+
+    def test_says_what_is_missing_without_root_and_sudo(self):
+        with open(self.path("launch", "house", "packages.txt"), "w") as file:
+            file.write("run cmake\n")
+        functions = {"dpkg-query": ":;", "id": "echo 1000;", "command": '[ "$2" != sudo ];', "apt-get": "touch called;"}
+        result = run(self.tree, "install", functions=functions)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("installing them needs root or sudo: cmake", result.stderr)
+        self.assertFalse(os.path.exists(self.path("called")))
+
+
+class Clean(TreeCase):
+    def test_removes_what_it_made_and_nothing_else(self):
+        for folder in ("build/demo", "build/mine", "build/.run"):
+            os.makedirs(self.path(folder))
+        with open(self.path("build", ".run", "made"), "w") as file:
+            file.write("demo\ndemo\nrelease\n")
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        self.assertEqual(os.listdir(self.path("build")), ["mine"])
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        os.rmdir(self.path("build", "mine"))
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        self.assertFalse(os.path.exists(self.path("build")))
+
+
+class Count(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w") as file:
+            file.write(text)
+        return path
+
+    def count(self, *arguments):
+        result = subprocess.run([sys.executable, os.path.join(HOUSE, "count_tests.py"), *arguments], capture_output=True,
+                                text=True)
+        return result.returncode, result.stdout.splitlines()[-1]
+
+    def test_cases_of_programs_are_summed(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="run"/>'
+                           '<testcase name="script" status="run"/></testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testsuite><testcase name="x" status="run"/><testcase name="y" '
+                   'status="run"/><testcase name="z" status="run"><skipped/></testcase></testsuite></testsuites>')
+        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (0, "3 passed, 0 failed, 1 skipped"))
+
+    def test_a_crash_and_a_failed_case_are_failures(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
+                           '<testcase name="b_test" status="fail"><failure/></testcase>'
+                           '<testcase name="c_test" status="fail"><failure/></testcase></testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testcase name="x" status="run"/><testcase name="y"><failure/></testcase>'
+                   '</testsuites>')
+        self.write("g/b_test.xml", '<testsuites><testcase name="x" status="run"/></testsuites>')
+        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (1, "2 passed, 3 failed"))
+
+    def test_nothing_run_is_no_success(self):
+        junit = self.write("r/ctest.xml", "<testsuite/>")
+        self.assertEqual(self.count("--ctest", junit, self.folder), (1, "0 passed, 0 failed"))
+
+    def test_a_rostest_is_counted_once(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure/></testcase>'
+                   '</testsuites>')
+        self.write("results/pkg/rosunit-a.xml", '<testsuites><testcase name="x"/></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+
+    def test_a_single_check_counts_by_its_status(self):
+        good, bad = self.write("good", "0\n"), self.write("bad", "1\n")
+        self.assertEqual(self.count("--check", "a", good), (0, "1 passed, 0 failed"))
+        self.assertEqual(self.count("--check", "a", good, "--check", "b", bad), (1, "1 passed, 1 failed"))
+
+
+class Table(unittest.TestCase):
+    def show(self, rows):
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump(rows, file)
+            file.flush()
+            return subprocess.run([sys.executable, os.path.join(HOUSE, "show_table.py"), file.name], capture_output=True,
+                                  text=True)
+
+    def test_rows_are_shown_with_their_peer(self):
+        shown = self.show([{"name": "solve", "value": 1.5, "unit": "s", "peer": "other", "peer_value": 3}])
+        self.assertEqual(shown.returncode, 0)
+        self.assertIn("1.5 s   other: 3", shown.stdout)
+
+    def test_bad_rows_are_refused(self):
+        for rows in ([], {}, [{"name": "a", "value": "1", "unit": "s"}], [{"name": "", "value": 1, "unit": "s"}],
+                     [{"name": "a", "value": 1}], [{"name": "a", "value": 1, "unit": "s", "peer": "b"}]):
+            self.assertNotEqual(self.show(rows).returncode, 0, rows)
+
+
+class Workspace(unittest.TestCase):
+    def test_catkin_ws_holds_relative_links_to_packages_only(self):
+        source = os.path.join(ROOT, "catkin_ws", "src")
+        names = {name for name in os.listdir(source) if name != "CMakeLists.txt"}  # that one is catkin_make's
+        self.assertGreaterEqual(names, {"region_maps", "online_controller", "offline_mpt", "fixedwing_lateral", "calibration",
+                                        "polyfly_launch", "polyfly_test", "mav_msgs"})
+        for name in names:
+            link = os.path.join(source, name)
+            self.assertTrue(os.path.islink(link), name)
+            self.assertTrue(os.readlink(link).startswith("../../"), name)
+            package = xml.parse(os.path.join(link, "package.xml")).getroot()
+            self.assertEqual(package.findtext("name"), name)
+            self.assertEqual(package.findtext("license"), "BSD-3-Clause")
+
+
+class Recorder(unittest.TextTestResult):
+    """Remembers the cases for the result file."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.cases = []
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        self.cases.append(test)
+
+
+def write_results(result, target):
+    bad = {str(test) for test, _ in result.failures + result.errors}
+    suites = xml.Element("testsuites")
+    for test in result.cases:
+        case = xml.SubElement(suites, "testcase", name=str(test), status="run")
+        if str(test) in bad:
+            xml.SubElement(case, "failure")
+    xml.ElementTree(suites).write(target)
+
+
+if __name__ == "__main__":
+    suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])
+    outcome = unittest.TextTestRunner(resultclass=Recorder).run(suite)
+    place = os.environ.get("GTEST_OUTPUT", "")
+    if place.startswith("xml:"):
+        write_results(outcome, os.path.join(place[4:], "house_test.xml"))
+    sys.exit(0 if outcome.wasSuccessful() else 1)
