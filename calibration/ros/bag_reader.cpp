@@ -9,7 +9,8 @@
 #include <filesystem>
 #include <functional>
 #include <map>
-#include <set>
+#include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -72,12 +73,20 @@ std::string findNamespace(const std::string& path, const std::map<std::string, s
   return found.empty() ? "/" : found.front();
 }
 
-// Collects the log while messages come in the order of the record.
+// Collects the log while messages come in the order of the record, then settles what that order leaves open:
+// messages of different topics reach a recorder in another order than they reached the node. The node's own
+// account tells more.
 class LogBuilder {
  public:
   explicit LogBuilder(const std::string& path) { log_.source = path; }
 
-  void add(const nav_msgs::Odometry& message) { log_.add(toVehicleState(message)); }
+  // When the recorder received what is added next [s].
+  void setTime(double time) { time_ = time; }
+
+  void add(const nav_msgs::Odometry& message) {
+    log_.add(toVehicleState(message));
+    times_.push_back(time_);
+  }
 
   void add(const trajectory_msgs::MultiDOFJointTrajectory& message) {
     addReference([&message] { return std::make_pair(toReferenceTrajectory(message), startOf(message)); });
@@ -115,27 +124,10 @@ class LogBuilder {
         {message.header.stamp.toSec(), {message.vector.x, message.vector.y, message.vector.z}});
   }
 
-  // The node's own account says after which odometry it noticed silence; the order of arrival at the recorder
-  // does not.
   FlightLog finish() {
-    std::map<double, std::vector<double>> silences;  // by the stamp of the odometry before
-    double before = -1.0;
-    for (const FlightLog::Status& status : log_.statuses) {
-      if (status.reason == polyfly::ControlReason::kStale) {
-        silences[before].push_back(status.stamp);
-      } else {
-        before = status.stamp;
-      }
-    }
-    const std::vector<FlightLog::Event> heard = std::exchange(log_.events, {});
-    for (const FlightLog::Event& event : heard) {
-      log_.events.push_back(event);
-      if (event.kind != FlightLog::EventKind::kOdometry) continue;
-      const auto after = silences.find(log_.odometry[event.index].stamp);
-      if (after == silences.end()) continue;
-      for (const double stamp : after->second) log_.addSilence(stamp);
-      silences.erase(after);
-    }
+    putReferencesFirst();
+    placeFirstReference();
+    placeSilences();
     return std::move(log_);
   }
 
@@ -143,12 +135,76 @@ class LogBuilder {
   const std::string& refusal() const { return refusal_; }
 
  private:
+  using Event = FlightLog::Event;
+  using Kind = FlightLog::EventKind;
+
+  // In simulated time many messages bear one time; the node had the reference before it answered.
+  void putReferencesFirst() {
+    std::vector<std::size_t> order(log_.events.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [this](std::size_t one, std::size_t other) {
+      const auto late = [this](std::size_t index) { return log_.events[index].kind != Kind::kReference; };
+      return std::make_pair(times_[one], late(one)) < std::make_pair(times_[other], late(other));
+    });
+    std::vector<Event> sorted;
+    sorted.reserve(order.size());
+    for (const std::size_t index : order) sorted.push_back(log_.events[index]);
+    log_.events = std::move(sorted);
+  }
+
+  // The first reference came between the last step without one and the first step with one.
+  void placeFirstReference() {
+    std::map<double, bool> tracked;  // by the stamp of the odometry
+    for (const FlightLog::Status& status : log_.statuses) {
+      if (status.reason != polyfly::ControlReason::kStale) {
+        tracked[status.stamp] = status.status != polyfly::ControlStatus::kNoReference;
+      }
+    }
+    std::vector<Event>& events = log_.events;
+    const auto first = std::find_if(events.begin(), events.end(),
+                                    [](const Event& event) { return event.kind == Kind::kReference; });
+    const auto place = std::find_if(events.begin(), events.end(), [&](const Event& event) {
+      if (event.kind != Kind::kOdometry) return false;
+      const auto found = tracked.find(log_.odometry[event.index].stamp);
+      return found != tracked.end() && found->second;
+    });
+    if (first == events.end() || place == events.end()) return;
+    if (place < first) {
+      std::rotate(place, first, first + 1);
+    } else {
+      std::rotate(first, first + 1, place);
+    }
+  }
+
+  // Silence was noticed after the odometry that the node answered before it.
+  void placeSilences() {
+    std::map<double, std::vector<double>> silences;  // by the stamp of the odometry before
+    const FlightLog::Status* before = nullptr;
+    for (const FlightLog::Status& status : log_.statuses) {
+      if (status.reason != polyfly::ControlReason::kStale) {
+        before = &status;
+      } else if (before != nullptr) {
+        silences[before->stamp].push_back(status.stamp);
+      }
+    }
+    const std::vector<Event> heard = std::exchange(log_.events, {});
+    for (const Event& event : heard) {
+      log_.events.push_back(event);
+      if (event.kind != Kind::kOdometry) continue;
+      const auto after = silences.find(log_.odometry[event.index].stamp);
+      if (after == silences.end()) continue;
+      for (const double stamp : after->second) log_.addSilence(stamp);
+      silences.erase(after);
+    }
+  }
+
   // The node keeps its reference when a new one breaks a rule, and so does the log.
   template <class Convert>
   void addReference(Convert convert) {
     try {
       auto [trajectory, start] = convert();
       log_.add(std::move(trajectory), start);
+      times_.push_back(time_);
     } catch (const Error& error) {
       ++refused_;
       refusal_ = error.what();
@@ -156,6 +212,8 @@ class LogBuilder {
   }
 
   FlightLog log_;
+  std::vector<double> times_;  // of log_.events, as received
+  double time_ = 0.0;
   std::size_t refused_ = 0;
   std::string refusal_;
 };
@@ -215,6 +273,7 @@ class BagReader {
         throw Error(path_ + ": topic " + name + ": recorded with another definition of " + typeOf<Message>());
       }
       try {
+        builder_.setTime(instance.getTime().toSec());
         builder_.add(*message);
       } catch (const Error& error) {
         throw Error(path_ + ": topic " + name + ": " + error.what());
