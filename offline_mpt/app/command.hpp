@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <string>
+
+namespace polyfly {
+
+/// What the program returns to the shell.
+enum class ExitCode {
+  kDone = 0,
+  kFailed = 1,    ///< the map is wrong, or has a gap
+  kBadInput = 2,  ///< a file, an option or the problem breaks a rule; nothing was written
+  kStopped = 3,   ///< interrupted, or a limit was reached; what is said to be kept is kept
+};
+
+/// Each adds one subcommand; its callback sets `exit_code`.
+void addSolve(CLI::App& app, ExitCode& exit_code);
+void addInfo(CLI::App& app, ExitCode& exit_code);
+void addEval(CLI::App& app, ExitCode& exit_code);
+void addVerify(CLI::App& app, ExitCode& exit_code);
+void addPlot(CLI::App& app, ExitCode& exit_code);
+
+/// A flag that SIGINT and SIGTERM set from now on. The second signal ends the program at once.
+const std::atomic<bool>& stopOnSignal();
+
+/// Number of processors, at least 1.
+int defaultThreads();
+
+/// Writes a text as writeFileAtomically does. Throws Error.
+void writeText(const std::string& path, const std::string& text);
+
+/// Throws Error when `path` cannot be made: its folder does not exist, or it is a folder itself. Called
+/// before long work.
+void checkWritable(const std::string& path);
+
+}  // namespace polyfly

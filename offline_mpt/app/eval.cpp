@@ -1,0 +1,94 @@
+#include <cstdio>
+#include <memory>
+
+#include "command.hpp"
+#include "csv.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "THETAS.csv has one parameter vector per row. A first row may name the columns, in any order; without it "
+    "they\n"
+    "are in the order that `offline_mpt info MAP` shows. Lines that start with # are left out.\n"
+    "\n"
+    "One row per vector comes out: status (inside, outside_box, outside_partition, not_finite), region, and "
+    "the\n"
+    "inputs by name; region and inputs are empty when the status is not `inside`.\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt eval lateral.map --csv thetas.csv\n"
+    "  offline_mpt eval lateral.map --csv thetas.csv -o commands.csv";
+
+struct Options {
+  std::string map;
+  std::string csv;
+  std::string output;
+};
+
+const char* statusName(LookupStatus status) {
+  switch (status) {
+    case LookupStatus::kInside:
+      return "inside";
+    case LookupStatus::kOutsideBox:
+      return "outside_box";
+    case LookupStatus::kOutsidePartition:
+      return "outside_partition";
+    case LookupStatus::kNotFinite:
+      return "not_finite";
+  }
+  return "unknown";
+}
+
+std::string evaluateRows(const RegionMap& map, const std::vector<std::vector<double>>& thetas) {
+  std::string text = "status,region";
+  for (const Signal& input : map.inputs()) text += "," + input.name;
+  text += '\n';
+  std::vector<double> u(map.inputs().size());
+  char number[32];
+  for (const std::vector<double>& theta : thetas) {
+    const Lookup lookup = map.evaluate(theta.data(), u.data());
+    const bool inside = lookup.status == LookupStatus::kInside;
+    text += statusName(lookup.status);
+    text += ',';
+    if (inside) text += std::to_string(lookup.region);
+    for (const double value : u) {
+      text += ',';
+      if (!inside) continue;
+      std::snprintf(number, sizeof number, "%.17g", value);
+      text += number;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+ExitCode eval(const Options& options) {
+  if (!options.output.empty()) checkWritable(options.output);
+  const RegionMap map = RegionMap::open(options.map);
+  std::vector<std::string> names;
+  for (const Signal& parameter : map.parameters()) names.push_back(parameter.name);
+  const std::string text = evaluateRows(map, readCsv(options.csv, names));
+  if (!options.output.empty()) {
+    writeText(options.output, text);
+  } else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw Error("standard output: cannot be written");
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void addEval(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("eval", "Look up parameter vectors from a CSV file");
+  command->footer(kFooter);
+  command->add_option("MAP", options->map, "map file")->required();
+  command->add_option("--csv", options->csv, "parameter vectors, one per row")->required();
+  command->add_option("-o,--output", options->output, "CSV file to write (default: standard output)");
+  command->callback([options, &exit_code] { exit_code = eval(*options); });
+}
+
+}  // namespace polyfly

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "The file is checked as a whole before anything is shown.\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt info lateral.map\n"
+    "  offline_mpt info lateral.map --json";
+
+struct Options {
+  std::string map;
+  bool json = false;
+};
+
+nlohmann::ordered_json signalsJson(const std::vector<Signal>& signals) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Signal& signal : signals) {
+    nlohmann::ordered_json entry = {{"name", signal.name}, {"unit", signal.unit}};
+    // JSON has no infinity: a missing bound is null.
+    entry["lower"] = std::isfinite(signal.lower) ? nlohmann::ordered_json(signal.lower) : nullptr;
+    entry["upper"] = std::isfinite(signal.upper) ? nlohmann::ordered_json(signal.upper) : nullptr;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+void printJson(const RegionMap& map) {
+  nlohmann::ordered_json json;
+  json["file"] = map.path();
+  json["name"] = map.name();
+  json["problem_kind"] = map.problemKind();
+  json["status"] = map.solverStatus();
+  json["period"] = map.period();
+  json["tolerance"] = map.tolerance();
+  json["parameters"] = signalsJson(map.parameters());
+  json["inputs"] = signalsJson(map.inputs());
+  json["regions"] = map.regionCount();
+  json["laws"] = map.lawCount();
+  json["planes"] = map.planeCount();
+  json["nodes"] = map.nodeCount();
+  json["leaves"] = map.leafCount();
+  json["depth"] = map.cost().depth;
+  json["region_checks"] = map.cost().region_checks;
+  json["multiply_adds"] = map.cost().multiply_adds;
+  json["bytes"] = map.bytes();
+  json["notes"] = map.solverNotes();
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+void printSignals(const char* title, const std::vector<Signal>& signals) {
+  std::printf("%s\n", title);
+  std::size_t width = 4;
+  for (const Signal& signal : signals) width = std::max(width, signal.name.size());
+  for (const Signal& signal : signals) {
+    std::printf("  %-*s  %.10g .. %.10g %s\n", static_cast<int>(width), signal.name.c_str(), signal.lower,
+                signal.upper, signal.unit.c_str());
+  }
+}
+
+void printNotes(std::string_view notes) {
+  while (!notes.empty()) {
+    const std::size_t end = std::min(notes.find('\n'), notes.size());
+    std::printf("  %.*s\n", static_cast<int>(end), notes.data());
+    notes.remove_prefix(std::min(end + 1, notes.size()));
+  }
+}
+
+void printText(const RegionMap& map) {
+  std::printf("%s: %.*s, %.*s\n", map.path().c_str(), static_cast<int>(map.name().size()), map.name().data(),
+              static_cast<int>(map.solverStatus().size()), map.solverStatus().data());
+  printSignals("parameters", map.parameters());
+  printSignals("inputs", map.inputs());
+  if (map.period() > 0.0) {
+    std::printf("period      %.10g s\n", map.period());
+  } else {
+    std::printf("period      none\n");
+  }
+  std::printf("tolerance   %.3g of half a range\n", map.tolerance());
+  std::printf("regions     %zu\nlaws        %zu\nplanes      %zu\nnodes       %zu\nleaves      %zu\n",
+              map.regionCount(), map.lawCount(), map.planeCount(), map.nodeCount(), map.leafCount());
+  std::printf("bytes       %zu\n", map.bytes());
+  std::printf("worst case  depth %u, %u half-spaces at a leaf, %llu multiply-adds\n", map.cost().depth,
+              map.cost().region_checks, static_cast<unsigned long long>(map.cost().multiply_adds));
+  std::printf("problem     %.*s, %zu bytes of text\n", static_cast<int>(map.problemKind().size()),
+              map.problemKind().data(), map.problemText().size());
+  if (!map.solverNotes().empty()) {
+    std::printf("notes\n");
+    printNotes(map.solverNotes());
+  }
+}
+
+ExitCode info(const Options& options) {
+  const RegionMap map = RegionMap::open(options.map);
+  if (options.json) {
+    printJson(map);
+  } else {
+    printText(map);
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "Show what a map holds and what a look-up costs");
+  command->footer(kFooter);
+  command->add_option("MAP", options->map, "map file")->required();
+  command->add_flag("--json", options->json, "as JSON");
+  command->callback([options, &exit_code] { exit_code = info(*options); });
+}
+
+}  // namespace polyfly

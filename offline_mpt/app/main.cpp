@@ -1,0 +1,54 @@
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "command.hpp"
+#include "region_maps/error.hpp"
+
+namespace {
+
+const char kFooter[] =
+    "Examples:\n"
+    "  offline_mpt solve multirotor_lateral.yaml -o lateral.map\n"
+    "  offline_mpt info lateral.map\n"
+    "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
+    "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
+    "\n"
+    "Exit codes:\n"
+    "  0  done\n"
+    "  1  verification failed, or the partition has a gap\n"
+    "  2  bad file, option or problem; nothing was written\n"
+    "  3  interrupted, or a limit was reached; what was kept is said";
+
+int fail(const char* text) {
+  std::fprintf(stderr, "offline_mpt: %s\n", text);
+  return static_cast<int>(polyfly::ExitCode::kBadInput);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
+  polyfly::addSolve(app, exit_code);
+  polyfly::addInfo(app, exit_code);
+  polyfly::addEval(app, exit_code);
+  polyfly::addVerify(app, exit_code);
+  polyfly::addPlot(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return fail((std::string(error.what()) + " (see offline_mpt --help)").c_str());
+  } catch (const polyfly::Error& error) {
+    return fail(error.what());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory");
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+  return static_cast<int>(exit_code);
+}

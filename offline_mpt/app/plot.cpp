@@ -1,0 +1,71 @@
+#include <cstdlib>
+#include <memory>
+
+#include "command.hpp"
+#include "map_plot/slice.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "Two parameters span the picture; the others are fixed: at 0 where their range holds it, else at its "
+    "middle,\n"
+    "or where --at puts them. The regions are filled by the value of the first input. Needs gnuplot.\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
+    "  offline_mpt plot lateral.map --slice e_p,e_v --at u_ref=0.1 --at u_prev=0.1 -o lateral.png";
+
+struct Options {
+  std::string map;
+  std::string axes;
+  std::vector<std::string> at;
+  std::string output;
+};
+
+SliceRequest request(const Options& options) {
+  SliceRequest result;
+  const std::size_t comma = options.axes.find(',');
+  if (comma == std::string::npos || options.axes.find(',', comma + 1) != std::string::npos) {
+    throw Error("--slice: must be two parameter names with a comma between, got '" + options.axes + "'");
+  }
+  result.x = options.axes.substr(0, comma);
+  result.y = options.axes.substr(comma + 1);
+  for (const std::string& entry : options.at) {
+    const std::size_t equals = entry.find('=');
+    const std::string number = equals == std::string::npos ? "" : entry.substr(equals + 1);
+    char* end = nullptr;
+    const double value = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != '\0') throw Error("--at: must be name=number, got '" + entry + "'");
+    result.at.emplace_back(entry.substr(0, equals), value);
+  }
+  return result;
+}
+
+ExitCode plot(const Options& options) {
+  const SliceRequest slice_request = request(options);
+  checkWritable(options.output);
+  plotSlice(RegionMap::open(options.map), slice_request, options.output);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void addPlot(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("plot", "Draw a slice through a map's regions");
+  command->footer(kFooter);
+  command->add_option("MAP", options->map, "map file")->required();
+  command->add_option("--slice", options->axes, "names of the two parameters that span the picture: x,y")
+      ->required();
+  command->add_option("--at", options->at, "value of another parameter: name=value (may be repeated)")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("-o,--output", options->output, "picture to write, .svg or .png")->required();
+  command->callback([options, &exit_code] { exit_code = plot(*options); });
+}
+
+}  // namespace polyfly

@@ -1,0 +1,62 @@
+#include "progress.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace polyfly {
+namespace {
+
+constexpr auto kFirst = std::chrono::milliseconds(500);  // shorter work shows nothing
+constexpr auto kOnTerminal = std::chrono::milliseconds(200);
+constexpr auto kInLog = std::chrono::seconds(10);
+constexpr double kSecondsPerMinute = 60.0;
+constexpr double kSecondsPerHour = 3600.0;
+
+}  // namespace
+
+std::string duration(double seconds) {
+  char text[64];
+  if (seconds < kSecondsPerMinute) {
+    std::snprintf(text, sizeof text, "%.0f s", std::ceil(seconds));
+  } else if (seconds < kSecondsPerHour) {
+    const double minutes = std::floor(seconds / kSecondsPerMinute);
+    std::snprintf(text, sizeof text, "%.0f min %02.0f s", minutes,
+                  std::floor(seconds - minutes * kSecondsPerMinute));
+  } else {
+    const double hours = std::floor(seconds / kSecondsPerHour);
+    std::snprintf(text, sizeof text, "%.0f h %02.0f min", hours,
+                  std::floor((seconds - hours * kSecondsPerHour) / kSecondsPerMinute));
+  }
+  return text;
+}
+
+Progress::Progress(bool quiet)
+    : next_(start_ + kFirst), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {
+  if (!terminal_) next_ = start_ + kInLog;
+}
+
+Progress::~Progress() { finish(); }
+
+void Progress::show(const std::string& text, double remaining, bool at_least) {
+  const Clock::time_point now = Clock::now();
+  if (quiet_ || now < next_) return;
+  next_ = now + (terminal_ ? Clock::duration(kOnTerminal) : Clock::duration(kInLog));
+  std::string line = text;
+  if (remaining >= 0.0 && std::isfinite(remaining)) {
+    line += std::string(", ") + (at_least ? "at least " : "about ") + duration(remaining) + " left";
+  }
+  std::fprintf(stderr, terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
+  std::fflush(stderr);
+  open_ = terminal_;
+}
+
+void Progress::finish() {
+  if (open_) std::fputs("\r\033[K", stderr);
+  open_ = false;
+}
+
+double Progress::elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+}  // namespace polyfly

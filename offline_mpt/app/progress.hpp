@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace polyfly {
+
+/// One line on standard error about long work: rewritten in place on a terminal, else a new line now and
+/// then.
+class Progress {
+ public:
+  explicit Progress(bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Shows `text` if it is time to. `remaining` [s] is added where it is not negative; `at_least` says that
+  /// more may turn up.
+  void show(const std::string& text, double remaining, bool at_least = false);
+
+  /// Ends the line.
+  void finish();
+
+  double elapsed() const;  ///< since construction [s]
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point next_;
+  const bool quiet_;
+  const bool terminal_;
+  bool open_ = false;  // a line stands on the terminal
+};
+
+/// "12 s", "3 min 05 s", "2 h 10 min"
+std::string duration(double seconds);
+
+}  // namespace polyfly

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Draws parameters at which a map is likely to be wrong. Uses no standard distribution, whose results differ
+/// between platforms.
+class ParameterSampler {
+ public:
+  /// Samplers of the same seed and another stream are independent.
+  ParameterSampler(const RegionMap& map, std::uint64_t seed, std::uint64_t stream);
+
+  struct Sample {
+    Eigen::VectorXd theta;
+    double radius = 1.0;  ///< Chebyshev radius of the region that it was drawn from [scaled]; <= 0: it is
+                          ///< empty; NaN: unknown
+  };
+
+  /// Uniform in the box.
+  Sample uniform();
+
+  /// On, beside or at the meeting of faces of a random region, or at its centre.
+  Sample degenerate();
+
+ private:
+  double unit();
+  std::uint64_t below(std::uint64_t count);
+  Eigen::VectorXd direction();
+  double gatherRows(std::uint64_t region);
+  double walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, Eigen::Index& face) const;
+  Sample toParameters(const Eigen::VectorXd& t, double radius) const;
+
+  const RegionMap* map_;
+  std::mt19937_64 engine_;
+  Eigen::VectorXd middle_, half_;
+  Eigen::MatrixXd rows_;    // unit normals of the current region and of the box [scaled]
+  Eigen::VectorXd bounds_;  // rows_ t <= bounds_
+  Eigen::VectorXd centre_;  // of the current region [scaled]
+};
+
+}  // namespace polyfly

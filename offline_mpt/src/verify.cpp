@@ -1,0 +1,274 @@
+#include "offline_mpt/verify.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "offline_mpt/partition.hpp"
+#include "offline_mpt/program_oracle.hpp"
+#include "parameter_sampler.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::uint64_t kBlock = 256;  // samples drawn from one generator, checked by one thread
+constexpr double kSameRange = 1e-12;   // relative, of the ranges of map and program
+constexpr double kOutputSlack = 1e-9;  // by which rows give way when u is fixed (objective mode)
+constexpr auto kProgressPeriod = std::chrono::milliseconds(100);
+
+void note(Finding& finding, double measure, const Eigen::VectorXd& theta) {
+  ++finding.count;
+  if (finding.example.size() == 0 || measure > finding.worst) {
+    finding.worst = measure;
+    finding.example = theta;
+  }
+}
+
+void merge(Finding& total, const Finding& part) {
+  if (part.count == 0) return;
+  if (total.count == 0 || part.worst > total.worst) {
+    total.worst = part.worst;
+    total.example = part.example;
+  }
+  total.count += part.count;
+}
+
+void merge(VerifyReport& total, const VerifyReport& part) {
+  total.samples += part.samples;
+  total.uniform += part.uniform;
+  total.inside += part.inside;
+  total.compared += part.compared;
+  total.infeasible += part.infeasible;
+  total.borderline += part.borderline;
+  total.max_error = std::max(total.max_error, part.max_error);
+  if (part.max_scaled_error > total.max_scaled_error || total.max_error_theta.size() == 0) {
+    total.max_scaled_error = std::max(total.max_scaled_error, part.max_scaled_error);
+    total.max_error_theta = part.max_error_theta;
+  }
+  merge(total.errors, part.errors);
+  merge(total.missed, part.missed);
+  merge(total.false_inside, part.false_inside);
+  merge(total.overlaps, part.overlaps);
+  merge(total.tree_errors, part.tree_errors);
+  merge(total.undecided, part.undecided);
+  merge(total.empty_regions, part.empty_regions);
+  total.oracle_residual = std::max(total.oracle_residual, part.oracle_residual);
+  total.oracle_iterations = std::max(total.oracle_iterations, part.oracle_iterations);
+}
+
+void requireSame(const std::string& where, const std::vector<Signal>& in_map,
+                 const std::vector<Signal>& in_program, const std::string& what, bool ranges) {
+  if (in_map.size() != in_program.size()) {
+    throw Error(where + ": " + what + ": the map has " + std::to_string(in_map.size()) +
+                ", the problem has " + std::to_string(in_program.size()));
+  }
+  for (std::size_t i = 0; i < in_map.size(); ++i) {
+    const Signal &a = in_map[i], &b = in_program[i];
+    if (a.name != b.name) {
+      throw Error(where + ": " + what + " " + std::to_string(i + 1) + ": the map has '" + a.name +
+                  "', the problem has '" + b.name + "'");
+    }
+    if (!ranges) continue;
+    const double scale = kSameRange * std::max({1.0, std::abs(b.lower), std::abs(b.upper)});
+    if (std::abs(a.lower - b.lower) > scale || std::abs(a.upper - b.upper) > scale) {
+      throw Error(where + ": " + what + " '" + a.name + "': the ranges of map and problem differ");
+    }
+  }
+}
+
+/// Checks samples with work space of its own: one per thread.
+class Checker {
+ public:
+  Checker(const RegionMap& map, const ParametricProgram& program, const VerifyOptions& options)
+      : map_(map),
+        options_(options),
+        oracle_(program),
+        u_(program.inputCount()),
+        hit_(map.regionCount(), 0) {}
+
+  VerifyReport checkBlock(std::uint64_t block) {
+    VerifyReport report;
+    ParameterSampler sampler(map_, options_.seed, block);
+    const std::uint64_t first = block * kBlock, last = std::min(options_.samples, first + kBlock);
+    for (std::uint64_t i = first; i < last; ++i) {
+      const bool uniform = i % 2 == 0 || map_.regionCount() == 0;
+      const ParameterSampler::Sample sample = uniform ? sampler.uniform() : sampler.degenerate();
+      ++report.samples;
+      if (uniform) ++report.uniform;
+      if (sample.radius <= 0.0) note(report.empty_regions, -sample.radius, sample.theta);
+      checkSample(sample.theta, report);
+    }
+    return report;
+  }
+
+  bool strictlyConvex() const { return oracle_.strictlyConvex(); }
+  const std::vector<char>& hit() const { return hit_; }
+
+ private:
+  void checkSample(const Eigen::VectorXd& theta, VerifyReport& report) {
+    const Lookup lookup = map_.evaluate(theta.data(), u_.data());
+    const bool inside = lookup.status == LookupStatus::kInside;
+    checkSearch(theta, lookup, report);
+    if (inside) {
+      ++report.inside;
+      hit_[lookup.region] = 1;
+      if (oracle_.strictlyConvex()) checkOverlap(theta, report);
+    }
+    const OracleAnswer answer = oracle_.solve(theta);
+    report.oracle_iterations = std::max(report.oracle_iterations, answer.iterations);
+    switch (answer.verdict) {
+      case OracleAnswer::Verdict::kFeasible:
+        report.oracle_residual = std::max(report.oracle_residual, answer.residual);
+        if (inside) {
+          compare(theta, answer, report);
+        } else if (oracle_.isDeepInside(theta, options_.edge_tolerance)) {
+          note(report.missed, 0.0, theta);
+        } else {
+          ++report.borderline;
+        }
+        return;
+      case OracleAnswer::Verdict::kInfeasible:
+        ++report.infeasible;
+        if (inside) judgeFalseInside(theta, report);
+        return;
+      case OracleAnswer::Verdict::kUnbounded:
+        note(report.undecided, std::numeric_limits<double>::infinity(), theta);
+        return;
+      case OracleAnswer::Verdict::kUndecided:
+        note(report.undecided, answer.residual, theta);
+        return;
+    }
+  }
+
+  void checkSearch(const Eigen::VectorXd& theta, const Lookup& lookup, VerifyReport& report) {
+    const Lookup exhaustive = map_.locateExhaustively(theta.data());
+    const bool inside = lookup.status == LookupStatus::kInside;
+    if (lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data()))) {
+      note(report.tree_errors, 0.0, theta);
+    }
+  }
+
+  void checkOverlap(const Eigen::VectorXd& theta, VerifyReport& report) {
+    const double scale = std::max(1.0, u_.cwiseAbs().maxCoeff());
+    const Eigen::Index p = theta.size();
+    double worst = 0.0;
+    for (std::size_t index = 0; index < map_.regionCount(); ++index) {
+      if (!map_.contains(index, theta.data())) continue;
+      const double* law = map_.law(map_.region(index).law);
+      for (Eigen::Index i = 0; i < u_.size(); ++i) {
+        const double* row = law + i * (p + 1);
+        const double value = Eigen::Map<const Eigen::VectorXd>(row, p).dot(theta) + row[p];
+        worst = std::max(worst, std::abs(value - u_[i]) / scale);
+      }
+    }
+    if (worst > options_.tolerance) note(report.overlaps, worst, theta);
+  }
+
+  void compare(const Eigen::VectorXd& theta, const OracleAnswer& answer, VerifyReport& report) {
+    double error = 0.0, scale = 1.0;
+    if (oracle_.strictlyConvex()) {
+      error = (u_ - answer.u).cwiseAbs().maxCoeff();
+      scale = std::max(1.0, answer.u.cwiseAbs().maxCoeff());
+    } else {
+      error = std::abs(oracle_.objectiveWithOutput(theta, u_, kOutputSlack) - answer.objective);
+      scale = std::max(1.0, std::abs(answer.objective));
+      if (std::isnan(error)) {
+        note(report.undecided, error, theta);
+        return;
+      }
+    }
+    ++report.compared;
+    report.max_error = std::max(report.max_error, error);
+    if (report.max_error_theta.size() == 0 || error / scale > report.max_scaled_error) {
+      report.max_scaled_error = error / scale;
+      report.max_error_theta = theta;
+    }
+    if (!(error <= options_.tolerance * scale)) note(report.errors, error / scale, theta);
+  }
+
+  void judgeFalseInside(const Eigen::VectorXd& theta, VerifyReport& report) {
+    const double distance = oracle_.distanceToFeasible(theta);
+    if (std::isnan(distance)) {
+      note(report.undecided, distance, theta);
+    } else if (distance > options_.edge_tolerance) {
+      note(report.false_inside, distance, theta);
+    } else {
+      ++report.borderline;
+    }
+  }
+
+  const RegionMap& map_;
+  const VerifyOptions& options_;
+  ProgramOracle oracle_;
+  Eigen::VectorXd u_;
+  std::vector<char> hit_;  // per region
+};
+
+struct Work {
+  std::atomic<std::uint64_t> next{0};
+  std::atomic<std::uint64_t> done{0};  // blocks
+  std::vector<VerifyReport> parts;
+};
+
+void runBlocks(Checker& checker, Work& work, const std::atomic<bool>* stop) {
+  while (stop == nullptr || !stop->load()) {
+    const std::uint64_t block = work.next.fetch_add(1);
+    if (block >= work.parts.size()) return;
+    work.parts[block] = checker.checkBlock(block);
+    work.done.fetch_add(1);
+  }
+}
+
+}  // namespace
+
+bool VerifyReport::passed() const {
+  for (const Finding* finding :
+       {&errors, &missed, &false_inside, &overlaps, &tree_errors, &undecided, &empty_regions}) {
+    if (finding->count > 0) return false;
+  }
+  return !interrupted && samples == requested && map_status == toString(ExploreStatus::kComplete);
+}
+
+VerifyReport verify(const RegionMap& map, const ParametricProgram& program, const VerifyOptions& options) {
+  checkProgram(program);
+  requireSame(map.path(), map.parameters(), program.parameters, "parameters", true);
+  requireSame(map.path(), map.inputs(), program.inputs, "inputs", false);
+
+  Work work;
+  work.parts.resize((options.samples + kBlock - 1) / kBlock);
+  const int threads = std::clamp(options.threads, 1, 256);
+  std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, options));
+  std::vector<std::thread> workers;
+  for (Checker& checker : checkers)
+    workers.emplace_back(runBlocks, std::ref(checker), std::ref(work), options.stop);
+  while (work.done.load() < work.parts.size() && !(options.stop != nullptr && options.stop->load())) {
+    std::this_thread::sleep_for(kProgressPeriod);
+    if (options.progress)
+      options.progress(std::min(options.samples, work.done.load() * kBlock), options.samples);
+  }
+  for (std::thread& worker : workers) worker.join();
+
+  VerifyReport report;
+  for (const VerifyReport& part : work.parts) merge(report, part);
+  report.mode = checkers.front().strictlyConvex() ? VerifyMode::kOutput : VerifyMode::kObjective;
+  report.seed = options.seed;
+  report.tolerance = options.tolerance;
+  report.edge_tolerance = options.edge_tolerance;
+  report.requested = options.samples;
+  report.interrupted = report.samples < report.requested;
+  report.map_status = std::string(map.solverStatus());
+  report.regions = map.regionCount();
+  for (std::size_t index = 0; index < map.regionCount(); ++index) {
+    report.regions_hit += std::any_of(checkers.begin(), checkers.end(),
+                                      [index](const Checker& checker) { return checker.hit()[index] != 0; });
+  }
+  return report;
+}
+
+}  // namespace polyfly
