@@ -42,14 +42,14 @@ FlightRecorder::FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle&
   // What was sent before the end may still be under way on other connections: the file stays open for a
   // moment.
   close_timer_ = nh_.createWallTimer(
-      ros::WallDuration(linger), [this](const ros::WallTimerEvent&) { close(); }, true, false);
+      ros::WallDuration(linger), [this](const ros::WallTimerEvent&) { close(true); }, true, false);
   done_sub_ = nh_.subscribe<std_msgs::String>(
       "flight/summary", kUnbounded, [this](const std_msgs::String::ConstPtr&) { close_timer_.start(); });
   ready_timer_ = nh_.createWallTimer(ros::WallDuration(kPollTime),
                                      [this](const ros::WallTimerEvent&) { announceWhenConnected(); });
 }
 
-FlightRecorder::~FlightRecorder() { close(); }
+FlightRecorder::~FlightRecorder() { close(false); }
 
 void FlightRecorder::subscribe(const std::string& topic) {
   ros::SubscribeOptions options;
@@ -109,7 +109,7 @@ void FlightRecorder::announceWhenConnected() {
   ready_pub_.publish(message);
 }
 
-void FlightRecorder::close() {
+void FlightRecorder::close(bool complete) {
   if (!open_) {
     return;
   }
@@ -119,6 +119,10 @@ void FlightRecorder::close() {
     bag_.close();
   } catch (const rosbag::BagException& error) {
     ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
+    return;
+  }
+  if (!complete) {
+    ROS_WARN_STREAM("recorder: the flight did not end; what there is of it is in " << path_ << ".active");
     return;
   }
   if (std::rename((path_ + ".active").c_str(), path_.c_str()) != 0) {

@@ -16,7 +16,8 @@ namespace polyfly_ros {
 /// test/README.md.
 class FlightRecorder {
  public:
-  /// Opens the bag as `FILE.active`. Throws polyfly::Error when that fails or a parameter breaks its rule.
+  /// Opens the bag as `FILE.active`, which becomes FILE at the end of a whole flight. Throws polyfly::Error
+  /// when that fails or a parameter breaks its rule.
   FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~FlightRecorder();
   FlightRecorder(const FlightRecorder&) = delete;
@@ -30,7 +31,7 @@ class FlightRecorder {
   void writeEarly(const ros::Time& time);
   void write(const std::string& topic, const Event& event, const ros::Time& time);
   void announceWhenConnected();
-  void close();
+  void close(bool complete);
 
   ros::NodeHandle nh_;
   std::string path_;

@@ -20,3 +20,10 @@ foreach(node multirotor_plant figure_player flight_recorder)
 endforeach()
 install(TARGETS polyfly_test_ros LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+
+# End to end, over real topics; POLYFLY_MAPS must name the folder of the solved maps.
+if(CATKIN_ENABLE_TESTING)
+  find_package(rostest REQUIRED)
+  add_rostest(rostest/flights.test
+    DEPENDENCIES polyfly_test_ros multirotor_plant_node figure_player_node flight_recorder_node)
+endif()

@@ -19,6 +19,7 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 
 constexpr double kPollTime = 0.02;        // between looks at the connections before the start [s]
+constexpr double kClockTimeout = 0.1;     // wall time that /clock may take inside this process [s]
 constexpr double kMissedLogPeriod = 1.0;  // simulated time between complaints [s]
 
 WallClock::duration wallSeconds(double seconds) {
@@ -47,6 +48,9 @@ PlantNode::~PlantNode() {
 }
 
 void PlantNode::readSettings(const ros::NodeHandle& private_nh) {
+  if (!ros::Time::isSimTime()) {
+    throw polyfly::Error("/use_sim_time: must be true, since the plant owns the time");
+  }
   OptionsReader plant_reader(private_nh, "vehicle");
   polyfly::visitPlantOptions(settings_.plant, plant_reader);
   plant_reader.refuseUnknown();
@@ -173,7 +177,6 @@ bool PlantNode::waitForStart() {
       return false;
     }
   }
-  pause(settings_.settle_time);
   return true;
 }
 
@@ -200,6 +203,9 @@ void PlantNode::fly() {
       command_.thrust = settings_.plant.mass * settings_.plant.gravity;
     }
   }
+  // Time begins before the first odometry, so that every node knows it by then.
+  publishClock(start_);
+  pause(settings_.settle_time);
   ROS_INFO_STREAM("plant: flying " << duration << " s in " << samples << " samples");
 
   const WallClock::time_point begin = WallClock::now();
@@ -234,12 +240,22 @@ void PlantNode::fly() {
   finish();
 }
 
-// Clock, truth and odometry of this instant; returns when its command has come.
-void PlantNode::publishSample(polyfly::MultirotorPlant& plant, double time) {
-  const ros::Time now = addSeconds(start_, time);
+// Returns when the time has come about in this process, so that no nodelet here sees odometry before its
+// time.
+void PlantNode::publishClock(const ros::Time& now) {
   rosgraph_msgs::Clock clock;
   clock.clock = now;
   clock_pub_.publish(clock);
+  const WallClock::time_point begin = WallClock::now();
+  while (ros::Time::now() < now && secondsSince(begin) < kClockTimeout) {
+    std::this_thread::yield();
+  }
+}
+
+// Clock, truth and odometry of this instant; returns when its command has come.
+void PlantNode::publishSample(polyfly::MultirotorPlant& plant, double time) {
+  const ros::Time now = addSeconds(start_, time);
+  publishClock(now);
   truth_pub_.publish(toOdometry(plant.truth(), now, settings_.frame, settings_.body_frame));
   disturbance_pub_.publish(toVector(plant.disturbance(), now, settings_.frame));
 

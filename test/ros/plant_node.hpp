@@ -52,6 +52,7 @@ class PlantNode {
   bool waitForStart();
   std::string missingForStart();
   void fly();
+  void publishClock(const ros::Time& now);
   void publishSample(polyfly::MultirotorPlant& plant, double time);
   void waitForCommand(const ros::Time& stamp);
   void publishSummary(const polyfly::MultirotorPlant& plant, long samples);

@@ -117,7 +117,6 @@ Eigen::Vector3d bodyZ(double roll, double pitch, double yaw) {
 
 MultirotorPlant::MultirotorPlant(const PlantOptions& options, const PlantState& start)
     : options_(options),
-      wind_(options.wind),
       gust_noise_(static_cast<std::uint64_t>(options.seed)),
       sensor_noise_(static_cast<std::uint64_t>(options.seed) ^ kSensorStream),
       state_(start) {
@@ -138,6 +137,15 @@ MultirotorPlant::MultirotorPlant(const PlantOptions& options, const PlantState& 
 }
 
 double MultirotorPlant::time() const { return static_cast<double>(step_) * options_.substep; }
+
+Eigen::Vector3d MultirotorPlant::disturbance() const {
+  const double since_kick = time() - options_.kick_start;
+  // Half a substep of play, so that rounding of the time does not decide.
+  const double play = 0.5 * options_.substep;
+  const bool kicked = since_kick > -play && since_kick < options_.kick_time - play;
+  return kicked ? Eigen::Vector3d(options_.wind + gust_ + options_.kick)
+                : Eigen::Vector3d(options_.wind + gust_);
+}
 
 AttitudeCommand MultirotorPlant::saturate(const AttitudeCommand& command) {
   AttitudeCommand cut;

@@ -261,6 +261,20 @@ TEST(MultirotorPlant, GustsAreGaussMarkov) {
   EXPECT_NEAR(covariance / variance, std::exp(-1.0), 0.08);
 }
 
+TEST(MultirotorPlant, AKickGivesItsImpulse) {
+  PlantOptions options;
+  options.drag.setZero();
+  options.kick = Eigen::Vector3d(5.0, -2.0, 1.0);
+  options.kick_start = 0.345;
+  options.kick_time = 0.12;
+  MultirotorPlant plant(options, hovering(options));
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(plant.disturbance().norm() > 0.0, i >= 35 && i <= 46) << i;
+    plant.advance(command(0.0, 0.0, 0.0, options.mass * options.gravity));
+  }
+  EXPECT_LT((plant.state().velocity - 0.12 * options.kick).norm(), kRounding);
+}
+
 TEST(MultirotorPlant, CommandsActAfterTheirDelay) {
   PlantOptions options;
   MultirotorPlant prompt(options, hovering(options));

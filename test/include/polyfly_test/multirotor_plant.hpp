@@ -36,6 +36,10 @@ struct PlantOptions {
       Eigen::Vector3d::Zero();  ///< standard deviation of its Gauss-Markov part [m/s^2]
   double gust_time = 1.0;       ///< correlation time of the gusts [s]
 
+  Eigen::Vector3d kick = Eigen::Vector3d::Zero();  ///< a short push, added to d(t) [m/s^2]
+  double kick_start = 0.0;                         ///< [s]
+  double kick_time = 0.0;                          ///< for so long, 0: never [s]
+
   double position_noise = 0.0;          ///< standard deviation per axis [m]
   double velocity_noise = 0.0;          ///< standard deviation per axis [m/s]
   double attitude_noise = 0.0;          ///< standard deviation per axis [rad]
@@ -69,6 +73,9 @@ void visitPlantOptions(Options& self, Visitor&& visit) {
   visit("wind", self.wind, "m/s^2", Range{-100.0, 100.0});
   visit("gust_sigma", self.gust_sigma, "m/s^2", Range{0.0, 100.0});
   visit("gust_time", self.gust_time, "s", Range{0.001, 1000.0});
+  visit("kick", self.kick, "m/s^2", Range{-100.0, 100.0});
+  visit("kick_start", self.kick_start, "s", Range{0.0, 1000000.0});
+  visit("kick_time", self.kick_time, "s", Range{0.0, 1000.0});
   visit("position_noise", self.position_noise, "m", Range{0.0, 10.0});
   visit("velocity_noise", self.velocity_noise, "m/s", Range{0.0, 10.0});
   visit("attitude_noise", self.attitude_noise, "rad", Range{0.0, 1.0});
@@ -116,7 +123,7 @@ class MultirotorPlant {
   double time() const;  ///< simulated seconds since the start
   const PlantState& state() const { return state_; }
   VehicleState truth() const;                                    ///< the state now, without noise or delay
-  Eigen::Vector3d disturbance() const { return wind_ + gust_; }  ///< d(t) that acts now [m/s^2]
+  Eigen::Vector3d disturbance() const;                           ///< d(t) that acts now [m/s^2]
   std::int64_t saturatedCommands() const { return saturated_; }  ///< commands cut to the vehicle's limits
   std::int64_t ignoredCommands() const { return ignored_; }      ///< commands that were not finite
 
@@ -131,7 +138,6 @@ class MultirotorPlant {
   void drawGust();
 
   PlantOptions options_;
-  Eigen::Vector3d wind_;
   Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();
   GaussianSource gust_noise_;
   GaussianSource sensor_noise_;

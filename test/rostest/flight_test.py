@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""Flights end to end: plant, explicit controller, figure and recorder over real topics."""
+
+import math
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+import rosunit
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import flight  # noqa: E402
+
+# Limits of the Firefly in config/firefly.yaml, with room for rounding.
+ANGLE_MAX = 0.4363323 + 1e-9  # [rad]
+YAW_RATE_MAX = 1.5707963 + 1e-9  # [rad/s]
+MASS = 1.52  # [kg]
+GRAVITY = 9.8066  # [m/s^2]
+THRUST_MIN = 5.0 * MASS - 1e-9  # [N]
+THRUST_MAX = 20.0 * MASS + 1e-9  # [N]
+
+FIGURE_END = 34.7  # the vehicle holds from here [s]
+DURATION = 46.7  # [s]
+OPTIMAL, CLIPPED, HOLD_LAST, LEVEL = 0, 1, 2, 3  # ControllerStatus.status
+NOT_FINITE, STALE = 3, 4  # ControllerStatus.reason
+
+# A flight in which nothing but the wind disturbs.
+CALM = {
+    "gust_sigma": [0.0, 0.0, 0.0],
+    "kick_time": 0.0,
+    "position_noise": 0.0,
+    "velocity_noise": 0.0,
+    "attitude_noise": 0.0,
+    "angular_velocity_noise": 0.0,
+}
+
+
+class FlightTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="polyfly_flight_")
+        cls.flown = {}
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def fly(self, name, overrides=None, **arguments):
+        """Each flight is flown once, however many tests look at it."""
+        if name not in self.flown:
+            self.flown[name] = flight.Flight(flight.Launch(self.folder, name, overrides, **arguments))
+        return self.flown[name]
+
+    def assert_commands_within_limits(self, flown):
+        for command in flown.commands:
+            for angle in (command.roll, command.pitch):
+                self.assertTrue(abs(angle) <= ANGLE_MAX, command)
+            self.assertTrue(abs(command.yaw_rate) <= YAW_RATE_MAX, command)
+            self.assertTrue(THRUST_MIN <= command.thrust.z <= THRUST_MAX, command)
+        self.assertEqual(flown.summary["cut_commands"], 0)
+        self.assertEqual(flown.summary["ignored_commands"], 0)
+
+    def test_tracks_the_figure_within_a_few_centimetres(self):
+        flown = self.fly("demo")
+        self.assertLess(flown.rms(), 0.06)
+        self.assertLess(flown.rms(5.0, FIGURE_END), 0.03)
+        speeds = [
+            math.hypot(m.twist.twist.linear.x, m.twist.twist.linear.y, m.twist.twist.linear.z) for m in flown.truth
+        ]
+        self.assertGreater(max(speeds), 2.0)
+        self.assert_commands_within_limits(flown)
+        for status in flown.statuses:
+            self.assertEqual(status.status, OPTIMAL, status.text)
+        # The push at the end brings the inputs to their bounds, and other regions into play.
+        self.assertAlmostEqual(max(abs(command.pitch) for command in flown.commands), 0.4363323, places=6)
+        self.assertGreater(len({status.longitudinal.region for status in flown.statuses}), 2)
+
+    def test_every_odometry_has_its_command_and_nothing_is_lost(self):
+        flown = self.fly("demo")
+        stamps = [message.header.stamp for message in flown.odometry]
+        self.assertGreaterEqual(len(stamps), 4670)
+        self.assertEqual(stamps, sorted(set(stamps)))
+        self.assertEqual(stamps, [message.header.stamp for message in flown.commands])
+        self.assertEqual(stamps, [message.header.stamp for message in flown.statuses])
+        self.assertEqual(stamps, [message.header.stamp for message in flown.truth])
+        self.assertEqual(flown.summary["samples"], len(stamps))
+        self.assertEqual(flown.summary["missed_commands"], 0)
+
+    def assert_same_flight(self, one, other):
+        for topic in (
+            "/odometry",
+            "/command/roll_pitch_yawrate_thrust",
+            "/command/trajectory",
+            "/ground_truth/odometry",
+            "/ground_truth/disturbance",
+        ):
+            self.assertTrue(one.raw[topic] == other.raw[topic], "the flights differ in " + topic)
+        # The status also tells wall times, which differ.
+        for first, second in zip(one.statuses, other.statuses):
+            for axis in flight.AXES:
+                self.assertEqual(getattr(first, axis), getattr(second, axis))
+
+    def test_the_same_seed_gives_the_same_bag(self):
+        self.assert_same_flight(self.fly("demo"), self.fly("demo_again"))
+
+    def test_another_seed_gives_another_flight(self):
+        other = self.fly("other_seed", seed=2)
+        self.assertFalse(self.fly("demo").raw["/odometry"] == other.raw["/odometry"])
+
+    def test_stand_alone_nodes_fly_like_nodelets(self):
+        self.assert_same_flight(self.fly("demo"), self.fly("stand_alone", nodelets="false"))
+
+    def test_constant_wind_leaves_no_offset(self):
+        flown = self.fly("wind", {"plant": {"vehicle": CALM}})
+        self.assertLess(flown.mean_offset(DURATION - 3.0, DURATION), 0.002)
+
+    def test_without_the_disturbance_estimate_the_wind_leaves_an_offset(self):
+        flown = self.fly("offset", {"plant": {"vehicle": CALM}, "controller": {"controller": {"offset_free": False}}})
+        self.assertGreater(flown.mean_offset(DURATION - 3.0, DURATION), 0.03)
+
+    def test_recovers_from_odometry_that_is_not_a_number(self):
+        flown = self.fly("nan", {"plant": {"faults": {"nan_start": 15.0, "nan_time": 0.5}}})
+        self.assert_commands_within_limits(flown)
+        self.assertEqual(flown.summary["missed_commands"], 0)
+        during = flown.between(flown.statuses, 15.0, 15.5)
+        self.assertEqual(len(during), 50)
+        for i, status in enumerate(during):
+            self.assertEqual(status.reason, NOT_FINITE)
+            self.assertEqual(status.status, HOLD_LAST if i < 10 else LEVEL)
+        after = flown.between(flown.statuses, 15.5, DURATION)
+        self.assertEqual(after[-1].status, OPTIMAL)
+        self.assertLess(flown.rms(20.0, FIGURE_END), 0.03)
+
+    def test_silence_levels_the_vehicle_and_ends(self):
+        flown = self.fly("silence", {"plant": {"faults": {"silence_start": 15.0, "silence_time": 1.0}}})
+        self.assert_commands_within_limits(flown)
+        self.assertEqual(flown.between(flown.odometry, 15.0, 16.0), [])
+        silent = [s for s in flown.between(flown.statuses, 15.0, 16.0) if s.reason == STALE]
+        self.assertGreater(len(silent), 0, "nothing was sent in the silence")
+        # Ten control periods make a silence; time in simulation comes in steps, hence the room.
+        self.assertLess(flown.time(silent[0]), 15.3)
+        self.assertTrue(all(status.status == LEVEL for status in silent))
+        for command in flown.between(flown.commands, flown.time(silent[0]), 16.0):
+            self.assertEqual((command.roll, command.pitch), (0.0, 0.0))
+            self.assertAlmostEqual(command.thrust.z, MASS * GRAVITY, places=6)
+        self.assertEqual(flown.statuses[-1].status, OPTIMAL)
+        self.assertLess(flown.rms(23.0, FIGURE_END), 0.03)
+
+    def test_a_jump_of_the_odometry_is_clipped_to_the_map(self):
+        flown = self.fly("jump", {"plant": {"faults": {"jump_start": 38.0, "jump_time": 0.1, "jump": [0.0, 5.0, 0.0]}}})
+        self.assert_commands_within_limits(flown)
+        during = flown.between(flown.statuses, 38.0, 38.1)
+        for status in during:
+            self.assertEqual(status.status, CLIPPED)
+            self.assertEqual(status.lateral.outside_parameter, "e_p_y")
+        self.assertEqual(flown.statuses[-1].status, OPTIMAL)
+        self.assertLess(flown.rms(DURATION - 1.0, DURATION), 0.1)
+
+    def test_a_map_of_another_axis_is_refused(self):
+        swapped = os.path.join(self.folder, "swapped")
+        os.mkdir(swapped)
+        names = dict(zip(flight.AXES, ("lateral", "longitudinal", "vertical")))
+        for axis, source in names.items():
+            shutil.copy(
+                os.path.join(flight.maps_folder(), "multirotor_%s.map" % source),
+                os.path.join(swapped, "multirotor_%s.map" % axis),
+            )
+        launch = flight.Launch(self.folder, "swapped_maps", maps=swapped)
+        self.assertFalse(os.path.exists(launch.bag), "it flew with the wrong maps")
+        self.assertIn("multirotor_longitudinal.map", launch.output)
+        self.assertIn("does not start", launch.output)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("polyfly_test", "flights", FlightTest)
