@@ -18,13 +18,18 @@ constexpr double kRestTolerance = 1e-6;  // velocity and acceleration of a refer
 constexpr double kLeastHold = 2.0;       // shorter rests say nothing about the steady state [s]
 constexpr double kSettlingShare = 0.5;   // of the hold, left out for the transient to die
 
+// The greater of two sizes, NaN if one of them is: it must never hide.
+double worse(double one, double other) {
+  if (std::isnan(one) || std::isnan(other)) return std::numeric_limits<double>::quiet_NaN();
+  return std::max(one, other);
+}
+
 // Collects differences into their greatest and their mean square.
 class DifferenceCollector {
  public:
   void add(double difference, double stamp) {
     const double size = std::abs(difference);
-    // NaN counts as the greatest: it must never hide.
-    if (!(size <= result_.max) && !std::isnan(result_.max)) {
+    if (!std::isnan(result_.max) && !(size <= result_.max)) {
       result_.max = size;
       result_.stamp = stamp;
     }
@@ -179,8 +184,7 @@ CommandValidation validateCommands(const FlightLog& log, const std::vector<Repla
   for (std::size_t entry = 0; entry < differences.size(); ++entry) {
     result.difference[entry] = differences[entry].result();
     const double scale = entry == 3 ? 1.0 / options.mass : 1.0;
-    const double difference = scale * result.difference[entry].max;
-    if (!(difference <= result.max_difference)) result.max_difference = difference;
+    result.max_difference = worse(result.max_difference, scale * result.difference[entry].max);
   }
   return result;
 }
@@ -191,7 +195,7 @@ double thetaDifference(const std::vector<double>& recorded, const AxisReport& re
   double greatest = 0.0;
   for (std::size_t index = 0; index < recorded.size(); ++index) {
     const double difference = std::abs(recorded[index] - replayed.theta[index]);
-    if (!(difference <= greatest)) greatest = difference;
+    greatest = worse(greatest, difference);
   }
   return greatest;
 }
@@ -215,7 +219,7 @@ StatusValidation validateStatuses(const FlightLog& log, const std::vector<Replay
     for (std::size_t axis = 0; axis < 3; ++axis) {
       same = same && match->second->region[axis] == sample.report.axis[axis].region;
       const double difference = thetaDifference(match->second->theta[axis], sample.report.axis[axis]);
-      if (!(difference <= result.max_theta_difference)) result.max_theta_difference = difference;
+      result.max_theta_difference = worse(result.max_theta_difference, difference);
     }
     if (!same) ++result.differing;
   }
@@ -291,7 +295,7 @@ std::size_t ValidationReport::visitedCount() const {
 double ValidationReport::maxQpDifference() const {
   double greatest = 0.0;
   for (const AxisValidation& axis : axes) {
-    if (!(axis.qp.max <= greatest)) greatest = axis.qp.max;
+    greatest = worse(greatest, axis.qp.max);
   }
   return greatest;
 }
