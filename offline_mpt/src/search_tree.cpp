@@ -9,19 +9,30 @@
 namespace polyfly {
 namespace {
 
-/// Regions on each side of a plane, and what they cost.
-struct Split {
-  std::size_t plane = 0;
-  std::vector<std::uint32_t> below;
-  std::vector<std::uint32_t> above;
-
-  std::size_t fuller() const { return std::max(below.size(), above.size()); }
-  std::size_t total() const { return below.size() + above.size(); }
+/// A region in a node's cell, with points of it that lie in the cell: they show on which sides of a plane it
+/// reaches.
+struct Member {
+  std::uint32_t region = 0;
+  std::vector<double> points;
 };
 
-bool better(const Split& a, const Split& b) {
+using Members = std::vector<Member>;
+
+constexpr unsigned kBelow = 1;
+constexpr unsigned kAbove = 2;
+
+/// What a plane would leave on its sides.
+struct Estimate {
+  std::size_t plane = 0;
+  std::size_t below = 0;
+  std::size_t above = 0;
+
+  std::size_t fuller() const { return std::max(below, above); }
+};
+
+bool better(const Estimate& a, const Estimate& b) {
   if (a.fuller() != b.fuller()) return a.fuller() < b.fuller();
-  if (a.total() != b.total()) return a.total() < b.total();
+  if (a.below + a.above != b.below + b.above) return a.below + a.above < b.below + b.above;
   return a.plane < b.plane;
 }
 
@@ -30,171 +41,268 @@ std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(std::abs
 class TreeBuilder {
  public:
   TreeBuilder(const TreeRegions& regions, const TreeOptions& options)
-      : regions_(regions), options_(options), p_(regions.p), width_(regions.p + 1), solver_(regions.p) {
-    points_.resize(regions.rows.size());
-    for (std::size_t r = 0; r < regions.rows.size(); ++r) samplePoints(r);
-  }
+      : regions_(regions),
+        options_(options),
+        p_(regions.p),
+        width_(regions.p + 1),
+        solver_(regions.p),
+        point_(p_) {}
 
   SearchTree run() {
-    std::vector<std::uint32_t> all(regions_.rows.size());
-    for (std::size_t r = 0; r < all.size(); ++r) all[r] = static_cast<std::uint32_t>(r);
-    tree_.root = grow(all, 0);
+    Members all(regions_.rows.size());
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      all[r].region = static_cast<std::uint32_t>(r);
+      samplePoints(r, all[r].points);
+    }
+    tree_.root = grow(std::move(all), 0);
     return std::move(tree_);
   }
 
  private:
-  // Extreme points of the region along its own normals and the axes: they tell most planes' sides without a
-  // program.
-  void samplePoints(std::size_t r) {
-    std::vector<double> rows;
-    for (const std::int32_t row : regions_.rows[r]) appendRow(row, rows);
-    const int count = static_cast<int>(regions_.rows[r].size());
-    const double* centre = regions_.centres.data() + r * p_;
-    std::vector<double> direction(p_), point(p_);
-    const auto add = [&] {
-      if (!solver_.support(rows.data(), count, centre, direction.data(), point.data())) return;
-      points_[r].insert(points_[r].end(), point.begin(), point.end());
-    };
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < p_; ++j) direction[j] = rows[static_cast<std::size_t>(i) * width_ + j];
-      add();
-      for (int j = 0; j < p_; ++j) direction[j] = -direction[j];
-      add();
-    }
-    for (int j = 0; j < 2 * p_; ++j) {
-      std::fill(direction.begin(), direction.end(), 0.0);
-      direction[j / 2] = j % 2 == 0 ? 1.0 : -1.0;
-      add();
-    }
-  }
-
   void appendRow(std::int32_t row, std::vector<double>& out) const {
     const double* plane = regions_.planes.data() + planeOf(row) * width_;
     const double sign = row > 0 ? 1.0 : -1.0;
     for (int j = 0; j < width_; ++j) out.push_back(sign * plane[j]);
   }
 
-  std::uint32_t grow(const std::vector<std::uint32_t>& members, std::uint32_t depth) {
+  double distance(std::size_t plane, const double* point) const {
+    const double* row = regions_.planes.data() + plane * width_;
+    double value = -row[p_];
+    for (int j = 0; j < p_; ++j) value += row[j] * point[j];
+    return value;
+  }
+
+  // Extreme points of a region: along the axes, which gives its bounding box, and along its own normals.
+  void samplePoints(std::size_t r, std::vector<double>& points) {
+    gather(r);
+    std::vector<double> direction(p_);
+    std::vector<double> low(p_), high(p_);
+    const auto add = [&] {
+      if (!support(r, direction.data())) return false;
+      points.insert(points.end(), point_.begin(), point_.end());
+      return true;
+    };
+    for (int j = 0; j < p_; ++j) {
+      std::fill(direction.begin(), direction.end(), 0.0);
+      direction[j] = 1.0;
+      high[j] = add() ? point_[j] : 1.0;
+      direction[j] = -1.0;
+      low[j] = add() ? point_[j] : -1.0;
+    }
+    for (const std::int32_t row : regions_.rows[r]) {
+      const double* plane = regions_.planes.data() + planeOf(row) * width_;
+      const double sign = row > 0 ? -1.0 : 1.0;  // away from the facet
+      for (int j = 0; j < p_; ++j) direction[j] = sign * plane[j];
+      add();
+    }
+    low_.insert(low_.end(), low.begin(), low.end());
+    high_.insert(high_.end(), high.begin(), high.end());
+  }
+
+  void gather(std::size_t r) {
+    rows_.clear();
+    for (const std::int32_t own : regions_.rows[r]) appendRow(own, rows_);
+  }
+
+  // Extreme point of the rows gathered last, which describe region r.
+  bool support(std::size_t r, const double* direction) {
+    const int count = static_cast<int>(rows_.size()) / width_;
+    return solver_.support(rows_.data(), count, regions_.centres.data() + r * p_, direction, point_.data());
+  }
+
+  std::uint32_t grow(Members members, std::uint32_t depth) {
     tree_.depth = std::max(tree_.depth, depth);
-    Split split;
-    if (members.size() <= 1 || !choose(members, split)) return leaf(members);
+    Members below, above;
+    std::size_t plane = 0;
+    if (members.size() <= 1 || !choose(members, plane, below, above)) return leaf(members);
+    Members().swap(members);
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
-    tree_.nodes.push_back({static_cast<std::uint32_t>(split.plane), 0, 0});
-    path_.push_back(static_cast<std::int32_t>(split.plane) + 1);
-    const std::uint32_t below = grow(split.below, depth + 1);
+    tree_.nodes.push_back({static_cast<std::uint32_t>(plane), 0, 0});
+    path_.push_back(static_cast<std::int32_t>(plane) + 1);
+    const std::uint32_t first = grow(std::move(below), depth + 1);
     path_.back() = -path_.back();
-    const std::uint32_t above = grow(split.above, depth + 1);
+    const std::uint32_t second = grow(std::move(above), depth + 1);
     path_.pop_back();
-    tree_.nodes[index].below = below;
-    tree_.nodes[index].above = above;
+    tree_.nodes[index].below = first;
+    tree_.nodes[index].above = second;
     return index;
   }
 
-  std::uint32_t leaf(const std::vector<std::uint32_t>& members) {
+  std::uint32_t leaf(const Members& members) {
     const auto index = static_cast<std::uint32_t>(tree_.leaves.size());
     tree_.leaves.push_back(
         {static_cast<std::uint32_t>(tree_.candidates.size()), static_cast<std::uint32_t>(members.size())});
-    tree_.candidates.insert(tree_.candidates.end(), members.begin(), members.end());
+    for (const Member& member : members) tree_.candidates.push_back(member.region);
     return index | MapContent::kLeaf;
   }
 
   // The best of the planes that bound members, by exact splits of those that look best.
-  bool choose(const std::vector<std::uint32_t>& members, Split& best) {
-    std::vector<Split> estimates = estimate(members);
-    const std::size_t tried = std::min<std::size_t>(options_.planes_tried, estimates.size());
-    std::partial_sort(estimates.begin(), estimates.begin() + static_cast<std::ptrdiff_t>(tried),
-                      estimates.end(), better);
+  bool choose(Members& members, std::size_t& plane, Members& below, Members& above) {
+    std::vector<Estimate> estimates = estimate(members);
+    std::sort(estimates.begin(), estimates.end(), better);
+    const bool many = members.size() > kManyMembers;  // estimates are good while cells are large
+    const std::size_t tried = many ? 1 : options_.planes_tried;
+    std::vector<unsigned char> sides, best_sides;
+    Estimate best;
     bool found = false;
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
+    for (std::size_t i = 0; i < estimates.size() && i < kHopeless; ++i) {
       if (i >= tried && found) break;
-      Split exact;
-      exact.plane = estimates[i].plane;
-      splitExactly(members, exact);
+      if (found && estimates[i].fuller() > best.fuller()) break;
+      const Estimate exact = splitExactly(members, estimates[i].plane, sides);
       if (exact.fuller() >= members.size()) continue;
-      if (!found || better(exact, best)) best = std::move(exact);
-      found = true;
+      if (!found || better(exact, best)) {
+        best = exact;
+        best_sides = sides;
+        found = true;
+      }
     }
-    return found;
+    if (!found) return false;
+    plane = best.plane;
+    distribute(members, plane, best_sides, below, above);
+    return true;
   }
 
-  std::vector<Split> estimate(const std::vector<std::uint32_t>& members) const {
+  std::vector<Estimate> estimate(const Members& members) const {
     std::vector<std::size_t> planes;
-    for (const std::uint32_t r : members) {
-      for (const std::int32_t row : regions_.rows[r]) planes.push_back(planeOf(row));
+    for (const Member& member : members) {
+      for (const std::int32_t row : regions_.rows[member.region]) planes.push_back(planeOf(row));
     }
     std::sort(planes.begin(), planes.end());
     planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
     planes.erase(std::remove_if(planes.begin(), planes.end(), [&](std::size_t h) { return onPath(h); }),
                  planes.end());
     const std::size_t stride = planes.size() / options_.planes_scored + 1;
-    std::vector<Split> splits;
+    std::vector<Estimate> estimates;
     for (std::size_t i = 0; i < planes.size(); i += stride) {
-      Split split;
-      split.plane = planes[i];
-      for (const std::uint32_t r : members) {
-        const unsigned sides = estimatedSides(r, planes[i]);
-        if (sides & kBelow) split.below.push_back(r);
-        if (sides & kAbove) split.above.push_back(r);
+      Estimate entry;
+      entry.plane = planes[i];
+      for (const Member& member : members) {
+        const unsigned sides = seenSides(member, planes[i]);
+        if (sides & kBelow) ++entry.below;
+        if (sides & kAbove) ++entry.above;
       }
-      splits.push_back(std::move(split));
+      estimates.push_back(entry);
     }
-    return splits;
+    return estimates;
   }
 
   bool onPath(std::size_t plane) const {
     return std::any_of(path_.begin(), path_.end(), [&](std::int32_t row) { return planeOf(row) == plane; });
   }
 
-  unsigned estimatedSides(std::uint32_t r, std::size_t h) const {
-    const double* plane = regions_.planes.data() + h * width_;
+  // Sides that the region cannot reach because its bounding box does not.
+  unsigned boxSides(std::uint32_t r, std::size_t plane) const {
+    const double* row = regions_.planes.data() + plane * width_;
+    const double* low = low_.data() + static_cast<std::size_t>(r) * p_;
+    const double* high = high_.data() + static_cast<std::size_t>(r) * p_;
+    double least = -row[p_];
+    double greatest = -row[p_];
+    for (int j = 0; j < p_; ++j) {
+      least += row[j] * (row[j] > 0.0 ? low[j] : high[j]);
+      greatest += row[j] * (row[j] > 0.0 ? high[j] : low[j]);
+    }
+    return (least < -options_.side_tolerance ? kBelow : 0u) |
+           (greatest > options_.side_tolerance ? kAbove : 0u);
+  }
+
+  // Sides on which the member is known to have points in this cell.
+  unsigned seenSides(const Member& member, std::size_t plane) const {
+    const unsigned possible = boxSides(member.region, plane);
     unsigned sides = 0;
-    for (std::size_t i = 0; i < points_[r].size() && sides != (kBelow | kAbove); i += p_) {
-      double value = -plane[p_];
-      for (int j = 0; j < p_; ++j) value += plane[j] * points_[r][i + j];
+    for (std::size_t i = 0; i < member.points.size() && sides != possible; i += p_) {
+      const double value = distance(plane, member.points.data() + i);
       if (value < -options_.side_tolerance) sides |= kBelow;
       if (value > options_.side_tolerance) sides |= kAbove;
     }
     return sides;
   }
 
-  void splitExactly(const std::vector<std::uint32_t>& members, Split& split) {
-    const auto below = static_cast<std::int32_t>(split.plane) + 1;
-    for (const std::uint32_t r : members) {
-      const auto& rows = regions_.rows[r];
-      const bool bounded_above = std::find(rows.begin(), rows.end(), below) != rows.end();
-      const bool bounded_below = std::find(rows.begin(), rows.end(), -below) != rows.end();
-      if (!bounded_below && (bounded_above || reaches(r, below))) split.below.push_back(r);
-      if (!bounded_above && (bounded_below || reaches(r, -below))) split.above.push_back(r);
+  Estimate splitExactly(Members& members, std::size_t plane, std::vector<unsigned char>& sides) {
+    Estimate result;
+    result.plane = plane;
+    sides.assign(members.size(), 0);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const unsigned reached = exactSides(members[i], plane);
+      sides[i] = static_cast<unsigned char>(reached);
+      if (reached & kBelow) ++result.below;
+      if (reached & kAbove) ++result.above;
+    }
+    return result;
+  }
+
+  unsigned exactSides(Member& member, std::size_t plane) {
+    const auto row = static_cast<std::int32_t>(plane) + 1;
+    for (const std::int32_t own : regions_.rows[member.region]) {
+      if (own == row) return kBelow;
+      if (own == -row) return kAbove;
+    }
+    unsigned sides = seenSides(member, plane);
+    const unsigned open = boxSides(member.region, plane) & ~sides;
+    if ((open & kBelow) && reaches(member, -1.0, plane)) sides |= kBelow;
+    if ((open & kAbove) && reaches(member, 1.0, plane)) sides |= kAbove;
+    return sides;
+  }
+
+  // Whether the member's part in this cell has more than a touch on one side of the plane. A point found
+  // there is kept.
+  bool reaches(Member& member, double side, std::size_t plane) {
+    gather(member.region);
+    const double* normal = regions_.planes.data() + plane * width_;
+    std::vector<double> direction(normal, normal + p_);
+    for (double& entry : direction) entry *= side;
+    if (support(member.region, direction.data()) &&
+        side * distance(plane, point_.data()) <= options_.side_tolerance) {
+      return false;  // not even outside the cell
+    }
+    for (const std::int32_t step : path_) appendRow(step, rows_);
+    appendRow(side < 0.0 ? static_cast<std::int32_t>(plane) + 1 : -static_cast<std::int32_t>(plane) - 1,
+              rows_);
+    const double* centre = member.points.empty() ? regions_.centres.data() + std::size_t{member.region} * p_
+                                                 : member.points.data() + member.points.size() - p_;
+    std::copy_n(centre, p_, point_.begin());
+    double radius = 0.0;
+    const int count = static_cast<int>(rows_.size()) / width_;
+    if (!solver_.chebyshev(rows_.data(), count, point_.data(), radius)) return true;  // keep it on both sides
+    if (radius <= options_.side_tolerance) return false;
+    member.points.insert(member.points.end(), point_.begin(), point_.end());
+    return true;
+  }
+
+  void distribute(Members& members, std::size_t plane, const std::vector<unsigned char>& sides,
+                  Members& below, Members& above) const {
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      Member& member = members[i];
+      if (sides[i] == kBelow) {
+        below.push_back(std::move(member));
+      } else if (sides[i] == kAbove) {
+        above.push_back(std::move(member));
+      } else {
+        Member parts[2];
+        for (std::size_t k = 0; k < member.points.size(); k += p_) {
+          const double* point = member.points.data() + k;
+          const double value = distance(plane, point);
+          if (value <= 0.0) parts[0].points.insert(parts[0].points.end(), point, point + p_);
+          if (value >= 0.0) parts[1].points.insert(parts[1].points.end(), point, point + p_);
+        }
+        parts[0].region = parts[1].region = member.region;
+        below.push_back(std::move(parts[0]));
+        above.push_back(std::move(parts[1]));
+      }
     }
   }
 
-  // Whether the part of region r in this node's cell and in the half-space `row` is full-dimensional.
-  bool reaches(std::uint32_t r, std::int32_t row) {
-    rows_.clear();
-    for (const std::int32_t own : regions_.rows[r]) appendRow(own, rows_);
-    for (const std::int32_t step : path_) appendRow(step, rows_);
-    appendRow(row, rows_);
-    centre_.assign(regions_.centres.begin() + static_cast<std::ptrdiff_t>(r) * p_,
-                   regions_.centres.begin() + static_cast<std::ptrdiff_t>(r + 1) * p_);
-    double radius = 0.0;
-    const int count = static_cast<int>(rows_.size()) / width_;
-    if (!solver_.chebyshev(rows_.data(), count, centre_.data(), radius))
-      return true;  // keep it on both sides
-    return radius > options_.side_tolerance;
-  }
-
-  static constexpr unsigned kBelow = 1;
-  static constexpr unsigned kAbove = 2;
+  static constexpr std::size_t kManyMembers = 200;
+  static constexpr std::size_t kHopeless = 64;  // planes tried before regions count as inseparable
 
   const TreeRegions& regions_;
   const TreeOptions& options_;
   int p_;
   int width_;
   PolytopeSolver solver_;
-  std::vector<std::vector<double>> points_;
+  std::vector<double> low_, high_;  // bounding boxes
   std::vector<std::int32_t> path_;
   std::vector<double> rows_;
-  std::vector<double> centre_;
+  std::vector<double> point_;
   SearchTree tree_;
 };
 
