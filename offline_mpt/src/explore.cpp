@@ -1,6 +1,7 @@
 #include "offline_mpt/explore.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -318,7 +319,7 @@ Partition explore(const ParametricProgram& program, const ExploreOptions& option
   if (!margin.feasible) return partition;
   const LeastDistance scaled = toLeastDistance(explicit_equalities);
   if (scaled.domain_empty) return partition;
-  tbb::task_arena arena(std::max(1, options.threads));
+  tbb::task_arena arena(std::clamp(options.threads, 1, tbb::info::default_concurrency()));
   arena.execute([&] { partition = Exploration(scaled, margin.t, options).run(); });
   return partition;
 }

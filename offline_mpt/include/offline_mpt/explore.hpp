@@ -15,7 +15,7 @@ struct ExploreProgress {
 };
 
 struct ExploreOptions {
-  int threads = 1;                          ///< worker threads, 1..256; the result does not depend on it
+  int threads = 1;  ///< worker threads, at most the machine's; the result does not depend on it
   std::uint64_t region_limit = 10'000'000;  ///< stop after so many regions
   double time_limit = 0.0;                  ///< [s], 0: none
   double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
