@@ -86,13 +86,13 @@ TEST(Axis, RefusesAMissingParameter) {
 TEST(Axis, RefusesAModelThatIsNotItsChain) {
   const std::string text = polyfly_test::axisProblem(1);
   // The velocity must come from the angle with a lag, and the disturbance must act on the velocity.
-  const auto refusalOf = [&](const std::string& from, const std::string& to) {
+  const auto refusal_of = [&](const std::string& from, const std::string& to) {
     EXPECT_NE(text.find(from), std::string::npos) << from;
     return axisRefusal(1, polyfly_test::oneRegionContent(replaceAll(text, from, to), {0.3, 0.35, -1.0}));
   };
-  expectRefusal(refusalOf("- [0, 1, 0]", "- [0, 2, 0]"), {"model", "derivative of the position"});
-  expectRefusal(refusalOf("- [0, 0, -4.0]", "- [0, 0, 4.0]"), {"model", "stable first-order lag"});
-  expectRefusal(refusalOf("- [0, 0, -4.0]", "- [0, 0.5, -4.0]"), {"model", "first-order lag"});
+  expectRefusal(refusal_of("- [0, 1, 0]", "- [0, 2, 0]"), {"model", "derivative of the position"});
+  expectRefusal(refusal_of("- [0, 0, -4.0]", "- [0, 0, 4.0]"), {"model", "stable first-order lag"});
+  expectRefusal(refusal_of("- [0, 0, -4.0]", "- [0, 0.5, -4.0]"), {"model", "first-order lag"});
 }
 
 TEST(Axis, BindsByNameNotByPlace) {
@@ -148,7 +148,7 @@ TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
     const Axis axis(map.map(), kAxisNames[i], {});
     const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
     const int states = problem.stateCount();
-    const auto stateAt = [&](double t) {
+    const auto state_at = [&](double t) {
       const AxisReference reference = along(t);
       Eigen::VectorXd state(states);
       state.head(2) << reference.position, reference.velocity;
@@ -156,8 +156,8 @@ TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
       return state;
     };
     for (double t = 0.0; t < 4.0; t += 0.37) {
-      const Eigen::VectorXd rate = (stateAt(t + kStep) - stateAt(t - kStep)) / (2.0 * kStep);
-      const Eigen::VectorXd model = problem.A_c * stateAt(t) +
+      const Eigen::VectorXd rate = (state_at(t + kStep) - state_at(t - kStep)) / (2.0 * kStep);
+      const Eigen::VectorXd model = problem.A_c * state_at(t) +
                                     problem.B_c * axis.target(along(t), kDisturbance).input +
                                     problem.Bd_c * kDisturbance;
       EXPECT_LT((rate - model).lpNorm<Eigen::Infinity>(), 1e-6) << kAxisNames[i].axis << " at " << t;

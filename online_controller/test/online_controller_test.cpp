@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -297,6 +299,19 @@ TEST(MultirotorOptions, ValuesOutOfRangeAreNamed) {
                  return options;
                }()),
                polyfly::Error);
+}
+
+TEST(MultirotorOptions, TheReadmeListsEachKey) {
+  const char* root = std::getenv("POLYFLY_ROOT");
+  std::ifstream stream(std::string(root != nullptr ? root : ".") + "/online_controller/README.md");
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  MultirotorOptions options;
+  int count = 0;
+  polyfly::visitOptions(options, [&](const char* key, auto&&...) {
+    EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
+    ++count;
+  });
+  EXPECT_EQ(count, 11);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

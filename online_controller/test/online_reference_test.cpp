@@ -105,6 +105,7 @@ TEST(ReferenceTrajectory, DerivesWhatIsMissing) {
 
 TEST(ReferenceTrajectory, AccelerationIsContinuousWithDerivedData) {
   std::vector<TrajectorySample> samples;
+  samples.reserve(20);
   for (int i = 0; i < 20; ++i) samples.push_back(at(0.1 * i, {std::sin(0.3 * i), 0.0, 0.0}));
   const ReferenceTrajectory trajectory(samples);
   constexpr double kStep = 1e-9;

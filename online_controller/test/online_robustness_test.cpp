@@ -1,6 +1,7 @@
 // What must hold whatever comes in: finite commands, no allocation, the same bits for the same calls.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -61,6 +62,10 @@ std::vector<double*> numbersOf(VehicleState& state) {
           &state.attitude.x(), &state.attitude.y(), &state.attitude.z()};
 }
 
+std::array<double, 4> numbersOf(const AttitudeCommand& command) {
+  return {command.roll, command.pitch, command.yaw_rate, command.thrust};
+}
+
 std::vector<double*> numbersOf(Reference& reference) {
   return {&reference.position.x(), &reference.position.y(), &reference.position.z(),
           &reference.velocity.x(), &reference.velocity.z(), &reference.acceleration.x(),
@@ -89,14 +94,12 @@ TEST(Robustness, ABadNumberAnywhereHoldsAndLeavesNoTrace) {
       EXPECT_EQ(report.reason, ControlReason::kNotFinite) << which;
       EXPECT_TRUE(std::isfinite(report.stamp));
       EXPECT_EQ(report.axis[0].size, 0);
-      EXPECT_EQ(std::memcmp(&report.command, &last, sizeof last), 0) << which;
+      EXPECT_EQ(numbersOf(report.command), numbersOf(last)) << which;
       for (int k = 51; k < 60; ++k) {
         hit.controller->step(stateAt(k), referenceAt(k));
         lost.controller->step(stateAt(k), referenceAt(k));
         EXPECT_EQ(hit.controller->report().status, ControlStatus::kOptimal);
-        EXPECT_EQ(
-            std::memcmp(&hit.controller->report().command, &lost.controller->report().command, sizeof last),
-            0)
+        EXPECT_EQ(numbersOf(hit.controller->report().command), numbersOf(lost.controller->report().command))
             << which << " at " << k;
       }
     }
@@ -190,7 +193,7 @@ TEST(Robustness, LostSamplesAreCountedFromTheStamps) {
     state.velocity.z() = 2.0;
     return state;
   };
-  const auto disturbanceAfter = [&](int stamp_of_last) {
+  const auto disturbance_after = [&](int stamp_of_last) {
     Flight flight;
     for (int k = 0; k <= 20; ++k) {
       VehicleState state = climbing(k < 20 ? k : 25);
@@ -202,9 +205,9 @@ TEST(Robustness, LostSamplesAreCountedFromTheStamps) {
     }
     return flight.controller->report().axis[2].disturbance;
   };
-  EXPECT_NEAR(disturbanceAfter(25), 0.0, 1e-9);
+  EXPECT_NEAR(disturbance_after(25), 0.0, 1e-9);
   // The same movement in one period would not be explained.
-  EXPECT_GT(std::abs(disturbanceAfter(20)), 1e-3);
+  EXPECT_GT(std::abs(disturbance_after(20)), 1e-3);
 }
 
 TEST(Robustness, ARepeatedStampDoesNotMoveTheObserver) {

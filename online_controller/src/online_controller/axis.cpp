@@ -111,15 +111,15 @@ void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
           "must have " + std::to_string(states) + " states, one input and one disturbance");
 
   // Which state an error parameter belongs to is written in the problem, not in an order of names.
-  const auto stateOf = [&](const char* name) {
+  const auto state_of = [&](const char* name) {
     for (const MpcProblem::Parameter& parameter : problem.parameters) {
       if (parameter.signal.name == name && parameter.role == ParameterRole::kError) return parameter.index;
     }
     throw Error(place(*map_, names) + "parameter " + quoted(name) + ": must be the error of a state");
   };
-  const int p = stateOf(names.position_error);
-  const int v = stateOf(names.velocity_error);
-  const int s = has_lag_ ? stateOf(names.angle_error) : v;
+  const int p = state_of(names.position_error);
+  const int v = state_of(names.velocity_error);
+  const int s = has_lag_ ? state_of(names.angle_error) : v;
   const auto& A = problem.A_c;
   const auto& B = problem.B_c;
   const auto& Bd = problem.Bd_c;
