@@ -114,11 +114,11 @@ class FlightTest(unittest.TestCase):
 
     def test_constant_wind_leaves_no_offset(self):
         flown = self.fly("wind", {"plant": {"vehicle": CALM}})
-        self.assertLess(flown.mean_offset(DURATION - 3.0, DURATION), 0.002)
+        self.assertLess(flown.mean_offset(DURATION - 3.0, DURATION), 0.001)
 
     def test_without_the_disturbance_estimate_the_wind_leaves_an_offset(self):
         flown = self.fly("offset", {"plant": {"vehicle": CALM}, "controller": {"controller": {"offset_free": False}}})
-        self.assertGreater(flown.mean_offset(DURATION - 3.0, DURATION), 0.03)
+        self.assertGreater(flown.mean_offset(DURATION - 3.0, DURATION), 0.1)
 
     def test_recovers_from_odometry_that_is_not_a_number(self):
         flown = self.fly("nan", {"plant": {"faults": {"nan_start": 15.0, "nan_time": 0.5}}})
