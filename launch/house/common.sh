@@ -106,19 +106,21 @@ step() {
   rm -f "build/.run/log/$name.log"
   started=$(date +%s)
   say "[$((step_index + 1))/${#step_names[@]}] $text (about $(timeLeft "$name" 0) s left)"
-  "$@" > "build/.run/log/$name.log" 2>&1 9>&- &
+  set -m  # a process group of its own, so that an interruption reaches all that it started
+  "$@" > "build/.run/log/$name.log" 2>&1 < /dev/null 9>&- &
   step_pid=$!
+  set +m
   (
     trap 'kill $! 2> /dev/null; exit' TERM
     while sleep 15 & wait $!; do
       say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft "$name" $(($(date +%s) - started))) s left"
     done
   ) 9>&- &
-  local ticker=$!
+  ticker_pid=$!
   wait "$step_pid" || status=$?
   step_pid=""
-  kill "$ticker" 2> /dev/null || true
-  wait "$ticker" 2> /dev/null || true
+  kill "$ticker_pid" 2> /dev/null || true
+  wait "$ticker_pid" 2> /dev/null || true
   now=$(date +%s)
   if [ "$status" -ne 0 ]; then
     tail -n 60 "build/.run/log/$name.log" >&2
@@ -130,11 +132,12 @@ step() {
 }
 
 # An interrupted command takes its running step with it.
-step_pid=""
+step_pid="" ticker_pid=""
 stopStep() {
   trap - INT TERM
+  [ -z "$ticker_pid" ] || kill "$ticker_pid" 2> /dev/null || true
   if [ -n "$step_pid" ]; then
-    kill "$step_pid" 2> /dev/null || true
+    kill -- "-$step_pid" 2> /dev/null || true
     wait "$step_pid" 2> /dev/null || true
   fi
   exit 130
