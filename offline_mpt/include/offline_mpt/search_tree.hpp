@@ -25,6 +25,7 @@ struct SearchTree {
 };
 
 struct TreeOptions {
+  int leaf_regions = 1;          ///< a leaf may hold so many regions, tested in turn: fewer nodes for a longer last step
   double side_tolerance =
       1e-9;  ///< a part of a region whose inscribed ball is smaller is left to the other side [scaled]
   int planes_scored = 300;  ///< candidate planes looked at in a node
