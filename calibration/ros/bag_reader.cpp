@@ -4,8 +4,11 @@
 #include <ros/exception.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -38,6 +41,9 @@ void openBag(const std::string& path, rosbag::Bag* bag) {
   } catch (const rosbag::BagUnindexedException&) {
     throw Error(path +
                 ": has no index, because its recording was cut off; `rosbag reindex` keeps what was written");
+  } catch (const rosbag::BagIOException& error) {
+    throw Error(path + ": cannot be read as a bag: " + error.what() +
+                "; if its recording was cut off, `rosbag reindex` keeps what was written");
   } catch (const std::exception& error) {
     throw Error(path + ": cannot be read as a bag: " + error.what());
   }
@@ -323,6 +329,24 @@ class BagReader {
 
 polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics) {
   return BagReader(path, topics).read();
+}
+
+polyfly::FlightLog readBagGuarded(const std::string& path, const BagTopics& topics) {
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      readBag(path, topics);
+    } catch (...) {
+      // The parent meets the same error and tells it.
+    }
+    _exit(0);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child) throw Error(path + ": no process to try it in");
+  if (WIFSIGNALED(status)) {
+    throw Error(path + ": is damaged: rosbag crashes on it (" + strsignal(WTERMSIG(status)) + ")");
+  }
+  return readBag(path, topics);
 }
 
 }  // namespace polyfly_ros

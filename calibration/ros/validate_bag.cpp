@@ -102,7 +102,7 @@ int run(const Arguments& arguments) {
   const polyfly::MultirotorOptions options = arguments.options.empty()
                                                  ? polyfly::MultirotorOptions{}
                                                  : polyfly::loadControllerOptions(arguments.options);
-  const polyfly::FlightLog log = polyfly_ros::readBag(arguments.bag, arguments.topics);
+  const polyfly::FlightLog log = polyfly_ros::readBagGuarded(arguments.bag, arguments.topics);
 
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, axes, options);
   const polyfly::ValidationReport report = polyfly::validate(log, samples, axes, options);

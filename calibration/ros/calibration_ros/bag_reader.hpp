@@ -22,4 +22,8 @@ struct BagTopics {
 /// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp.
 polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics);
 
+/// As readBag, for files of unknown health: rosbag itself reads beyond its buffers on some damaged bags, so a
+/// child process reads the file first, and its crash becomes an Error. For programs of a single thread.
+polyfly::FlightLog readBagGuarded(const std::string& path, const BagTopics& topics);
+
 }  // namespace polyfly_ros

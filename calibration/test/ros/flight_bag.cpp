@@ -1,0 +1,106 @@
+#include "flight_bag.hpp"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/Vector3Stamped.h>
+#include <mav_msgs/RollPitchYawrateThrust.h>
+#include <nav_msgs/Odometry.h>
+#include <online_controller/ControllerStatus.h>
+
+namespace polyfly_ros {
+namespace {
+
+using polyfly::FlightLog;
+
+nav_msgs::Odometry odometryOf(const polyfly::VehicleState& state) {
+  nav_msgs::Odometry message;
+  message.header.stamp = ros::Time(state.stamp);
+  message.pose.pose.position.x = state.position.x();
+  message.pose.pose.position.y = state.position.y();
+  message.pose.pose.position.z = state.position.z();
+  message.pose.pose.orientation.w = state.attitude.w();
+  message.pose.pose.orientation.x = state.attitude.x();
+  message.pose.pose.orientation.y = state.attitude.y();
+  message.pose.pose.orientation.z = state.attitude.z();
+  const Eigen::Vector3d velocity = state.attitude.conjugate() * state.velocity;
+  message.twist.twist.linear.x = velocity.x();
+  message.twist.twist.linear.y = velocity.y();
+  message.twist.twist.linear.z = velocity.z();
+  return message;
+}
+
+geometry_msgs::PoseStamped poseOf(const polyfly::ReferenceTrajectory& reference) {
+  const polyfly::Reference held = reference.sample(0.0);
+  geometry_msgs::PoseStamped message;
+  message.pose.position.x = held.position.x();
+  message.pose.position.y = held.position.y();
+  message.pose.position.z = held.position.z();
+  message.pose.orientation.w = 1.0;
+  return message;
+}
+
+mav_msgs::RollPitchYawrateThrust commandOf(const FlightLog::Command& command) {
+  mav_msgs::RollPitchYawrateThrust message;
+  message.header.stamp = ros::Time(command.stamp);
+  message.roll = command.command.roll;
+  message.pitch = command.command.pitch;
+  message.yaw_rate = command.command.yaw_rate;
+  message.thrust.z = command.command.thrust;
+  return message;
+}
+
+online_controller::ControllerStatus statusOf(const FlightLog::Status& status) {
+  online_controller::ControllerStatus message;
+  message.header.stamp = ros::Time(status.stamp);
+  message.status = static_cast<std::uint8_t>(status.status);
+  message.reason = static_cast<std::uint8_t>(status.reason);
+  message.step_time_ns = static_cast<std::int64_t>(1e9 * status.step_time);
+  online_controller::AxisStatus* axes[3] = {&message.longitudinal, &message.lateral, &message.vertical};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    axes[axis]->region = status.region[axis];
+    axes[axis]->theta = status.theta[axis];
+  }
+  return message;
+}
+
+}  // namespace
+
+void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::Bag* bag) {
+  const std::string prefix = options.name_space + "/";
+  ros::Time now(log.odometry.empty() ? 1.0 : log.odometry.front().stamp);
+  for (const FlightLog::Event& event : log.events) {
+    if (event.kind == FlightLog::EventKind::kOdometry) {
+      now = ros::Time(log.odometry[event.index].stamp);
+      if (options.odometry) bag->write(prefix + "odometry", now, odometryOf(log.odometry[event.index]));
+    } else if (event.kind == FlightLog::EventKind::kReference && options.references) {
+      bag->write(prefix + "command/pose", now, poseOf(log.references[event.index].trajectory));
+    }
+  }
+  const ros::Duration shift(options.arrival_shift);
+  for (const FlightLog::Command& command : log.commands) {
+    if (!options.commands) break;
+    bag->write(prefix + "command/roll_pitch_yawrate_thrust", ros::Time(command.stamp) + shift,
+               commandOf(command));
+  }
+  for (const FlightLog::Status& status : log.statuses) {
+    if (!options.statuses) break;
+    bag->write(prefix + "controller_status", ros::Time(status.stamp) + shift, statusOf(status));
+  }
+  for (const FlightLog::Disturbance& disturbance : log.disturbances) {
+    geometry_msgs::Vector3Stamped message;
+    message.header.stamp = ros::Time(disturbance.stamp);
+    message.vector.x = disturbance.acceleration.x();
+    message.vector.y = disturbance.acceleration.y();
+    message.vector.z = disturbance.acceleration.z();
+    bag->write(prefix + "ground_truth/disturbance", message.header.stamp, message);
+  }
+}
+
+void writeFlightBag(const FlightLog& log, const std::string& path, const FlightBagOptions& options) {
+  rosbag::Bag bag(path, rosbag::bagmode::Write);
+  bag.setCompression(options.compression);
+  bag.setChunkThreshold(20000);
+  writeFlight(log, options, &bag);
+  bag.close();
+}
+
+}  // namespace polyfly_ros

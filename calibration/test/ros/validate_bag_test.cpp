@@ -1,0 +1,145 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "../synthetic_flight.hpp"
+#include "flight_bag.hpp"
+
+extern char** environ;
+
+namespace polyfly_ros {
+namespace {
+
+using polyfly::SyntheticFlight;
+
+constexpr int kPassed = 0;
+constexpr int kThresholdBroken = 1;
+constexpr int kBadInput = 2;
+
+std::string contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class ValidateBag : public testing::Test {
+ protected:
+  ValidateBag() {
+    polyfly::FlightRecorder recorder(maps_.axes(), {});
+    recorder.hold(SyntheticFlight::home());
+    for (std::size_t sample = 0; sample < 300; ++sample) {
+      polyfly::VehicleState state = SyntheticFlight::state(sample);
+      state.stamp = ros::Time(state.stamp).toSec();
+      recorder.fly(state);
+    }
+    log_ = recorder.log();
+    writeFlightBag(log_, folder_ / "flight.bag");
+  }
+
+  std::vector<std::string> inputs() const {
+    return {"--bag", folder_ / "flight.bag", "--map", maps_.path(2), "--map", maps_.path(0), maps_.path(1)};
+  }
+
+  // Runs the tool; its exit code. What it wrote is in output_ and errors_.
+  int run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), VALIDATE_BAG);
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    const std::string out = folder_ / "stdout";
+    const std::string err = folder_ / "stderr";
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kFlags, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), kFlags, 0600);
+    pid_t child = 0;
+    const int spawned = posix_spawn(&child, VALIDATE_BAG, &actions, nullptr, words.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    EXPECT_EQ(spawned, 0);
+    int status = 0;
+    EXPECT_EQ(waitpid(child, &status, 0), child);
+    output_ = contents(out);
+    errors_ = contents(err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  int runWith(std::vector<std::string> more) {
+    std::vector<std::string> arguments = inputs();
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  polyfly::ScratchFolder folder_;
+  polyfly::HandMadeMaps maps_{folder_};
+  polyfly::FlightLog log_;
+  std::string output_;
+  std::string errors_;
+};
+
+TEST_F(ValidateBag, passesAGoodFlight) {
+  EXPECT_EQ(runWith({}), kPassed) << errors_;
+  EXPECT_NE(output_.find("coverage 100 %"), std::string::npos);
+  EXPECT_EQ(errors_, "");
+}
+
+TEST_F(ValidateBag, writesWhatItIsAskedFor) {
+  EXPECT_EQ(runWith({"--quiet", "--json", folder_ / "numbers.json", "--report", folder_ / "report"}),
+            kPassed);
+  EXPECT_EQ(output_, "");
+  EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "numbers.json"))["coverage"], 1.0);
+  EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "report/summary.json"))["regions"], 6);
+  EXPECT_NE(contents(folder_ / "report/index.html").find("Flight report"), std::string::npos);
+}
+
+TEST_F(ValidateBag, failsWhenAThresholdIsBroken) {
+  log_.commands[10].command.roll += 1e-3;
+  writeFlightBag(log_, folder_ / "flight.bag");
+  EXPECT_EQ(runWith({"--quiet"}), kThresholdBroken);
+  EXPECT_EQ(errors_.substr(0, 47), "broken: difference to the recorded commands is ");
+  EXPECT_EQ(runWith({"--max-command-difference", "0.01"}), kPassed);
+}
+
+TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
+  std::ofstream(folder_ / "heavy.yaml") << "vehicle: {mass: 2.0}\n";
+  EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);
+  std::ofstream(folder_ / "default.yaml") << "vehicle: {mass: 1.52}\n";
+  EXPECT_EQ(runWith({"--options", folder_ / "default.yaml"}), kPassed);
+}
+
+TEST_F(ValidateBag, badInputHasItsOwnExitCode) {
+  EXPECT_EQ(run({}), kBadInput);
+  EXPECT_EQ(runWith({"--no-such-option"}), kBadInput);
+  EXPECT_EQ(runWith({"--min-coverage", "1.5"}), kBadInput);
+  EXPECT_EQ(runWith({"--options", folder_ / "missing.yaml"}), kBadInput);
+  EXPECT_NE(errors_.find("missing.yaml: cannot be opened"), std::string::npos);
+  EXPECT_EQ(run({"--bag", folder_ / "missing.bag", "--map", maps_.path(0), maps_.path(1), maps_.path(2)}),
+            kBadInput);
+  EXPECT_NE(errors_.find("missing.bag: no such file"), std::string::npos);
+  EXPECT_EQ(run({"--bag", folder_ / "flight.bag", "--map", maps_.path(0)}), kBadInput);
+  EXPECT_NE(errors_.find("none for the lateral axis"), std::string::npos);
+  EXPECT_EQ(run({"--bag", folder_ / "flight.bag", "--map", folder_ / "flight.bag"}), kBadInput);
+  EXPECT_NE(errors_.find("flight.bag: is not a region map"), std::string::npos);
+  EXPECT_EQ(runWith({"--json", folder_ / "missing/numbers.json"}), kBadInput);
+}
+
+TEST_F(ValidateBag, helpTellsExitCodesAndDefaults) {
+  EXPECT_EQ(run({"--help"}), kPassed);
+  EXPECT_NE(output_.find("Exit code: 0"), std::string::npos);
+  EXPECT_NE(output_.find("command/roll_pitch_yawrate_thrust"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly_ros
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
