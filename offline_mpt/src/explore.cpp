@@ -92,45 +92,51 @@ Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, doub
   return probe;
 }
 
-void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet, Described& out) {
+/// Adds the active set found by a program of its own just across a degenerate facet to its candidates, and
+/// checks that one of them holds that point.
+void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet,
+                std::vector<ActiveSet>& sets, Described& out) {
   const double widen = program.linear ? kLinearProbe : 1.0;
   const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * kProbeStep);
   ActiveSet active;
   if (!activeSetAt(program, worker.qp, probe, widen * kEdge, active)) return;  // the edge of the feasible set
   if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
-  worker.sets.push_back(active);
-  for (const ActiveSet& set : worker.sets) {
+  sets.push_back(active);
+  for (const ActiveSet& set : sets) {
     if (worker.builder.holds(set, probe.data(), kProbeTolerance)) return;
   }
+  RegionData optimal;
+  if (worker.builder.build(active, optimal) == BuildStatus::kRegion) return;  // ill-conditioned, but not lost
   out.unsettled.insert(out.unsettled.end(), probe.data(), probe.data() + program.p);
+}
+
+/// The same set without one of its rows, for each: one of its multipliers is zero everywhere.
+void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
+  for (std::size_t left_out = 0; left_out < active.size(); ++left_out) {
+    ActiveSet smaller = active;
+    smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(left_out));
+    sets.push_back(std::move(smaller));
+  }
 }
 
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
   Described out;
   out.status = worker.builder.build(active, out.region);
-  if (out.status == BuildStatus::kWeak) {
-    for (const std::uint16_t row : active) {
-      ActiveSet smaller = active;
-      smaller.erase(std::remove(smaller.begin(), smaller.end(), row), smaller.end());
-      out.neighbours.push_back(std::move(smaller));
+  if (out.status == BuildStatus::kWeak) addSmallerSets(active, out.neighbours);
+  if (out.status != BuildStatus::kRegion) return out;
+  std::vector<std::pair<std::size_t, std::vector<ActiveSet>>> degenerate;
+  for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
+    const Crossing crossing = worker.builder.neighbours(active, out.region.facets[f], worker.sets);
+    if (crossing == Crossing::kDegenerate) {
+      degenerate.emplace_back(f, worker.sets);
+    } else {
+      out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
     }
   }
-  if (out.status != BuildStatus::kRegion) return out;
-  std::vector<std::size_t> probed;
-  for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
-    bool degenerate = false;
-    worker.builder.neighbours(active, out.region.facets[f], worker.sets, degenerate);
-    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
-    if (degenerate) probed.push_back(f);
-  }
-  out.degenerate_facets = static_cast<std::uint32_t>(probed.size());
-  for (const std::size_t f : probed) {  // after all facets: a probe overwrites the builder's rows
-    bool degenerate = false;
-    RegionData again;
-    worker.builder.build(active, again);
-    worker.builder.neighbours(active, out.region.facets[f], worker.sets, degenerate);
-    probeFacet(program, worker, out.region.facets[f], out);
-    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
+  out.degenerate_facets = static_cast<std::uint32_t>(degenerate.size());
+  for (auto& [f, sets] : degenerate) {  // after all facets: a probe overwrites the builder's rows
+    probeFacet(program, worker, out.region.facets[f], sets, out);
+    out.neighbours.insert(out.neighbours.end(), sets.begin(), sets.end());
   }
   return out;
 }

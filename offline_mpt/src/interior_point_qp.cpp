@@ -1,6 +1,5 @@
 #include "offline_mpt/interior_point_qp.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -11,14 +10,14 @@ namespace {
 
 constexpr int kMaxIterations = 80;
 constexpr int kMaxStalledSteps = 4;
-constexpr int kMaxPolishRounds = 8;
-constexpr double kStalledStep = 1e-6;       // a shorter step is no progress
-constexpr double kStepFraction = 0.995;     // of the way to the boundary
-constexpr double kResidualGoal = 1e-11;     // of the Newton iteration [scaled]
+constexpr double kStalledStep = 1e-6;           // a shorter step is no progress
+constexpr double kStepFraction = 0.995;         // of the way to the boundary, at first
+constexpr double kLastStepFraction = 0.999999;  // the same, near the end
+constexpr double kResidualGoal = 1e-11;         // of the Newton iteration [scaled]
 constexpr double kEarlyGapGoal = 1e-12;     // mean complementarity product, when residuals are small [scaled]
 constexpr double kGapGoal = 1e-14;          // the same, when they are not
+constexpr double kCarefulGapGoal = 1e-22;   // tells multipliers from slacks of 1e-10
 constexpr double kLateResidualGoal = 1e-6;  // residuals that the final correction can take away [scaled]
-constexpr double kPolishStart = 1e-3;       // residual below which the active set is worth guessing [scaled]
 constexpr double kRankTolerance = 1e-11;    // relative, in rank-revealing factorisations
 constexpr double kRowTolerance =
     1e-11;                             // a row shorter than this times its norm is implied by the equalities
@@ -28,9 +27,6 @@ constexpr double kCertificateSum = 1e2;    // multipliers must have grown so far
 constexpr double kCertificateRadius = 1e7;  // a Farkas certificate excludes all solutions up to this norm
 constexpr double kRayGrowth = 1e6;          // iterates must have grown so far before unboundedness is tried
 constexpr double kRayTolerance = 1e-7;      // relative, for a direction of unlimited descent
-constexpr double kWrongSign =
-    1e-12;  // a multiplier or slack below minus this changes the active set [scaled]
-constexpr double kSolveTolerance = 1e-10;  // relative residual at which an LU solution is trusted
 
 double maxAbs(const Eigen::VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 
@@ -103,25 +99,38 @@ const InteriorPointSolution& InteriorPointQp::solve(const Eigen::VectorXd& g, co
   solution_.residual = std::numeric_limits<double>::infinity();
   solution_.lambda.setZero();
   if (!reduce(g, b)) return solution_;
-  start();
-  const End end = iterate();
-  if (end == End::kInfeasible) {
-    solution_.status = InteriorPointStatus::kInfeasible;
-    const double sum = l_.sum();
-    for (Eigen::Index i = 0; i < l_.size(); ++i) {
-      solution_.lambda[rows_[static_cast<std::size_t>(i)]] = l_[i] / (norm_y_[i] * sum);
+  for (const bool careful : {false, true}) {
+    careful_ = careful;
+    start();
+    switch (iterate()) {
+      case End::kInfeasible:
+        setCertificate();
+        return solution_;
+      case End::kUnbounded:
+        solution_.status = InteriorPointStatus::kUnbounded;
+        return solution_;
+      case End::kConverged:
+      case End::kStalled:
+        break;
     }
-    addEqualityMultipliers(A_.transpose() * solution_.lambda);
-    return solution_;
+    polish();
+    expand(g, b);
+    if (solution_.residual <= kInteriorPointAccuracy) {
+      solution_.status = InteriorPointStatus::kOptimal;
+      return solution_;
+    }
   }
-  if (end == End::kUnbounded) {
-    solution_.status = InteriorPointStatus::kUnbounded;
-    return solution_;
-  }
-  polish();
-  expand(g, b);
-  if (solution_.residual <= kInteriorPointAccuracy) solution_.status = InteriorPointStatus::kOptimal;
   return solution_;
+}
+
+void InteriorPointQp::setCertificate() {
+  solution_.status = InteriorPointStatus::kInfeasible;
+  solution_.lambda.setZero();
+  const double sum = l_.sum();
+  for (Eigen::Index i = 0; i < l_.size(); ++i) {
+    solution_.lambda[rows_[static_cast<std::size_t>(i)]] = l_[i] / (norm_y_[i] * sum);
+  }
+  addEqualityMultipliers(A_.transpose() * solution_.lambda);
 }
 
 // Moves to the null space of the equalities. False, with the status set, when no z meets the rows that
@@ -182,7 +191,21 @@ void InteriorPointQp::start() {
   l_.setOnes(s_.size());
 }
 
+// Quick: the normal matrix H + A' diag(l / s) A. Careful: the whole Newton system in (dy, dl), its rows
+// divided by max(l, s), which stays well-conditioned up to the end; several times as dear.
 void InteriorPointQp::factorise() {
+  if (careful_) {
+    const Eigen::Index n = y_.size(), m = s_.size();
+    row_scale_ = l_.cwiseMax(s_);
+    newton_.setZero(n + m, n + m);
+    newton_.topLeftCorner(n, n) = kappa_ * H_y_;
+    newton_.topLeftCorner(n, n).diagonal().array() += kRegularisation;
+    newton_.topRightCorner(n, m) = A_y_.transpose();
+    newton_.bottomLeftCorner(m, n) = l_.cwiseQuotient(row_scale_).asDiagonal() * A_y_;
+    newton_.bottomRightCorner(m, m).diagonal() = -s_.cwiseQuotient(row_scale_);
+    newton_factor_.compute(newton_);
+    return;
+  }
   weight_ = l_.cwiseQuotient(s_);
   scaled_rows_ = weight_.cwiseSqrt().asDiagonal() * A_y_;
   normal_ = kappa_ * H_y_;
@@ -199,8 +222,20 @@ void InteriorPointQp::factorise() {
 
 // Newton direction for H dy + A'dl = -r_dual, A dy + ds = -r_primal, l ds + s dl = -complementarity.
 void InteriorPointQp::direction(const Eigen::VectorXd& complementarity) {
-  row_work_ = (l_.cwiseProduct(r_primal_) - complementarity).cwiseQuotient(s_);
-  rhs_.noalias() = -(A_y_.transpose() * row_work_);
+  const Eigen::Index n = y_.size(), m = s_.size();
+  row_work_ = complementarity - l_.cwiseProduct(r_primal_);
+  if (careful_) {
+    rhs_.resize(n + m);
+    rhs_ << -r_dual_, row_work_.cwiseQuotient(row_scale_);
+    newton_step_ = newton_factor_.solve(rhs_);
+    dy_ = newton_step_.head(n);
+    dl_ = newton_step_.tail(m);
+    ds_ = -r_primal_;
+    ds_.noalias() -= A_y_ * dy_;
+    return;
+  }
+  row_work_ = row_work_.cwiseQuotient(s_);
+  rhs_.noalias() = A_y_.transpose() * row_work_;
   rhs_ -= r_dual_;
   dy_ = factor_.solve(rhs_);
   ds_ = -r_primal_;
@@ -209,7 +244,7 @@ void InteriorPointQp::direction(const Eigen::VectorXd& complementarity) {
 }
 
 double InteriorPointQp::stepLength() const {
-  double step = 1.0;
+  double step = std::numeric_limits<double>::max();
   for (Eigen::Index i = 0; i < s_.size(); ++i) {
     if (ds_[i] < 0.0) step = std::min(step, -s_[i] / ds_[i]);
     if (dl_[i] < 0.0) step = std::min(step, -l_[i] / dl_[i]);
@@ -232,7 +267,8 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     // Past the goal for the gap the normal matrix is too ill-conditioned to gain more: the correction does
     // the rest.
     const double goal = mu_ <= kGapGoal ? kLateResidualGoal : kResidualGoal;
-    if (mu_ <= kEarlyGapGoal && maxAbs(r_dual_) <= goal * std::max(1.0, maxAbs(l_)) &&
+    const double gap_goal = careful_ ? kCarefulGapGoal : kEarlyGapGoal;
+    if (mu_ <= gap_goal && maxAbs(r_dual_) <= goal * std::max(1.0, maxAbs(l_)) &&
         maxAbs(r_primal_) <= goal * b_scale) {
       return End::kConverged;
     }
@@ -242,14 +278,15 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     factorise();
     target_ = s_.cwiseProduct(l_);
     direction(target_);
-    const double affine_step = stepLength();
+    const double affine_step = std::min(1.0, stepLength());
     const double affine_mu = (s_ + affine_step * ds_).dot(l_ + affine_step * dl_) / count;
     const double ratio = mu_ > 0.0 ? affine_mu / mu_ : 0.0;
     const double centring = ratio * ratio * ratio * mu_;
     target_ += ds_.cwiseProduct(dl_);
     target_.array() -= centring;
     direction(target_);
-    const double step = std::min(1.0, std::max(kStepFraction, 1.0 - mu_) * stepLength());
+    const double fraction = std::clamp(1.0 - mu_, kStepFraction, kLastStepFraction);
+    const double step = std::min(1.0, fraction * stepLength());
     if (!std::isfinite(step) || !dy_.allFinite() || !dl_.allFinite()) return End::kStalled;
     y_ += step * dy_;
     s_ += step * ds_;
@@ -279,128 +316,6 @@ bool InteriorPointQp::provesUnbounded() {
   if (maxAbs(y_work_) > kRayTolerance * length) return false;
   row_work_.noalias() = A_y_ * y_;
   return row_work_.size() == 0 || row_work_.maxCoeff() <= kRayTolerance * length;
-}
-
-double InteriorPointQp::reducedResidual() const {
-  const Eigen::VectorXd stationarity = kappa_ * (H_y_ * y_) + g_y_ + A_y_.transpose() * l_;
-  const Eigen::VectorXd slack = b_y_ - A_y_ * y_;
-  double residual = maxAbs(stationarity);
-  for (Eigen::Index i = 0; i < slack.size(); ++i) {
-    residual = std::max(
-        {residual, -slack[i] / std::max(1.0, std::abs(b_y_[i])), -l_[i], std::abs(l_[i] * slack[i])});
-  }
-  return residual;
-}
-
-// Least-norm correction of (y, l) to the KKT system of the rows in `active`; the others get l = 0. Least norm
-// keeps multipliers near the analytic centre that the iteration found, hence positive, where they are not
-// unique.
-bool InteriorPointQp::correct(const std::vector<int>& active) {
-  const Eigen::Index n = y_.size(), k = static_cast<Eigen::Index>(active.size());
-  Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(n + k, n + k);
-  Eigen::VectorXd residual(n + k);
-  kkt.topLeftCorner(n, n) = kappa_ * H_y_;
-  Eigen::VectorXd kept = Eigen::VectorXd::Zero(l_.size());
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const int row = active[static_cast<std::size_t>(i)];
-    kkt.block(n + i, 0, 1, n) = A_y_.row(row);
-    kkt.block(0, n + i, n, 1) = A_y_.row(row).transpose();
-    residual[n + i] = b_y_[row] - A_y_.row(row).dot(y_);
-    kept[row] = l_[row];
-  }
-  residual.head(n) = -(kappa_ * (H_y_ * y_) + g_y_ + A_y_.transpose() * kept);
-  Eigen::VectorXd step;
-  bool solved = false;
-  if (k <= n) {
-    step = Eigen::PartialPivLU<Eigen::MatrixXd>(kkt).solve(residual);
-    const double size = maxAbs(residual);
-    solved =
-        step.allFinite() && maxAbs(step) <= 1.0 && maxAbs(kkt * step - residual) <= kSolveTolerance * size;
-  }
-  if (!solved) {
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
-    factor.setThreshold(kRankTolerance);
-    factor.compute(kkt);
-    step = factor.solve(residual);
-  }
-  if (!step.allFinite()) return false;
-  y_ += step.head(n);
-  l_ = kept;
-  for (Eigen::Index i = 0; i < k; ++i) l_[active[static_cast<std::size_t>(i)]] += step[n + i];
-  return true;
-}
-
-// Guesses the active set by comparing multipliers with slacks, solves for it, and lets rows of the wrong sign
-// leave or enter. The best point seen is kept.
-void InteriorPointQp::polish() {
-  double best = reducedResidual();
-  if (!(best <= kPolishStart)) return;
-  best_y_ = y_;
-  best_l_ = l_;
-  std::vector<int> active;
-  for (int i = 0; i < static_cast<int>(l_.size()); ++i) {
-    if (l_[i] > s_[i]) active.push_back(i);
-  }
-  for (int round = 0; round < kMaxPolishRounds; ++round) {
-    if (!correct(active)) break;
-    const double residual = reducedResidual();
-    if (residual < best) {
-      best = residual;
-      best_y_ = y_;
-      best_l_ = l_;
-    }
-    std::vector<int> next;
-    for (int i = 0; i < static_cast<int>(l_.size()); ++i) {
-      const bool was_active = std::binary_search(active.begin(), active.end(), i);
-      const double slack = b_y_[i] - A_y_.row(i).dot(y_);
-      if (was_active ? l_[i] >= -kWrongSign : slack < -kWrongSign * std::max(1.0, std::abs(b_y_[i])))
-        next.push_back(i);
-    }
-    if (next == active) break;
-    active = std::move(next);
-  }
-  y_ = best_y_;
-  l_ = best_l_;
-}
-
-// Multipliers of the equalities that cancel `gradient` best.
-void InteriorPointQp::addEqualityMultipliers(const Eigen::VectorXd& gradient) {
-  if (equalities_.empty()) return;
-  const Eigen::VectorXd nu = eq_transposed_factor_.solve(-gradient);
-  for (std::size_t i = 0; i < equalities_.size(); ++i) {
-    solution_.lambda[equalities_[i]] = nu[static_cast<Eigen::Index>(i)];
-  }
-}
-
-// Back to z and the original rows; residuals are measured on the problem as it was given.
-void InteriorPointQp::expand(const Eigen::VectorXd& g, const Eigen::VectorXd& b) {
-  Eigen::VectorXd& z = solution_.z;
-  Eigen::VectorXd& lambda = solution_.lambda;
-  z = z0_;
-  z.noalias() += N_ * y_;
-  for (Eigen::Index i = 0; i < l_.size(); ++i) {
-    lambda[rows_[static_cast<std::size_t>(i)]] = l_[i] / (norm_y_[i] * kappa_);
-  }
-  Eigen::VectorXd gradient = H_ * z + g;
-  solution_.objective = 0.5 * z.dot(gradient + g);
-  gradient.noalias() += A_.transpose() * lambda;
-  if (!equalities_.empty()) {
-    addEqualityMultipliers(gradient);
-    gradient = H_ * z + g + A_.transpose() * lambda;
-  }
-  const double cost_scale = std::max({1.0, maxAbs(g), H_scale_});
-  double residual = maxAbs(gradient) / cost_scale;
-  for (Eigen::Index i = 0; i < A_.rows(); ++i) {
-    const double norm = row_norm_[i] > 0.0 ? row_norm_[i] : 1.0;
-    const double slack = (b[i] - A_.row(i).dot(z)) / norm;
-    const double slack_scale = std::max(1.0, std::abs(b[i]) / norm);
-    const bool equality = std::binary_search(equalities_.begin(), equalities_.end(), static_cast<int>(i));
-    residual = std::max(residual, (equality ? std::abs(slack) : -slack) / slack_scale);
-    if (equality) continue;
-    residual = std::max(residual, -lambda[i] * norm / cost_scale);
-    residual = std::max(residual, std::abs(lambda[i] * norm * slack) / (cost_scale * slack_scale));
-  }
-  solution_.residual = residual;
 }
 
 }  // namespace polyfly

@@ -13,7 +13,9 @@ constexpr double kOpposite = 1e-12;     // entries of two unit rows that cancel 
 constexpr double kParameterSet = 1e-9;  // how far outside A_theta theta <= b_theta counts as inside [scaled]
 constexpr double kDefinite = 1e-10;     // least eigenvalue over the greatest that counts as positive
 constexpr double kRank = 1e-11;         // relative, of the equalities
-constexpr double kUsableResidual = 1e-7;  // of the auxiliary programs
+constexpr double kUsableResidual = 1e-9;  // of the auxiliary programs
+constexpr double kCertainDistance =
+    1e-8;  // a greater distance to the feasible set is not a matter of rounding
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -153,7 +155,7 @@ const OracleAnswer& ProgramOracle::solve(const Eigen::VectorXd& theta) {
   answer_.u.noalias() += program_->C * theta;
   answer_.u.noalias() += program_->E * solution.z;
   // Without a certificate of either kind the program may be infeasible by very little: the distance tells.
-  if (answer_.verdict == Verdict::kUndecided && distanceToFeasible(theta) > kUsableResidual) {
+  if (answer_.verdict == Verdict::kUndecided && distanceToFeasible(theta) > kCertainDistance) {
     answer_.verdict = Verdict::kInfeasible;
     answer_.residual = 0.0;
   }
@@ -178,18 +180,22 @@ double ProgramOracle::distanceToFeasible(const Eigen::VectorXd& theta) {
   return std::max(0.0, solution.objective);
 }
 
-bool ProgramOracle::isDeepInside(const Eigen::VectorXd& theta, double depth) {
+ProgramOracle::Place ProgramOracle::place(const Eigen::VectorXd& theta, double depth) {
+  using Verdict = OracleAnswer::Verdict;
   Eigen::VectorXd moved = theta;
+  bool known = true;
   for (Eigen::Index i = 0; i < theta.size(); ++i) {
     const Signal& signal = program_->parameters[static_cast<std::size_t>(i)];
     for (const double side : {-1.0, 1.0}) {
       moved[i] = theta[i] + side * depth * half_range_[i];
       if (moved[i] < signal.lower || moved[i] > signal.upper) continue;
-      if (solve(moved).verdict != OracleAnswer::Verdict::kFeasible) return false;
+      const Verdict verdict = solve(moved).verdict;
+      if (verdict == Verdict::kInfeasible) return Place::kEdge;
+      known = known && verdict == Verdict::kFeasible;
     }
     moved[i] = theta[i];
   }
-  return true;
+  return known ? Place::kDeep : Place::kUnknown;
 }
 
 double ProgramOracle::objectiveWithOutput(const Eigen::VectorXd& theta, const Eigen::VectorXd& u,

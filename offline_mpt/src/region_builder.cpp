@@ -342,27 +342,36 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, std::vector<Acti
   }
 }
 
-void RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets,
-                               bool& degenerate) {
+Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
+                                   std::vector<ActiveSet>& sets) {
   sets.clear();
-  degenerate = false;
-  if (facet.origin.kind == RowOrigin::Kind::kDomain) return;
+  if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
   if (facet.origin.kind == RowOrigin::Kind::kPrice) {
     enter(active, facet.origin.index, sets);
-    degenerate = true;
-    return;
+    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
   }
   const std::vector<RowOrigin> changes = coincident(facet);
-  std::vector<double> weights;
-  if (changes.size() == 1 && facet.origin.kind == RowOrigin::Kind::kMultiplier) {
-    sets.push_back(without(active, facet.origin.index));
-    return;
+  if (changes.size() == 1) {
+    if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
+      sets.push_back(without(active, facet.origin.index));
+      return Crossing::kSingle;
+    }
+    std::vector<double> weights;
+    if (!depends(active, facet.origin.index, weights)) {
+      sets.push_back(with(active, facet.origin.index));
+      return Crossing::kSingle;
+    }
+    exchange(active, facet.origin.index, sets);
+    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
   }
-  if (changes.size() == 1 && !depends(active, facet.origin.index, weights)) {
-    sets.push_back(with(active, facet.origin.index));
-    return;
-  }
-  degenerate = true;
+  combine(active, changes, sets);
+  return Crossing::kDegenerate;
+}
+
+// Several rows change at once in the facet: every combination of the changes is a candidate, and every
+// exchange.
+void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
+                            std::vector<ActiveSet>& sets) const {
   const std::size_t count = std::min(changes.size(), kCoincidentLimit);
   for (std::size_t subset = 1; subset < (std::size_t{1} << count); ++subset) {
     ActiveSet candidate = active;

@@ -43,6 +43,13 @@ enum class BuildStatus : std::uint8_t {
   kFailed,     ///< the simplex gave up
 };
 
+/// What lies behind a facet.
+enum class Crossing : std::uint8_t {
+  kEdge,        ///< nothing: the box, or the end of the feasible set
+  kSingle,      ///< one active set, along the whole facet
+  kDegenerate,  ///< several candidates: which is optimal depends on the place, or rows coincide
+};
+
 /// Turns active sets into regions. Everything it computes for a set depends on that set alone. One object,
 /// one thread.
 class RegionBuilder {
@@ -51,10 +58,9 @@ class RegionBuilder {
 
   BuildStatus build(const ActiveSet& active, RegionData& region);
 
-  /// Active sets that can be optimal across `facet` of the region of `active`. The region must be the last
-  /// one built. `degenerate` tells that more than one candidate exists, or that rows coincide in the facet.
-  void neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets,
-                  bool& degenerate);
+  /// Active sets that can be optimal across `facet` of the region of `active`, which must be the last one
+  /// built.
+  Crossing neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets);
 
   /// Whether the region of `active` holds t within `tolerance`; false where the rows are dependent.
   bool holds(const ActiveSet& active, const double* t, double tolerance);
@@ -71,6 +77,8 @@ class RegionBuilder {
   bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
   std::vector<RowOrigin> coincident(const Facet& facet) const;
   void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
+  void combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
+               std::vector<ActiveSet>& sets) const;
   void enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets);
   BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
   BuildStatus addSlackRows(const ActiveSet& active, double scale);

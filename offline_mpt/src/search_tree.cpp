@@ -114,7 +114,9 @@ class TreeBuilder {
     tree_.depth = std::max(tree_.depth, depth);
     Members below, above;
     std::size_t plane = 0;
-    if (members.size() <= static_cast<std::size_t>(options_.leaf_regions) || !choose(members, plane, below, above)) return leaf(members);
+    if (members.size() <= static_cast<std::size_t>(options_.leaf_regions) ||
+        !choose(members, plane, below, above))
+      return leaf(members);
     Members().swap(members);
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
     tree_.nodes.push_back({static_cast<std::uint32_t>(plane), 0, 0});

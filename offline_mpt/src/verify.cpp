@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::uint64_t kBlock = 256;  // samples drawn from one generator, checked by one thread
 constexpr double kSameRange = 1e-12;   // relative, of the ranges of map and program
-constexpr double kOutputSlack = 1e-9;  // by which rows give way when u is fixed (objective mode)
 constexpr auto kProgressPeriod = std::chrono::milliseconds(100);
 
 void note(Finding& finding, double measure, const Eigen::VectorXd& theta) {
@@ -114,44 +113,78 @@ class Checker {
   void checkSample(const Eigen::VectorXd& theta, VerifyReport& report) {
     const Lookup lookup = map_.evaluate(theta.data(), u_.data());
     const bool inside = lookup.status == LookupStatus::kInside;
-    checkSearch(theta, lookup, report);
     if (inside) {
       ++report.inside;
       hit_[lookup.region] = 1;
       if (oracle_.strictlyConvex()) checkOverlap(theta, report);
     }
+    const bool search_differs = searchDiffers(theta, lookup);
     const OracleAnswer answer = oracle_.solve(theta);
     report.oracle_iterations = std::max(report.oracle_iterations, answer.iterations);
     switch (answer.verdict) {
       case OracleAnswer::Verdict::kFeasible:
         report.oracle_residual = std::max(report.oracle_residual, answer.residual);
-        if (inside) {
-          compare(theta, answer, report);
-        } else if (oracle_.isDeepInside(theta, options_.edge_tolerance)) {
-          note(report.missed, 0.0, theta);
-        } else {
-          ++report.borderline;
-        }
-        return;
+        if (inside) compare(theta, answer, report);
+        if (!inside || search_differs)
+          judgeByPlace(theta, inside ? report.tree_errors : report.missed, report);
+        break;
       case OracleAnswer::Verdict::kInfeasible:
         ++report.infeasible;
-        if (inside) judgeFalseInside(theta, report);
-        return;
+        if (inside || search_differs)
+          judgeByDistance(theta, inside ? report.false_inside : report.tree_errors, report);
+        break;
       case OracleAnswer::Verdict::kUnbounded:
         note(report.undecided, std::numeric_limits<double>::infinity(), theta);
-        return;
+        break;
       case OracleAnswer::Verdict::kUndecided:
-        note(report.undecided, answer.residual, theta);
+        judgeByPlace(theta, report.undecided, report);
+        break;
+    }
+  }
+
+  bool searchDiffers(const Eigen::VectorXd& theta, const Lookup& lookup) const {
+    const Lookup exhaustive = map_.locateExhaustively(theta.data());
+    const bool inside = lookup.status == LookupStatus::kInside;
+    return lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data()));
+  }
+
+  // At the edge of the feasible set map and program may differ.
+  void judgeByPlace(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
+    switch (oracle_.place(theta, options_.edge_tolerance)) {
+      case ProgramOracle::Place::kDeep:
+        note(finding, 0.0, theta);
+        return;
+      case ProgramOracle::Place::kEdge:
+        ++report.borderline;
+        return;
+      case ProgramOracle::Place::kUnknown:
+        note(report.undecided, 0.0, theta);
         return;
     }
   }
 
-  void checkSearch(const Eigen::VectorXd& theta, const Lookup& lookup, VerifyReport& report) {
-    const Lookup exhaustive = map_.locateExhaustively(theta.data());
-    const bool inside = lookup.status == LookupStatus::kInside;
-    if (lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data()))) {
-      note(report.tree_errors, 0.0, theta);
+  void judgeByDistance(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
+    const double distance = oracle_.distanceToFeasible(theta);
+    if (std::isnan(distance)) {
+      note(report.undecided, distance, theta);
+    } else if (distance > options_.edge_tolerance) {
+      note(finding, distance, theta);
+    } else {
+      ++report.borderline;
     }
+  }
+
+  // Without the map's tolerance: beside a face a steep law of the neighbour may differ by more.
+  bool holds(std::size_t index, const Eigen::VectorXd& theta) const {
+    const RegionView region = map_.region(index);
+    const Eigen::Index p = theta.size();
+    for (std::uint32_t i = 0; i < region.row_count; ++i) {
+      const std::int32_t row = region.rows[i];
+      const double* plane = map_.plane(static_cast<std::size_t>(std::abs(row)) - 1);
+      const double excess = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
+      if ((row > 0 ? excess : -excess) > 0.0) return false;
+    }
+    return true;
   }
 
   void checkOverlap(const Eigen::VectorXd& theta, VerifyReport& report) {
@@ -159,7 +192,7 @@ class Checker {
     const Eigen::Index p = theta.size();
     double worst = 0.0;
     for (std::size_t index = 0; index < map_.regionCount(); ++index) {
-      if (!map_.contains(index, theta.data())) continue;
+      if (!holds(index, theta)) continue;
       const double* law = map_.law(map_.region(index).law);
       for (Eigen::Index i = 0; i < u_.size(); ++i) {
         const double* row = law + i * (p + 1);
@@ -176,12 +209,14 @@ class Checker {
       error = (u_ - answer.u).cwiseAbs().maxCoeff();
       scale = std::max(1.0, answer.u.cwiseAbs().maxCoeff());
     } else {
-      error = std::abs(oracle_.objectiveWithOutput(theta, u_, kOutputSlack) - answer.objective);
+      // u may be off by the tolerance, so rows give way by as much; that can only lower the objective.
+      error = oracle_.objectiveWithOutput(theta, u_, options_.tolerance) - answer.objective;
       scale = std::max(1.0, std::abs(answer.objective));
       if (std::isnan(error)) {
         note(report.undecided, error, theta);
         return;
       }
+      error = std::max(0.0, error);
     }
     ++report.compared;
     report.max_error = std::max(report.max_error, error);
@@ -190,17 +225,6 @@ class Checker {
       report.max_error_theta = theta;
     }
     if (!(error <= options_.tolerance * scale)) note(report.errors, error / scale, theta);
-  }
-
-  void judgeFalseInside(const Eigen::VectorXd& theta, VerifyReport& report) {
-    const double distance = oracle_.distanceToFeasible(theta);
-    if (std::isnan(distance)) {
-      note(report.undecided, distance, theta);
-    } else if (distance > options_.edge_tolerance) {
-      note(report.false_inside, distance, theta);
-    } else {
-      ++report.borderline;
-    }
   }
 
   const RegionMap& map_;
