@@ -17,6 +17,8 @@ runTests() { runCtest "$@" || [ -f "build/.run/results/$1/ctest.xml" ]; }
 runRostests() {
   rm -rf build/catkin/build/test_results
   catkinBuild tests
+  solveAxes || return
+  export POLYFLY_MAPS=$root/build/demo/maps
   inWorkspace catkinBuild -j1 run_tests || true
   [ -d build/catkin/build/test_results ]
 }
@@ -43,6 +45,7 @@ testCommand() {
   requirePackages run
   buildAll all all
   own asan
+  own demo
   own tsan
   step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
   step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests

@@ -1,5 +1,6 @@
 #include "online_controller_ros/controller_node.hpp"
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <exception>
@@ -12,7 +13,8 @@ namespace polyfly_ros {
 namespace {
 
 constexpr std::array<const char*, 3> kMapKeys{"maps/longitudinal", "maps/lateral", "maps/vertical"};
-constexpr double kLogInterval = 1.0;  // between two warnings [s]
+constexpr std::uint32_t kCommandQueue = 10;  // a recorder over TCP may lag behind for a moment
+constexpr double kLogInterval = 1.0;         // between two warnings [s]
 
 using Clock = std::chrono::steady_clock;
 
@@ -56,7 +58,7 @@ ExplicitMpcNode::ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup)
 
 void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
   command_publisher_ =
-      handle.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", 1);
+      handle.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", kCommandQueue);
   status_publisher_ = handle.advertise<online_controller::ControllerStatus>("controller_status", 100);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   trajectory_subscriber_ =
@@ -69,6 +71,8 @@ void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
 
 void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   arrival_ = ros::Time::now();
+  // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
+  if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message->header.stamp);
   has_odometry_ = true;
   frame_ = message->header.frame_id;
   odometry_age_ = (arrival_ - message->header.stamp).toSec();
