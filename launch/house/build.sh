@@ -2,9 +2,9 @@
 # The two builds: plain CMake for the tools and the tests without ROS, catkin for everything.
 
 planBuild() {
-  plan configure 10
-  plan "$1" "$2"
-  plan catkin 120
+  plan configure 5
+  planBuilding "$1" "$2" release
+  planBuilding catkin 120 catkin/build
 }
 
 configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }

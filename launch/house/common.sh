@@ -58,16 +58,28 @@ jobs_at_once() {
 # Steps of the running command: plan them all first, then run them in the same order.
 step_names=()
 step_seconds=()
+step_keys=()
 step_index=0
 
-# plan NAME SECONDS: a step that will take about SECONDS on two cores; what it took here last time counts more.
+# plan NAME SECONDS [KEY]: a step that will take about SECONDS on two cores; what it took here last time counts
+# more. Times are remembered under KEY, so that building anew and bringing up to date do not mix.
 plan() {
-  local last=""
+  local last="" key=${3:-$1}
   if [ -f build/.run/times ]; then
-    last=$(awk -v name="$1" '$1 == name {seconds = $2} END {print seconds}' build/.run/times)
+    last=$(awk -v key="$key" '$1 == key {seconds = $2} END {print seconds}' build/.run/times)
   fi
   step_names+=("$1")
   step_seconds+=("${last:-$2}")
+  step_keys+=("$key")
+}
+
+# planBuilding NAME SECONDS FOLDER: a step that takes long only where build/FOLDER was not built before.
+planBuilding() {
+  if [ -f "build/$3/build.ninja" ]; then
+    plan "$1" 5 "$1-again"
+  else
+    plan "$1" "$2"
+  fi
 }
 
 # ownSecondsLeft NAME SPENT: of the running step, by ninja's count in its log, or else by what was planned.
@@ -127,7 +139,7 @@ step() {
     say "run: the step '$name' failed ($text); its whole output is in build/.run/log/$name.log" >&2
     return "$status"
   fi
-  echo "$name $((now - started))" >> build/.run/times
+  echo "${step_keys[step_index]} $((now - started))" >> build/.run/times
   step_index=$((step_index + 1))
 }
 

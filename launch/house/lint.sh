@@ -9,8 +9,8 @@ lintBuild() { configurePreset "$1" && buildPreset "$1" all; }
 lintCommand() {
   planInstall run lint
   plan format 5
-  plan clang 120
-  plan tidy 400
+  planBuilding clang 120 clang
+  planBuilding tidy 400 tidy
   requirePackages run lint
   own clang
   own tidy

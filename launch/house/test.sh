@@ -35,8 +35,8 @@ runCheck() {
 testCommand() {
   planInstall run
   planBuild all 150
-  plan asan_build 150
-  plan tsan_build 60
+  planBuilding asan_build 150 asan
+  planBuilding tsan_build 60 tsan
   plan tests 30
   plan asan_tests 60
   plan tsan_tests 30
