@@ -292,7 +292,7 @@ TEST(Condense, EqualsTheReferenceProblem) {
   if (!readable(path)) GTEST_SKIP() << "reference data are absent: " << path;
   const nlohmann::json reference = nlohmann::json::parse(fileText(path));
   const ParametricProgram program = loadProgram(problemFile("reference/lateral_asl.yaml"));
-  const auto expectNear = [&](const char* key, const MatrixXd& ours) {
+  const auto expect_near = [&](const char* key, const MatrixXd& ours) {
     const nlohmann::json& theirs = reference.at(key);
     ASSERT_EQ(static_cast<Eigen::Index>(theirs.size()), ours.rows()) << key;
     for (Eigen::Index row = 0; row < ours.rows(); ++row) {
@@ -303,12 +303,12 @@ TEST(Condense, EqualsTheReferenceProblem) {
       }
     }
   };
-  expectNear("H", program.H);
-  expectNear("f", program.f);
-  expectNear("F", program.F);
-  expectNear("A", program.A);
-  expectNear("b", program.b);
-  expectNear("S", program.S);
+  expect_near("H", program.H);
+  expect_near("f", program.f);
+  expect_near("F", program.F);
+  expect_near("A", program.A);
+  expect_near("b", program.b);
+  expect_near("S", program.S);
   for (std::size_t i = 0; i < program.parameters.size(); ++i) {
     EXPECT_EQ(program.parameters[i].upper, reference.at("box")[i].get<double>());
     EXPECT_EQ(program.parameters[i].lower, -reference.at("box")[i].get<double>());

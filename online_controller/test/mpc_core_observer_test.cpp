@@ -241,8 +241,8 @@ TEST(Observer, UpdateDoesNotAllocate) {
   observer.reset();
   EXPECT_EQ(allocationCount() - start, 0);
   start = allocationCount();
-  int* volatile counted = new int[100];  // volatile, lest a compiler leave it out
-  delete[] counted;
+  int* volatile counted = new int(1);  // volatile, lest a compiler leave it out
+  delete counted;
   EXPECT_GT(allocationCount() - start, 0);  // the counter counts
 }
 

@@ -230,7 +230,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"role: previous_input, of: a", "role: previous_input, of: p", "a_prev",
                             "parameters[2].of", "must name an input"},
                     BadCase{"of: v, unit: m/s", "of: v, unit: km/h", "km/h", "parameters[1].unit",
-                            "must be that of 'v', m/s"},
+                            "must be m/s as for 'v'"},
                     BadCase{"role: previous_input", "role: input_reference", "a_prev", "parameters[2].of",
                             "another parameter"},
                     BadCase{"role: previous_input", "role: input", "a_prev", "parameters[2].role",
@@ -340,14 +340,14 @@ TEST(Multirotor, FilesHaveTheSignalsThatTheControllerBinds) {
 }
 
 TEST(Multirotor, ModelsAreThoseOfTheNonlinearOneAtHover) {
-  constexpr double g = 9.8066;
+  constexpr double kGravity = 9.8066;
   const MpcProblem x = loadProblem(problemFile("multirotor_longitudinal.yaml"));
   const MpcProblem y = loadProblem(problemFile("multirotor_lateral.yaml"));
   const MpcProblem z = loadProblem(problemFile("multirotor_vertical.yaml"));
   // Eq. 37 with yaw 0 and thrust g: R e_z T = T (sin(theta) cos(phi), -sin(phi), cos(theta) cos(phi)).
   const double step = 1e-6;
-  EXPECT_NEAR(x.A_c(1, 2), g * std::sin(step) / step, 1e-9);
-  EXPECT_NEAR(y.A_c(1, 2), -g * std::sin(step) / step, 1e-9);
+  EXPECT_NEAR(x.A_c(1, 2), kGravity * std::sin(step) / step, 1e-9);
+  EXPECT_NEAR(y.A_c(1, 2), -kGravity * std::sin(step) / step, 1e-9);
   EXPECT_DOUBLE_EQ(x.A_c(1, 1), -0.01);
   EXPECT_DOUBLE_EQ(y.A_c(1, 1), -0.01);
   EXPECT_DOUBLE_EQ(x.A_c(2, 2), -1.0 / 0.255);
@@ -355,8 +355,8 @@ TEST(Multirotor, ModelsAreThoseOfTheNonlinearOneAtHover) {
   EXPECT_DOUBLE_EQ(x.B_c(2, 0), 0.9 / 0.255);
   EXPECT_DOUBLE_EQ(y.B_c(2, 0), 0.9 / 0.25);
   EXPECT_DOUBLE_EQ(z.B_c(1, 0), 1.0);
-  EXPECT_DOUBLE_EQ(z.inputs[0].lower + g, 5.0);
-  EXPECT_DOUBLE_EQ(z.inputs[0].upper + g, 20.0);
+  EXPECT_DOUBLE_EQ(z.inputs[0].lower + kGravity, 5.0);
+  EXPECT_DOUBLE_EQ(z.inputs[0].upper + kGravity, 20.0);
   EXPECT_NEAR(x.inputs[0].upper, 25.0 * M_PI / 180.0, 5e-8);
   EXPECT_NEAR(y.inputs[0].lower, -25.0 * M_PI / 180.0, 5e-8);
 }

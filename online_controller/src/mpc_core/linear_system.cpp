@@ -53,11 +53,11 @@ Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   bool converged = false;
   for (int k = 0; k < kMaxDoublings && !converged; ++k) {
     const Eigen::PartialPivLU<Eigen::MatrixXd> W(identity + G_k * P);
-    const Eigen::MatrixXd W_A = W.solve(A_k);
-    const Eigen::MatrixXd W_G = W.solve(G_k);
-    const Eigen::MatrixXd change = A_k.transpose() * P * W_A;
-    const Eigen::MatrixXd G_change = A_k * W_G * A_k.transpose();
-    A_k = (A_k * W_A).eval();
+    const Eigen::MatrixXd solved_a = W.solve(A_k);
+    const Eigen::MatrixXd solved_g = W.solve(G_k);
+    const Eigen::MatrixXd change = A_k.transpose() * P * solved_a;
+    const Eigen::MatrixXd G_change = A_k * solved_g * A_k.transpose();
+    A_k = (A_k * solved_a).eval();
     G_k += 0.5 * (G_change + G_change.transpose());
     P += 0.5 * (change + change.transpose());
     if (!P.allFinite()) break;

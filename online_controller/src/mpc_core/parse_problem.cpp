@@ -97,7 +97,7 @@ double leastEigenvalue(const Eigen::MatrixXd& symmetric) {
 }
 
 Eigen::MatrixXd readSemidefinite(const YamlField& field, int size) {
-  const Eigen::MatrixXd weight = field.weight(size);
+  Eigen::MatrixXd weight = field.weight(size);
   if (leastEigenvalue(weight) < -kDefiniteTolerance * weight.cwiseAbs().maxCoeff()) {
     field.fail("must be positive semidefinite");
   }
@@ -155,7 +155,7 @@ void readParameters(const YamlField& parameters, MpcProblem* problem) {
     }
     const std::string& unit = signals[static_cast<std::size_t>(parameter.index)].unit;
     if (parameter.signal.unit != unit) {
-      field.at("unit").fail("must be that of '" + of + "', " + unit + ", got " + parameter.signal.unit);
+      field.at("unit").fail(std::string("must be ").append(unit).append(" as for '").append(of).append("'"));
     }
     field.at("range").range(&parameter.signal.lower, &parameter.signal.upper);
     problem->parameters.push_back(parameter);

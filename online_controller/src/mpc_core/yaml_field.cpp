@@ -134,7 +134,7 @@ std::string YamlField::text() const {
 }
 
 std::string YamlField::name() const {
-  const std::string value = text();
+  std::string value = text();
   const auto inner = [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); };
   const bool valid = std::all_of(value.begin(), value.end(), inner) &&
                      std::isdigit(static_cast<unsigned char>(value.front())) == 0;
@@ -146,7 +146,7 @@ std::string YamlField::name() const {
 }
 
 std::string YamlField::unit() const {
-  const std::string value = text();
+  std::string value = text();
   const auto printable = [](unsigned char c) { return c > ' ' && c < 127; };
   if (!std::all_of(value.begin(), value.end(), printable) || value.size() > kMaxNameLength) {
     fail("must be a unit in ASCII without spaces, such as m/s^2, got " + quoted(value));
