@@ -22,6 +22,7 @@ solveMap() {
 # solveAxes [PROBLEMS MAPS]: the three axes, from a folder of problem files into a folder of maps.
 solveAxes() {
   local axis problems=${1:-region_maps/problems} maps=${2:-build/demo/maps}
+  own demo
   mkdir -p "$maps"
   for axis in $map_axes; do
     solveMap "$problems/multirotor_$axis.yaml" "$maps/multirotor_$axis.map" || return
