@@ -90,6 +90,7 @@ std::size_t RegionMap::planeCount() const noexcept { return header_->sections[fo
 std::size_t RegionMap::nodeCount() const noexcept { return header_->sections[format::kNodes].count; }
 std::size_t RegionMap::leafCount() const noexcept { return header_->sections[format::kLeaves].count; }
 std::size_t RegionMap::bytes() const noexcept { return header_->file_size; }
+std::uint64_t RegionMap::checksum() const noexcept { return header_->checksum; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
   const MapContent::Region& region = tables_.regions[index];

@@ -76,6 +76,7 @@ class RegionMap {
   std::size_t nodeCount() const noexcept;
   std::size_t leafCount() const noexcept;
   std::size_t bytes() const noexcept;
+  std::uint64_t checksum() const noexcept;  ///< of the whole file, as its header has it
 
   RegionView region(std::size_t index) const noexcept;
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
