@@ -62,10 +62,19 @@ void writeTiles(const ValidationReport& report, std::ostream& out) {
   writeTile(std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
             "regions visited", true, out);
   writeTile(number(report.maxQpDifference(), 2), "greatest difference to the online QP", true, out);
-  writeTile(number(report.commands.max_difference, 2), "greatest difference to the recorded commands", true,
-            out);
+  const bool exact = report.commands.max_difference == 0.0 && report.commands.compared > 0;
+  writeTile(
+      exact ? "exact" : number(report.commands.max_difference, 2),
+      exact ? "replay: the recorded commands, bit for bit" : "greatest difference to the recorded commands",
+      true, out);
   writeTile(number(report.lookup_ns.p50) + " ns",
             "median look-up; 99 % below " + number(report.lookup_ns.p99) + " ns", true, out);
+  if (report.statuses.compared > 0) {
+    writeTile(number(report.statuses.step_ns.p50 / 1000.0, 2) + " µs",
+              "median control step in flight; 99 % below " + number(report.statuses.step_ns.p99 / 1000.0, 2) +
+                  " µs",
+              true, out);
+  }
   out << "</div>\n";
 }
 
@@ -219,8 +228,8 @@ std::string toHtml(const ReportContent& content) {
          "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Flight "
          "report</title><style>"
       << kReportStyle << "</style></head><body><main>\n<h1>Flight report</h1>\n<p class='source'>"
-      << escaped(report.source) << " · " << number(report.duration) << " s · " << report.samples
-      << " samples</p>\n";
+      << escaped(std::filesystem::path(report.source).filename().string()) << " · " << number(report.duration)
+      << " s · " << report.samples << " samples</p>\n";
   writeVerdict(content, out);
   writeTiles(report, out);
   const std::vector<ReportFigure> figures = reportFigures(content);

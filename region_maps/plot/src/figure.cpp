@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kLeastPixels = 100;
 constexpr int kMostPixels = 10000;
+constexpr double kPixelsPerPointSize = 6.0;
 constexpr double kMostTicks = 6.0;  // on an axis of known range
 
 // The least of 1, 2, 5, 10, 20, ... (and their tenths) that is not below `step`.
@@ -269,7 +270,7 @@ class ScriptWriter {
         out_ << "with steps";
         break;
       case Series::Style::kPoints:
-        out_ << "with points pt 7 ps 0.3";
+        out_ << "with points pt 7 ps " << series.width / kPixelsPerPointSize;
         break;
       case Series::Style::kBars:
         out_ << "with boxes fs solid 1.0 border lc rgb '#ffffff'";

@@ -124,7 +124,8 @@ Panel slicePanel(const RegionMap& map, const Slice& cut) {
   for (const SlicePolygon& polygon : cut.polygons) {
     outlines.polygons.push_back(polygon.corners);
   }
-  outlines.border = "#3b444d";
+  outlines.border = "#9aa5b0";
+  outlines.width = 0.8;
   panel.patches.push_back(std::move(outlines));
   return panel;
 }

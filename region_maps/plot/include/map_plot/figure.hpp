@@ -34,7 +34,7 @@ struct Series {
   std::vector<double> y;  ///< a NaN interrupts the line
   Style style = Style::kLine;
   std::string color = palette::kBlue;  ///< #rrggbb
-  double width = 1.8;                  ///< [px]
+  double width = 1.8;                  ///< of the line, or of a dot about [px]
 };
 
 /// A straight line across the panel: horizontal (a bound of y) or vertical (a mark on x).

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include "calibration/report.hpp"
+#include "map_plot/figure.hpp"
+
+namespace polyfly {
+
+// What the pictures of a report have in common.
+
+constexpr std::size_t kCurvePoints = 1200;  ///< of a curve that is drawn
+constexpr int kFigureWidth = 1040;          ///< [px]
+constexpr const char* kAxisColors[3] = {palette::kBlue, palette::kVermilion, palette::kGreen};
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  ///< a gap in a curve
+
+/// A curve over the samples, against seconds since the first; `value` gives kNothing where there is nothing
+/// to draw.
+template <class Value>
+Series overTime(const ReportContent& content, const std::string& label, const std::string& color,
+                Value value) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  const double start = content.samples.front().state.stamp;
+  for (const ReplaySample& sample : content.samples) {
+    series.x.push_back(sample.state.stamp - start);
+    series.y.push_back(value(sample));
+  }
+  return thinned(series, kCurvePoints);
+}
+
+/// A panel over time, empty.
+Panel timePanel(const std::string& title, const std::string& y_label);
+
+/// The range of values with a margin of a tenth on each side, at least `least_width` before.
+Panel::Range padded(double least, double greatest, double least_width);
+
+ReportFigure regionFigure(const ReportContent& content);
+ReportFigure sliceFigure(const ReportContent& content, std::size_t axis);
+ReportFigure agreementFigure(const ReportContent& content);
+ReportFigure latencyFigure(const ReportContent& content);
+
+}  // namespace polyfly
