@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "fixedwing_lateral/switch_gate.hpp"
+
+namespace polyfly {
+
+// Lateral-directional motion at constant altitude (Eq. 45, 47):
+//
+//   n'   = V cos psi + w_n        phi' = p
+//   e'   = V sin psi + w_e        p'   = b0 phi_r - a1 p - a0 phi
+//   psi' = g tan(phi) / V         x_sw' = alpha once the switch condition was met, else 0
+//
+// Everything here has a fixed size: nothing allocates, and only checkModel throws.
+
+/// Rows of the state.
+struct LateralIndex {
+  static constexpr int kNorth = 0;     ///< n [m]
+  static constexpr int kEast = 1;      ///< e [m]
+  static constexpr int kRoll = 2;      ///< phi [rad], |phi| < pi/2
+  static constexpr int kHeading = 3;   ///< psi, clockwise from north, not wrapped [rad]
+  static constexpr int kRollRate = 4;  ///< p [rad/s]
+  static constexpr int kSwitch = 5;    ///< x_sw [-]
+  static constexpr int kSize = 6;
+};
+
+using LateralState = Eigen::Matrix<double, LateralIndex::kSize, 1>;
+
+/// Derivatives of a state or of its rate.
+struct LateralJacobian {
+  Eigen::Matrix<double, LateralIndex::kSize, LateralIndex::kSize> state;  ///< by the state
+  Eigen::Matrix<double, LateralIndex::kSize, 1> input;                    ///< by the roll reference
+};
+
+/// Constant during a flight. The roll loop is that of the Techpod.
+struct LateralModel {
+  double a0 = 13.97;               ///< stiffness of the roll loop [1/s^2], > 0
+  double a1 = 6.577;               ///< damping of the roll loop [1/s], > 0
+  double b0 = 13.48;               ///< gain of the roll loop [1/s^2], > 0
+  double gravity = 9.81;           ///< g [m/s^2], > 0
+  double switch_rate = 1.0;        ///< alpha [1/s], > 0
+  double switch_threshold = 0.05;  ///< of x_sw; above it the switch has happened for good [-], > 0
+};
+
+/// The online data: constant over a horizon.
+struct LateralConditions {
+  double airspeed = 14.0;                          ///< V [m/s], must be positive
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< where the air moves to: (w_n, w_e) [m/s]
+  SwitchGate gate;                                 ///< at the end of the current segment
+};
+
+/// Throws polyfly::Error, beginning with `where`, if a number is out of its range.
+void checkModel(const LateralModel& model, const std::string& where);
+
+/// (n', e') [m/s].
+Eigen::Vector2d groundVelocity(const LateralConditions& conditions, double heading) noexcept;
+
+/// x_sw has passed the threshold: the state belongs to the next segment.
+bool hasSwitched(const LateralModel& model, const LateralState& state) noexcept;
+
+/// Eq. 45 and 47.
+LateralState lateralRate(const LateralModel& model, const LateralConditions& conditions,
+                         const LateralState& state, double roll_reference) noexcept;
+
+/// Derivatives of lateralRate. x_sw' is piecewise constant, so its row is zero.
+LateralJacobian lateralRateJacobian(const LateralModel& model, const LateralConditions& conditions,
+                                    const LateralState& state) noexcept;
+
+/// What one integration is over.
+struct LateralStep {
+  double roll_reference = 0.0;  ///< phi_r, held during the step [rad]
+  double duration = 0.1;        ///< [s]
+};
+
+/// One step of the classical Runge-Kutta method of fourth order.
+LateralState integrate(const LateralModel& model, const LateralConditions& conditions,
+                       const LateralState& state, const LateralStep& step) noexcept;
+
+/// The same step with its exact derivatives (of the discrete step, not of the flow). Where the step meets the
+/// switch condition x_sw jumps, and its derivative is that of either side.
+LateralState integrate(const LateralModel& model, const LateralConditions& conditions,
+                       const LateralState& state, const LateralStep& step,
+                       LateralJacobian& jacobian) noexcept;
+
+}  // namespace polyfly

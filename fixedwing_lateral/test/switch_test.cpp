@@ -1,0 +1,125 @@
+// The switch condition (Eq. 47): where it holds, where not, and what x_sw makes of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "fixedwing_lateral/model.hpp"
+#include "region_maps/error.hpp"
+
+namespace {
+
+using namespace polyfly;
+using Eigen::Vector2d;
+using Index = LateralIndex;
+
+const LineSegment kNorthward{{0.0, 0.0}, {200.0, 0.0}};
+
+SwitchGate gateOf(const PathSegment& segment) { return {segment, SwitchCriterion(), "test"}; }
+
+Vector2d course(double degrees) {
+  return 14.0 * Vector2d(std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0));
+}
+
+TEST(SwitchGate, NeedsTheAcceptanceRadiusAndTheCourse) {
+  const SwitchGate gate = gateOf(kNorthward);
+  EXPECT_FALSE(gate.isMet({164.9, 0.0}, course(0.0)));
+  EXPECT_TRUE(gate.isMet({165.1, 0.0}, course(0.0)));
+  EXPECT_TRUE(gate.isMet({200.0, 34.9}, course(0.0)));
+  EXPECT_FALSE(gate.isMet({200.0, 35.1}, course(0.0)));
+  EXPECT_TRUE(gate.isMet({220.0, 0.0}, course(0.0)));  // just past the end
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_TRUE(gate.isMet({190.0, 0.0}, course(side * 44.9)));
+    EXPECT_FALSE(gate.isMet({190.0, 0.0}, course(side * 45.1)));
+  }
+  EXPECT_FALSE(gate.isMet({190.0, 0.0}, course(180.0)));
+}
+
+TEST(SwitchGate, IsClosedWithoutACourseAndForNaN) {
+  const SwitchGate gate = gateOf(kNorthward);
+  EXPECT_FALSE(gate.isMet({190.0, 0.0}, Vector2d::Zero()));
+  EXPECT_FALSE(gate.isMet({190.0, 0.0}, {0.5 * kLeastGroundSpeed, 0.0}));
+  EXPECT_FALSE(gate.isMet({190.0, 0.0}, {std::nan(""), 0.0}));
+  EXPECT_FALSE(gate.isMet({std::nan(""), 0.0}, course(0.0)));
+}
+
+TEST(SwitchGate, NeverOpensOnALoiterOrByDefault) {
+  const SwitchGate loiter = gateOf(LoiterCircle{{0.0, 0.0}, 60.0, TurnDirection::kRight});
+  for (int degrees = 0; degrees < 360; degrees += 5) {
+    const double bearing = degrees * kPi / 180.0;
+    const Vector2d position = 60.0 * Vector2d(std::cos(bearing), std::sin(bearing));
+    EXPECT_FALSE(loiter.isMet(position, course(degrees + 90.0)));
+    EXPECT_FALSE(SwitchGate().isMet(position, course(degrees + 90.0)));
+  }
+}
+
+// An arc of 350 degrees begins 10 degrees, about 10 m, after its end, in nearly the same direction.
+TEST(SwitchGate, DoesNotSkipAnArcThatBeginsNearItsEnd) {
+  for (const TurnDirection direction : {TurnDirection::kLeft, TurnDirection::kRight}) {
+    const double turn = direction == TurnDirection::kRight ? 1.0 : -1.0;
+    const double sweep = 350.0;
+    const SwitchGate gate = gateOf(ArcSegment{{0.0, 0.0}, 60.0, direction, 0.0, sweep * kPi / 180.0});
+    int opened = 0;
+    for (int degrees = -4; degrees <= 354; ++degrees) {
+      const double bearing = turn * degrees * kPi / 180.0;
+      const Vector2d position = 60.0 * Vector2d(std::cos(bearing), std::sin(bearing));
+      const bool met = gate.isMet(position, course(turn * (degrees + 90.0)));
+      // The chord to the end is shorter than 35 m within 33.9 degrees of it.
+      EXPECT_EQ(met, degrees > sweep - 33.9) << degrees;
+      opened += met ? 1 : 0;
+    }
+    EXPECT_GT(opened, 30);
+  }
+}
+
+TEST(SwitchGate, RefusesACriterionOutOfRange) {
+  const auto refused = [](const SwitchCriterion& criterion, const std::string& field) {
+    try {
+      const SwitchGate gate(kNorthward, criterion, "mission");
+      ADD_FAILURE() << field << " was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find("mission: " + field + ": "), 0u) << error.what();
+    }
+  };
+  for (const double bad : {0.0, -35.0, std::nan(""), HUGE_VAL}) refused({bad, 0.5}, "acceptance_radius");
+  for (const double bad : {0.0, -0.5, kPi, std::nan("")}) refused({35.0, bad}, "course_tolerance");
+}
+
+// Through the horizon: x_sw waits, rises by alpha from the gate on, and goes on rising where the condition is
+// lost again, even though the aircraft has turned away.
+TEST(LateralSwitch, StateRisesForGoodOnceItHasSwitched) {
+  const LateralModel model;
+  LateralConditions conditions;
+  conditions.gate = gateOf(kNorthward);
+  LateralState state = LateralState::Zero();
+  state[Index::kNorth] = 120.0;
+  double met_at = -1.0;
+  for (int i = 0; i < 200; ++i) {
+    const double time = 0.1 * i;
+    const bool met = (state.head<2>() - Vector2d(200.0, 0.0)).norm() < 35.0;
+    if (met && met_at < 0.0) met_at = time;
+    if (met_at < 0.0) {
+      EXPECT_EQ(state[Index::kSwitch], 0.0);
+    } else {
+      // The step that entered the circle may have found it in its later stages.
+      EXPECT_GE(state[Index::kSwitch], time - met_at - 1e-9);
+      EXPECT_LE(state[Index::kSwitch], time - met_at + 0.1 + 1e-9);
+    }
+    state = integrate(model, conditions, state, {0.3, 0.1});
+  }
+  EXPECT_GT(met_at, 0.0);
+  EXPECT_FALSE(conditions.gate.isMet(state.head<2>(), groundVelocity(conditions, state[Index::kHeading])));
+  EXPECT_TRUE(hasSwitched(model, state));
+}
+
+TEST(LateralSwitch, NothingHappensBelowTheThresholdWithoutTheCondition) {
+  const LateralModel model;
+  const LateralConditions conditions;
+  LateralState state = LateralState::Zero();
+  state[Index::kSwitch] = model.switch_threshold;
+  EXPECT_EQ(integrate(model, conditions, state, {0.0, 0.1})[Index::kSwitch], model.switch_threshold);
+  state[Index::kSwitch] = 1.01 * model.switch_threshold;
+  EXPECT_NEAR(integrate(model, conditions, state, {0.0, 0.1})[Index::kSwitch], 1.01 * 0.05 + 0.1, 1e-12);
+}
+
+}  // namespace
