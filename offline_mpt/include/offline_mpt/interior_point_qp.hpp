@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <vector>
 
@@ -33,8 +34,10 @@ struct InteriorPointSolution {
 /// parametric solver and shares no code with it.
 ///
 /// Equalities are eliminated through an orthonormal basis of their null space, so they may be
-/// dependent. `residual` is the greatest of: stationarity, negative multipliers and complementarity, each
-/// divided by max(1, |g|, |H|), and violated rows divided by max(1, |b_i|) after scaling to unit normals.
+/// dependent. `residual` is the greatest of: stationarity and negative multipliers, divided by max(1, |g|,
+/// |H|); violated rows, scaled to unit normals and divided by max(1, |b_i|); and, per row, the smaller of
+/// multiplier and slack so scaled. (Their product would call a multiplier and a slack of 1e-6 each accurate
+/// to 1e-12.)
 class InteriorPointQp {
  public:
   /// H n x n symmetric positive semidefinite, A m x n.
@@ -54,6 +57,7 @@ class InteriorPointQp {
   double stepLength() const;
   bool provesInfeasible();
   bool provesUnbounded();
+  void setCertificate();
   void polish();
   bool correct(const std::vector<int>& active);
   double reducedResidual() const;
@@ -79,11 +83,15 @@ class InteriorPointQp {
   Eigen::VectorXd y_, s_, l_;
   Eigen::VectorXd r_dual_, r_primal_, dy_, ds_, dl_;
   double mu_ = 0.0;
+  bool careful_ = false;  // second attempt: slower and more accurate linear algebra
 
   // Work space.
   Eigen::MatrixXd normal_, scaled_rows_;
   Eigen::VectorXd weight_, rhs_, target_, row_work_, y_work_, best_y_, best_l_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd newton_;
+  Eigen::VectorXd row_scale_, newton_step_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> newton_factor_;
   InteriorPointSolution solution_;
 };
 

@@ -37,9 +37,15 @@ class ProgramOracle {
   /// decided.
   double distanceToFeasible(const Eigen::VectorXd& theta);
 
-  /// Whether theta moved by `depth` half-ranges along each axis, both ways, stays feasible (moves that leave
-  /// the box are left out). False in doubt.
-  bool isDeepInside(const Eigen::VectorXd& theta, double depth);
+  enum class Place {
+    kDeep,     ///< all these are feasible
+    kEdge,     ///< one is infeasible
+    kUnknown,  ///< none is infeasible, but one could not be decided
+  };
+
+  /// Looks at theta moved by `depth` half-ranges along each axis, both ways; moves that leave the box are
+  /// left out.
+  Place place(const Eigen::VectorXd& theta, double depth);
 
   /// Least objective among the z that give the output u, with rows relaxed by `slack` (unit normals).
   /// Infinite when there is none, NaN when it could not be decided.
