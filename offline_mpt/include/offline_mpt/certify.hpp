@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mpc_core/parametric_program.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+struct CertifyOptions {
+  int threads = 1;                ///< 1..256; the report and the certificate do not depend on it
+  double law_tolerance = 1e-8;    ///< greatest difference of u in the box between the map's law and the exact
+                                  ///< one, relative to max(1, |u|)
+  double plane_tolerance = 5e-9;  ///< greatest difference of a plane's distance in the box [scaled]
+  const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
+  /// Called now and then from the calling thread.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+};
+
+/// Something that the map gets wrong.
+struct Defect {
+  enum class Kind : std::uint8_t {
+    kActiveSet,  ///< the set names no row, or repeats one; its rows are dependent; or it does not fit the
+                 ///< equalities
+    kRepeated,   ///< another region has the same active set
+    kFlat,       ///< the region has no interior
+    kPlane,      ///< a plane of the region bounds nothing: no condition of optimality is near it
+    kUnlisted,   ///< a condition of optimality fails at `witness`, which the region claims
+    kLaw,        ///< u is wrong by `size`
+    kGap,  ///< behind a facet there is a feasible parameter that no region holds: `witness`, if one was found
+  };
+  Kind kind = Kind::kActiveSet;
+  std::uint32_t region = 0;
+  int row = -1;              ///< of the region, in map order; -1: the region as a whole
+  double size = 0.0;         ///< kLaw, kPlane: the difference; kFlat: about the radius [scaled]
+  Eigen::VectorXd witness;   ///< parameter, empty if there is none
+  std::vector<int> missing;  ///< kGap: an active set that should be in the map; may be empty even so
+  std::string text;          ///< a sentence
+};
+
+const char* toString(Defect::Kind kind);
+
+/// What the exact verification found. `certificate` is the text of a certificate file (CERTIFICATE.md), empty
+/// where there are defects.
+struct CertifyReport {
+  std::uint64_t regions = 0;
+  std::uint64_t facets = 0;
+  std::uint64_t domain_facets = 0;   ///< at the edge of the box or of A_theta theta <= b_theta
+  std::uint64_t edge_facets = 0;     ///< beyond, the program is infeasible
+  std::uint64_t matched_facets = 0;  ///< shared whole with one other region
+  std::uint64_t covered_facets = 0;  ///< shared piecewise with several
+  std::uint64_t rows = 0;            ///< optimality conditions of all regions
+  std::uint64_t implied_rows = 0;    ///< of them proven to follow from the listed ones and the box
+  double law_error = 0.0;            ///< greatest, relative as law_tolerance
+  double plane_error = 0.0;          ///< greatest [scaled]
+  double regularisation = 0.0;       ///< added to the diagonal of a singular H, as the solver does
+  bool linear = false;
+  std::vector<int>
+      implied_equalities;         ///< inequalities that hold with equality wherever the program is feasible
+  std::vector<int> dropped_rows;  ///< rows that repeat others up to rounding; proven within 2^-30 of theirs
+  std::vector<Defect> defects;    ///< by region, then row
+  bool interrupted = false;
+  std::string certificate;
+
+  bool passed() const { return defects.empty() && !interrupted && regions > 0; }
+};
+
+/// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
+/// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
+/// same signals, or the program as a whole is infeasible, indefinite or has no interior.
+CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
+                      const CertifyOptions& options = {});
+
+std::string certifyText(const CertifyReport& report);  ///< for people, several lines
+std::string certifyJson(const CertifyReport& report);
+
+/// Writes the certificate beside `path` and renames it. Throws Error, also when there is none.
+void writeCertificate(const CertifyReport& report, const std::string& path);
+
+}  // namespace polyfly

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "exact_certificate.hpp"
+#include "exact_closing.hpp"
+#include "offline_mpt/certify.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr auto kProgressInterval = std::chrono::milliseconds(200);
+
+/// Calls work(0..count) from several threads; the calling one reports and watches the stop flag. False when
+/// stopped. An exception in one of them is thrown again here.
+template <typename Work>
+bool inParallel(std::uint64_t count, std::uint64_t done_before, std::uint64_t total,
+                const CertifyOptions& options, Work work) {
+  std::atomic<std::uint64_t> next{0}, done{0};
+  std::atomic<bool> stopped{false};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  std::condition_variable finished;
+  int running = std::clamp(options.threads, 1, 256);
+  const auto run = [&] {
+    try {
+      while (!stopped) {
+        const std::uint64_t i = next++;
+        if (i >= count) break;
+        work(static_cast<std::uint32_t>(i));
+        ++done;
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!failure) failure = std::current_exception();
+      stopped = true;
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    --running;
+    finished.notify_all();
+  };
+  std::vector<std::thread> threads;
+  for (int k = running; k > 0; --k) threads.emplace_back(run);
+  {
+    std::unique_lock<std::mutex> lock(mutex);
+    while (running > 0) {
+      finished.wait_for(lock, kProgressInterval);
+      if (options.stop != nullptr && options.stop->load()) stopped = true;
+      if (options.progress) options.progress(done_before + done, total);
+    }
+  }
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  return done == count;
+}
+
+void requireSameSignals(const RegionMap& map, const ParametricProgram& program) {
+  const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
+      return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;
+    });
+  };
+  if (!same(map.parameters(), program.parameters) || !same(map.inputs(), program.inputs))
+    throw Error(map.path() + ": parameters or inputs are not those of the problem " + program.name);
+}
+
+/// Rows that no region of the map counts as active.
+std::vector<char> rowsNeverActive(const RegionMap& map, int rows) {
+  std::vector<char> result(static_cast<std::size_t>(rows), 1);
+  for (std::size_t r = 0; r < map.regionCount(); ++r) {
+    const RegionView region = map.region(r);
+    for (std::uint32_t k = 0; k < region.active_count; ++k) {
+      if (region.active[k] >= 0 && region.active[k] < rows)
+        result[static_cast<std::size_t>(region.active[k])] = 0;
+    }
+  }
+  return result;
+}
+
+struct Closed {
+  std::string text;
+  std::vector<Defect> defects;
+  std::uint64_t counts[5] = {};  // by Closing
+};
+
+Closed closeRegion(const FacetClosing& closing, const std::vector<RegionSurvey>& surveys,
+                   std::uint32_t region) {
+  Closed closed;
+  const RegionSurvey& survey = surveys[region];
+  if (!survey.described) return closed;
+  if (closing.find(survey.active) != static_cast<int>(region)) {
+    Defect defect;
+    defect.kind = Defect::Kind::kRepeated;
+    defect.region = region;
+    defect.text = "region " + std::to_string(region) + ": has the active set of region " +
+                  std::to_string(closing.find(survey.active));
+    closed.defects.push_back(std::move(defect));
+    return closed;
+  }
+  if (survey.point.empty()) return closed;
+  for (std::uint32_t row = 0; row < survey.facets.size(); ++row)
+    ++closed.counts[static_cast<std::size_t>(closing.close(region, row, closed.text, closed.defects))];
+  return closed;
+}
+
+void add(CertifyReport& report, const RegionSurvey& survey, const Closed& closed) {
+  report.rows += survey.rows;
+  report.implied_rows += survey.implied;
+  report.facets += survey.facets.size();
+  report.law_error = std::max(report.law_error, survey.law_error);
+  report.plane_error = std::max(report.plane_error, survey.plane_error);
+  report.domain_facets += closed.counts[static_cast<std::size_t>(Closing::kDomain)];
+  report.edge_facets += closed.counts[static_cast<std::size_t>(Closing::kEdge)];
+  report.matched_facets += closed.counts[static_cast<std::size_t>(Closing::kMatched)];
+  report.covered_facets += closed.counts[static_cast<std::size_t>(Closing::kCovered)];
+  report.defects.insert(report.defects.end(), survey.defects.begin(), survey.defects.end());
+  report.defects.insert(report.defects.end(), closed.defects.begin(), closed.defects.end());
+}
+
+void describeAdjustment(const ParametricProgram& source, const ExactProgram& program,
+                        const Adjustment& adjustment, CertifyReport& report) {
+  report.regularisation = adjustment.regularisation;
+  report.linear = program.linear;
+  report.dropped_rows = adjustment.dropped;
+  for (const ZeroCombination& proof : adjustment.implied) {
+    for (const auto& [row, weight] : proof) {
+      const bool given =
+          std::find(source.equalities.begin(), source.equalities.end(), row) != source.equalities.end();
+      if (!given) report.implied_equalities.push_back(row);
+    }
+  }
+}
+
+}  // namespace
+
+CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
+  checkProgram(program);
+  requireSameSignals(map, program);
+  const Adjustment adjustment = adjust(program, rowsNeverActive(map, program.rowCount()));
+  const ExactProgram exact(program, adjustment);
+  CertifyReport report;
+  report.regions = map.regionCount();
+  describeAdjustment(program, exact, adjustment, report);
+  const SurveyContext context{map, program, exact, options};
+  const std::uint64_t count = map.regionCount();
+  std::vector<RegionSurvey> surveys(count);
+  std::vector<Closed> closed(count);
+  bool finished = inParallel(count, 0, 2 * count, options,
+                             [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
+  if (finished) {
+    const FacetClosing closing(context, surveys);
+    finished = inParallel(count, count, 2 * count, options,
+                          [&](std::uint32_t r) { closed[r] = closeRegion(closing, surveys, r); });
+  }
+  report.interrupted = !finished;
+  for (std::uint64_t r = 0; r < count; ++r) add(report, surveys[r], closed[r]);
+  if (!report.passed()) return report;
+  report.certificate = certificateHead(map, program, adjustment, options);
+  for (std::uint64_t r = 0; r < count; ++r) {
+    report.certificate += "R " + std::to_string(r) + "\n" + surveys[r].text + closed[r].text;
+    surveys[r].text.clear();
+  }
+  report.certificate += certificateEnd(report.certificate);
+  return report;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,220 @@
+#include "exact_closing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "exact_cover.hpp"
+#include "offline_mpt/exact_lp.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kTouches = 1e-6;  // difference of unit planes below which regions may share a facet
+constexpr int kWitnessBits = 24;   // a witness is searched 2^-24 behind a facet, then nearer
+constexpr int kWitnessTries = 30;
+
+bool onePlane(const std::vector<double>& a, const std::vector<double>& b, int sign) {
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    if (std::abs(a[j] - sign * b[j]) > kTouches) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin) {
+  if (origin.kind == ExactOrigin::Kind::kMultiplier) {
+    active.erase(std::remove(active.begin(), active.end(), origin.index), active.end());
+  } else {
+    active.insert(std::upper_bound(active.begin(), active.end(), origin.index), origin.index);
+  }
+  return active;
+}
+
+FacetClosing::FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys)
+    : context_(context), surveys_(surveys), users_(context.map.planeCount()) {
+  for (std::uint32_t r = 0; r < surveys.size(); ++r) {
+    if (surveys[r].described) by_active_set_.emplace(surveys[r].active, r);
+    const RegionView view = context.map.region(r);
+    for (std::uint32_t f = 0; f < view.row_count; ++f) {
+      const int number = static_cast<int>(r) + 1;
+      users_[static_cast<std::size_t>(std::abs(view.rows[f])) - 1].push_back(view.rows[f] > 0 ? number
+                                                                                              : -number);
+    }
+  }
+  const int p = context.program.p;
+  for (std::size_t k = 0; k < context.map.planeCount(); ++k) {
+    const double* plane = context.map.plane(k);
+    std::vector<double> unit;
+    double constant = plane[p];
+    for (int j = 0; j < p; ++j) {
+      unit.push_back(plane[j] * context.program.half[j].get_d());
+      constant -= plane[j] * context.program.centre[j].get_d();
+    }
+    unit.push_back(constant);
+    planes_.push_back(std::move(unit));
+  }
+}
+
+int FacetClosing::find(const std::vector<int>& active) const {
+  const auto at = by_active_set_.find(active);
+  return at == by_active_set_.end() ? -1 : static_cast<int>(at->second);
+}
+
+std::vector<ExactRow> FacetClosing::listedRows(std::uint32_t region, ExactRegion& exact) const {
+  describeExactly(context_.program, surveys_[region].active, exact);
+  double error = 0.0;
+  int worst = -1;
+  return matchRows(context_, context_.map.region(region), exact, error, worst);
+}
+
+// Beyond the facet no z exists: rows that are tight on it add up to 0 z <= something that is negative there.
+bool FacetClosing::proveEdge(const ExactRegion& exact, const std::vector<ExactOrigin>& origins,
+                             std::string& text) const {
+  const ExactProgram& program = context_.program;
+  std::vector<int> rows = program.basis;
+  const std::size_t free_count = rows.size();
+  rows.insert(rows.end(), exact.active.begin(), exact.active.end());
+  const std::size_t first = rows.size();
+  for (const ExactOrigin& origin : origins) {
+    if (origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(origin.index);
+  }
+  if (rows.size() == first) return false;
+  ExactLp lp;
+  lp.addColumns(static_cast<int>(rows.size()));
+  lp.addRows(program.n + 1);
+  for (int i = 0; i <= program.n; ++i) lp.setRowBounds(i, ExactLp::Bound::kFixed, i == program.n ? 1 : 0, 0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int column = static_cast<int>(k);
+    if (k < free_count) lp.setColumnBounds(column, ExactLp::Bound::kFree, 0, 0);
+    for (int i = 0; i < program.n; ++i) {
+      if (program.A(rows[k], i) != 0) lp.setCoefficient(i, column, Rational(program.A(rows[k], i)));
+    }
+    if (k >= first) lp.setCoefficient(program.n, column, 1);
+  }
+  if (lp.solve() != ExactLp::Status::kOptimal) return false;
+  // In terms of the program's own rows, without fractions.
+  std::vector<Rational> weights;
+  Integer denominator(1), divisor(0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Rational weight = lp.primal(static_cast<int>(k));
+    const long exponent = program.row_exponent[rows[k]];
+    if (exponent >= 0) {
+      weight *= Rational(Integer(1) << static_cast<unsigned long>(exponent));
+    } else {
+      weight /= Rational(Integer(1) << static_cast<unsigned long>(-exponent));
+    }
+    denominator = lcm(denominator, weight.get_den());
+    weights.push_back(weight);
+  }
+  for (Rational& weight : weights) {
+    weight *= denominator;
+    divisor = gcd(divisor, weight.get_num());
+  }
+  std::size_t count = 0;
+  std::string entries;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (weights[k] == 0) continue;
+    ++count;
+    entries += " " + std::to_string(rows[k]) + " " + Integer(weights[k].get_num() / divisor).get_str(16);
+  }
+  text += " edge " + std::to_string(count) + entries;
+  return true;
+}
+
+std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const ExactRow& plane) const {
+  std::vector<std::uint32_t> found;
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    for (const int sign : {1, -1}) {
+      if (!onePlane(planes_[k], plane.unit, sign)) continue;
+      for (const std::int32_t user : users_[k]) {  // those on the other side
+        const auto other = static_cast<std::uint32_t>(std::abs(user) - 1);
+        if (other != region && (user > 0) != (sign > 0)) found.push_back(other);
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  std::vector<CoverCandidate> candidates;
+  for (const std::uint32_t other : found) {
+    const RegionSurvey& survey = surveys_[other];
+    if (!survey.described || survey.point.empty() || valueAt(plane, survey.point) >= 0) continue;
+    ExactRegion exact;
+    candidates.push_back({other, listedRows(other, exact)});
+  }
+  return candidates;
+}
+
+Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
+                                   const std::vector<ExactRow>& listed, std::string& text,
+                                   std::vector<Defect>& defects) const {
+  const ExactRow& plane = listed[row];
+  const std::vector<CoverCandidate> candidates = behind(region, plane);
+  FacetCover cover(plane, candidates);
+  std::string proof;
+  if (cover.cover(listed, proof)) {
+    text += " cover" + proof;
+    return Closing::kCovered;
+  }
+  Defect defect;
+  defect.kind = Defect::Kind::kGap;
+  defect.region = region;
+  defect.row = static_cast<int>(row);
+  const ExactProgram& program = context_.program;
+  for (int k = 0; k < kWitnessTries && defect.witness.size() == 0; ++k) {
+    std::vector<Rational> t = cover.uncovered();
+    for (int j = 0; j < program.p; ++j)
+      t[j] += Rational(std::ldexp(plane.unit[static_cast<std::size_t>(j)], -kWitnessBits - k));
+    if (strictlyInside(t, {}, nullptr)) defect.witness = toTheta(program, t);
+  }
+  defect.text = "region " + std::to_string(region) + ", row " + std::to_string(row) +
+                ": no region of the map lies behind a part of this facet";
+  defects.push_back(std::move(defect));
+  return Closing::kOpen;
+}
+
+Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string& text,
+                            std::vector<Defect>& defects) const {
+  const RegionSurvey& survey = surveys_[region];
+  const SurveyedFacet& facet = survey.facets[row];
+  std::vector<ExactOrigin> origins{facet.origin};
+  origins.insert(origins.end(), facet.same.begin(), facet.same.end());
+  std::string line = "F " + std::to_string(row) + " " + originText(facet.origin);
+  for (const ExactOrigin& origin : origins) {
+    if (origin.kind != ExactOrigin::Kind::kDomain && origin.kind != ExactOrigin::Kind::kBox) continue;
+    text += line + " domain " + originText(origin) + "\n";
+    return Closing::kDomain;
+  }
+  for (const ExactOrigin& origin : origins) {
+    if (origin.kind == ExactOrigin::Kind::kPrice) continue;
+    const int other = find(changedSet(survey.active, origin));
+    if (other < 0 || surveys_[static_cast<std::size_t>(other)].point.empty()) continue;
+    text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";
+    return Closing::kMatched;
+  }
+  ExactRegion exact;
+  const std::vector<ExactRow> listed = listedRows(region, exact);
+  Closing closing = Closing::kEdge;
+  if (!proveEdge(exact, origins, line)) closing = closeByCover(region, row, listed, line, defects);
+  if (closing != Closing::kOpen) {
+    text += line + "\n";
+    return closing;
+  }
+  Defect& defect = defects.back();
+  for (const ExactOrigin& origin : origins) {
+    if (origin.kind == ExactOrigin::Kind::kPrice) continue;
+    const std::vector<int> candidate = changedSet(survey.active, origin);
+    ExactRegion beyond;
+    if (describeExactly(context_.program, candidate, beyond) != ExactStatus::kRegion) continue;
+    std::vector<const ExactRow*> rows;
+    for (const ExactRow& condition : beyond.rows) rows.push_back(&condition);
+    const Interior interior = findInterior(rows, nullptr, context_.program.p);
+    if (!interior.exists) continue;
+    defect.missing = candidate;
+    defect.witness = toTheta(context_.program, interior.point);
+    break;
+  }
+  return closing;
+}
+
+}  // namespace polyfly

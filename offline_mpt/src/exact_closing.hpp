@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "exact_cover.hpp"
+#include "exact_survey.hpp"
+
+namespace polyfly {
+
+/// How a facet was closed.
+enum class Closing : std::uint8_t { kDomain, kEdge, kMatched, kCovered, kOpen };
+
+/// Decides for each facet of each region what lies behind it. Read-only after construction.
+class FacetClosing {
+ public:
+  FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys);
+
+  /// Appends the facet's line of the certificate to `text`, or a defect to `defects`.
+  Closing close(std::uint32_t region, std::uint32_t row, std::string& text,
+                std::vector<Defect>& defects) const;
+
+  /// Region with this active set, -1 if there is none.
+  int find(const std::vector<int>& active) const;
+
+ private:
+  std::vector<ExactRow> listedRows(std::uint32_t region, ExactRegion& exact) const;
+  bool proveEdge(const ExactRegion& exact, const std::vector<ExactOrigin>& origins, std::string& text) const;
+  std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane) const;
+  Closing closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
+                       std::string& text, std::vector<Defect>& defects) const;
+
+  const SurveyContext& context_;
+  const std::vector<RegionSurvey>& surveys_;
+  std::map<std::vector<int>, std::uint32_t> by_active_set_;
+  std::vector<std::vector<double>> planes_;       // of the map, unit in t, as they are
+  std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated
+};
+
+/// The active set across a facet of this origin, if one row changes.
+std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin);
+
+}  // namespace polyfly

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "exact_proof.hpp"
+
+namespace polyfly {
+
+/// A region that may lie behind a facet.
+struct CoverCandidate {
+  std::uint32_t region = 0;
+  std::vector<ExactRow> rows;  ///< as the map lists them, in map order
+};
+
+/// Whether `row` is zero on all of the plane.
+bool vanishesOn(const ExactRow& row, const ExactRow& plane);
+
+/// Proves that candidates cover a facet, by cutting off what lies outside of the first, and covering that
+/// with the others.
+class FacetCover {
+ public:
+  /// `plane` is the facet's row; all must outlive the object.
+  FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates);
+
+  /// `rows` of the region that the facet belongs to. The proof's text is appended to `text`. False:
+  /// uncovered() lies in the facet, and in no candidate.
+  bool cover(const std::vector<ExactRow>& rows, std::string& text);
+
+  const std::vector<Rational>& uncovered() const { return uncovered_; }
+
+ private:
+  using Cell = std::vector<const ExactRow*>;
+
+  bool coverCell(Cell cell, std::size_t first, std::string& text);
+  bool overlaps(const Cell& cell, const CoverCandidate& candidate) const;
+
+  const ExactRow& plane_;
+  const std::vector<CoverCandidate>& candidates_;
+  int p_;
+  std::deque<ExactRow> negated_;
+  std::vector<Rational> uncovered_;
+};
+
+/// A proof as text: number of weights, then place and weight of each.
+void appendWeights(const ExactProof& proof, std::string& text);
+
+}  // namespace polyfly

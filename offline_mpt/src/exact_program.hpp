@@ -1,0 +1,65 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "exact_matrix.hpp"
+#include "mpc_core/parametric_program.hpp"
+
+namespace polyfly {
+
+/// Numbers that prove rows to hold with equality wherever the program is feasible: the sum of weight times
+/// row, in z, b and S alike, is zero, and the weights of inequalities are positive.
+using ZeroCombination = std::vector<std::pair<int, Integer>>;
+
+/// What is certified in place of the program as it was given; nothing, where all fields are empty.
+struct Adjustment {
+  double regularisation = 0.0;  ///< added to the diagonal of H
+  double penalty = 0.0;         ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
+  std::vector<int> dropped;     ///< inequalities that repeat others up to rounding
+  std::vector<int> basis;       ///< rows taken as equalities: independent, and all others follow from them
+  std::vector<ZeroCombination> implied;  ///< why inequalities are among them
+};
+
+/// A ParametricProgram in whole numbers. Its doubles are taken at their exact values; parameters are
+/// theta = centre + half .* t, with t in [-1, 1]^p; an affine function of t is p + 1 numbers, constant last.
+///
+///     H z + cost (t, 1) + A' lambda = 0,   A z + slack = bound (t, 1)
+///
+/// in z and t multiplied by 2^shift, each row by a power of two of its own, H and cost by another: signs are
+/// those of the program.
+struct ExactProgram {
+  ExactProgram(const ParametricProgram& program, const Adjustment& adjustment);
+
+  int n = 0;
+  int m = 0;
+  int p = 0;
+  int q = 0;
+  bool linear = false;  ///< H = 0; `H` is then the identity: of several optima the shortest
+  long shift = 0;
+  std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
+  std::vector<Rational> centre;
+  std::vector<Rational> half;
+  IntegerMatrix H;
+  IntegerMatrix cost;             ///< n x (p + 1)
+  IntegerMatrix A;                ///< m x n
+  IntegerMatrix bound;            ///< m x (p + 1)
+  IntegerMatrix domain;           ///< rows >= 0 from A_theta
+  std::vector<Rational> E;        ///< q x n, u = E z + offset (t, 1), z not shifted
+  std::vector<Rational> offset;   ///< q x (p + 1)
+  std::vector<int> basis;         ///< Adjustment::basis
+  std::vector<char> in_basis;     ///< m
+  std::vector<char> is_equality;  ///< m, of the program
+  std::vector<char> is_dropped;   ///< m
+  std::vector<Integer> row_size;  ///< m, greatest |entry| of the row of A
+};
+
+/// How far below zero a dropped row's slack may be, relative to the row's greatest entry: 2^-kDroppedBits.
+constexpr int kDroppedBits = 30;
+
+/// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
+/// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z
+/// free.
+Adjustment adjust(const ParametricProgram& program, const std::vector<char>& may_drop);
+
+}  // namespace polyfly

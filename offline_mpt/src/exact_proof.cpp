@@ -1,0 +1,314 @@
+#include "exact_proof.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "offline_mpt/exact_lp.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kShortBits = 24;  // of the weights of a first try: short ones keep the certificate small
+constexpr int kLongBits = 60;
+constexpr double kPositive = 1e-10;  // radius from which on a rounded centre is taken for one
+constexpr double kNear = 1e-9;       // difference of unit rows that may be the same plane
+
+using Rows = std::vector<const ExactRow*>;
+
+std::size_t mostBits(const Rows& rows, const ExactRow* other) {
+  std::size_t bits = other != nullptr ? other->bits : 0;
+  for (const ExactRow* row : rows) bits = std::max(bits, row->bits);
+  return bits;
+}
+
+/// sum -= weight * (row << shift)
+void subtract(std::vector<Integer>& sum, const Integer& weight, const ExactRow& row, std::size_t shift) {
+  const Integer factor = weight << static_cast<unsigned long>(shift);
+  for (std::size_t j = 0; j < sum.size(); ++j)
+    mpz_submul(sum[j].get_mpz_t(), factor.get_mpz_t(), row.value[j].get_mpz_t());
+}
+
+/// Least value in the box.
+Integer least(const std::vector<Integer>& affine) {
+  Integer value = affine.back();
+  for (std::size_t j = 0; j + 1 < affine.size(); ++j) value -= abs(affine[j]);
+  return value;
+}
+
+/// value * 2^exponent without its fraction.
+Integer toInteger(double value, int exponent) {
+  Integer result;
+  mpz_set_d(result.get_mpz_t(), std::ldexp(value, exponent));
+  return result;
+}
+
+/// Rounds floating-point weights, given for rows of unit length, to whole ones. With `bits` in the greatest.
+ExactProof roundWeights(const std::vector<std::pair<int, double>>& weights, const Rows& rows,
+                        double target_length, int bits) {
+  double greatest = 0.0;
+  std::vector<std::pair<int, double>> scaled;
+  for (const auto& [row, weight] : weights) {
+    if (row >= static_cast<int>(rows.size())) continue;
+    scaled.emplace_back(row, weight * target_length / rows[static_cast<std::size_t>(row)]->length);
+    greatest = std::max(greatest, scaled.back().second);
+  }
+  ExactProof proof;
+  if (!(greatest > 0.0) || !std::isfinite(greatest)) return proof;
+  const int exponent = std::max(0, bits - std::ilogb(greatest));
+  proof.scale <<= static_cast<unsigned long>(exponent);
+  for (const auto& [row, weight] : scaled) {
+    const Integer whole = toInteger(weight, exponent);
+    if (whole > 0) proof.weights.emplace_back(row, whole);
+  }
+  return proof;
+}
+
+bool nearlySame(const ExactRow& a, const ExactRow& b) {
+  for (std::size_t j = 0; j < a.unit.size(); ++j) {
+    if (!(std::abs(a.unit[j] - b.unit[j]) <= kNear * (1.0 + std::abs(a.unit[j])))) return false;
+  }
+  return true;
+}
+
+/// The proof from one row that is a multiple of the target.
+bool proveByMultiple(const Rows& rows, const ExactRow& target, ExactProof& proof) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const ExactRow& row = *rows[i];
+    if (!nearlySame(row, target) || !sameHalfSpace(target, row)) continue;
+    std::size_t k = 0;
+    while (row.value[k] == 0) ++k;
+    const std::size_t bits = std::max(row.bits, target.bits);
+    Integer numerator = abs(target.value[k]) << static_cast<unsigned long>(bits - target.bits);
+    Integer denominator = abs(row.value[k]) << static_cast<unsigned long>(bits - row.bits);
+    const Integer divisor = gcd(numerator, denominator);
+    proof = {denominator / divisor, {{static_cast<int>(i), numerator / divisor}}};
+    return true;
+  }
+  return false;
+}
+
+/// Whole weights from fractions that hold for the rows as they are, not in unit form.
+ExactProof clearFractions(std::vector<std::pair<int, Rational>> weights, const Rows& rows, std::size_t bits,
+                          std::size_t target_bits) {
+  Integer denominator(1);
+  for (auto& [row, weight] : weights) {
+    const std::size_t own = row < static_cast<int>(rows.size()) ? rows[row]->bits : target_bits;
+    weight *= Rational(Integer(1) << (bits - target_bits), Integer(1) << (bits - own));
+    weight.canonicalize();
+    denominator = lcm(denominator, weight.get_den());
+  }
+  ExactProof proof;
+  proof.scale = denominator;
+  for (const auto& [row, weight] : weights)
+    proof.weights.emplace_back(row, Integer(weight.get_num() * (denominator / weight.get_den())));
+  return proof;
+}
+
+/// Least value of the target where the rows are >= 0, without rounding.
+Implication impliesExactly(const Rows& rows, const ExactRow& target) {
+  const int p = static_cast<int>(target.value.size()) - 1;
+  ExactLp lp;
+  lp.addColumns(p);
+  lp.addRows(static_cast<int>(rows.size()));
+  for (int j = 0; j < p; ++j) {
+    lp.setColumnBounds(j, ExactLp::Bound::kDouble, -1, 1);
+    lp.setObjective(j, Rational(target.value[j]));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const int row = static_cast<int>(i);
+    lp.setRowBounds(row, ExactLp::Bound::kLower, Rational(-rows[i]->value.back()), 0);
+    for (int j = 0; j < p; ++j) lp.setCoefficient(row, j, Rational(rows[i]->value[j]));
+  }
+  Implication result;
+  if (lp.solve() != ExactLp::Status::kOptimal) return result;
+  result.holds = lp.objective() + target.value.back() >= 0;
+  if (!result.holds) {
+    for (int j = 0; j < p; ++j) result.witness.push_back(lp.primal(j));
+    return result;
+  }
+  std::vector<std::pair<int, Rational>> weights;
+  for (int i = 0; i < lp.rowCount(); ++i) {
+    if (lp.rowDual(i) != 0) weights.emplace_back(i, lp.rowDual(i));
+  }
+  result.proof = clearFractions(std::move(weights), rows, mostBits(rows, &target), target.bits);
+  return result;
+}
+
+/// A rounded point moved onto the plane of `on` along the coordinate that moves least.
+std::vector<Rational> onPlane(const std::vector<double>& t, const ExactRow* on, int p) {
+  std::vector<Rational> point;
+  for (int j = 0; j < p; ++j) point.emplace_back(t[static_cast<std::size_t>(j)]);
+  if (on == nullptr) return point;
+  int k = 0;
+  for (int j = 1; j < p; ++j) {
+    if (std::abs(on->unit[j]) > std::abs(on->unit[k])) k = j;
+  }
+  Rational sum(on->value.back());
+  for (int j = 0; j < p; ++j) {
+    if (j != k) sum += on->value[j] * point[j];
+  }
+  point[k] = -sum / on->value[k];
+  return point;
+}
+
+/// The largest ball, in floating point. Rows of the guess: the given ones, then `on` and its opposite.
+ExactGuess::Status guessInterior(const Rows& rows, const ExactRow* on, int p, ExactGuess& solver) {
+  for (const ExactRow* row : rows) {
+    std::vector<double> lifted = row->unit;
+    lifted.insert(lifted.end() - 1, row->length > 0.0 ? 1.0 : 0.0);
+    solver.add(lifted);
+  }
+  if (on != nullptr) {
+    std::vector<double> lifted = on->unit;
+    lifted.insert(lifted.end() - 1, 0.0);
+    solver.add(lifted);
+    for (double& value : lifted) value = -value;
+    solver.add(lifted);
+  }
+  for (int j = 0; j < 2 * p; ++j) {
+    std::vector<double> lifted(static_cast<std::size_t>(p) + 2, 0.0);
+    lifted[static_cast<std::size_t>(j / 2)] = j % 2 == 0 ? 1.0 : -1.0;
+    lifted[static_cast<std::size_t>(p)] = lifted[static_cast<std::size_t>(p) + 1] = 1.0;
+    solver.add(lifted);
+  }
+  std::vector<double> direction(static_cast<std::size_t>(p) + 1, 0.0);
+  direction.back() = 1.0;
+  return solver.maximise(direction);
+}
+
+/// Rounded weights of a guess that found no ball; `on` and its opposite become one weight of either sign.
+ExactProof emptyByRounding(const ExactGuess& solver, const Rows& rows, const ExactRow* on) {
+  const int count = static_cast<int>(rows.size());
+  Rows with_plane = rows;
+  if (on != nullptr) with_plane.insert(with_plane.end(), 2, on);
+  ExactProof proof = roundWeights(solver.weights(), with_plane, 1.0, kLongBits);
+  proof.scale = 1;
+  Integer plane(0);
+  std::vector<std::pair<int, Integer>> kept;
+  for (const auto& [row, weight] : proof.weights) {
+    if (row < count) kept.emplace_back(row, weight);
+    if (row == count) plane += weight;
+    if (row == count + 1) plane -= weight;
+  }
+  if (plane != 0) kept.emplace_back(count, plane);
+  proof.weights = std::move(kept);
+  return proof;
+}
+
+/// As guessInterior, without rounding: max r, rows >= 2^bits r, 1 - |t_j| >= r.
+Interior findExactly(const Rows& rows, const ExactRow* on, int p) {
+  ExactLp lp;
+  const int count = static_cast<int>(rows.size());
+  lp.addColumns(p + 1);
+  lp.addRows(count + 1 + 2 * p);
+  for (int j = 0; j <= p; ++j) lp.setColumnBounds(j, ExactLp::Bound::kFree, 0, 0);
+  lp.setColumnBounds(p, ExactLp::Bound::kUpper, 0, 1);
+  lp.setObjective(p, 1);
+  lp.setSense(ExactLp::Sense::kMaximise);
+  for (int i = 0; i <= count; ++i) {
+    const ExactRow* row = i < count ? rows[static_cast<std::size_t>(i)] : on;
+    if (row == nullptr) break;
+    for (int j = 0; j < p; ++j) lp.setCoefficient(i, j, Rational(row->value[j]));
+    if (i < count) lp.setCoefficient(i, p, Rational(-(Integer(1) << row->bits)));
+    lp.setRowBounds(i, i < count ? ExactLp::Bound::kLower : ExactLp::Bound::kFixed,
+                    Rational(-row->value.back()), 0);
+  }
+  for (int j = 0; j < 2 * p; ++j) {
+    lp.setCoefficient(count + 1 + j, j / 2, j % 2 == 0 ? 1 : -1);
+    lp.setCoefficient(count + 1 + j, p, 1);
+    lp.setRowBounds(count + 1 + j, ExactLp::Bound::kUpper, 0, 1);
+  }
+  Interior result;
+  if (lp.solve() != ExactLp::Status::kOptimal) {  // `on` does not meet the box
+    const std::vector<std::pair<int, Rational>> weights{{count, lp.rowRay(count)}};
+    result.proof = clearFractions(weights, rows, mostBits(rows, on), on != nullptr ? on->bits : 0);
+    result.radius = -1.0;
+    return result;
+  }
+  result.radius = lp.objective().get_d();
+  result.exists = lp.objective() > 0;
+  for (int j = 0; j < p; ++j) result.point.push_back(lp.primal(j));
+  if (result.exists) return result;
+  // Maximising, the duals of lower bounds are negative: their opposites combine the rows.
+  std::vector<std::pair<int, Rational>> weights;
+  for (int i = 0; i <= count; ++i) {
+    if (lp.rowDual(i) != 0) weights.emplace_back(i, -lp.rowDual(i));
+  }
+  result.proof = clearFractions(std::move(weights), rows, mostBits(rows, on), on != nullptr ? on->bits : 0);
+  return result;
+}
+
+}  // namespace
+
+bool proves(const ExactProof& proof, const Rows& rows, const ExactRow& target) {
+  if (proof.scale <= 0) return false;
+  const std::size_t bits = mostBits(rows, &target);
+  std::vector<Integer> rest(target.value.size());
+  subtract(rest, Integer(-proof.scale), target, bits - target.bits);
+  for (const auto& [row, weight] : proof.weights) {
+    if (weight < 0) return false;
+    subtract(rest, weight, *rows[static_cast<std::size_t>(row)],
+             bits - rows[static_cast<std::size_t>(row)]->bits);
+  }
+  return least(rest) >= 0;
+}
+
+Implication implies(const Rows& rows, const ExactRow& target, ExactGuess& solver) {
+  Implication result;
+  result.holds = true;
+  if (least(target.value) >= 0) return result;
+  if (proveByMultiple(rows, target, result.proof)) return result;
+  if (target.length > 0.0) {
+    solver.clear();
+    for (const ExactRow* row : rows) solver.add(row->unit);
+    const std::vector<double> direction(target.unit.begin(), target.unit.end() - 1);
+    if (solver.maximise(direction) == ExactGuess::Status::kOptimal) {
+      for (const int bits : {kShortBits, kLongBits}) {
+        result.proof = roundWeights(solver.weights(), rows, target.length, bits);
+        if (proves(result.proof, rows, target)) return result;
+      }
+    }
+  }
+  return impliesExactly(rows, target);
+}
+
+bool provesEmpty(const ExactProof& proof, const Rows& rows, const ExactRow* on) {
+  if (rows.empty() && on == nullptr) return false;
+  const std::size_t bits = mostBits(rows, on);
+  std::vector<Integer> rest((on != nullptr ? on : rows.front())->value.size());  // minus the combination
+  bool counts = false;
+  for (const auto& [row, weight] : proof.weights) {
+    const bool is_plane = row == static_cast<int>(rows.size());
+    if (is_plane ? on == nullptr : weight < 0) return false;
+    const ExactRow& source = is_plane ? *on : *rows[static_cast<std::size_t>(row)];
+    subtract(rest, weight, source, bits - source.bits);
+    counts = counts || (!is_plane && weight > 0);
+  }
+  counts = counts || std::any_of(rest.begin(), rest.end(), [](const Integer& value) { return value != 0; });
+  return counts && least(rest) >= 0;
+}
+
+bool strictlyInside(const std::vector<Rational>& t, const Rows& rows, const ExactRow* on) {
+  if (std::any_of(t.begin(), t.end(), [](const Rational& value) { return abs(value) >= 1; })) return false;
+  if (on != nullptr && valueAt(*on, t) != 0) return false;
+  return std::all_of(rows.begin(), rows.end(), [&](const ExactRow* row) { return valueAt(*row, t) > 0; });
+}
+
+Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
+  ExactGuess solver(p + 1);
+  const ExactGuess::Status status = guessInterior(rows, on, p, solver);
+  Interior result;
+  if (status == ExactGuess::Status::kOptimal && solver.objective() > kPositive) {
+    result.radius = solver.objective();
+    result.point = onPlane(solver.x(), on, p);
+    result.exists = strictlyInside(result.point, rows, on);
+    if (result.exists) return result;
+  } else if (status != ExactGuess::Status::kFailed) {
+    result.radius = status == ExactGuess::Status::kOptimal ? solver.objective() : -1.0;
+    result.proof = emptyByRounding(solver, rows, on);
+    if (provesEmpty(result.proof, rows, on)) return result;
+  }
+  return findExactly(rows, on, p);
+}
+
+}  // namespace polyfly

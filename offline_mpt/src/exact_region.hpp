@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exact_program.hpp"
+
+namespace polyfly {
+
+/// Where a half-space of a region comes from.
+struct ExactOrigin {
+  enum class Kind : std::uint8_t {
+    kMultiplier,  ///< of row `index` of the program, >= 0
+    kPrice,       ///< the same in a linear program, where the cost decides it
+    kSlack,       ///< of row `index`, >= 0
+    kDomain,      ///< row `index` of A_theta
+    kBox,         ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
+  };
+  Kind kind = Kind::kDomain;
+  int index = 0;
+
+  bool operator==(const ExactOrigin& other) const { return kind == other.kind && index == other.index; }
+};
+
+/// row (t, 1) >= 0 with p + 1 whole numbers, constant last. Any positive multiple means the same.
+struct ExactRow {
+  ExactOrigin origin;
+  std::vector<Integer> value;
+  std::vector<double> unit;  ///< (a, b) with |a| = 1: a . t <= b, rounded; a = 0 where the row is constant
+  std::size_t bits = 0;      ///< of the greatest entry
+  double length = 0.0;       ///< of the row without its constant, times 2^-bits
+};
+
+/// All that optimality asks of t when a given set of rows is active: where every row here is >= 0, the law
+/// below is optimal, and nowhere else.
+struct ExactRegion {
+  std::vector<int> active;        ///< without equalities, ascending
+  std::vector<ExactRow> rows;     ///< multipliers, slacks and domain; no box, and none that is dropped
+  std::vector<ExactRow> dropped;  ///< slacks of dropped rows, with what they may fall short added
+  std::vector<Rational> law;      ///< q x (p + 1), u = law (t, 1)
+};
+
+enum class ExactStatus : std::uint8_t {
+  kRegion,
+  kDependent,     ///< the active rows are linearly dependent, or H is singular along them
+  kUnpaid,        ///< linear program: no prices of these rows make up the cost
+  kInconsistent,  ///< an equality does not hold
+};
+
+/// Solves the optimality conditions for one active set, which may name equalities or not.
+ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
+
+/// The row of one side of the box.
+ExactRow boxRow(int p, int index);
+
+/// Fills `unit`, `bits` and `length`.
+void finishRow(ExactRow& row);
+
+/// Whether `row` is a positive multiple of `other`.
+bool sameHalfSpace(const ExactRow& row, const ExactRow& other);
+
+/// row (t, 1), times a positive number.
+Integer valueAt(const ExactRow& row, const std::vector<Rational>& t);
+
+}  // namespace polyfly

@@ -1,0 +1,118 @@
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "offline_mpt/certify.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kDefectsShown = 10;
+
+std::string list(const Eigen::VectorXd& theta) {
+  std::ostringstream text;
+  text.precision(17);
+  for (Eigen::Index j = 0; j < theta.size(); ++j) text << (j > 0 ? ", " : "") << theta(j);
+  return text.str();
+}
+
+std::string list(const std::vector<int>& rows) {
+  std::string text;
+  for (const int row : rows) text += (text.empty() ? "" : ", ") + std::to_string(row);
+  return text;
+}
+
+std::string verdict(const CertifyReport& report) {
+  if (report.interrupted) return "INTERRUPTED";
+  return report.passed() ? "PROVEN" : "REFUTED";
+}
+
+void writeStatement(const CertifyReport& report, std::ostringstream& text) {
+  text << "exact verification: " << verdict(report) << "\n"
+       << "  regions " << report.regions << ", conditions of optimality " << report.rows
+       << ", of them implied " << report.implied_rows << "\n"
+       << "  facets " << report.facets << ": " << report.matched_facets << " shared with one region, "
+       << report.covered_facets << " with several, " << report.edge_facets
+       << " at the edge of the feasible set, " << report.domain_facets << " at that of the parameters\n"
+       << "  greatest difference from the exact solution: law " << report.law_error << " (relative), plane "
+       << report.plane_error << " (scaled)\n";
+  if (report.linear) text << "  linear program: of several optima the shortest\n";
+  if (report.regularisation > 0.0)
+    text << "  H is singular: proven for H + " << report.regularisation << " I, as it was solved\n";
+  if (!report.implied_equalities.empty())
+    text << "  rows that can only hold with equality: " << list(report.implied_equalities) << "\n";
+  if (!report.dropped_rows.empty())
+    text << "  rows that repeat others up to rounding, proven to hold within 2^-30 of their size: "
+         << list(report.dropped_rows) << "\n";
+}
+
+}  // namespace
+
+const char* toString(Defect::Kind kind) {
+  switch (kind) {
+    case Defect::Kind::kActiveSet:
+      return "active set";
+    case Defect::Kind::kRepeated:
+      return "repeated";
+    case Defect::Kind::kFlat:
+      return "flat";
+    case Defect::Kind::kPlane:
+      return "plane";
+    case Defect::Kind::kUnlisted:
+      return "unlisted";
+    case Defect::Kind::kLaw:
+      return "law";
+    case Defect::Kind::kGap:
+      return "gap";
+  }
+  return "unknown";
+}
+
+std::string certifyText(const CertifyReport& report) {
+  std::ostringstream text;
+  writeStatement(report, text);
+  if (!report.defects.empty()) text << "  defects " << report.defects.size() << "\n";
+  for (std::size_t k = 0; k < report.defects.size() && k < kDefectsShown; ++k) {
+    const Defect& defect = report.defects[k];
+    text << "  - " << defect.text << "\n";
+    if (!defect.missing.empty()) text << "    missing active set: " << list(defect.missing) << "\n";
+    if (defect.witness.size() > 0) text << "    at " << list(defect.witness) << "\n";
+  }
+  if (report.defects.size() > kDefectsShown)
+    text << "  and " << report.defects.size() - kDefectsShown << " more\n";
+  return text.str();
+}
+
+std::string certifyJson(const CertifyReport& report) {
+  nlohmann::ordered_json json;
+  json["verdict"] = verdict(report);
+  json["regions"] = report.regions;
+  json["rows"] = report.rows;
+  json["implied_rows"] = report.implied_rows;
+  json["facets"] = report.facets;
+  json["matched_facets"] = report.matched_facets;
+  json["covered_facets"] = report.covered_facets;
+  json["edge_facets"] = report.edge_facets;
+  json["domain_facets"] = report.domain_facets;
+  json["law_error"] = report.law_error;
+  json["plane_error"] = report.plane_error;
+  json["linear"] = report.linear;
+  json["regularisation"] = report.regularisation;
+  json["implied_equalities"] = report.implied_equalities;
+  json["dropped_rows"] = report.dropped_rows;
+  json["defects"] = nlohmann::ordered_json::array();
+  for (const Defect& defect : report.defects) {
+    nlohmann::ordered_json entry;
+    entry["kind"] = toString(defect.kind);
+    entry["region"] = defect.region;
+    entry["row"] = defect.row;
+    entry["size"] = defect.size;
+    entry["witness"] =
+        std::vector<double>(defect.witness.data(), defect.witness.data() + defect.witness.size());
+    entry["missing"] = defect.missing;
+    entry["text"] = defect.text;
+    json["defects"].push_back(std::move(entry));
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace polyfly
