@@ -1,7 +1,6 @@
 // Discretisation, Riccati equation and steady state, against series, iteration and integration.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <random>
 
@@ -92,7 +91,7 @@ double riccatiResidual(const MatrixXd& A, const MatrixXd& B, const MatrixXd& Q, 
 
 double closedLoopRadius(const MatrixXd& A, const MatrixXd& B, const MatrixXd& R, const MatrixXd& P) {
   const MatrixXd K = (R + B.transpose() * P * B).inverse() * B.transpose() * P * A;
-  return MatrixXd(A - B * K).eigenvalues().cwiseAbs().maxCoeff();
+  return spectralRadius(A - B * K);
 }
 
 TEST(Riccati, SolvesTheEquationAndStabilises) {

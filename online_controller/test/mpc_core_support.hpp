@@ -69,6 +69,9 @@ inline double maxAbs(const Eigen::MatrixXd& matrix) {
   return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff();
 }
 
+/// Greatest absolute eigenvalue, by Eigen's solver; in a file of its own because that compiles slowly.
+double spectralRadius(const Eigen::MatrixXd& matrix);
+
 /// exp(matrix) by its power series in long double after halving, squared back: slow, simple, accurate.
 inline Eigen::MatrixXd exponentialSeries(const Eigen::MatrixXd& matrix) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;

@@ -1,7 +1,7 @@
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "mpc_core/mpc_problem.hpp"
 #include "region_maps/error.hpp"
@@ -12,10 +12,34 @@ namespace {
 constexpr int kMaxDoublings = 60;             // step k spans 2^k periods
 constexpr double kStepTolerance = 1e-14;      // last change of P, relative
 constexpr double kResidualTolerance = 1e-9;   // of the Riccati equation, relative to P
-constexpr double kStabilityMargin = 1e-9;     // 1 - spectral radius of the closed loop
+constexpr int kSquarings = 36;                // powers of the closed loop up to 2^36 tell its stability
+constexpr double kVanished = 1e-6;            // norm of a power below which the closed loop is stable
 constexpr double kSingularTolerance = 1e-12;  // reciprocal condition of Eq. 6 after scaling
 
 double norm(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
+
+/// exp(M) by scaling to a norm of at most 1/2, a Taylor series to rounding, and squaring.
+Eigen::MatrixXd exponential(const Eigen::MatrixXd& matrix) {
+  constexpr int kTerms = 18;  // 0.5^19 / 19! is below 1e-22
+  const double length = matrix.cwiseAbs().rowwise().sum().maxCoeff();
+  if (!std::isfinite(length)) return Eigen::MatrixXd::Constant(matrix.rows(), matrix.cols(), length);
+  const int squarings = length > 0.5 ? static_cast<int>(std::ceil(std::log2(length))) + 1 : 0;
+  const Eigen::MatrixXd scaled = matrix * std::ldexp(1.0, -squarings);
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+  Eigen::MatrixXd result = identity;
+  for (int k = kTerms; k >= 1; --k) result = (identity + scaled * result / k).eval();
+  for (int k = 0; k < squarings; ++k) result = (result * result).eval();
+  return result;
+}
+
+/// Whether powers of the matrix vanish: by squaring, so that a spectral radius of 1 - 1e-9 still counts.
+bool isStable(Eigen::MatrixXd matrix) {
+  for (int k = 0; k < kSquarings && matrix.allFinite(); ++k) {
+    if (norm(matrix) < kVanished) return true;
+    matrix = (matrix * matrix).eval();
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -29,12 +53,12 @@ DiscreteModel discretise(const MpcProblem& problem, double period) {
   augmented.topLeftCorner(nx, nx) = problem.A_c;
   augmented.block(0, nx, nx, nu) = problem.B_c;
   augmented.block(0, nx + nu, nx, nd) = problem.Bd_c;
-  const Eigen::MatrixXd exponential = (augmented * period).exp();
-  if (!exponential.allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
+  const Eigen::MatrixXd map = exponential(augmented * period);
+  if (!map.allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
   DiscreteModel model;
-  model.A = exponential.topLeftCorner(nx, nx);
-  model.B = exponential.block(0, nx, nx, nu);
-  model.Bd = exponential.block(0, nx + nu, nx, nd);
+  model.A = map.topLeftCorner(nx, nx);
+  model.B = map.block(0, nx, nx, nu);
+  model.Bd = map.block(0, nx + nu, nx, nd);
   model.period = period;
   return model;
 }
@@ -70,8 +94,7 @@ Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   const Eigen::MatrixXd residual = A.transpose() * P * A - A.transpose() * P * B * K + Q - P;
   if (!(norm(residual) <= kResidualTolerance * norm(P)))
     throw Error("Riccati equation: residual too large" + hint);
-  const double radius = (A - B * K).eigenvalues().cwiseAbs().maxCoeff();
-  if (!(radius < 1.0 - kStabilityMargin)) throw Error("Riccati equation: solution does not stabilise" + hint);
+  if (!isStable(A - B * K)) throw Error("Riccati equation: solution does not stabilise" + hint);
   return P;
 }
 

@@ -1,0 +1,9 @@
+#include <Eigen/Eigenvalues>
+
+#include "mpc_core_support.hpp"
+
+namespace polyfly_test {
+
+double spectralRadius(const Eigen::MatrixXd& matrix) { return matrix.eigenvalues().cwiseAbs().maxCoeff(); }
+
+}  // namespace polyfly_test
