@@ -10,7 +10,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kTurn = 2.0 * kPi;
-constexpr double kTie = 1e-12;  // relative difference of lengths that counts as none
+constexpr double kTie = 1e-9;  // relative difference of lengths that counts as none
 constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
 
 double sign(TurnDirection direction) noexcept { return direction == TurnDirection::kRight ? 1.0 : -1.0; }
@@ -90,10 +90,11 @@ Circles circlesOf(const TurnWord& turns, const PathPose& from, const PathPose& t
 }
 
 /// `heading`, or that of an end which it equals but for rounding: else an arc of nothing could come out as a
-/// full turn. The arcs still add up to the heading of the end, and what is turned by this, `reach` long,
-/// moves by rounding only.
-double snapped(double heading, const Circles& circles, double reach) noexcept {
-  const double slack = kRounding + circles.noise / std::max(reach, kShortestSegment);
+/// full turn. The arcs still add up to the heading of the end, and the straight moves by rounding only.
+/// (Three turns need no such care: with an arc of nothing they are two turns that touch, which LSR and RSL
+/// find.)
+double snapped(double heading, const Circles& circles) noexcept {
+  const double slack = kRounding + circles.noise / std::max(circles.distance, kShortestSegment);
   for (const double end : {circles.heading_from, circles.heading_to}) {
     if (std::abs(wrapCourse(heading - end)) <= slack) return end;
   }
@@ -140,7 +141,7 @@ std::optional<DubinsPath> turnStraightTurn(DubinsWord word, const TurnWord& turn
   } else if (circles.distance < kShortestSegment) {
     heading = circles.heading_from;  // one circle
   }
-  heading = snapped(heading, circles, circles.distance);
+  heading = snapped(heading, circles);
   PathBuilder builder(word, radius);
   builder.addArc(circles.first, turns.first, circles.heading_from, heading);
   builder.addLine(circles.first + radius * unit(bearingAtHeading(heading, turns.first)),
@@ -159,8 +160,8 @@ std::optional<DubinsPath> threeTurns(DubinsWord word, const TurnWord& turns, con
   const double to_last = circles.bearing - sign(turns.first) * base_angle;
   const Eigen::Vector2d middle = circles.first + 2.0 * radius * unit(to_middle);
   // Circles touch on the line between their centres.
-  const double heading_in = snapped(to_middle + sign(turns.first) * kPi / 2.0, circles, radius);
-  const double heading_out = snapped(to_last - sign(turns.first) * kPi / 2.0, circles, radius);
+  const double heading_in = to_middle + sign(turns.first) * kPi / 2.0;
+  const double heading_out = to_last - sign(turns.first) * kPi / 2.0;
   PathBuilder builder(word, radius);
   builder.addArc(circles.first, turns.first, circles.heading_from, heading_in);
   builder.addArc(middle, opposite(turns.first), heading_in, heading_out);

@@ -265,11 +265,30 @@ TEST(Dubins, KnownLengthsSurviveRounding) {
   }
 }
 
+// Where a word and its mirror image are equally long, the place and the direction must not decide.
+TEST(Dubins, TiesGoToTheFirstWord) {
+  Poses poses(27);
+  int mirrored_words = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const PathPose from = poses.pose(1000.0);
+    const Vector2d ahead(std::cos(from.heading), std::sin(from.heading));
+    const PathPose about_face{from.position, from.heading + kPi};
+    EXPECT_EQ(shortestDubinsPath(from, about_face, kRadius).word, DubinsWord::kRlr);
+    const PathPose meeting{from.position + 400.0 * ahead, from.heading + kPi};
+    EXPECT_EQ(shortestDubinsPath(from, meeting, kRadius).word, DubinsWord::kLsr);
+    const auto other = dubinsPath(DubinsWord::kRsl, from, meeting, kRadius);
+    ASSERT_TRUE(other.has_value());
+    const double least = shortestDubinsPath(from, meeting, kRadius).length;
+    mirrored_words += other->length < least ? 1 : 0;
+  }
+  EXPECT_GT(mirrored_words, 100);  // rounding alone would often have decided otherwise
+}
+
 // No path can be shorter than the plan: bang-bang controls of up to three parts that end near the goal.
 TEST(Dubins, NoSampledFlightIsShorter) {
   Poses poses(24);
   int near = 0;
-  for (int i = 0; i < 200000; ++i) {
+  for (int i = 0; i < 30000; ++i) {
     std::vector<PathSegment> parts;
     double flight = 0.0;
     for (int part = 0; part < 3; ++part) {
@@ -290,7 +309,7 @@ TEST(Dubins, NoSampledFlightIsShorter) {
     EXPECT_LE(shortest.length, flight + kReached);
     if (shortest.length > flight - 1e-6) ++near;
   }
-  EXPECT_GT(near, 10000);  // many of the flights were the shortest themselves
+  EXPECT_GT(near, 1500);  // many of the flights were the shortest themselves
 }
 
 TEST(Dubins, ReversedAndMirroredPathsAreAsLong) {
@@ -312,6 +331,7 @@ TEST(Dubins, ReversedAndMirroredPathsAreAsLong) {
 TEST(PlanDubins, LeadsThroughTheWaypoints) {
   Poses poses(26);
   std::vector<PathPose> waypoints;
+  waypoints.reserve(101);
   for (int i = 0; i < 100; ++i) waypoints.push_back(poses.pose(500.0));
   waypoints.push_back(waypoints.back());  // twice: nothing to fly
   const std::vector<PathSegment> plan = planDubins(waypoints, 60.0, "mission");
