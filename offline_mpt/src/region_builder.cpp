@@ -269,11 +269,10 @@ void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) const
   }
 }
 
-// Rows other than the domain's whose plane is the facet's.
+// Rows whose plane is the facet's.
 std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
   std::vector<RowOrigin> result;
   for (std::size_t i = 0; i < origins_.size(); ++i) {
-    if (origins_[i].kind == RowOrigin::Kind::kDomain) continue;
     double difference = 0.0;
     for (int j = 0; j < width_; ++j)
       difference = std::max(difference, std::abs(rows_[i * width_ + j] - facet.row[j]));
@@ -346,11 +345,15 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
                                    std::vector<ActiveSet>& sets) {
   sets.clear();
   if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
+  const std::vector<RowOrigin> changes = coincident(facet);
+  const bool at_border = std::any_of(changes.begin(), changes.end(), [](const RowOrigin& origin) {
+    return origin.kind == RowOrigin::Kind::kDomain;
+  });
+  if (at_border) return Crossing::kEdge;
   if (facet.origin.kind == RowOrigin::Kind::kPrice) {
     enter(active, facet.origin.index, sets);
     return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
   }
-  const std::vector<RowOrigin> changes = coincident(facet);
   if (changes.size() == 1) {
     if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
       sets.push_back(without(active, facet.origin.index));
