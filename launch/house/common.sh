@@ -147,6 +147,7 @@ step() {
 step_pid="" ticker_pid=""
 stopStep() {
   trap - INT TERM
+  say "run: interrupted" >&2
   [ -z "$ticker_pid" ] || kill "$ticker_pid" 2> /dev/null || true
   if [ -n "$step_pid" ]; then
     kill -- "-$step_pid" 2> /dev/null || true
