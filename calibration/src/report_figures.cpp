@@ -56,7 +56,7 @@ ReportFigure heightFigure(const ReportContent& content) {
   ReportFigure result;
   result.heading = "Height and speed";
   result.caption = "Height and speed over time (blue) on top of those of the reference (grey).";
-  const auto referenceOf = [&content](auto value) {
+  const auto reference_of = [&content](auto value) {
     Series series = overTime(content, "reference", kReferenceColor, [value](const ReplaySample& sample) {
       return sample.has_reference ? value(sample.reference) : kNothing;
     });
@@ -64,11 +64,11 @@ ReportFigure heightFigure(const ReportContent& content) {
     return series;
   };
   Panel height = timePanel("Height", "z [m]");
-  height.series = {referenceOf([](const auto& at) { return at.position.z(); }),
+  height.series = {reference_of([](const auto& at) { return at.position.z(); }),
                    overTime(content, "flown", palette::kBlue,
                             [](const ReplaySample& sample) { return sample.state.position.z(); })};
   Panel speed = timePanel("Speed", "|v| [m/s]");
-  speed.series = {referenceOf([](const auto& at) { return at.velocity.norm(); }),
+  speed.series = {reference_of([](const auto& at) { return at.velocity.norm(); }),
                   overTime(content, "flown", palette::kBlue,
                            [](const ReplaySample& sample) { return sample.state.velocity.norm(); })};
   result.figure.panels = {height, speed};
