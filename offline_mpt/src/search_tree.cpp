@@ -43,6 +43,8 @@ class TreeBuilder {
   TreeBuilder(const TreeRegions& regions, const TreeOptions& options)
       : regions_(regions),
         options_(options),
+        leaf_regions_(choose(options.leaf_regions, 1, 8)),
+        planes_tried_(choose(options.planes_tried, 6, 1)),
         p_(regions.p),
         width_(regions.p + 1),
         solver_(regions.p),
@@ -59,6 +61,16 @@ class TreeBuilder {
   }
 
  private:
+  static constexpr std::size_t kLarge = 1500;       // regions above which a tree is built more cheaply
+  static constexpr std::size_t kManyMembers = 200;  // members above which estimates are trusted
+  static constexpr std::size_t kHopeless = 64;      // planes tried before regions count as inseparable
+  static constexpr std::size_t kPointsKept = 24;    // per member
+
+  std::size_t choose(int wanted, std::size_t small, std::size_t large) const {
+    if (wanted > 0) return static_cast<std::size_t>(wanted);
+    return regions_.rows.size() > kLarge ? large : small;
+  }
+
   void appendRow(std::int32_t row, std::vector<double>& out) const {
     const double* plane = regions_.planes.data() + planeOf(row) * width_;
     const double sign = row > 0 ? 1.0 : -1.0;
@@ -114,9 +126,7 @@ class TreeBuilder {
     tree_.depth = std::max(tree_.depth, depth);
     Members below, above;
     std::size_t plane = 0;
-    if (members.size() <= static_cast<std::size_t>(options_.leaf_regions) ||
-        !choose(members, plane, below, above))
-      return leaf(members);
+    if (members.size() <= leaf_regions_ || !choose(members, plane, below, above)) return leaf(members);
     Members().swap(members);
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
     tree_.nodes.push_back({static_cast<std::uint32_t>(plane), 0, 0});
@@ -143,7 +153,7 @@ class TreeBuilder {
     std::vector<Estimate> estimates = estimate(members);
     std::sort(estimates.begin(), estimates.end(), better);
     const bool many = members.size() > kManyMembers;  // estimates are good while cells are large
-    const std::size_t tried = many ? 1 : options_.planes_tried;
+    const std::size_t tried = many ? 1 : planes_tried_;
     std::vector<unsigned char> sides, best_sides;
     Estimate best;
     bool found = false;
@@ -266,7 +276,11 @@ class TreeBuilder {
     const int count = static_cast<int>(rows_.size()) / width_;
     if (!solver_.chebyshev(rows_.data(), count, point_.data(), radius)) return true;  // keep it on both sides
     if (radius <= options_.side_tolerance) return false;
-    member.points.insert(member.points.end(), point_.begin(), point_.end());
+    if (member.points.size() < kPointsKept * p_) {
+      member.points.insert(member.points.end(), point_.begin(), point_.end());
+    } else {
+      std::copy(point_.begin(), point_.end(), member.points.end() - p_);
+    }
     return true;
   }
 
@@ -293,11 +307,10 @@ class TreeBuilder {
     }
   }
 
-  static constexpr std::size_t kManyMembers = 200;
-  static constexpr std::size_t kHopeless = 64;  // planes tried before regions count as inseparable
-
   const TreeRegions& regions_;
   const TreeOptions& options_;
+  std::size_t leaf_regions_;
+  std::size_t planes_tried_;
   int p_;
   int width_;
   PolytopeSolver solver_;

@@ -25,7 +25,7 @@ struct SearchTree {
 };
 
 struct TreeOptions {
-  int leaf_regions = 1;          ///< a leaf may hold so many regions, tested in turn: fewer nodes for a longer last step
+  int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 1, or 8 above 1500 regions
   double side_tolerance =
       1e-9;  ///< a part of a region whose inscribed ball is smaller is left to the other side [scaled]
   int planes_scored = 300;  ///< candidate planes looked at in a node
