@@ -32,6 +32,11 @@ const std::atomic<bool>& stopOnSignal() {
   return stop;
 }
 
+void endOnSignal() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
 int defaultThreads() { return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256); }
 
 void writeText(const std::string& path, const std::string& text) {

@@ -24,6 +24,9 @@ void addPlot(CLI::App& app, ExitCode& exit_code);
 /// A flag that SIGINT and SIGTERM set from now on. The second signal ends the program at once.
 const std::atomic<bool>& stopOnSignal();
 
+/// Signals end the program at once again: for work that cannot be stopped half-way.
+void endOnSignal();
+
 /// Number of processors, at least 1.
 int defaultThreads();
 

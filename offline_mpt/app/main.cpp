@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "command.hpp"
 #include "region_maps/error.hpp"
@@ -20,6 +22,12 @@ const char kFooter[] =
     "  2  bad file, option or problem; nothing was written\n"
     "  3  interrupted, or a limit was reached; what was kept is said";
 
+bool isCommand(const CLI::App& app, const std::string& name) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  return std::any_of(commands.begin(), commands.end(),
+                     [&name](const CLI::App* command) { return command->get_name() == name; });
+}
+
 int fail(const char* text) {
   std::fprintf(stderr, "offline_mpt: %s\n", text);
   return static_cast<int>(polyfly::ExitCode::kBadInput);
@@ -37,6 +45,9 @@ int main(int argc, char** argv) {
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);
   polyfly::addPlot(app, exit_code);
+  if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
+    return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help

@@ -30,6 +30,8 @@ const char kFooter[] =
     "  offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json\n"
     "  offline_mpt solve big.json -o big.map --threads 8 --time-limit 600 --quiet";
 
+constexpr std::size_t kLongTree = 1000;  // regions; more take a while
+
 struct Options {
   std::string problem;
   std::string map;
@@ -191,6 +193,10 @@ ExitCode solve(const Options& options) {
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   }
   if (!mayWrite(options, partition)) return exitCode(partition.status);
+  endOnSignal();
+  if (!options.quiet && partition.regions.size() > kLongTree) {
+    std::fprintf(stderr, "building the search tree of %zu regions\n", partition.regions.size());
+  }
   const MapContent content = encode(program, partition);
   seconds.encode = watch.lap();
   writeMap(content, options.map);

@@ -9,6 +9,9 @@ namespace polyfly {
 namespace {
 
 constexpr int kMaxIterations = 80;
+constexpr int kMehrotraIterations = 30;
+constexpr double kPlainCentring = 0.2;  // of the mean product, after those
+constexpr double kRounding = 1e-15;     // of a row [scaled]
 constexpr int kMaxStalledSteps = 4;
 constexpr double kStalledStep = 1e-6;           // a shorter step is no progress
 constexpr double kStepFraction = 0.995;         // of the way to the boundary, at first
@@ -272,6 +275,10 @@ InteriorPointQp::End InteriorPointQp::iterate() {
         maxAbs(r_primal_) <= goal * b_scale) {
       return End::kConverged;
     }
+    // What is left is rounding: chasing it would push slacks smaller than it across zero.
+    for (Eigen::Index i = 0; i < r_primal_.size(); ++i) {
+      if (std::abs(r_primal_[i]) <= kRounding * (1.0 + std::abs(b_y_[i]))) r_primal_[i] = 0.0;
+    }
     if (provesInfeasible()) return End::kInfeasible;
     if (provesUnbounded()) return End::kUnbounded;
 
@@ -281,11 +288,15 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     const double affine_step = std::min(1.0, stepLength());
     const double affine_mu = (s_ + affine_step * ds_).dot(l_ + affine_step * dl_) / count;
     const double ratio = mu_ > 0.0 ? affine_mu / mu_ : 0.0;
-    const double centring = ratio * ratio * ratio * mu_;
-    target_ += ds_.cwiseProduct(dl_);
-    target_.array() -= centring;
+    if (iteration < kMehrotraIterations) {
+      target_ += ds_.cwiseProduct(dl_);
+      target_.array() -= ratio * ratio * ratio * mu_;
+    } else {
+      target_.array() -= kPlainCentring * mu_;  // the predictor can cycle; a plain path-following step cannot
+    }
     direction(target_);
-    const double fraction = std::clamp(1.0 - mu_, kStepFraction, kLastStepFraction);
+    const double fraction =
+        careful_ ? kStepFraction : std::clamp(1.0 - mu_, kStepFraction, kLastStepFraction);
     const double step = std::min(1.0, fraction * stepLength());
     if (!std::isfinite(step) || !dy_.allFinite() || !dl_.allFinite()) return End::kStalled;
     y_ += step * dy_;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,8 +19,9 @@
 namespace polyfly {
 namespace {
 
-constexpr std::uint64_t kBlock = 256;  // samples drawn from one generator, checked by one thread
-constexpr double kSameRange = 1e-12;   // relative, of the ranges of map and program
+constexpr std::uint64_t kBlock = 256;   // samples drawn from one generator, checked by one thread
+constexpr std::uint64_t kRound = 4096;  // blocks whose reports are kept in memory at a time
+constexpr double kSameRange = 1e-12;    // relative, of the ranges of map and program
 constexpr auto kProgressPeriod = std::chrono::milliseconds(100);
 
 void note(Finding& finding, double measure, const Eigen::VectorXd& theta) {
@@ -234,19 +237,51 @@ class Checker {
   std::vector<char> hit_;  // per region
 };
 
-struct Work {
+/// Consecutive blocks, shared out among the threads.
+struct Round {
+  std::uint64_t first = 0;
   std::atomic<std::uint64_t> next{0};
-  std::atomic<std::uint64_t> done{0};  // blocks
-  std::vector<VerifyReport> parts;
+  std::atomic<std::uint64_t> done{0};
+  std::vector<VerifyReport> parts;  // one for each block
+  std::mutex mutex;
+  std::condition_variable ended;
+  std::size_t running = 0;  // threads, guarded by mutex
 };
 
-void runBlocks(Checker& checker, Work& work, const std::atomic<bool>* stop) {
+void runBlocks(Checker& checker, Round& round, const std::atomic<bool>* stop) {
   while (stop == nullptr || !stop->load()) {
-    const std::uint64_t block = work.next.fetch_add(1);
-    if (block >= work.parts.size()) return;
-    work.parts[block] = checker.checkBlock(block);
-    work.done.fetch_add(1);
+    const std::uint64_t block = round.next.fetch_add(1);
+    if (block >= round.parts.size()) break;
+    round.parts[block] = checker.checkBlock(round.first + block);
+    round.done.fetch_add(1);
   }
+  const std::lock_guard<std::mutex> lock(round.mutex);
+  --round.running;
+  round.ended.notify_one();
+}
+
+// Parts are merged in the order of their blocks, so the report does not depend on which thread did which.
+void runRound(std::vector<Checker>& checkers, std::uint64_t first, std::uint64_t count,
+              const VerifyOptions& options, VerifyReport& report) {
+  Round round;
+  round.first = first;
+  round.parts.resize(count);
+  round.running = checkers.size();
+  std::vector<std::thread> threads;
+  for (Checker& checker : checkers) {
+    threads.emplace_back(runBlocks, std::ref(checker), std::ref(round), options.stop);
+  }
+  bool ended = false;
+  while (!ended) {
+    {
+      std::unique_lock<std::mutex> lock(round.mutex);
+      ended = round.ended.wait_for(lock, kProgressPeriod, [&round] { return round.running == 0; });
+    }
+    if (!options.progress) continue;
+    options.progress(std::min(options.samples, (first + round.done.load()) * kBlock), options.samples);
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const VerifyReport& part : round.parts) merge(report, part);
 }
 
 }  // namespace
@@ -264,22 +299,14 @@ VerifyReport verify(const RegionMap& map, const ParametricProgram& program, cons
   requireSame(map.path(), map.parameters(), program.parameters, "parameters", true);
   requireSame(map.path(), map.inputs(), program.inputs, "inputs", false);
 
-  Work work;
-  work.parts.resize((options.samples + kBlock - 1) / kBlock);
   const int threads = std::clamp(options.threads, 1, 256);
   std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, options));
-  std::vector<std::thread> workers;
-  for (Checker& checker : checkers)
-    workers.emplace_back(runBlocks, std::ref(checker), std::ref(work), options.stop);
-  while (work.done.load() < work.parts.size() && !(options.stop != nullptr && options.stop->load())) {
-    std::this_thread::sleep_for(kProgressPeriod);
-    if (options.progress)
-      options.progress(std::min(options.samples, work.done.load() * kBlock), options.samples);
-  }
-  for (std::thread& worker : workers) worker.join();
-
   VerifyReport report;
-  for (const VerifyReport& part : work.parts) merge(report, part);
+  const std::uint64_t blocks = (options.samples + kBlock - 1) / kBlock;
+  for (std::uint64_t first = 0; first < blocks; first += kRound) {
+    runRound(checkers, first, std::min(kRound, blocks - first), options, report);
+    if (options.stop != nullptr && options.stop->load()) break;
+  }
   report.mode = checkers.front().strictlyConvex() ? VerifyMode::kOutput : VerifyMode::kObjective;
   report.seed = options.seed;
   report.tolerance = options.tolerance;

@@ -1,75 +1,18 @@
 #include "offline_mpt/interior_point_qp.hpp"
 
-#include <glpk.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
-#include <random>
 #include <vector>
+
+#include "glpk_lp.hpp"
+#include "random.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kKktTolerance = 1e-8;
 constexpr double kObjectiveTolerance = 1e-7;
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
-  }
-  int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
-  Eigen::MatrixXd matrix(int rows, int cols) {
-    Eigen::MatrixXd result(rows, cols);
-    for (int i = 0; i < rows; ++i) {
-      for (int j = 0; j < cols; ++j) result(i, j) = uniform(-1.0, 1.0);
-    }
-    return result;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-struct LpAnswer {
-  int status = GLP_UNDEF;  // GLP_OPT, GLP_NOFEAS, GLP_UNBND
-  double objective = 0.0;
-};
-
-// min g'z s.t. A z <= b by GLPK's simplex, exact in its final basis.
-LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                     const std::vector<int>& equalities) {
-  const std::unique_ptr<glp_prob, decltype(&glp_delete_prob)> lp(glp_create_prob(), &glp_delete_prob);
-  glp_term_out(GLP_OFF);
-  const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
-  glp_add_cols(lp.get(), n);
-  for (int j = 0; j < n; ++j) {
-    glp_set_col_bnds(lp.get(), j + 1, GLP_FR, 0.0, 0.0);
-    glp_set_obj_coef(lp.get(), j + 1, g[j]);
-  }
-  std::vector<int> index(static_cast<std::size_t>(n) + 1);
-  std::vector<double> value(static_cast<std::size_t>(n) + 1);
-  if (m > 0) glp_add_rows(lp.get(), m);
-  for (int i = 0; i < m; ++i) {
-    glp_set_row_bnds(lp.get(), i + 1, GLP_UP, 0.0, b[i]);
-    for (int j = 0; j < n; ++j) {
-      index[static_cast<std::size_t>(j) + 1] = j + 1;
-      value[static_cast<std::size_t>(j) + 1] = A(i, j);
-    }
-    glp_set_mat_row(lp.get(), i + 1, n, index.data(), value.data());
-  }
-  for (const int i : equalities) glp_set_row_bnds(lp.get(), i + 1, GLP_FX, b[i], b[i]);
-  glp_smcp options;
-  glp_init_smcp(&options);
-  options.msg_lev = GLP_MSG_OFF;
-  LpAnswer answer;
-  if (glp_simplex(lp.get(), &options) != 0) return answer;
-  answer.status = glp_get_status(lp.get());
-  answer.objective = glp_get_obj_val(lp.get());
-  return answer;
-}
 
 // The KKT conditions written out anew, on the data as given.
 void expectKkt(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::MatrixXd& A,

@@ -1,0 +1,339 @@
+// Runs the program `offline_mpt` as a user would: what it prints, what it returns, what it leaves behind.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace polyfly {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+std::string readText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "offline_mpt_test_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    writeText(path("toy.json"), kToy);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // Standard output and error go to files, so that neither can block.
+  Outcome run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
+
+  pid_t start(const std::vector<std::string>& arguments) const {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    std::vector<char*> argv = {const_cast<char*>(OFFLINE_MPT_PROGRAM)};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    if (!std::freopen(path("stdout").c_str(), "w", stdout) ||
+        !std::freopen(path("stderr").c_str(), "w", stderr))
+      _exit(126);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+
+  Outcome wait(pid_t child) const {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), readText(path("stdout")),
+            readText(path("stderr"))};
+  }
+
+  std::string solvedToy() const {
+    const Outcome result = run({"solve", path("toy.json"), "-o", path("toy.map")});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return path("toy.map");
+  }
+
+  // The run fails with one line on standard error that holds all the words, and leaves no file but the given
+  // ones.
+  void expectRefused(const std::vector<std::string>& arguments, const std::vector<std::string>& words) const {
+    const std::size_t before = fileCount();
+    const Outcome result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.out << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(result.err.rfind("offline_mpt: ", 0), 0u) << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << " in: " << result.err;
+    EXPECT_EQ(fileCount(), before) << "a file was left behind";
+  }
+
+  // Files besides the captured output.
+  std::size_t fileCount() const {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      count += entry.path().filename() != "stdout" && entry.path().filename() != "stderr";
+    }
+    return count;
+  }
+
+  nlohmann::json toy() const { return nlohmann::json::parse(kToy); }
+  std::string written(const std::string& name, const nlohmann::json& json) const {
+    writeText(path(name), json.dump());
+    return path(name);
+  }
+
+  // min z^2/2 - (a + b) z, |z| <= 1: three regions
+  static constexpr const char* kToy = R"({"name": "toy", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
+    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
+    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
+
+  fs::path folder_;
+};
+
+TEST_F(CommandLine, SolvesAndWritesStatistics) {
+  const Outcome result =
+      run({"solve", path("toy.json"), "-o", path("toy.map"), "--stats", path("stats.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("complete, 3 regions"), std::string::npos) << result.out;
+  EXPECT_EQ(result.err, "");
+  const nlohmann::json stats = nlohmann::json::parse(readText(path("stats.json")));
+  EXPECT_EQ(stats["status"], "complete");
+  EXPECT_EQ(stats["regions"], 3);
+  EXPECT_EQ(stats["parameters"], 2);
+  EXPECT_EQ(stats["bytes"].get<std::uintmax_t>(), fs::file_size(path("toy.map")));
+}
+
+TEST_F(CommandLine, GivesTheSameBytesForAnyNumberOfThreads) {
+  for (const char* threads : {"1", "2", "5"}) {
+    const Outcome result =
+        run({"solve", path("toy.json"), "-o", path(threads), "--threads", threads, "--quiet"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out + result.err, "");
+    EXPECT_EQ(readText(path(threads)), readText(path("1")));
+  }
+}
+
+TEST_F(CommandLine, ShowsWhatAMapHolds) {
+  const std::string map = solvedToy();
+  const Outcome text = run({"info", map});
+  EXPECT_EQ(text.exit_code, 0);
+  for (const char* word : {"complete", "-2 .. 2", "regions     3", "worst case", "period      none"}) {
+    EXPECT_NE(text.out.find(word), std::string::npos) << word << " in: " << text.out;
+  }
+  const Outcome json = run({"info", map, "--json"});
+  const nlohmann::json info = nlohmann::json::parse(json.out);
+  EXPECT_EQ(info["regions"], 3);
+  EXPECT_EQ(info["parameters"].size(), 2u);
+  EXPECT_EQ(info["parameters"][0]["upper"], 2.0);
+  EXPECT_EQ(info["bytes"].get<std::uintmax_t>(), fs::file_size(map));
+}
+
+TEST_F(CommandLine, EvaluatesRows) {
+  const std::string map = solvedToy();
+  const nlohmann::json info = nlohmann::json::parse(run({"info", map, "--json"}).out);
+  const std::string a = info["parameters"][0]["name"], b = info["parameters"][1]["name"];
+  writeText(path("plain.csv"), "# a, b\n0.25,0.5\r\n\n 2 , 1.5\n3,0\nnan,0\n");
+  const Outcome plain = run({"eval", map, "--csv", path("plain.csv")});
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  std::istringstream lines(plain.out);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "status,region," + info["inputs"][0]["name"].get<std::string>());
+  std::getline(lines, line);
+  EXPECT_EQ(line.substr(0, 7), "inside,");
+  EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), 0.75, 1e-12);
+  std::getline(lines, line);
+  EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)), 1.0, 1e-12);
+  std::getline(lines, line);
+  EXPECT_EQ(line, "outside_box,,");
+  std::getline(lines, line);
+  EXPECT_EQ(line, "not_finite,,");
+
+  writeText(path("named.csv"), b + "," + a + "\n3,0\n0.5,0.25\n");
+  const Outcome named = run({"eval", map, "--csv", path("named.csv"), "-o", path("out.csv")});
+  ASSERT_EQ(named.exit_code, 0) << named.err;
+  EXPECT_EQ(named.out, "");
+  EXPECT_NE(readText(path("out.csv")).find("outside_box"), std::string::npos);
+}
+
+TEST_F(CommandLine, NamesTheCellThatIsWrong) {
+  const std::string map = solvedToy();
+  const std::string name = nlohmann::json::parse(run({"info", map, "--json"}).out)["parameters"][1]["name"];
+  const std::string csv = path("bad.csv");
+  writeText(csv, "0,0\n0,1.5x\n");
+  expectRefused({"eval", map, "--csv", csv, "-o", path("out.csv")},
+                {"bad.csv:2:", "column 2", name, "'1.5x' is not a number"});
+  writeText(csv, "0,0\n\n0,0,0\n");
+  expectRefused({"eval", map, "--csv", csv}, {"bad.csv:3:", "must have 2 columns, got 3"});
+  writeText(csv, name + ",wind\n0,0\n");
+  expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "column 2", "'wind' is not a parameter"});
+  writeText(csv, name + "," + name + "\n0,0\n");
+  expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "is given twice"});
+  writeText(csv, name + "\n0\n");
+  expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "no column for the parameter"});
+  expectRefused({"eval", map, "--csv", path("none.csv")}, {"none.csv: cannot be read"});
+}
+
+TEST_F(CommandLine, VerifiesARightMapAndRefusesAWrongOne) {
+  const std::string map = solvedToy();
+  const Outcome right = run({"verify", map, "--problem", path("toy.json"), "--samples", "500", "--seed", "2",
+                             "--json", path("report.json")});
+  EXPECT_EQ(right.exit_code, 0) << right.out << right.err;
+  EXPECT_NE(right.out.find("PASSED"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(readText(path("report.json")))["passed"].get<bool>());
+  EXPECT_EQ(run({"verify", map, "--samples", "100"}).exit_code, 0)
+      << "against the problem that the map carries";
+
+  nlohmann::json other = toy();
+  other["b"] = {0.9, 1.0};
+  const Outcome wrong = run({"verify", map, "--problem", written("other.json", other), "--samples", "500"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.out.find("FAILED"), std::string::npos);
+
+  other["ub"] = {2.0, 3.0};
+  expectRefused({"verify", map, "--problem", written("other.json", other)},
+                {"ranges of map and problem differ"});
+}
+
+TEST_F(CommandLine, RefusesBadProblems) {
+  const std::string map = path("none.map");
+  expectRefused({"solve", path("missing.yaml"), "-o", map}, {"missing.yaml"});
+  expectRefused({"solve", path("missing.json"), "-o", map}, {"missing.json"});
+  writeText(path("problem.txt"), "x");
+  expectRefused({"solve", path("problem.txt"), "-o", map}, {"problem.txt"});
+  writeText(path("malformed.yaml"), "name: x\nstates: [a, b\nhorizon: }\n");
+  expectRefused({"solve", path("malformed.yaml"), "-o", map}, {"malformed.yaml:"});
+  writeText(path("malformed.json"), "{\"H\": [[1.0]");
+  expectRefused({"solve", path("malformed.json"), "-o", map}, {"malformed.json"});
+
+  nlohmann::json problem = toy();
+  problem["F"] = {{-1.0, -1.0, 0.0}};
+  expectRefused({"solve", written("sizes.json", problem), "-o", map}, {"sizes.json", "F"});
+  problem = toy();
+  problem["ub"][1] = nullptr;
+  expectRefused({"solve", written("unbounded.json", problem), "-o", map}, {"unbounded.json", "ub"});
+  problem = toy();
+  problem["b"] = {-1.0, -1.0};
+  expectRefused({"solve", written("infeasible.json", problem), "-o", map}, {"infeasible.json", "infeasible"});
+  problem = toy();
+  problem["H"] = {{-1.0}};
+  expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json", "H"});
+}
+
+TEST_F(CommandLine, RefusesDamagedMaps) {
+  const std::string bytes = readText(solvedToy());
+  const std::string map = path("damaged.map");
+  const auto refuse = [&](const std::string& damaged, const std::vector<std::string>& words) {
+    writeText(map, damaged);
+    expectRefused({"info", map}, words);
+    expectRefused({"verify", map, "--problem", path("toy.json")}, words);
+  };
+  refuse(bytes.substr(0, bytes.size() - 100), {"damaged.map"});
+  refuse(bytes.substr(0, 20), {"damaged.map"});
+  refuse("", {"damaged.map"});
+  refuse(std::string(4096, 'x'), {"damaged.map"});
+  for (const std::size_t position : {std::size_t{3}, bytes.size() / 3, bytes.size() / 2, bytes.size() - 1}) {
+    std::string flipped = bytes;
+    flipped[position] = static_cast<char>(flipped[position] ^ 0x10);
+    refuse(flipped, {"damaged.map"});
+  }
+  fs::remove(map);
+  expectRefused({"info", map}, {"damaged.map"});
+  expectRefused({"plot", map, "--slice", "a,b", "-o", path("x.svg")}, {"damaged.map"});
+}
+
+TEST_F(CommandLine, RefusesBadOptions) {
+  const std::string map = solvedToy();
+  expectRefused({"solve", path("toy.json")}, {"--output"});
+  expectRefused({"solve", path("toy.json"), "-o", path("x.map"), "--threads", "0"}, {"--threads"});
+  expectRefused({"solve", path("toy.json"), "-o", path("x.map"), "--wings", "2"}, {"--wings"});
+  expectRefused({"solve", path("toy.json"), "-o", path("no/such/folder.map")}, {"no/such"});
+  expectRefused({"solve", path("toy.json"), "-o", folder_.string()}, {"is a folder"});
+  expectRefused({"land"}, {"land"});
+  expectRefused({}, {"subcommand"});
+  expectRefused({"verify", map, "--samples", "0"}, {"--samples"});
+  expectRefused({"plot", map, "--slice", "theta", "-o", path("x.svg")}, {"--slice", "'theta'"});
+  expectRefused({"plot", map, "--slice", "no,such", "-o", path("x.svg")}, {"no"});
+  expectRefused({"plot", map, "--slice", "a,b", "--at", "c", "-o", path("x.svg")}, {"--at", "'c'"});
+}
+
+TEST_F(CommandLine, KeepsAPartialResultAndSaysSo) {
+  const Outcome limited = run({"solve", path("toy.json"), "-o", path("part.map"), "--region-limit", "1"});
+  EXPECT_EQ(limited.exit_code, 3) << limited.err;
+  EXPECT_NE(limited.err.find("limit reached: kept"), std::string::npos) << limited.err;
+  EXPECT_NE(run({"info", path("part.map")}).out.find("limited"), std::string::npos);
+  EXPECT_EQ(run({"verify", path("part.map"), "--problem", path("toy.json"), "--samples", "100"}).exit_code,
+            1);
+
+  // A complete map is worth more than a part of one.
+  const std::string complete = solvedToy(), bytes = readText(complete);
+  const Outcome again = run({"solve", path("toy.json"), "-o", complete, "--region-limit", "1"});
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_NE(again.err.find("the existing file stands"), std::string::npos) << again.err;
+  EXPECT_EQ(readText(complete), bytes);
+  EXPECT_EQ(run({"solve", path("toy.json"), "-o", complete, "--region-limit", "1", "--force"}).exit_code, 3);
+  EXPECT_NE(readText(complete), bytes);
+}
+
+// Whether the process has a handler for SIGINT (proc(5), SigCgt).
+bool catchesInterrupt(pid_t process) {
+  const std::string status = readText("/proc/" + std::to_string(process) + "/status");
+  const std::size_t line = status.find("SigCgt:");
+  return line != std::string::npos &&
+         (std::stoull(status.substr(line + 7), nullptr, 16) >> (SIGINT - 1) & 1u) != 0;
+}
+
+TEST_F(CommandLine, StopsOnASignalAndSaysWhatItCovers) {
+  const std::string map = solvedToy();
+  const pid_t child = start({"verify", map, "--samples", "1000000000", "--threads", "1"});
+  while (!catchesInterrupt(child)) {
+    ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "ended by itself";
+    sched_yield();
+  }
+  kill(child, SIGINT);
+  const Outcome result = wait(child);
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_NE(result.err.find("interrupted: the report covers"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("stopped before the end"), std::string::npos) << result.out;
+}
+
+TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
+  const Outcome general = run({"--help"});
+  EXPECT_EQ(general.exit_code, 0);
+  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "plot", "Examples"}) {
+    EXPECT_NE(general.out.find(word), std::string::npos) << word;
+  }
+  for (const char* command : {"solve", "info", "eval", "verify", "plot"}) {
+    const Outcome help = run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
+  }
+}
+
+}  // namespace
+}  // namespace polyfly

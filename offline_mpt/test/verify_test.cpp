@@ -1,0 +1,351 @@
+// The verification must pass a right map and catch every way in which a map can be wrong.
+#include "offline_mpt/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "made_program.hpp"
+#include "map_in_memory.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "offline_mpt/program_oracle.hpp"
+#include "reference_data.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+const ProgramSize kSize = {3, 10, 2};
+constexpr std::uint64_t kSeed = 3;
+
+VerifyOptions manySamples() {
+  VerifyOptions options;
+  options.samples = 4000;
+  options.seed = 7;
+  return options;
+}
+
+class Verify : public testing::Test {
+ protected:
+  const ParametricProgram program = madeProgram(kSeed, kSize);
+  const Partition partition = explore(program);
+  MapContent content = encode(program, partition);
+
+  VerifyReport report(const VerifyOptions& options = manySamples()) const {
+    const MapInMemory memory(content);
+    return verify(memory.map(), program, options);
+  }
+
+  // Every look-up tests all regions in file order.
+  void searchAllRegions() {
+    content.nodes.clear();
+    content.root = MapContent::kLeaf;
+    content.candidates.clear();
+    for (std::uint32_t i = 0; i < content.regions.size(); ++i) content.candidates.push_back(i);
+    content.leaves = {{0, static_cast<std::uint32_t>(content.regions.size())}};
+  }
+
+  // Moves a row of the largest region, one that is no face of the box, outward by `distance` [scaled].
+  void moveRow(double distance) {
+    const std::size_t width = content.parameters.size() + 1;
+    std::size_t next = content.regions[largestRegion()].first_row, plane = 0;
+    do {
+      plane = static_cast<std::size_t>(std::abs(content.rows[next++])) - 1;
+    } while (content.planes[plane * width] * content.planes[plane * width + 1] == 0.0);
+    std::int32_t& row = content.rows[next - 1];
+    for (std::size_t j = 0; j < width; ++j) content.planes.push_back(content.planes[plane * width + j]);
+    content.planes.back() += row > 0 ? distance : -distance;
+    const auto moved = static_cast<std::int32_t>(content.planes.size() / width);
+    row = row > 0 ? moved : -moved;
+  }
+
+  std::size_t largestRegion() const {
+    const auto largest = std::max_element(
+        partition.regions.begin(), partition.regions.end(),
+        [](const CriticalRegion& a, const CriticalRegion& b) { return a.radius < b.radius; });
+    return static_cast<std::size_t>(largest - partition.regions.begin());
+  }
+};
+
+TEST_F(Verify, PassesARightMap) {
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  ASSERT_GT(partition.regions.size(), 5u);
+  const VerifyReport result = report();
+  EXPECT_TRUE(result.passed()) << verifyText(result);
+  EXPECT_EQ(result.mode, VerifyMode::kOutput);
+  EXPECT_EQ(result.samples, 4000u);
+  EXPECT_EQ(result.uniform, 2000u);
+  EXPECT_EQ(result.regions_hit, partition.regions.size());
+  EXPECT_GT(result.compared, 3000u);
+  EXPECT_LT(result.max_scaled_error, manySamples().tolerance);
+  EXPECT_GT(result.oracle_residual, 0.0);
+  EXPECT_LE(result.oracle_residual, kInteriorPointAccuracy);
+}
+
+TEST_F(Verify, CatchesACorruptedLaw) {
+  content.laws[content.regions[largestRegion()].law * 3 * 3 + 2] += 1e-5;
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.errors.count, 0u);
+  EXPECT_NEAR(result.max_error, 1e-5, 1e-7);
+  EXPECT_EQ(result.errors.example.size(), 2);
+  EXPECT_EQ(result.missed.count, 0u);
+}
+
+TEST_F(Verify, CatchesARemovedRegion) {
+  Partition holed = partition;
+  holed.regions.erase(holed.regions.begin() + static_cast<std::ptrdiff_t>(largestRegion()));
+  content = encode(program, holed);
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.missed.count, 100u);
+  EXPECT_EQ(result.errors.count, 0u);
+}
+
+// Small holes are found because half of the samples aim at faces and vertices of the regions around them.
+TEST_F(Verify, CatchesTheSmallestRegionRemoved) {
+  const auto smallest =
+      std::min_element(partition.regions.begin(), partition.regions.end(),
+                       [](const CriticalRegion& a, const CriticalRegion& b) { return a.radius < b.radius; });
+  Partition holed = partition;
+  holed.regions.erase(holed.regions.begin() + (smallest - partition.regions.begin()));
+  content = encode(program, holed);
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.missed.count, 0u);
+}
+
+TEST_F(Verify, CatchesAHalfSpaceShiftedOutward) {
+  moveRow(0.05);
+  searchAllRegions();
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.overlaps.count, 0u);
+  EXPECT_GT(result.overlaps.worst, manySamples().tolerance);
+}
+
+TEST_F(Verify, CatchesAHalfSpaceShiftedInward) {
+  moveRow(-1e-4);
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.missed.count, 0u);
+}
+
+TEST_F(Verify, CatchesABrokenTree) {
+  ASSERT_FALSE(content.nodes.empty());
+  std::swap(content.nodes[0].below, content.nodes[0].above);
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.missed.count, 0u);
+}
+
+// The tree has no part in the test of all regions: a region that only the tree loses is a difference.
+TEST_F(Verify, CatchesARegionThatTheTreeCannotReach) {
+  const auto lost = static_cast<std::uint32_t>(largestRegion());
+  searchAllRegions();
+  content.candidates.erase(content.candidates.begin() + lost);
+  content.leaves[0].count -= 1;
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.missed.count, 100u);
+}
+
+TEST_F(Verify, CatchesAnswersWhereThereIsNoSolution) {
+  const ParametricProgram strict = [this] {
+    ParametricProgram changed = program;
+    changed.A.conservativeResize(program.A.rows() + 2, Eigen::NoChange);
+    changed.A.bottomRows(2) << 1.0, 0.0, 0.0, -1.0, 0.0, 0.0;
+    changed.b.conservativeResize(program.b.size() + 2);
+    changed.b.tail(2) << 0.0, 0.0;
+    changed.S.conservativeResize(program.S.rows() + 2, Eigen::NoChange);
+    changed.S.bottomRows(2) << 1.0, 0.0, -1.0, 0.0;
+    changed.S(program.S.rows() + 1, 1) = -1.0;  // t0 + t1 <= z0 <= t0: none for t1 > 0
+    return changed;
+  }();
+  const MapInMemory memory(content);
+  const VerifyReport result = verify(memory.map(), strict, manySamples());
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.false_inside.count, 100u);
+  EXPECT_GT(result.false_inside.worst, 0.1);
+  EXPECT_GT(result.infeasible, 1000u);
+}
+
+TEST_F(Verify, CatchesAnEmptyRegion) {
+  searchAllRegions();
+  MapContent::Region empty = content.regions.front();
+  const std::int32_t row = content.rows[empty.first_row];
+  const std::size_t width = content.parameters.size() + 1;
+  for (std::size_t j = 0; j < width; ++j) {
+    content.planes.push_back(content.planes[(static_cast<std::size_t>(std::abs(row)) - 1) * width + j]);
+  }
+  content.planes.back() += row > 0 ? 0.1 : -0.1;
+  const auto beyond = static_cast<std::int32_t>(content.planes.size() / width);
+  empty.first_row = static_cast<std::uint32_t>(content.rows.size());
+  empty.row_count = 2;
+  content.rows.push_back(row);
+  content.rows.push_back(row > 0 ? -beyond : beyond);
+  content.regions.push_back(empty);
+  searchAllRegions();
+  const VerifyReport result = report();
+  EXPECT_FALSE(result.passed());
+  EXPECT_GT(result.empty_regions.count, 0u);
+  EXPECT_NEAR(result.empty_regions.worst, 0.05, 1e-6);
+}
+
+TEST_F(Verify, RefusesAMapThatSaysItIsIncomplete) {
+  content.solver_status = "limited";
+  EXPECT_FALSE(report().passed());
+}
+
+TEST_F(Verify, GivesTheSameReportForAnyNumberOfThreads) {
+  VerifyOptions options = manySamples();
+  options.samples = 1500;
+  const std::string one = verifyJson(report(options));
+  options.threads = 3;
+  EXPECT_EQ(verifyJson(report(options)), one);
+  options.seed = 8;
+  EXPECT_NE(verifyJson(report(options)), one);
+}
+
+TEST_F(Verify, StopsWhenToldTo) {
+  const std::atomic<bool> stop{true};
+  VerifyOptions options = manySamples();
+  options.stop = &stop;
+  const VerifyReport result = report(options);
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_EQ(result.samples, 0u);
+  EXPECT_FALSE(result.passed());
+}
+
+TEST_F(Verify, ReportsProgressUpToTheEnd) {
+  VerifyOptions options = manySamples();
+  std::uint64_t last = 0;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_GE(done, last);
+    EXPECT_EQ(total, options.samples);
+    last = done;
+  };
+  report(options);
+  EXPECT_EQ(last, options.samples);
+}
+
+TEST_F(Verify, RefusesAProblemOfOtherSignals) {
+  const MapInMemory memory(content);
+  ParametricProgram renamed = program;
+  renamed.parameters[1].name = "wind";
+  ParametricProgram wider = program;
+  wider.parameters[0].upper = 2.0;
+  ParametricProgram fewer = madeProgram(kSeed, {2, 10, 2});
+  const std::pair<const ParametricProgram*, const char*> cases[] = {
+      {&renamed, "the problem has 'wind'"},
+      {&wider, "ranges of map and problem differ"},
+      {&fewer, "the problem has 2"}};
+  for (const auto& [other, message] : cases) {
+    try {
+      verify(memory.map(), *other);
+      ADD_FAILURE() << "accepted: " << message;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+  }
+}
+
+// A linear program whose minimiser is not unique: u may be any, its objective not.
+TEST(VerifyObjective, ComparesObjectivesWhereTheMinimiserIsNotUnique) {
+  ParametricProgram program = madeProgram(kSeed, {2, 4, 2});
+  program.H.setZero();
+  program.F.setZero();
+  program.f << 1.0, 0.0;
+  program.A << 1.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, -1.0;
+  program.b.setOnes();
+  program.S << 0.0, 0.0, 0.5, 0.0, 0.0, 0.2, 0.0, 0.0;
+  MapContent content;
+  content.name = "box";
+  content.problem_text = "none";
+  content.problem_kind = "json";
+  content.solver_status = "complete";
+  content.tolerance = 1e-9;
+  content.parameters = program.parameters;
+  content.inputs = program.inputs;
+  content.planes = {1.0, 0.0, 1.0};
+  content.rows = {1};
+  content.laws = {-0.5, 0.0, -1.0, /**/ 0.1, 0.0, 0.3};  // z0 at its bound, z1 anywhere between its bounds
+  content.regions = {{0, 1, 0, 0, 0}};
+  content.leaves = {{0, 1}};
+  content.candidates = {0};
+  content.root = MapContent::kLeaf;
+  const VerifyReport right = verify(MapInMemory(content).map(), program, manySamples());
+  EXPECT_EQ(right.mode, VerifyMode::kObjective);
+  EXPECT_TRUE(right.passed()) << verifyText(right);
+  EXPECT_EQ(right.compared, 4000u);
+
+  content.laws[2] += 1e-3;  // dearer
+  EXPECT_EQ(verify(MapInMemory(content).map(), program, manySamples()).errors.count, 4000u);
+  content.laws[2] -= 2e-3;  // beyond the bound
+  EXPECT_EQ(verify(MapInMemory(content).map(), program, manySamples()).errors.count, 4000u);
+}
+
+TEST(ProgramOracle, MeasuresTheDistanceToTheFeasibleSet) {
+  ParametricProgram program = madeProgram(kSeed, {1, 2, 2});
+  program.A << 1.0, -1.0;
+  program.b << 0.0, 0.0;
+  program.S << 1.0, 0.0, 0.0, -1.0;  // t1 <= z <= t0
+  program.parameters[0].lower = -4.0;
+  program.parameters[0].upper = 4.0;
+  ProgramOracle oracle(program);
+  EXPECT_EQ(oracle.solve(Eigen::Vector2d(0.5, 0.0)).verdict, OracleAnswer::Verdict::kFeasible);
+  EXPECT_NEAR(oracle.distanceToFeasible(Eigen::Vector2d(0.5, 0.0)), 0.0, 1e-9);
+  EXPECT_EQ(oracle.solve(Eigen::Vector2d(-0.5, 0.5)).verdict, OracleAnswer::Verdict::kInfeasible);
+  // Half ranges are 4 and 1: both move by r, 1 = 4 r + r.
+  EXPECT_NEAR(oracle.distanceToFeasible(Eigen::Vector2d(-0.5, 0.5)), 0.2, 1e-9);
+  EXPECT_EQ(oracle.place(Eigen::Vector2d(0.5, 0.0), 0.01), ProgramOracle::Place::kDeep);
+  EXPECT_EQ(oracle.place(Eigen::Vector2d(0.5, 0.499), 0.01), ProgramOracle::Place::kEdge);
+}
+
+class VerifyReference : public testing::TestWithParam<const char*> {};
+
+TEST_P(VerifyReference, OracleAgreesWithTheSamplesOfOtherPrograms) {
+  const std::filesystem::path folder = referenceProblems();
+  if (folder.empty())
+    GTEST_SKIP() << "The reference problems are not here: set POLYFLY_DATA to their folder.";
+  const std::filesystem::path path = folder / (std::string(GetParam()) + ".json");
+  const ParametricProgram program = loadProgramJson(path.string());
+  ProgramOracle oracle(program);
+  for (const auto& sample : readJson(path)["samples"]) {
+    const auto theta = sample["theta"].get<std::vector<double>>();
+    const OracleAnswer answer = oracle.solve(
+        Eigen::Map<const Eigen::VectorXd>(theta.data(), static_cast<Eigen::Index>(theta.size())));
+    if (!sample["feasible"].get<bool>()) {
+      EXPECT_EQ(answer.verdict, OracleAnswer::Verdict::kInfeasible) << sample["theta"];
+      continue;
+    }
+    ASSERT_EQ(answer.verdict, OracleAnswer::Verdict::kFeasible)
+        << sample["theta"] << " residual " << answer.residual;
+    const double objective = sample["obj"].get<double>();
+    EXPECT_NEAR(answer.objective, objective, 1e-7 * (1.0 + std::abs(objective)));
+    if (!oracle.strictlyConvex()) continue;
+    const auto u = sample["u"].get<std::vector<double>>();
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      EXPECT_NEAR(answer.u[static_cast<Eigen::Index>(i)], u[i], 1e-7 * (1.0 + std::abs(u[i])));
+    }
+  }
+}
+
+std::string testName(const testing::TestParamInfo<const char*>& info) { return info.param; }
+
+INSTANTIATE_TEST_SUITE_P(All, VerifyReference,
+                         testing::Values("bemporad2002", "deg_di_N5_dup", "deg_di_N5_xf0_ineq",
+                                         "deg_facet_to_facet", "deg_licq_ahmadi", "deg_psd_H",
+                                         "deg_scs_lowdim", "di_N15", "di_N5_xf0_eq", "invpend_N5_x",
+                                         "invpend_track_Np50_Nc5", "mass_spring4_N10", "mass_spring6_N5",
+                                         "mplp_di_inf_N3", "mplp_di_inf_N5", "mplp_dual_deg",
+                                         "mplp_multirotor_inf_N3", "mplp_primal_deg", "multirotor_N10_soft",
+                                         "multirotor_N20", "rnd_n10_m20_t4", "rnd_n5_m40_t3",
+                                         "rnd_n6_m20_t3"),
+                         testName);
+
+}  // namespace
+}  // namespace polyfly
