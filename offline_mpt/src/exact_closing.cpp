@@ -179,7 +179,7 @@ Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string
   const SurveyedFacet& facet = survey.facets[row];
   std::vector<ExactOrigin> origins{facet.origin};
   origins.insert(origins.end(), facet.same.begin(), facet.same.end());
-  std::string line = "F " + std::to_string(row) + " " + originText(facet.origin);
+  std::string line = "L " + std::to_string(row) + " " + originText(facet.origin);
   for (const ExactOrigin& origin : origins) {
     if (origin.kind != ExactOrigin::Kind::kDomain && origin.kind != ExactOrigin::Kind::kBox) continue;
     text += line + " domain " + originText(origin) + "\n";

@@ -206,6 +206,20 @@ Eigen::VectorXd unitRow(const ParametricProgram& program, int row) {
   return largest > 0.0 ? Eigen::VectorXd(result / largest) : Eigen::VectorXd(0 * result);
 }
 
+bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
+  Eigen::Index pivot = 0;
+  program.A.row(k).cwiseAbs().maxCoeff(&pivot);
+  const Rational own(program.A(i, pivot)), other(program.A(k, pivot));
+  const auto same = [&](double a, double b) { return Rational(a) * other == Rational(b) * own; };
+  for (int j = 0; j < program.variableCount(); ++j) {
+    if (!same(program.A(i, j), program.A(k, j))) return false;
+  }
+  for (int j = 0; j < program.parameterCount(); ++j) {
+    if (!same(program.S(i, j), program.S(k, j))) return false;
+  }
+  return same(program.b(i), program.b(k));
+}
+
 void dropRepeated(const ParametricProgram& program, const std::vector<char>& may_drop,
                   Adjustment& adjustment) {
   std::vector<Eigen::VectorXd> rows;
@@ -221,8 +235,8 @@ void dropRepeated(const ParametricProgram& program, const std::vector<char>& may
       const double gap =
           difference.tail(1)(0) + difference.segment(n, program.parameterCount()).cwiseAbs().sum();
       const double scale = 1.0 + rows[k].cwiseAbs().maxCoeff();
-      if (difference.head(n).cwiseAbs().maxCoeff() > kRepeated || difference.isZero(0.0)) continue;
-      if (std::abs(gap) > kRepeated * scale) continue;
+      if (difference.head(n).cwiseAbs().maxCoeff() > kRepeated || std::abs(gap) > kRepeated * scale) continue;
+      if (exactlyRepeated(program, i, k)) continue;  // no harm: their slacks are multiples of each other
       adjustment.dropped.push_back(i);
       break;
     }

@@ -99,6 +99,11 @@ void setLaw(const ExactProgram& program, const Solution& z, ExactRegion& region)
 }  // namespace
 
 void finishRow(ExactRow& row) {
+  Integer divisor(0);
+  for (const Integer& value : row.value) divisor = gcd(divisor, value);
+  if (divisor > 1) {
+    for (Integer& value : row.value) mpz_divexact(value.get_mpz_t(), value.get_mpz_t(), divisor.get_mpz_t());
+  }
   row.bits = 0;
   for (const Integer& value : row.value) {
     if (value != 0) row.bits = std::max(row.bits, mpz_sizeinbase(value.get_mpz_t(), 2));

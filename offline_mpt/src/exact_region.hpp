@@ -24,7 +24,7 @@ struct ExactOrigin {
   bool operator==(const ExactOrigin& other) const { return kind == other.kind && index == other.index; }
 };
 
-/// row (t, 1) >= 0 with p + 1 whole numbers, constant last. Any positive multiple means the same.
+/// row (t, 1) >= 0 with p + 1 whole numbers without a common factor, constant last.
 struct ExactRow {
   ExactOrigin origin;
   std::vector<Integer> value;
@@ -55,7 +55,7 @@ ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>&
 /// The row of one side of the box.
 ExactRow boxRow(int p, int index);
 
-/// Fills `unit`, `bits` and `length`.
+/// Divides by the common factor, fills `unit`, `bits` and `length`.
 void finishRow(ExactRow& row);
 
 /// Whether `row` is a positive multiple of `other`.

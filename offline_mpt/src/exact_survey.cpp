@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -51,6 +52,12 @@ Defect makeDefect(Defect::Kind kind, std::uint32_t region, int row, std::string 
   return defect;
 }
 
+std::string shortText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
 std::string describeOrigin(const ExactOrigin& origin) {
   switch (origin.kind) {
     case ExactOrigin::Kind::kMultiplier:
@@ -90,7 +97,7 @@ void compareLaw(const SurveyContext& context, const RegionView& view, const Exac
   survey.law_error = above(worst);
   if (worst <= Rational(context.options.law_tolerance)) return;
   Defect defect = makeDefect(Defect::Kind::kLaw, index, -1,
-                             "u differs from the exact law by up to " + std::to_string(survey.law_error));
+                             "u differs from the exact law by up to " + shortText(survey.law_error));
   defect.size = survey.law_error;
   survey.defects.push_back(std::move(defect));
 }
@@ -105,8 +112,13 @@ void proveRows(const SurveyContext& context, std::uint32_t index, const std::vec
     if (std::any_of(listed.begin(), listed.end(), is_row)) return;
     const Implication result = implies(known, row, solver);
     if (!result.holds) {
+      double outside = -row.unit.back();
+      for (std::size_t j = 0; j < result.witness.size(); ++j)
+        outside += row.unit[j] * result.witness[j].get_d();
       Defect defect = makeDefect(Defect::Kind::kUnlisted, index, -1,
-                                 "holds parameters where " + describeOrigin(row.origin) + " is negative");
+                                 "holds parameters where " + describeOrigin(row.origin) +
+                                     " is negative, up to a distance of " + shortText(outside) + " (scaled)");
+      defect.size = outside;
       defect.witness = toTheta(context.program, result.witness);
       survey.defects.push_back(std::move(defect));
       return;
@@ -128,7 +140,8 @@ void findPoint(const SurveyContext& context, std::uint32_t index, const std::vec
   for (const ExactRow& row : listed) rows.push_back(&row);
   Interior interior = findInterior(rows, nullptr, context.program.p);
   if (!interior.exists) {
-    Defect defect = makeDefect(Defect::Kind::kFlat, index, -1, "has no interior");
+    Defect defect = makeDefect(Defect::Kind::kFlat, index, -1,
+                               "has no interior (radius " + shortText(interior.radius) + ", scaled)");
     defect.size = interior.radius;
     survey.defects.push_back(std::move(defect));
     return;
@@ -244,8 +257,11 @@ RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index) {
   int worst = -1;
   const std::vector<ExactRow> listed = matchRows(context, view, exact, survey.plane_error, worst);
   if (!(survey.plane_error <= context.options.plane_tolerance)) {
-    Defect defect = makeDefect(Defect::Kind::kPlane, index, worst,
-                               "no condition of optimality lies within the tolerance of its plane");
+    Defect defect =
+        makeDefect(Defect::Kind::kPlane, index, worst,
+                   "no condition of optimality lies within the tolerance of its plane: the nearest "
+                   "differs by " +
+                       shortText(survey.plane_error));
     defect.size = survey.plane_error;
     survey.defects.push_back(std::move(defect));
   }

@@ -36,8 +36,8 @@ struct Defect {
   };
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;
-  int row = -1;              ///< of the region, in map order; -1: the region as a whole
-  double size = 0.0;         ///< kLaw, kPlane: the difference; kFlat: about the radius [scaled]
+  int row = -1;       ///< of the region, in map order; -1: the region as a whole
+  double size = 0.0;  ///< kLaw, kPlane: the difference; kFlat: about the radius; kUnlisted: distance [scaled]
   Eigen::VectorXd witness;   ///< parameter, empty if there is none
   std::vector<int> missing;  ///< kGap: an active set that should be in the map; may be empty even so
   std::string text;          ///< a sentence

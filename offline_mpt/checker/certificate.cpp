@@ -1,0 +1,235 @@
+#include "certificate.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace checker {
+
+Weights Certificate::readWeights(Line& line) const {
+  Weights weights;
+  for (std::size_t k = line.count(kMany); k > 0; --k) {
+    const std::size_t place = line.count(kMany);
+    weights.emplace_back(place, line.integer());
+  }
+  return weights;
+}
+
+Certificate::Certificate(const std::string& text, const Map& map) : map_(map) {
+  const std::size_t end = text.rfind("\nend ");
+  require(end != std::string::npos, "the certificate is cut off");
+  char sum[32];
+  std::snprintf(sum, sizeof sum, "end %016llx\n",
+                static_cast<unsigned long long>(xxh64(text.substr(0, end + 1))));
+  require(text.substr(end + 1) == sum, "the certificate is damaged: its checksum does not match");
+  std::istringstream lines(text.substr(0, end));
+  std::string line;
+  require(std::getline(lines, line) && line == "polyfly certificate 1", "not a certificate of version 1");
+  claims_.reserve(map.regions.size());
+  Claim* claim = nullptr;
+  while (std::getline(lines, line)) readLine(line, claim);
+  checkSizes();
+}
+
+void Certificate::readLine(const std::string& text, Claim*& claim) {
+  Line line(text);
+  const std::string key = line.word();
+  char sum[32];
+  if (key == "map") {
+    std::snprintf(sum, sizeof sum, "%016llx", static_cast<unsigned long long>(map_.checksum));
+    require(line.word() == sum && line.count(SIZE_MAX) == map_.size, "the certificate is of another map");
+  } else if (key == "problem") {
+    std::snprintf(sum, sizeof sum, "%016llx", static_cast<unsigned long long>(xxh64(map_.problem)));
+    require(line.word() == sum && line.count(SIZE_MAX) == map_.problem.size(),
+            "the certificate is of another problem");
+  } else if (key == "tolerances") {
+    law_tolerance_ = line.real();
+    plane_tolerance_ = line.real();
+  } else if (key == "convexity") {
+    regularisation_ = line.real();
+    penalty_ = line.real();
+  } else if (key == "equalities" || key == "dropped" || key == "basis") {
+    for (std::size_t k = line.count(kMany); k > 0; --k) {
+      const std::size_t row = line.count(kMany);
+      if (key == "basis") {
+        basis_.push_back(row);
+      } else {
+        (key == "dropped" ? dropped_ : equalities_).insert(row);
+      }
+    }
+  } else if (key == "implied") {
+    implied_.push_back(readWeights(line));
+  } else if (key == "regions") {
+    require(line.count(kMany) == map_.regions.size(), "the certificate is of another number of regions");
+  } else if (key == "R") {
+    require(line.count(kMany) == claims_.size() && claims_.size() < map_.regions.size(),
+            "regions are out of order");
+    claim = &claims_.emplace_back();
+  } else if (key == "P" || key == "I" || key == "D" || key == "L") {
+    require(claim != nullptr, key + " before the first region");
+    if (key == "P") {
+      while (!line.done()) claim->point.push_back(line.fraction());
+    } else if (key == "L") {
+      require(line.count(kMany) == claim->listed.size(), "facets are out of order");
+      claim->listed.push_back(line.word());
+      std::string& closing = claim->closings.emplace_back();
+      while (!line.done()) closing += line.word() + " ";
+    } else {
+      const std::string origin = line.word();
+      const Integer scale = line.integer();
+      require(claim->proofs.emplace(key + origin, std::make_pair(scale, readWeights(line))).second,
+              "a row is proven twice");
+    }
+  } else {
+    Matrix matrix;
+    matrix.rows = line.count(kMany);
+    matrix.columns = line.count(kMany);
+    while (!line.done()) matrix.entries.push_back(line.real());
+    require(matrix.entries.size() == matrix.rows * matrix.columns, key + ": its size is not as stated");
+    require(data_.emplace(key, std::move(matrix)).second, key + " is given twice");
+  }
+  line.end();
+}
+
+void Certificate::checkSizes() {
+  n_ = data("H").rows;
+  m_ = data("A").rows;
+  p_ = map_.p;
+  q_ = map_.q;
+  const std::map<std::string, std::pair<std::size_t, std::size_t>> sizes = {
+      {"box", {p_, 2}},
+      {"H", {n_, n_}},
+      {"f", {n_, 1}},
+      {"F", {n_, p_}},
+      {"A", {m_, n_}},
+      {"b", {m_, 1}},
+      {"S", {m_, p_}},
+      {"A_theta", {data("A_theta").rows, p_}},
+      {"b_theta", {data("A_theta").rows, 1}},
+      {"E", {q_, n_}},
+      {"C", {q_, p_}},
+      {"c", {q_, 1}}};
+  for (const auto& [name, size] : sizes)
+    require(data(name).rows == size.first && data(name).columns == size.second,
+            name + ": its size does not fit");
+  require(data_.size() == sizes.size(), "an unknown line");
+  for (std::size_t j = 0; j < p_; ++j) {
+    const Fraction lower = data("box").at(j, 0), upper = data("box").at(j, 1);
+    require(
+        lower == Fraction(map_.bounds[2 * j]) && upper == Fraction(map_.bounds[2 * j + 1]) && lower < upper,
+        "the box is not the map's");
+    centre_.push_back((lower + upper) / 2);
+    half_.push_back((upper - lower) / 2);
+  }
+  linear_ = std::all_of(data("H").entries.begin(), data("H").entries.end(),
+                        [](const Fraction& h) { return h == 0; });
+  for (const auto* rows : {&equalities_, &dropped_})
+    require(rows->empty() || *rows->rbegin() < m_, "no such row");
+  require(claims_.size() == map_.regions.size() && !claims_.empty(), "regions are missing");
+}
+
+std::string Certificate::conditions() const {
+  std::string text = "differences from the exact solution: law at most " +
+                     std::to_string(law_tolerance_.get_d() * 1e9) + "e-9 (relative), planes at most " +
+                     std::to_string(plane_tolerance_.get_d() * 1e9) + "e-9 (scaled)\n";
+  if (linear_) text += "linear program: of several optima the shortest\n";
+  if (regularisation_ > 0) text += "of H with something added to its diagonal, as the certificate states\n";
+  if (!dropped_.empty())
+    text += std::to_string(dropped_.size()) + " rows hold within 2^-30 of their size only\n";
+  return text;
+}
+
+/// Compares the numbers with those of a JSON problem. Of other kinds only the text is compared.
+void Certificate::compareProblem(const std::string& problem) const {
+  require(problem == map_.problem, "the problem file is not the one that the map was made from");
+  if (problem.find_first_not_of(" \t\r\n") == std::string::npos ||
+      problem[problem.find_first_not_of(" \t\r\n")] != '{')
+    return;
+  const auto compare = [&](const std::string& key, const Vector& values) {
+    const std::vector<double> numbers = jsonNumbers(problem, key);
+    require(numbers.size() == values.size() &&
+                std::equal(numbers.begin(), numbers.end(), values.begin(),
+                           [](double number, const Fraction& value) { return Fraction(number) == value; }),
+            key + " is not that of the problem file");
+  };
+  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"}) compare(key, data(key).entries);
+  compare("B", data("S").entries);
+  Vector lower, upper;
+  for (std::size_t j = 0; j < p_; ++j) {
+    lower.push_back(data("box").at(j, 0));
+    upper.push_back(data("box").at(j, 1));
+  }
+  compare("lb", lower);
+  compare("ub", upper);
+  const std::vector<double> ids = jsonNumbers(problem, "eq_ids");
+  require(std::set<std::size_t>(ids.begin(), ids.end()) == equalities_,
+          "eq_ids is not that of the problem file");
+  std::vector<double> out = jsonNumbers(problem, "out");
+  for (std::size_t i = out.size(); out.size() == i && i < q_ && jsonNumbers(problem, "out").empty(); ++i)
+    out.push_back(static_cast<double>(i));
+  require(out.size() == q_, "out is not that of the problem file");
+  for (std::size_t i = 0; i < q_; ++i) {
+    for (std::size_t j = 0; j < n_; ++j)
+      require(data("E").at(i, j) == (static_cast<double>(j) == out[i] ? 1 : 0),
+              "out is not that of the problem file");
+  }
+}
+
+/// Row of (matrix theta + vector) in t.
+Vector Certificate::affine(const std::string& matrix, const std::string& vector, std::size_t row,
+                           int sign) const {
+  Vector result;
+  Fraction constant = data(vector).at(row, 0);
+  for (std::size_t j = 0; j < p_; ++j) {
+    result.push_back(sign * data(matrix).at(row, j) * half_[j]);
+    constant += sign * data(matrix).at(row, j) * centre_[j];
+  }
+  result.push_back(constant);
+  return result;
+}
+
+/// Equalities, convexity: what holds for the program as a whole.
+void Certificate::checkProgram() const {
+  std::set<std::size_t> allowed = equalities_;
+  for (const Weights& proof : implied_) {
+    Vector sum(n_ + p_ + 1);
+    for (const auto& [row, weight] : proof) {
+      require(row < m_ && (weight > 0 || equalities_.count(row) > 0), "an implied equality has a wrong sign");
+      for (std::size_t j = 0; j < n_; ++j) sum[j] += weight * data("A").at(row, j);
+      for (std::size_t j = 0; j < p_; ++j) sum[n_ + j] += weight * data("S").at(row, j);
+      sum[n_ + p_] += weight * data("b").at(row, 0);
+      allowed.insert(row);
+    }
+    for (const Fraction& value : sum) require(value == 0, "an implied equality does not follow");
+  }
+  for (const std::size_t row : basis_) require(allowed.count(row) > 0, "a row is no equality");
+  for (const std::size_t row : dropped_) require(allowed.count(row) == 0, "an equality is dropped");
+  require(regularisation_ >= 0 && penalty_ >= 0, "convexity: negative");
+  if (linear_) return;
+  Matrix H = data("H");
+  for (std::size_t i = 0; i < n_; ++i) {
+    for (std::size_t j = 0; j < n_; ++j) {
+      H.entries[i * n_ + j] = (data("H").at(i, j) + data("H").at(j, i)) / 2 + (i == j ? regularisation_ : 0);
+      for (const std::size_t row : basis_)
+        H.entries[i * n_ + j] += penalty_ * data("A").at(row, i) * data("A").at(row, j);
+    }
+  }
+  std::vector<char> done(n_, 0);
+  for (std::size_t round = 0; round < n_; ++round) {
+    std::size_t k = n_;
+    for (std::size_t i = 0; i < n_; ++i) {
+      require(done[i] || H.at(i, i) >= 0, "H is not positive semidefinite");
+      if (!done[i] && H.at(i, i) > 0) k = i;
+    }
+    for (std::size_t i = 0; k == n_ && i < n_ * n_; ++i)
+      require(done[i / n_] || done[i % n_] || H.entries[i] == 0, "H is not positive semidefinite");
+    if (k == n_) return;
+    done[k] = 1;
+    for (std::size_t i = 0; i < n_; ++i) {
+      if (done[i]) continue;
+      const Fraction factor = H.at(i, k) / H.at(k, k);
+      for (std::size_t j = 0; j < n_; ++j) H.entries[i * n_ + j] -= factor * H.at(k, j);
+    }
+  }
+}
+
+}  // namespace checker

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "certificate_input.hpp"
+
+namespace checker {
+
+using Integer = mpz_class;
+using Fraction = mpq_class;
+using Vector = std::vector<Fraction>;
+using Row = std::vector<Integer>;  // row (t, 1) >= 0
+using Weights = std::vector<std::pair<std::size_t, Integer>>;
+
+constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
+
+struct Matrix {
+  std::size_t rows = 0, columns = 0;
+  Vector entries;
+  const Fraction& at(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
+};
+
+/// What a certificate says of one region.
+struct Claim {
+  Vector point;
+  std::vector<std::string> listed;                            ///< origin of each row of the map
+  std::vector<std::string> closings;                          ///< how each facet is closed
+  std::map<std::string, std::pair<Integer, Weights>> proofs;  ///< by origin
+};
+
+struct Region {
+  std::set<std::size_t> active;
+  std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
+  std::map<std::string, Row> dropped;  ///< with what they may fall short added
+  std::vector<Row> listed;
+  Vector law;
+};
+
+/// A certificate as it was read, and the rules that it must fulfil (offline_mpt/CERTIFICATE.md). All throw
+/// Refused.
+class Certificate {
+ public:
+  Certificate(const std::string& text, const Map& map);
+  void compareProblem(const std::string& problem) const;
+  void check() const;
+  std::string conditions() const;  ///< what a reader must know beside "confirmed"
+
+ private:
+  const Matrix& data(const std::string& name) const {
+    const auto at = data_.find(name);
+    require(at != data_.end(), name + " is missing");
+    return at->second;
+  }
+  void readLine(const std::string& text, Claim*& claim);
+  Weights readWeights(Line& line) const;
+  void checkSizes();
+  void checkProgram() const;
+  Vector affine(const std::string& matrix, const std::string& vector, std::size_t row, int sign) const;
+  std::set<std::size_t> activeSet(std::size_t index) const;
+  Region describe(std::size_t index) const;
+  void addSlacks(const std::vector<Row>& z, const Integer& determinant, const std::set<std::size_t>& used,
+                 Region& region) const;
+  void addDomain(Region& region) const;
+  void setLaw(const std::vector<Row>& z, const Integer& determinant, Region& region) const;
+  Vector inBox(const double* entries, int sign, const Fraction& constant) const;
+  void checkLaw(std::size_t index, const Region& region) const;
+  void checkRows(std::size_t index, Region& region) const;
+  Fraction valueAt(const Row& row, const Vector& t) const;
+  void checkPoint(const Claim& claim, const Region& region) const;
+  void checkClosing(std::size_t index, const Region& region, std::size_t facet) const;
+  void checkEdge(Line& line, const Row& plane) const;
+  void checkCover(Line& line, const Row& plane, std::vector<const Row*> cell) const;
+
+  const Map& map_;
+  std::map<std::string, Matrix> data_;
+  std::set<std::size_t> equalities_, dropped_;
+  std::vector<std::size_t> basis_;
+  std::vector<Weights> implied_;
+  Fraction law_tolerance_, plane_tolerance_, regularisation_, penalty_;
+  Vector centre_, half_;
+  std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
+  bool linear_ = false;
+  std::vector<Claim> claims_;
+};
+
+}  // namespace checker

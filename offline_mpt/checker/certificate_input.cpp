@@ -1,0 +1,180 @@
+#include "certificate_input.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+namespace checker {
+namespace {
+
+constexpr std::uint64_t kPrime[] = {11400714785074694791ull, 14029467366897019727ull, 1609587929392839161ull,
+                                    9650029242287828579ull, 2870177450012600261ull};
+
+std::uint64_t rotate(std::uint64_t value, int bits) { return value << bits | value >> (64 - bits); }
+
+std::uint64_t mix(std::uint64_t state, std::uint64_t input) {
+  return rotate(state + input * kPrime[1], 31) * kPrime[0];
+}
+
+template <typename T>
+T load(const std::string& bytes, std::size_t at) {
+  T value;
+  require(at + sizeof(T) <= bytes.size(), "the map is cut off");
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+
+template <typename T>
+std::vector<T> section(const std::string& bytes, std::size_t index, std::size_t per_element) {
+  const auto offset = load<std::uint64_t>(bytes, 96 + 16 * index);
+  const auto count = load<std::uint64_t>(bytes, 104 + 16 * index);
+  require(offset <= bytes.size() && count <= (bytes.size() - offset) / (per_element * sizeof(T)),
+          "a section of the map lies outside of it");
+  std::vector<T> result(count * per_element);
+  if (!result.empty()) std::memcpy(result.data(), bytes.data() + offset, result.size() * sizeof(T));
+  return result;
+}
+
+}  // namespace
+
+std::string readFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  require(file.good() && content.good(), path + ": cannot be read");
+  return content.str();
+}
+
+std::uint64_t xxh64(const std::string& bytes) {
+  const std::size_t size = bytes.size();
+  std::size_t at = 0;
+  std::uint64_t hash = kPrime[4];
+  if (size >= 32) {
+    std::uint64_t lane[] = {kPrime[0] + kPrime[1], kPrime[1], 0, 0 - kPrime[0]};
+    for (; at + 32 <= size; at += 32) {
+      for (std::size_t k = 0; k < 4; ++k) lane[k] = mix(lane[k], load<std::uint64_t>(bytes, at + 8 * k));
+    }
+    hash = rotate(lane[0], 1) + rotate(lane[1], 7) + rotate(lane[2], 12) + rotate(lane[3], 18);
+    for (const std::uint64_t value : lane) hash = (hash ^ mix(0, value)) * kPrime[0] + kPrime[3];
+  }
+  hash += size;
+  for (; at + 8 <= size; at += 8)
+    hash = rotate(hash ^ mix(0, load<std::uint64_t>(bytes, at)), 27) * kPrime[0] + kPrime[3];
+  for (; at + 4 <= size; at += 4)
+    hash = rotate(hash ^ load<std::uint32_t>(bytes, at) * kPrime[0], 23) * kPrime[1] + kPrime[2];
+  for (; at < size; ++at)
+    hash = rotate(hash ^ static_cast<unsigned char>(bytes[at]) * kPrime[4], 11) * kPrime[0];
+  hash = (hash ^ hash >> 33) * kPrime[1];
+  hash = (hash ^ hash >> 29) * kPrime[2];
+  return hash ^ hash >> 32;
+}
+
+Map::Map(const std::string& file) {
+  require(file.size() >= 256 && file.compare(0, 8, "PFLYMAP\n") == 0, "not a region map");
+  require(load<std::uint32_t>(file, 8) == 0x01020304u, "the byte order of the map is not this machine's");
+  require(load<std::uint32_t>(file, 12) == 1, "the version of the map is unknown");
+  size = load<std::uint64_t>(file, 16);
+  checksum = load<std::uint64_t>(file, 24);
+  require(size == file.size(), "the map is cut off");
+  std::string blank = file;
+  blank.replace(24, 8, 8, '\0');
+  require(xxh64(blank) == checksum, "the map is damaged: its checksum does not match");
+  p = load<std::uint32_t>(file, 32);
+  q = load<std::uint32_t>(file, 36);
+  require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
+  const std::vector<char> text = section<char>(file, 0, 1);
+  const std::string words(text.begin(), text.end());
+  const std::size_t name_end = words.find('\0');
+  require(name_end != std::string::npos, "the map's text is not as it must be");
+  problem = words.substr(name_end + 1, words.find('\0', name_end + 1) - name_end - 1);
+  bounds = section<double>(file, 1, 2);
+  require(bounds.size() == 2 * std::size_t{p + q}, "the map's bounds are not as they must be");
+  planes = section<double>(file, 2, p + 1);
+  laws = section<double>(file, 3, q * (p + 1));
+  regions = section<Region>(file, 4, 1);
+  rows = section<std::int32_t>(file, 5, 1);
+  active = section<std::int32_t>(file, 6, 1);
+  for (const std::int32_t row : rows)
+    require(row != 0 && row != INT32_MIN && std::size_t(std::abs(row)) * (p + 1) <= planes.size(),
+            "a row of the map names no plane");
+  for (const Region& region : regions) {
+    require(std::uint64_t{region.first_row} + region.row_count <= rows.size() &&
+                std::uint64_t{region.first_active} + region.active_count <= active.size() &&
+                (std::uint64_t{region.law} + 1) * q * (p + 1) <= laws.size(),
+            "a region of the map reaches beyond its tables");
+  }
+  for (const auto* table : {&planes, &laws, &bounds}) {
+    const std::size_t finite =
+        table == &bounds ? 2 * std::size_t{p} : table->size();  // inputs may have no bounds
+    for (std::size_t k = 0; k < finite; ++k)
+      require(std::isfinite((*table)[k]), "the map has an entry that is no number");
+  }
+}
+
+std::string Line::word() {
+  std::string result;
+  require(static_cast<bool>(words_ >> result), "a line is shorter than its rule");
+  return result;
+}
+
+std::size_t Line::count(std::size_t limit) {
+  const std::string text = word();
+  require(text.size() <= 18 && text.find_first_not_of("0123456789") == std::string::npos,
+          text + " is no count");
+  const std::size_t value = std::stoull(text);
+  require(value <= limit, text + " is out of range");
+  return value;
+}
+
+mpz_class Line::integer() {
+  mpz_class value;
+  const std::string text = word();
+  require(text.find_first_not_of("-0123456789abcdef") == std::string::npos && value.set_str(text, 16) == 0,
+          text + " is no whole number");
+  return value;
+}
+
+mpq_class Line::fraction() {
+  mpq_class value;
+  const std::string text = word();
+  require(text.find_first_not_of("-/0123456789abcdef") == std::string::npos && value.set_str(text, 16) == 0 &&
+              value.get_den() > 0,
+          text + " is no fraction");
+  value.canonicalize();
+  return value;
+}
+
+mpq_class Line::real() {
+  const std::string text = word();
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  require(end == text.c_str() + text.size() && std::isfinite(value), text + " is no finite number");
+  return mpq_class(value);
+}
+
+std::vector<double> jsonNumbers(const std::string& text, const std::string& key) {
+  std::vector<double> numbers;
+  int depth = 0;
+  bool wanted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '"') {
+      const std::size_t first = at + 1;
+      for (++at; at < text.size() && text[at] != '"'; ++at) at += text[at] == '\\' ? 1 : 0;
+      const std::size_t colon = text.find_first_not_of(" \t\r\n", at + 1);
+      const bool is_key = depth == 1 && colon != std::string::npos && text[colon] == ':';
+      if (is_key) wanted = text.compare(first, at - first, key) == 0;
+    } else if (c == '{' || c == '[') {
+      ++depth;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    } else if (wanted && (c == '-' || (c >= '0' && c <= '9'))) {
+      char* end = nullptr;
+      numbers.push_back(std::strtod(text.c_str() + at, &end));
+      at = static_cast<std::size_t>(end - text.c_str()) - 1;
+    }
+  }
+  return numbers;
+}
+
+}  // namespace checker

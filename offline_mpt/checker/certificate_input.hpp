@@ -1,0 +1,63 @@
+#pragma once
+
+#include <gmpxx.h>
+
+#include <cstdint>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+/// What check_certificate reads: files, maps (region_maps/FORMAT.md), numbers, JSON problems. Shares no code
+/// with what wrote them.
+namespace checker {
+
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+inline void require(bool condition, const std::string& rule) {
+  if (!condition) throw Refused(rule);
+}
+
+std::string readFile(const std::string& path);
+std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
+
+/// The parts of a region map that a certificate speaks of.
+struct Map {
+  explicit Map(const std::string& file);
+
+  struct Region {
+    std::uint32_t first_row, row_count, law, first_active, active_count;
+  };
+
+  std::uint32_t p = 0, q = 0;
+  std::uint64_t checksum = 0, size = 0;
+  std::string problem;         ///< text
+  std::vector<double> bounds;  ///< lower and upper of each parameter
+  std::vector<double> planes, laws;
+  std::vector<Region> regions;
+  std::vector<std::int32_t> rows, active;
+};
+
+/// Words of one line.
+class Line {
+ public:
+  explicit Line(const std::string& text) : words_(text) {}
+  std::string word();
+  bool done() { return (words_ >> std::ws).eof(); }
+  std::size_t count(std::size_t limit);  ///< whole, at most `limit`
+  mpz_class integer();                   ///< base 16
+  mpq_class fraction();                  ///< base 16, as numerator/denominator
+  mpq_class real();                      ///< a double as printf's %a writes it, at its exact value
+  void end() { require(done(), "a line is longer than its rule"); }
+
+ private:
+  std::istringstream words_;
+};
+
+/// All numbers behind a key of the outermost object, in order; none where it is missing.
+std::vector<double> jsonNumbers(const std::string& text, const std::string& key);
+
+}  // namespace checker

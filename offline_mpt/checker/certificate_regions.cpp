@@ -1,0 +1,416 @@
+#include <algorithm>
+
+#include "certificate.hpp"
+
+namespace checker {
+namespace {
+
+constexpr int kDroppedBits = 30;
+
+Row primitive(const Vector& values) {
+  Integer denominator(1), divisor(0);
+  for (const Fraction& value : values) denominator = lcm(denominator, value.get_den());
+  Row row;
+  for (const Fraction& value : values) {
+    row.push_back(value.get_num() * (denominator / value.get_den()));
+    divisor = gcd(divisor, row.back());
+  }
+  if (divisor > 1) {
+    for (Integer& value : row) value /= divisor;
+  }
+  return row;
+}
+
+Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
+
+bool proportional(const Row& a, const Row& b) {  // with any sign, b not zero
+  std::size_t k = 0;
+  while (b[k] == 0) ++k;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    if (a[j] * b[k] != b[j] * a[k]) return false;
+  }
+  return true;
+}
+
+bool sameHalfSpace(const Row& a, const Row& b) {
+  std::size_t k = 0;
+  while (b[k] == 0) ++k;
+  return proportional(a, b) && sgn(a[k]) == sgn(b[k]);
+}
+
+Integer leastInBox(const Row& row) {
+  Integer value = row.back();
+  for (std::size_t j = 0; j + 1 < row.size(); ++j) value -= abs(row[j]);
+  return value;
+}
+
+/// scale * target - sum of weight * row, rows in unit form: shifted to the same number of bits.
+Row remainder(const Row* target, const Integer& scale, const Weights& weights,
+              const std::vector<const Row*>& rows) {
+  const auto bits = [](const Row& row) {
+    std::size_t most = 0;
+    for (const Integer& value : row)
+      most = std::max(most, value == 0 ? 0 : mpz_sizeinbase(value.get_mpz_t(), 2));
+    return most;
+  };
+  std::size_t most = target != nullptr ? bits(*target) : 0;
+  for (const auto& [place, weight] : weights) {
+    require(place < rows.size() && rows[place] != nullptr, "a proof names a row that is not there");
+    most = std::max(most, bits(*rows[place]));
+  }
+  Row rest;
+  const auto add = [&](const Row& row, const Integer& factor) {
+    rest.resize(row.size());
+    for (std::size_t j = 0; j < row.size(); ++j) rest[j] += factor * (row[j] << (most - bits(row)));
+  };
+  if (target != nullptr) add(*target, scale);
+  for (const auto& [place, weight] : weights) add(*rows[place], -weight);
+  return rest;
+}
+
+/// Solves the square system in place, without fractions; its last columns then are determinant * solution.
+Integer solve(std::vector<Row>& system) {
+  const std::size_t size = system.size();
+  Integer previous(1);
+  for (std::size_t k = 0; k < size; ++k) {
+    std::size_t pivot = size;
+    for (std::size_t i = k; i < size; ++i) {
+      if (system[i][k] != 0 && (pivot == size || cmp(abs(system[i][k]), abs(system[pivot][k])) < 0))
+        pivot = i;
+    }
+    require(pivot < size, "active rows are dependent");
+    std::swap(system[k], system[pivot]);
+    for (std::size_t i = 0; i < size; ++i) {
+      if (i == k) continue;
+      const Integer factor = system[i][k];
+      if (factor == 0 && system[k][k] == previous) continue;
+      for (std::size_t j = i < k ? i : k; j < system[i].size(); ++j) {
+        if (j != i && j < k) continue;
+        system[i][j] *= system[k][k];
+        system[i][j] -= factor * system[k][j];
+        mpz_divexact(system[i][j].get_mpz_t(), system[i][j].get_mpz_t(), previous.get_mpz_t());
+      }
+    }
+    previous = system[k][k];
+  }
+  for (Row& row : system) {
+    for (Integer& value : row) value *= sgn(previous);
+  }
+  return abs(previous);
+}
+
+}  // namespace
+
+std::set<std::size_t> Certificate::activeSet(std::size_t index) const {
+  const Map::Region& region = map_.regions[index];
+  std::set<std::size_t> active;
+  for (std::size_t k = 0; k < region.active_count; ++k) {
+    const std::int32_t row = map_.active[region.first_active + k];
+    require(row >= 0 && static_cast<std::size_t>(row) < m_, "an active set names a row that is not there");
+    const auto i = static_cast<std::size_t>(row);
+    require(dropped_.count(i) == 0, "an active set names a dropped row");
+    if (equalities_.count(i) > 0 || std::find(basis_.begin(), basis_.end(), i) != basis_.end()) continue;
+    require(active.insert(i).second, "an active set repeats a row");
+  }
+  return active;
+}
+
+/// Solves H z + cost + A'lambda = 0, A z = bound over the active rows. Of a linear program, H = I without
+/// cost gives the shortest z, and the cost alone the prices.
+Region Certificate::describe(std::size_t index) const {
+  Region region;
+  region.active = activeSet(index);
+  std::vector<std::size_t> rows = basis_;
+  rows.insert(rows.end(), region.active.begin(), region.active.end());
+  const std::size_t size = n_ + rows.size(), width = p_ + 1;
+  std::vector<Row> system;
+  for (std::size_t i = 0; i < size; ++i) {
+    Vector equation(size + (linear_ ? 2 : 1) * width);
+    if (i < n_) {
+      for (std::size_t j = 0; j < n_; ++j)
+        equation[j] = (data("H").at(i, j) + data("H").at(j, i)) / 2 +
+                      (i == j ? Fraction(linear_ ? 1 : regularisation_) : Fraction(0));
+      for (std::size_t r = 0; r < rows.size(); ++r) equation[n_ + r] = data("A").at(rows[r], i);
+      const Vector cost = affine("F", "f", i, 1);
+      for (std::size_t j = 0; j < width; ++j) equation[size + (linear_ ? width : 0) + j] = -cost[j];
+    } else {
+      for (std::size_t j = 0; j < n_; ++j) equation[j] = data("A").at(rows[i - n_], j);
+      const Vector bound = affine("S", "b", rows[i - n_], 1);
+      std::copy(bound.begin(), bound.end(), equation.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+    system.push_back(primitive(equation));
+  }
+  const Integer determinant = solve(system);
+  const auto part = [&](std::size_t unknown, std::size_t group) {
+    const auto first = system[unknown].begin() + static_cast<std::ptrdiff_t>(size + group * width);
+    return Row(first, first + static_cast<std::ptrdiff_t>(width));
+  };
+  const auto isZero = [](const Row& row) {
+    return std::all_of(row.begin(), row.end(), [](const Integer& v) { return v == 0; });
+  };
+  std::vector<Row> z;
+  for (std::size_t i = 0; i < n_; ++i) {
+    z.push_back(part(i, 0));
+    require(!linear_ || isZero(part(i, 1)), "active rows do not pay for the cost");
+  }
+  for (std::size_t r = basis_.size(); r < rows.size(); ++r) {
+    const bool priced = linear_ && !isZero(part(n_ + r, 1));
+    region.rows[(priced ? "p" : "m") + std::to_string(rows[r])] = primitive(part(n_ + r, priced ? 1 : 0));
+  }
+  addSlacks(z, determinant, std::set<std::size_t>(rows.begin(), rows.end()), region);
+  addDomain(region);
+  setLaw(z, determinant, region);
+  return region;
+}
+
+void Certificate::addSlacks(const std::vector<Row>& z, const Integer& determinant,
+                            const std::set<std::size_t>& used, Region& region) const {
+  for (std::size_t i = 0; i < m_; ++i) {
+    if (used.count(i) > 0) continue;
+    Vector coefficients(data("A").entries.begin() + static_cast<std::ptrdiff_t>(i * n_),
+                        data("A").entries.begin() + static_cast<std::ptrdiff_t>((i + 1) * n_));
+    const Vector bound = affine("S", "b", i, 1);
+    coefficients.insert(coefficients.end(), bound.begin(), bound.end());
+    const Row row = primitive(coefficients);
+    Row slack;
+    for (std::size_t j = 0; j <= p_; ++j) {
+      Integer value = determinant * row[n_ + j];
+      for (std::size_t k = 0; k < n_; ++k) value -= row[k] * z[k][j];
+      slack.push_back(value);
+    }
+    const std::string origin = "s" + std::to_string(i);
+    if (equalities_.count(i) > 0) {
+      for (const Integer& value : slack) require(value == 0, "an equality does not hold");
+    } else if (dropped_.count(i) > 0) {
+      Integer greatest(0);
+      for (std::size_t k = 0; k < n_; ++k) greatest = std::max(greatest, Integer(abs(row[k])));
+      for (Integer& value : slack) value <<= kDroppedBits;
+      slack.back() += determinant * greatest;
+      region.dropped[origin] = primitive(slack);
+    } else {
+      region.rows[origin] = primitive(slack);
+    }
+  }
+}
+
+void Certificate::addDomain(Region& region) const {
+  for (std::size_t i = 0; i < data("A_theta").rows; ++i) {
+    region.rows["d" + std::to_string(i)] = primitive(affine("A_theta", "b_theta", i, -1));
+  }
+  for (std::size_t k = 0; k < 2 * p_; ++k) {
+    Row row(p_ + 1);
+    row[k / 2] = k % 2 == 0 ? -1 : 1;
+    row[p_] = 1;
+    region.rows["b" + std::to_string(k)] = row;
+  }
+}
+
+void Certificate::setLaw(const std::vector<Row>& z, const Integer& determinant, Region& region) const {
+  for (std::size_t i = 0; i < q_; ++i) {
+    Vector law = affine("C", "c", i, 1);
+    for (std::size_t j = 0; j <= p_; ++j) {
+      Fraction sum;
+      for (std::size_t k = 0; k < n_; ++k) {
+        if (data("E").at(i, k) != 0) sum += data("E").at(i, k) * z[k][j];
+      }
+      region.law.push_back(law[j] + sum / determinant);
+    }
+  }
+}
+
+/// The map's numbers for a row (p + 1 of them) in t: sign * (entries . theta) + constant.
+Vector Certificate::inBox(const double* entries, int sign, const Fraction& constant) const {
+  Vector result;
+  Fraction sum = constant;
+  for (std::size_t j = 0; j < p_; ++j) {
+    result.push_back(sign * Fraction(entries[j]) * half_[j]);
+    sum += sign * Fraction(entries[j]) * centre_[j];
+  }
+  result.push_back(sum);
+  return result;
+}
+
+void Certificate::checkLaw(std::size_t index, const Region& region) const {
+  for (std::size_t i = 0; i < q_; ++i) {
+    const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
+    const Vector mapped = inBox(row, 1, Fraction(row[p_]));
+    Fraction difference, size(1), sum;
+    for (std::size_t j = 0; j <= p_; ++j) {
+      difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
+      sum += abs(mapped[j]);
+    }
+    if (sum > size) size = sum;
+    require(difference <= law_tolerance_ * size, "the map's law is not the exact one");
+  }
+}
+
+/// The map's rows stand for conditions of optimality, and all conditions follow from them.
+void Certificate::checkRows(std::size_t index, Region& region) const {
+  const Map::Region& mapped_region = map_.regions[index];
+  const Claim& claim = claims_[index];
+  require(claim.listed.size() == mapped_region.row_count, "facets are missing");
+  for (std::size_t f = 0; f < claim.listed.size(); ++f) {
+    const auto at = region.rows.find(claim.listed[f]);
+    require(at != region.rows.end(), "facet " + claim.listed[f] + " is no condition of optimality");
+    const Row& exact = at->second;
+    const std::int32_t reference = map_.rows[mapped_region.first_row + f];
+    const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(reference)) - 1) * (p_ + 1);
+    const int sign = reference > 0 ? -1 : 1;
+    const Vector mapped = inBox(plane, sign, -sign * Fraction(plane[p_]));
+    std::size_t k = 0;
+    Fraction squared;
+    for (std::size_t j = 0; j < p_; ++j) {
+      if (abs(mapped[j]) > abs(mapped[k])) k = j;
+      squared += mapped[j] * mapped[j];
+    }
+    require(sgn(mapped[k]) * sgn(exact[k]) > 0, "a plane of the map is not the exact one");
+    Fraction difference = abs(squared - 1) / 2;
+    const Fraction factor = mapped[k] / exact[k];
+    for (std::size_t j = 0; j <= p_; ++j) difference += abs(mapped[j] - factor * exact[j]);
+    require(difference <= plane_tolerance_, "a plane of the map is not the exact one");
+    region.listed.push_back(exact);
+  }
+  std::vector<const Row*> listed;
+  for (const Row& row : region.listed) listed.push_back(&row);
+  const auto follows = [&](const std::string& key, const Row& row) {
+    if (leastInBox(row) >= 0) return;
+    const auto proof = claim.proofs.find(key);
+    require(proof != claim.proofs.end(), "row " + key + " is not proven to follow");
+    const auto& [scale, weights] = proof->second;
+    require(scale > 0, "a proof has a scale that is not positive");
+    for (const auto& [place, weight] : weights) require(weight >= 0, "a proof has a negative weight");
+    require(leastInBox(remainder(&row, scale, weights, listed)) >= 0, "row " + key + " does not follow");
+  };
+  for (const auto& [origin, row] : region.rows) {
+    const bool is_listed = std::find(claim.listed.begin(), claim.listed.end(), origin) != claim.listed.end();
+    if (!is_listed && origin[0] != 'b') follows("I" + origin, row);
+  }
+  for (const auto& [origin, row] : region.dropped) follows("D" + origin, row);
+}
+
+Fraction Certificate::valueAt(const Row& row, const Vector& t) const {
+  Fraction value(row.back());
+  for (std::size_t j = 0; j < p_; ++j) value += row[j] * t[j];
+  return value;
+}
+
+void Certificate::checkPoint(const Claim& claim, const Region& region) const {
+  require(claim.point.size() == p_, "the inner point is missing");
+  for (const Fraction& value : claim.point)
+    require(abs(value) < 1, "the inner point lies outside of the box");
+  for (const Row& row : region.listed)
+    require(valueAt(row, claim.point) > 0, "the inner point does not lie inside");
+}
+
+/// What lies behind a facet: the domain's edge, the edge of the feasible set, one region, or several.
+void Certificate::checkClosing(std::size_t index, const Region& region, std::size_t facet) const {
+  Line line(claims_[index].closings[facet]);
+  const Row& plane = region.listed[facet];
+  const std::string kind = line.word();
+  if (kind == "domain" || kind == "next") {
+    const std::string origin = line.word();
+    const auto at = region.rows.find(origin);
+    require(at != region.rows.end() && sameHalfSpace(at->second, plane), "a facet is not that of " + origin);
+    if (kind == "domain") {
+      require(origin[0] == 'd' || origin[0] == 'b', "a facet is not at the edge of the domain");
+    } else {
+      require(origin[0] == 'm' || origin[0] == 's', "a facet of this kind has no single neighbour");
+      const std::size_t other = line.count(claims_.size() - 1);
+      std::set<std::size_t> changed = region.active;
+      const std::size_t row = std::stoull(origin.substr(1));
+      if (origin[0] == 'm') {
+        changed.erase(row);
+      } else {
+        changed.insert(row);
+      }
+      require(activeSet(other) == changed, "the region behind a facet is another one");
+    }
+  } else if (kind == "edge") {
+    checkEdge(line, plane);
+  } else {
+    require(kind == "cover", kind + " closes no facet");
+    std::vector<const Row*> cell;
+    for (const Row& row : region.listed) {
+      if (!proportional(row, plane)) cell.push_back(&row);
+    }
+    checkCover(line, plane, cell);
+  }
+  line.end();
+}
+
+/// Rows add up to 0 z <= g(t): beyond g = 0 there is no solution.
+void Certificate::checkEdge(Line& line, const Row& plane) const {
+  Vector sum(n_), bound(p_ + 1);
+  for (const auto& [row, weight] : readWeights(line)) {
+    require(row < m_ && dropped_.count(row) == 0, "an edge names a row that is not there");
+    const bool any_sign =
+        equalities_.count(row) > 0 || std::find(basis_.begin(), basis_.end(), row) != basis_.end();
+    require(any_sign || weight >= 0, "an edge has a negative weight");
+    for (std::size_t j = 0; j < n_; ++j) sum[j] += weight * data("A").at(row, j);
+    const Vector own = affine("S", "b", row, 1);
+    for (std::size_t j = 0; j <= p_; ++j) bound[j] += weight * own[j];
+  }
+  for (const Fraction& value : sum) require(value == 0, "an edge's rows do not cancel");
+  require(sameHalfSpace(primitive(bound), plane), "an edge is not the facet's plane");
+}
+
+/// The cell, a part of the facet, is empty, or is cut by the rows of a region behind: what lies outside of
+/// each is covered by others, what remains lies in that region.
+void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row*> cell) const {
+  const auto checkEmpty = [&](const std::vector<const Row*>& rows) {
+    std::vector<const Row*> with_plane = rows;
+    with_plane.push_back(&plane);
+    const Weights weights = readWeights(line);
+    require(!weights.empty(), "an empty proof");
+    bool counts = false;
+    for (const auto& [place, weight] : weights) {
+      require(weight >= 0 || place == rows.size(), "a proof has a negative weight");
+      counts = counts || (weight > 0 && place != rows.size());
+    }
+    const Row rest = remainder(nullptr, 0, weights, with_plane);
+    for (const Integer& value : rest) counts = counts || value != 0;
+    require(counts && leastInBox(rest) >= 0, "a part of a facet is not empty");
+  };
+  const std::string kind = line.word();
+  if (kind == "e") return checkEmpty(cell);
+  require(kind == "N", kind + " covers nothing");
+  const std::size_t other = line.count(claims_.size() - 1);
+  Region behind = describe(other);
+  checkRows(other, behind);
+  checkPoint(claims_[other], behind);
+  require(valueAt(plane, claims_[other].point) < 0, "a region does not lie behind the facet that it covers");
+  for (const Row& row : behind.listed) {
+    const std::string what = line.word();
+    require(proportional(row, plane) == (what == "z"), "a cut along the facet");
+    if (what == "z") continue;
+    Row negated = row;
+    for (Integer& value : negated) value = -value;
+    std::vector<const Row*> outside = cell;
+    outside.push_back(&negated);
+    if (what == "e") {
+      checkEmpty(outside);
+    } else {
+      require(what == "s", what + " covers nothing");
+      checkCover(line, plane, outside);
+      cell.push_back(&row);
+    }
+  }
+}
+
+void Certificate::check() const {
+  checkProgram();
+  std::set<std::set<std::size_t>> seen;
+  for (std::size_t index = 0; index < claims_.size(); ++index) {
+    try {
+      Region region = describe(index);
+      require(seen.insert(region.active).second, "another region has the same active set");
+      checkLaw(index, region);
+      checkRows(index, region);
+      checkPoint(claims_[index], region);
+      for (std::size_t facet = 0; facet < region.listed.size(); ++facet) checkClosing(index, region, facet);
+    } catch (const Refused& error) {
+      throw Refused("region " + std::to_string(index) + ": " + error.what());
+    }
+  }
+}
+}  // namespace checker

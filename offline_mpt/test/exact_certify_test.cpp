@@ -1,0 +1,297 @@
+// Exact verification: right maps are proven, wrong ones refuted for the right reason.
+#include <gtest/gtest.h>
+
+#include "exact_programs.hpp"
+#include "map_in_memory.hpp"
+#include "mpc_core/dense_qp.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+MapContent solved(const ParametricProgram& program) { return encode(program, explore(program)); }
+
+CertifyReport certified(const MapContent& content, const ParametricProgram& program,
+                        const CertifyOptions& options = {}) {
+  return certify(MapInMemory(content).map(), program, options);
+}
+
+bool has(const CertifyReport& report, Defect::Kind kind) {
+  for (const Defect& defect : report.defects) {
+    if (defect.kind == kind) return true;
+  }
+  return false;
+}
+
+void expectProven(const ParametricProgram& program) {
+  const MapContent content = solved(program);
+  const CertifyReport report = certified(content, program);
+  EXPECT_TRUE(report.passed()) << program.name << "\n" << certifyText(report);
+  EXPECT_EQ(report.regions, content.regions.size());
+  EXPECT_EQ(report.facets, content.rows.size());
+  EXPECT_EQ(report.facets,
+            report.domain_facets + report.edge_facets + report.matched_facets + report.covered_facets);
+  EXPECT_FALSE(report.certificate.empty());
+}
+
+TEST(Certify, ProvesGeneratedPrograms) {
+  for (const auto& [n, m, p] : {std::tuple{2, 8, 1}, {3, 12, 2}, {5, 20, 3}, {4, 14, 4}, {3, 10, 5}}) {
+    for (unsigned seed = 1; seed <= 2; ++seed) expectProven(randomProgram(n, m, p, seed));
+  }
+}
+
+TEST(Certify, ProvesStateConstraintsAndFindsTheEdgeOfTheFeasibleSet) {
+  const ParametricProgram program = doubleIntegrator(5);
+  expectProven(program);
+  const CertifyReport report = certified(solved(program), program);
+  EXPECT_GT(report.edge_facets, 0u);
+  EXPECT_GT(report.matched_facets, 0u);
+}
+
+TEST(Certify, ProvesDomainRowsEqualitiesAndDuplicates) {
+  ParametricProgram program = randomProgram(4, 14, 2, 9);
+  program.A_theta.resize(2, 2);
+  program.A_theta << 1.0, 1.0, 0.5, -1.0;
+  program.b_theta.resize(2);
+  program.b_theta << 1.1, 0.8;
+  expectProven(program);
+  ParametricProgram equality = program;
+  equality.equalities = {3};
+  equality.b(3) = 0.1;
+  expectProven(equality);
+  ParametricProgram doubled = program;
+  doubled.A.resize(28, 4);
+  doubled.S.resize(28, 2);
+  doubled.b.resize(28);
+  doubled.A << program.A, program.A;
+  doubled.S << program.S, program.S;
+  doubled.b << program.b, program.b;
+  expectProven(doubled);
+}
+
+TEST(Certify, DropsRowsThatRepeatOthersUpToRounding) {
+  const ParametricProgram program = randomProgram(3, 10, 2, 9);
+  ParametricProgram scaled = program;
+  scaled.A.resize(20, 3);
+  scaled.S.resize(20, 2);
+  scaled.b.resize(20);
+  scaled.A << program.A, 0.7 * program.A;
+  scaled.S << program.S, 0.7 * program.S;
+  scaled.b << program.b, 0.7 * program.b;
+  expectProven(scaled);
+  EXPECT_FALSE(certified(solved(scaled), scaled).dropped_rows.empty());
+}
+
+TEST(Certify, RecognisesInequalitiesThatAreEqualities) {
+  ParametricProgram program = randomProgram(4, 14, 2, 9);
+  program.A.row(1) = -program.A.row(0);
+  program.b(1) = -program.b(0);
+  program.S.row(1) = -program.S.row(0);
+  expectProven(program);
+  EXPECT_EQ(certified(solved(program), program).implied_equalities, (std::vector<int>{0, 1}));
+}
+
+TEST(Certify, ProvesALinearProgram) {
+  const ParametricProgram program = smallLinearProgram();
+  expectProven(program);
+  EXPECT_TRUE(certified(solved(program), program).linear);
+}
+
+TEST(Certify, NeitherThreadsNorRepetitionChangeTheCertificate) {
+  const ParametricProgram program = doubleIntegrator(4);
+  const MapContent content = solved(program);
+  CertifyOptions options;
+  const CertifyReport one = certified(content, program, options);
+  for (const int threads : {1, 2, 5}) {
+    options.threads = threads;
+    const CertifyReport other = certified(content, program, options);
+    EXPECT_EQ(other.certificate, one.certificate);
+    EXPECT_EQ(certifyJson(other), certifyJson(one));
+  }
+}
+
+TEST(Certify, StopsWhenTold) {
+  const std::atomic<bool> stop{true};
+  CertifyOptions options;
+  options.stop = &stop;
+  std::uint64_t total = 0;
+  options.progress = [&](std::uint64_t, std::uint64_t all) { total = all; };
+  const ParametricProgram program = randomProgram(8, 30, 3, 5);
+  const MapContent content = solved(program);
+  const CertifyReport report = certified(content, program, options);
+  EXPECT_EQ(total, 2 * content.regions.size());
+  EXPECT_EQ(report.passed(), !report.interrupted);  // on a fast machine nothing was left to stop
+}
+
+/// A map of one program, to be spoilt.
+class Spoilt : public ::testing::Test {
+ protected:
+  Spoilt() : program_(randomProgram(4, 12, 2, 3)), content_(solved(program_)) {}
+
+  CertifyReport report() const { return certified(content_, program_); }
+
+  /// A region with a facet that is not at the edge of anything: more than two active rows change around it.
+  std::size_t middle() const {
+    std::size_t best = 0;
+    for (std::size_t r = 0; r < content_.regions.size(); ++r) {
+      if (content_.regions[r].row_count > content_.regions[best].row_count) best = r;
+    }
+    return best;
+  }
+
+  void drop(std::size_t region) {
+    content_.regions.erase(content_.regions.begin() + static_cast<std::ptrdiff_t>(region));
+    content_.nodes.clear();
+    content_.leaves = {{0, static_cast<std::uint32_t>(content_.regions.size())}};
+    content_.root = MapContent::kLeaf;
+    content_.candidates.clear();
+    for (std::uint32_t r = 0; r < content_.regions.size(); ++r) content_.candidates.push_back(r);
+  }
+
+  ParametricProgram program_;
+  MapContent content_;
+};
+
+TEST_F(Spoilt, NotAtAllIsProven) { EXPECT_TRUE(report().passed()); }
+
+TEST_F(Spoilt, MissingRegionIsFoundWithAWitnessAndItsActiveSet) {
+  ASSERT_GT(content_.regions.size(), 3u);
+  for (std::size_t region = 0; region < content_.regions.size(); ++region) {
+    const MapContent whole = content_;
+    const MapContent::Region gone = whole.regions[region];
+    const std::vector<int> active(whole.active.begin() + gone.first_active,
+                                  whole.active.begin() + gone.first_active + gone.active_count);
+    drop(region);
+    const CertifyReport found = report();
+    EXPECT_FALSE(found.passed());
+    EXPECT_TRUE(found.certificate.empty());
+    ASSERT_TRUE(has(found, Defect::Kind::kGap)) << region;
+    const Defect& defect = found.defects.front();
+    EXPECT_EQ(defect.missing, active);
+    ASSERT_EQ(defect.witness.size(), 2);
+    const MapInMemory map(content_);
+    EXPECT_EQ(map.map().locateExhaustively(defect.witness.data()).status, LookupStatus::kOutsidePartition);
+    DenseQp qp(program_.H, program_.A);
+    const Eigen::VectorXd g = program_.f + program_.F * defect.witness;
+    const Eigen::VectorXd b = program_.b + program_.S * defect.witness;
+    EXPECT_EQ(qp.solve(g.data(), b.data()), QpStatus::kOptimal);
+    content_ = whole;
+  }
+}
+
+TEST_F(Spoilt, LawIsCaughtAboveTheToleranceOnly) {
+  content_.laws[0] += 1e-12;
+  EXPECT_TRUE(report().passed());
+  content_.laws[0] += 1e-6;
+  EXPECT_TRUE(has(report(), Defect::Kind::kLaw));
+}
+
+TEST_F(Spoilt, PlaneIsCaughtAboveTheToleranceOnly) {
+  const std::size_t constant = 2;
+  content_.planes[constant] += 1e-12;
+  EXPECT_TRUE(report().passed());
+  content_.planes[constant] += 1e-6;
+  EXPECT_TRUE(has(report(), Defect::Kind::kPlane));
+}
+
+TEST_F(Spoilt, PlaneOfAnotherLengthIsCaught) {
+  for (std::size_t j = 0; j < 3; ++j) content_.planes[j] *= 2.0;
+  EXPECT_TRUE(has(report(), Defect::Kind::kPlane));
+}
+
+TEST_F(Spoilt, EveryMissingFacetIsCaught) {
+  for (std::size_t r = 0; r < content_.regions.size(); ++r) {
+    const MapContent whole = content_;
+    content_.regions[r].row_count -= 1;
+    const CertifyReport found = report();
+    // A side of the box need not be listed: the look-up tests the box.
+    const std::size_t row = whole.regions[r].first_row + whole.regions[r].row_count - 1;
+    const std::size_t plane = static_cast<std::size_t>(std::abs(whole.rows[row])) - 1;
+    const bool side = std::abs(whole.planes[plane * 3] * whole.planes[plane * 3 + 1]) == 0.0;
+    EXPECT_EQ(has(found, Defect::Kind::kUnlisted), !side) << r;
+    content_ = whole;
+  }
+}
+
+TEST_F(Spoilt, NegatedRowIsCaught) {
+  for (std::size_t row = 0; row < content_.rows.size(); ++row) {
+    content_.rows[row] = -content_.rows[row];
+    EXPECT_FALSE(report().passed()) << row;
+    content_.rows[row] = -content_.rows[row];
+  }
+}
+
+TEST_F(Spoilt, ActiveSetIsCaught) {
+  for (std::size_t k = 0; k < content_.active.size(); ++k) {
+    const std::int32_t right = content_.active[k];
+    for (const std::int32_t wrong : {(right + 1) % 12, 12, 1000000}) {
+      content_.active[k] = wrong;
+      EXPECT_FALSE(report().passed()) << k << " " << wrong;
+    }
+    content_.active[k] = right;
+  }
+}
+
+TEST_F(Spoilt, RepeatedRegionIsCaught) {
+  content_.regions.push_back(content_.regions[middle()]);
+  EXPECT_TRUE(has(report(), Defect::Kind::kRepeated));
+}
+
+TEST_F(Spoilt, FlatRegionIsCaught) {
+  // A region of another active set, listed with its own true rows, that has no interior: here a set whose
+  // region is empty.
+  MapContent::Region& region = content_.regions[middle()];
+  const auto first = static_cast<std::uint32_t>(content_.active.size());
+  content_.active.insert(content_.active.end(), {0, 1, 2, 3});
+  region.first_active = first;
+  region.active_count = 4;
+  EXPECT_FALSE(report().passed());
+}
+
+TEST(Certify, RefusesOtherSignals) {
+  const ParametricProgram program = randomProgram(3, 10, 2, 4);
+  MapContent content = solved(program);
+  content.parameters[1].upper = 2.0;
+  EXPECT_THROW(certified(content, program), Error);
+}
+
+TEST(Certify, RefusesAnInfeasibleOrIndefiniteProgram) {
+  ParametricProgram program = randomProgram(3, 10, 2, 4);
+  const MapContent content = solved(program);
+  ParametricProgram indefinite = program;
+  indefinite.H(0, 0) = -1.0;
+  EXPECT_THROW(certified(content, indefinite), Error);
+  program.A.row(1) = -program.A.row(0);
+  program.b(0) = program.b(1) = -1.0;
+  program.S.topRows(2).setZero();
+  EXPECT_THROW(certified(content, program), Error);
+}
+
+TEST(Certify, AnotherProgramsMapIsRefuted) {
+  const ParametricProgram program = randomProgram(3, 10, 2, 4);
+  const MapContent content = solved(program);
+  ParametricProgram other = program;
+  other.b(content.active.front()) *= 1.0 + 1e-6;
+  EXPECT_FALSE(certified(content, other).passed());
+}
+
+TEST(Certify, ThereIsNoCertificateOfAWrongMap) {
+  CertifyReport report;
+  EXPECT_THROW(writeCertificate(report, "nowhere.cert"), Error);
+}
+
+TEST(Certify, ReportsSayWhatTheyFound) {
+  const ParametricProgram program = randomProgram(3, 10, 2, 4);
+  MapContent content = solved(program);
+  EXPECT_NE(certifyText(certified(content, program)).find("PROVEN"), std::string::npos);
+  content.laws[0] += 1.0;
+  const CertifyReport report = certified(content, program);
+  EXPECT_NE(certifyText(report).find("REFUTED"), std::string::npos);
+  EXPECT_NE(certifyJson(report).find("\"kind\": \"law\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,313 @@
+// Exact linear programs against GLPK, and every answer against the proof that comes with it.
+#include "offline_mpt/exact_lp.hpp"
+
+#include <glpk.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+using Bound = ExactLp::Bound;
+using Status = ExactLp::Status;
+
+/// The data of one program, to be given to both solvers.
+struct Data {
+  struct Line {
+    Bound type = Bound::kFree;
+    Rational lower, upper;
+  };
+  std::vector<Line> rows, columns;
+  std::vector<std::vector<Rational>> A;
+  std::vector<Rational> c;
+  bool maximise = false;
+};
+
+ExactLp make(const Data& data) {
+  ExactLp lp;
+  lp.addRows(static_cast<int>(data.rows.size()));
+  lp.addColumns(static_cast<int>(data.columns.size()));
+  lp.setSense(data.maximise ? ExactLp::Sense::kMaximise : ExactLp::Sense::kMinimise);
+  for (std::size_t i = 0; i < data.rows.size(); ++i)
+    lp.setRowBounds(static_cast<int>(i), data.rows[i].type, data.rows[i].lower, data.rows[i].upper);
+  for (std::size_t j = 0; j < data.columns.size(); ++j) {
+    const int column = static_cast<int>(j);
+    lp.setColumnBounds(column, data.columns[j].type, data.columns[j].lower, data.columns[j].upper);
+    lp.setObjective(column, data.c[j]);
+    for (std::size_t i = 0; i < data.rows.size(); ++i) {
+      if (data.A[i][j] != 0) lp.setCoefficient(static_cast<int>(i), column, data.A[i][j]);
+    }
+  }
+  return lp;
+}
+
+int glpkType(Bound type) {
+  switch (type) {
+    case Bound::kFree:
+      return GLP_FR;
+    case Bound::kLower:
+      return GLP_LO;
+    case Bound::kUpper:
+      return GLP_UP;
+    case Bound::kDouble:
+      return GLP_DB;
+    case Bound::kFixed:
+      return GLP_FX;
+  }
+  return GLP_FR;
+}
+
+/// Status and objective by GLPK's simplex without presolve.
+std::pair<Status, double> solveByGlpk(const Data& data) {
+  const std::unique_ptr<glp_prob, void (*)(glp_prob*)> lp(glp_create_prob(), glp_delete_prob);
+  const int m = static_cast<int>(data.rows.size());
+  const int n = static_cast<int>(data.columns.size());
+  glp_set_obj_dir(lp.get(), data.maximise ? GLP_MAX : GLP_MIN);
+  glp_add_rows(lp.get(), m);
+  glp_add_cols(lp.get(), n);
+  const auto type = [](const Data::Line& line) {
+    return line.type == Bound::kDouble && line.lower == line.upper ? GLP_FX : glpkType(line.type);
+  };
+  for (int i = 0; i < m; ++i)
+    glp_set_row_bnds(lp.get(), i + 1, type(data.rows[i]), data.rows[i].lower.get_d(),
+                     data.rows[i].upper.get_d());
+  for (int j = 0; j < n; ++j) {
+    glp_set_col_bnds(lp.get(), j + 1, type(data.columns[j]), data.columns[j].lower.get_d(),
+                     data.columns[j].upper.get_d());
+    glp_set_obj_coef(lp.get(), j + 1, data.c[j].get_d());
+    std::vector<int> index{0};
+    std::vector<double> value{0.0};
+    for (int i = 0; i < m; ++i) {
+      if (data.A[i][j] == 0) continue;
+      index.push_back(i + 1);
+      value.push_back(data.A[i][j].get_d());
+    }
+    glp_set_mat_col(lp.get(), j + 1, static_cast<int>(index.size()) - 1, index.data(), value.data());
+  }
+  glp_smcp options;
+  glp_init_smcp(&options);
+  options.msg_lev = GLP_MSG_OFF;
+  EXPECT_EQ(glp_simplex(lp.get(), &options), 0);
+  EXPECT_EQ(glp_exact(lp.get(), &options), 0);
+  const int status = glp_get_status(lp.get());
+  if (status == GLP_OPT) return {Status::kOptimal, glp_get_obj_val(lp.get())};
+  return {status == GLP_UNBND ? Status::kUnbounded : Status::kInfeasible, 0.0};
+}
+
+bool within(const Data::Line& line, const Rational& value) {
+  switch (line.type) {
+    case Bound::kFree:
+      return true;
+    case Bound::kLower:
+      return value >= line.lower;
+    case Bound::kUpper:
+      return value <= line.upper;
+    case Bound::kDouble:
+      return value >= line.lower && value <= line.upper;
+    case Bound::kFixed:
+      return value == line.lower;
+  }
+  return false;
+}
+
+/// Adds dual * bound for one line; fails where the dual's sign needs a bound that is not there.
+void addBound(const Data::Line& line, const Rational& dual, Rational& sum) {
+  if (dual == 0) return;
+  const bool lower = dual > 0;
+  const bool has_lower =
+      line.type == Bound::kLower || line.type == Bound::kDouble || line.type == Bound::kFixed;
+  const bool has_upper =
+      line.type == Bound::kUpper || line.type == Bound::kDouble || line.type == Bound::kFixed;
+  EXPECT_TRUE(lower ? has_lower : has_upper);
+  sum += dual * (lower || line.type == Bound::kFixed ? line.lower : line.upper);
+}
+
+void checkFeasible(const Data& data, const ExactLp& lp) {
+  for (std::size_t j = 0; j < data.columns.size(); ++j)
+    EXPECT_TRUE(within(data.columns[j], lp.primal(static_cast<int>(j))));
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    Rational value;
+    for (std::size_t j = 0; j < data.columns.size(); ++j)
+      value += data.A[i][j] * lp.primal(static_cast<int>(j));
+    EXPECT_EQ(value, lp.rowPrimal(static_cast<int>(i)));
+    EXPECT_TRUE(within(data.rows[i], value));
+  }
+}
+
+/// Substitutes the multipliers: their combination of rows and columns is c (optimal) or 0 (infeasible), and
+/// the bounds then say that no objective is better, or that none exists.
+void checkMultipliers(const Data& data, const ExactLp& lp) {
+  const bool optimal = lp.status() == Status::kOptimal;
+  const int sign = optimal && data.maximise ? -1 : 1;
+  Rational sum;
+  for (std::size_t j = 0; j < data.columns.size(); ++j) {
+    const int column = static_cast<int>(j);
+    const Rational own = optimal ? lp.columnDual(column) : lp.columnRay(column);
+    Rational combination = own;
+    for (std::size_t i = 0; i < data.rows.size(); ++i) {
+      const int row = static_cast<int>(i);
+      combination += data.A[i][j] * (optimal ? lp.rowDual(row) : lp.rowRay(row));
+    }
+    EXPECT_EQ(combination, optimal ? data.c[j] : Rational(0));
+    addBound(data.columns[j], sign * own, sum);
+  }
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const int row = static_cast<int>(i);
+    addBound(data.rows[i], sign * (optimal ? lp.rowDual(row) : lp.rowRay(row)), sum);
+  }
+  if (optimal) {
+    EXPECT_EQ(sum, sign * lp.objective());
+  } else {
+    EXPECT_GT(sum, 0);
+  }
+}
+
+void checkRay(const Data& data, const ExactLp& lp) {
+  Rational gain;
+  for (std::size_t j = 0; j < data.columns.size(); ++j) gain += data.c[j] * lp.primalRay(static_cast<int>(j));
+  EXPECT_TRUE(data.maximise ? gain > 0 : gain < 0);
+  const auto allowed = [](const Data::Line& line, const Rational& step) {
+    const bool down = line.type == Bound::kFree || line.type == Bound::kUpper;
+    const bool up = line.type == Bound::kFree || line.type == Bound::kLower;
+    return step == 0 || (step > 0 ? up : down);
+  };
+  for (std::size_t j = 0; j < data.columns.size(); ++j)
+    EXPECT_TRUE(allowed(data.columns[j], lp.primalRay(static_cast<int>(j))));
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    Rational step;
+    for (std::size_t j = 0; j < data.columns.size(); ++j)
+      step += data.A[i][j] * lp.primalRay(static_cast<int>(j));
+    EXPECT_TRUE(allowed(data.rows[i], step));
+  }
+}
+
+Status solveAndCheck(const Data& data) {
+  ExactLp lp = make(data);
+  const Status status = lp.solve();
+  EXPECT_EQ(status, lp.status());
+  if (status == Status::kInfeasible) {
+    checkMultipliers(data, lp);
+    return status;
+  }
+  checkFeasible(data, lp);
+  if (status == Status::kOptimal) {
+    checkMultipliers(data, lp);
+  } else {
+    checkRay(data, lp);
+  }
+  const auto [expected, objective] = solveByGlpk(data);
+  EXPECT_EQ(status, expected);
+  if (status == Status::kOptimal) {
+    EXPECT_NEAR(lp.objective().get_d(), objective, 1e-8 * (1.0 + std::abs(objective)));
+  }
+  return status;
+}
+
+/// Small whole numbers make ties: degenerate vertices, parallel rows, several optima.
+Data randomData(std::mt19937_64& random, bool degenerate) {
+  const auto whole = [&](int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+  };
+  const auto number = [&] {
+    return degenerate ? Rational(whole(-2, 2)) : Rational(whole(-1000, 1000), whole(1, 64));
+  };
+  const auto line = [&] {
+    Data::Line result;
+    result.type = static_cast<Bound>(whole(0, 4));
+    result.lower = number();
+    result.lower.canonicalize();
+    result.upper = result.lower + whole(0, 5);
+    return result;
+  };
+  Data data;
+  data.maximise = random() % 2 == 0;
+  data.columns.resize(static_cast<std::size_t>(whole(1, 6)));
+  data.rows.resize(static_cast<std::size_t>(whole(1, 8)));
+  for (Data::Line& column : data.columns) {
+    column = line();
+    data.c.push_back(number());
+    data.c.back().canonicalize();
+  }
+  for (Data::Line& row : data.rows) {
+    row = line();
+    std::vector<Rational> entries;
+    for (std::size_t j = 0; j < data.columns.size(); ++j) {
+      entries.push_back(random() % 3 == 0 ? Rational(0) : number());
+      entries.back().canonicalize();
+    }
+    data.A.push_back(std::move(entries));
+  }
+  return data;
+}
+
+TEST(ExactLp, RandomProgramsAgreeWithGlpkAndProveThemselves) {
+  std::mt19937_64 random(7);
+  int seen[4] = {};
+  for (int k = 0; k < 600; ++k) {
+    SCOPED_TRACE(k);
+    ++seen[static_cast<int>(solveAndCheck(randomData(random, k % 2 == 0)))];
+    if (::testing::Test::HasFailure()) break;
+  }
+  for (const Status status : {Status::kOptimal, Status::kInfeasible, Status::kUnbounded})
+    EXPECT_GT(seen[static_cast<int>(status)], 50);
+}
+
+TEST(ExactLp, KeepsWhatDoublesLose) {
+  // x <= 1 + 2^-200 and x >= 1 + 2^-201: feasible by a hair.
+  ExactLp lp;
+  lp.addColumns(1);
+  lp.addRows(2);
+  const Rational hair(mpz_class(1), mpz_class(1) << 200);
+  lp.setColumnBounds(0, Bound::kFree, 0, 0);
+  lp.setObjective(0, 1);
+  lp.setCoefficient(0, 0, 1);
+  lp.setCoefficient(1, 0, 1);
+  lp.setRowBounds(0, Bound::kUpper, 0, 1 + hair);
+  lp.setRowBounds(1, Bound::kLower, 1 + hair / 2, 0);
+  ASSERT_EQ(lp.solve(), Status::kOptimal);
+  EXPECT_EQ(lp.primal(0), 1 + hair / 2);
+  lp.setRowBounds(1, Bound::kLower, 1 + 2 * hair, 0);
+  EXPECT_EQ(lp.status(), Status::kUndefined);
+  EXPECT_EQ(lp.solve(), Status::kInfeasible);
+}
+
+TEST(ExactLp, RowsBetweenTwoBoundsAndChangesOfCoefficients) {
+  Data data;
+  data.columns.assign(2, {Bound::kFree, 0, 0});
+  data.rows = {{Bound::kDouble, -1, 3}, {Bound::kFixed, 2, 0}};
+  data.A = {{1, 1}, {1, -1}};
+  data.c = {1, 2};
+  EXPECT_EQ(solveAndCheck(data), Status::kOptimal);
+  ExactLp lp = make(data);
+  lp.setCoefficient(1, 1, -3);
+  lp.setCoefficient(1, 1, -1);  // overwritten, not added
+  ASSERT_EQ(lp.solve(), Status::kOptimal);
+  EXPECT_EQ(lp.primal(0), Rational(1, 2));
+  EXPECT_EQ(lp.primal(1), Rational(-3, 2));
+}
+
+TEST(ExactLp, NothingToDo) {
+  ExactLp lp;
+  EXPECT_EQ(lp.solve(), Status::kOptimal);
+  EXPECT_EQ(lp.objective(), 0);
+  lp.addRows(1);
+  lp.setRowBounds(0, Bound::kLower, 1, 0);
+  EXPECT_EQ(lp.solve(), Status::kInfeasible);
+  EXPECT_GT(lp.rowRay(0), 0);
+}
+
+TEST(ExactLp, RefusesCrossedBounds) {
+  ExactLp lp;
+  lp.addRows(1);
+  lp.addColumns(1);
+  EXPECT_THROW(lp.setRowBounds(0, Bound::kDouble, 1, 0), Error);
+  EXPECT_THROW(lp.setColumnBounds(0, Bound::kDouble, 1, 0), Error);
+}
+
+}  // namespace
+}  // namespace polyfly
