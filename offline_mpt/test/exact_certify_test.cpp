@@ -251,6 +251,33 @@ TEST_F(Spoilt, FlatRegionIsCaught) {
   EXPECT_FALSE(report().passed());
 }
 
+TEST_F(Spoilt, RepairAddsWhatIsMissingAndCorrectsWhatIsWrong) {
+  const std::size_t count = content_.regions.size();
+  const std::vector<double> laws = content_.laws;
+  content_.laws[0] += 1.0;
+  content_.planes[2] += 0.01;
+  while (content_.regions.size() > 1) drop(content_.regions.size() / 2);
+  const RepairResult result = repair(MapInMemory(content_).map(), program_);
+  EXPECT_TRUE(result.report.passed()) << certifyText(result.report);
+  EXPECT_EQ(result.partition.status, ExploreStatus::kComplete);
+  EXPECT_EQ(result.partition.regions.size(), count);
+  EXPECT_EQ(result.added, count - 1);
+  const MapContent repaired = encode(program_, result.partition);
+  EXPECT_TRUE(certified(repaired, program_).passed());
+  ASSERT_EQ(repaired.laws.size(), laws.size());
+  for (std::size_t k = 0; k < laws.size(); ++k) EXPECT_NEAR(repaired.laws[k], laws[k], 1e-9);
+}
+
+TEST(Certify, RepairCrossesDegenerateFacets) {
+  const ParametricProgram program = doubleIntegrator(5);
+  const Partition partition = explore(program);
+  Partition one = partition;
+  one.regions.resize(1);
+  const RepairResult result = repair(MapInMemory(encode(program, one)).map(), program);
+  EXPECT_TRUE(result.report.passed()) << certifyText(result.report);
+  EXPECT_EQ(result.partition.regions.size(), partition.regions.size());
+}
+
 TEST(Certify, RefusesOtherSignals) {
   const ParametricProgram program = randomProgram(3, 10, 2, 4);
   MapContent content = solved(program);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mpc_core/parametric_program.hpp"
+#include "offline_mpt/partition.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -75,6 +76,19 @@ struct CertifyReport {
 /// same signals, or the program as a whole is infeasible, indefinite or has no interior.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
+
+/// A map's regions, described anew from their active sets, and those that were missing.
+struct RepairResult {
+  Partition partition;        ///< status complete if the last verification passed, else incomplete
+  std::uint64_t added = 0;    ///< regions that the map lacks
+  std::uint64_t removed = 0;  ///< regions of the map without interior, or that are no critical regions
+  CertifyReport report;       ///< of the partition; its certificate is of no map that was written
+};
+
+/// Explores from where the map has gaps, with exact descriptions, until nothing is missing. Throws Error as
+/// certify does, and when no region of the map can be used.
+RepairResult repair(const RegionMap& map, const ParametricProgram& program,
+                    const CertifyOptions& options = {});
 
 std::string certifyText(const CertifyReport& report);  ///< for people, several lines
 std::string certifyJson(const CertifyReport& report);
