@@ -206,9 +206,7 @@ Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string
     const std::vector<int> candidate = changedSet(survey.active, origin);
     ExactRegion beyond;
     if (describeExactly(context_.program, candidate, beyond) != ExactStatus::kRegion) continue;
-    std::vector<const ExactRow*> rows;
-    for (const ExactRow& condition : beyond.rows) rows.push_back(&condition);
-    const Interior interior = findInterior(rows, nullptr, context_.program.p);
+    const Interior interior = findInterior(rowsThatCanFail(beyond), nullptr, context_.program.p);
     if (!interior.exists) continue;
     defect.missing = candidate;
     defect.witness = toTheta(context_.program, interior.point);

@@ -125,6 +125,16 @@ void finishRow(ExactRow& row) {
   for (double& value : row.unit) value *= inverse;
 }
 
+std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region) {
+  std::vector<const ExactRow*> rows;
+  for (const ExactRow& row : region.rows) {
+    const bool constant =
+        std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
+    if (!constant || row.value.back() < 0) rows.push_back(&row);
+  }
+  return rows;
+}
+
 ExactRow boxRow(int p, int index) {
   std::vector<Integer> value(static_cast<std::size_t>(p) + 1);
   value[static_cast<std::size_t>(index / 2)] = index % 2 == 0 ? -1 : 1;

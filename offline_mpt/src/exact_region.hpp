@@ -52,6 +52,9 @@ enum class ExactStatus : std::uint8_t {
 /// Solves the optimality conditions for one active set, which may name equalities or not.
 ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
 
+/// The rows that can fail: not those that are zero or a positive constant everywhere.
+std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region);
+
 /// The row of one side of the box.
 ExactRow boxRow(int p, int index);
 

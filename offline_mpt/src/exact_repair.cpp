@@ -23,9 +23,9 @@ using Found = std::map<std::vector<int>, CriticalRegion>;
 /// follow.
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
   std::vector<const ExactRow*> left;
-  for (const ExactRow& row : exact.rows) {
-    const auto repeats = [&](const ExactRow* other) { return sameHalfSpace(row, *other); };
-    if (row.length > 0.0 && std::none_of(left.begin(), left.end(), repeats)) left.push_back(&row);
+  for (const ExactRow* row : rowsThatCanFail(exact)) {
+    const auto repeats = [&](const ExactRow* other) { return sameHalfSpace(*row, *other); };
+    if (std::none_of(left.begin(), left.end(), repeats)) left.push_back(row);
   }
   ExactGuess solver(p);
   for (std::size_t k = left.size(); k-- > 0;) {
@@ -52,9 +52,7 @@ std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
 bool describe(const ExactProgram& program, const std::vector<int>& active, CriticalRegion& region) {
   ExactRegion exact;
   if (describeExactly(program, active, exact) != ExactStatus::kRegion) return false;
-  std::vector<const ExactRow*> all;
-  for (const ExactRow& row : exact.rows) all.push_back(&row);
-  const Interior interior = findInterior(all, nullptr, program.p);
+  const Interior interior = findInterior(rowsThatCanFail(exact), nullptr, program.p);
   if (!interior.exists) return false;
   const std::vector<ExactRow> rows = boundingRows(exact, program.p);
   region.active = exact.active;
