@@ -54,6 +54,7 @@ function(polyfly_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
   polyfly_warnings(${name})
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # compiled more often than run
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES ENVIRONMENT "POLYFLY_ROOT=${CMAKE_SOURCE_DIR}")
   if(ARG_THREADS)
