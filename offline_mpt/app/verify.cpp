@@ -6,6 +6,7 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "progress.hpp"
+#include "verify_exact.hpp"
 
 namespace polyfly {
 namespace {
@@ -27,6 +28,8 @@ const char kFooter[] =
     "\n"
     "Examples:\n"
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
+    "  offline_mpt verify lateral.map --exact --certificate lateral.cert    (a proof; see CERTIFICATE.md)\n"
+    "  offline_mpt verify lateral.map --exact --repair -o repaired.map\n"
     "  offline_mpt verify lateral.map --json report.json    (against the problem that the map carries)";
 
 struct Options {
@@ -35,6 +38,10 @@ struct Options {
   std::string json;
   VerifyOptions verify;
   bool quiet = false;
+  bool exact = false;
+  bool repair = false;
+  std::string certificate;
+  std::string output;
 };
 
 ExitCode verifyMap(const Options& options) {
@@ -68,6 +75,23 @@ ExitCode verifyMap(const Options& options) {
   return report.passed() ? ExitCode::kDone : ExitCode::kFailed;
 }
 
+void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
+  CLI::Option* exact = command->add_flag(
+      "--exact", options->exact, "prove the map in rational arithmetic instead of sampling, or refute it");
+  for (const char* sampling : {"--samples", "--seed", "--tolerance"})
+    exact->excludes(command->get_option(sampling));
+  command
+      ->add_option("--certificate", options->certificate,
+                   "with --exact: write the proof, for check_certificate")
+      ->needs(exact);
+  CLI::Option* repair =
+      command->add_flag("--repair", options->repair, "with --exact: add what is missing, into a new map")
+          ->needs(exact);
+  CLI::Option* output = command->add_option("-o,--output", options->output, "with --repair: the new map");
+  output->needs(repair);
+  repair->needs(output);
+}
+
 }  // namespace
 
 void addVerify(CLI::App& app, ExitCode& exit_code) {
@@ -91,7 +115,13 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::Range(1, 256));
   command->add_option("--json", options->json, "write the report as JSON");
   command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
-  command->callback([options, &exit_code] { exit_code = verifyMap(*options); });
+  addExact(command, options);
+  command->callback([options, &exit_code] {
+    exit_code = options->exact
+                    ? verifyExact({options->map, options->problem, options->certificate, options->json,
+                                   options->output, options->verify.threads, options->quiet})
+                    : verifyMap(*options);
+  });
 }
 
 }  // namespace polyfly

@@ -128,9 +128,12 @@ void Certificate::checkSizes() {
 }
 
 std::string Certificate::conditions() const {
-  std::string text = "differences from the exact solution: law at most " +
-                     std::to_string(law_tolerance_.get_d() * 1e9) + "e-9 (relative), planes at most " +
-                     std::to_string(plane_tolerance_.get_d() * 1e9) + "e-9 (scaled)\n";
+  char line[160];
+  std::snprintf(
+      line, sizeof line,
+      "differences from the exact solution: law at most %g (relative), planes at most %g (scaled)\n",
+      law_tolerance_.get_d(), plane_tolerance_.get_d());
+  std::string text = line;
   if (linear_) text += "linear program: of several optima the shortest\n";
   if (regularisation_ > 0) text += "of H with something added to its diagonal, as the certificate states\n";
   if (!dropped_.empty())

@@ -57,7 +57,7 @@ bool inParallel(std::uint64_t count, std::uint64_t done_before, std::uint64_t to
   return done == count;
 }
 
-void requireSameSignals(const RegionMap& map, const ParametricProgram& program) {
+void requireSameProblem(const RegionMap& map, const ParametricProgram& program) {
   const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
       return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;
@@ -65,6 +65,8 @@ void requireSameSignals(const RegionMap& map, const ParametricProgram& program) 
   };
   if (!same(map.parameters(), program.parameters) || !same(map.inputs(), program.inputs))
     throw Error(map.path() + ": parameters or inputs are not those of the problem " + program.name);
+  if (map.problemText() != program.text)
+    throw Error(map.path() + ": the problem text that it carries is not that of the problem " + program.name);
 }
 
 /// Rows that no region of the map counts as active.
@@ -138,7 +140,7 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
 
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
   checkProgram(program);
-  requireSameSignals(map, program);
+  requireSameProblem(map, program);
   const Adjustment adjustment = adjust(program, rowsNeverActive(map, program.rowCount()));
   const ExactProgram exact(program, adjustment);
   CertifyReport report;

@@ -10,6 +10,7 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -434,7 +435,10 @@ TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   // The map and the certificate carry the other text, but the numbers of the first.
   MapContent relabelled = content;
   relabelled.problem_text = other;
-  const CertifyReport forged = certify(MapInMemory(relabelled).map(), program);
+  EXPECT_THROW(certify(MapInMemory(relabelled).map(), program), Error);
+  ParametricProgram liar = program;
+  liar.text = other;
+  const CertifyReport forged = certify(MapInMemory(relabelled).map(), liar);
   ASSERT_TRUE(forged.passed());
   EXPECT_NE(refusal(forged.certificate, bytesOf(relabelled), other).find("H is not"), std::string::npos);
 }

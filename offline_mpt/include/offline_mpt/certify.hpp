@@ -73,7 +73,7 @@ struct CertifyReport {
 
 /// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
 /// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
-/// same signals, or the program as a whole is infeasible, indefinite or has no interior.
+/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
 

@@ -1,0 +1,93 @@
+#include "verify_exact.hpp"
+
+#include <cstdio>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "progress.hpp"
+#include "region_maps/write_map.hpp"
+
+namespace polyfly {
+namespace {
+
+CertifyOptions withProgress(const VerifyExactOptions& options, Progress& progress) {
+  CertifyOptions result;
+  result.threads = options.threads;
+  result.stop = &stopOnSignal();
+  result.progress = [&progress](std::uint64_t done, std::uint64_t total) {
+    // The second half, what lies behind the facets, may take longer than the first: no forecast before it.
+    const bool second = 2 * done > total;
+    const double remaining =
+        second ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
+    const std::uint64_t regions = total / 2;
+    progress.show(
+        (second ? "facets of " + std::to_string(done - regions) : "conditions of " + std::to_string(done)) +
+            " of " + std::to_string(regions) + " regions",
+        remaining, true);
+  };
+  return result;
+}
+
+CertifyReport certifyFile(const VerifyExactOptions& options, const std::string& map,
+                          const ParametricProgram& program) {
+  Progress progress(options.quiet);
+  return certify(RegionMap::open(map), program, withProgress(options, progress));
+}
+
+/// Repairs and writes the new map where that succeeds. Says what was done.
+bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& program) {
+  RepairResult result;
+  {
+    Progress progress(options.quiet);
+    result = repair(RegionMap::open(options.map), program, withProgress(options, progress));
+  }
+  if (!options.quiet) {
+    std::printf("repair: %llu regions added, %llu removed, %s\n",
+                static_cast<unsigned long long>(result.added),
+                static_cast<unsigned long long>(result.removed),
+                result.report.passed() ? "complete" : "not complete: nothing was written");
+  }
+  if (!result.report.passed()) {
+    if (!options.quiet) std::fputs(certifyText(result.report).c_str(), stdout);
+    return false;
+  }
+  writeMap(encode(program, result.partition), options.output);
+  return true;
+}
+
+}  // namespace
+
+ExitCode verifyExact(const VerifyExactOptions& options) {
+  for (const std::string* file : {&options.certificate, &options.json, &options.output}) {
+    if (!file->empty()) checkWritable(*file);
+  }
+  ParametricProgram program;
+  {
+    const RegionMap map = RegionMap::open(options.map);
+    program = options.problem.empty()
+                  ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
+                                 options.map + ": problem text")
+                  : loadProgram(options.problem);
+  }
+  CertifyReport report = certifyFile(options, options.map, program);
+  if (!report.passed() && !report.interrupted && !options.output.empty()) {
+    if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
+    if (!writeRepaired(options, program)) return stopOnSignal() ? ExitCode::kStopped : ExitCode::kFailed;
+    report = certifyFile(options, options.output, program);
+  } else if (report.passed() && !options.output.empty() && !options.quiet) {
+    std::printf("repair: nothing to do, %s was not written\n", options.output.c_str());
+  }
+  if (!options.json.empty()) writeText(options.json, certifyJson(report));
+  if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
+  if (report.interrupted) {
+    std::fprintf(stderr, "offline_mpt: %s: interrupted: not every region was looked at\n",
+                 options.map.c_str());
+    return ExitCode::kStopped;
+  }
+  if (!report.passed()) return ExitCode::kFailed;
+  if (!options.certificate.empty()) writeCertificate(report, options.certificate);
+  return ExitCode::kDone;
+}
+
+}  // namespace polyfly
