@@ -75,6 +75,11 @@ bool FacetClosing::proveEdge(const ExactRegion& exact, const std::vector<ExactOr
   std::vector<int> rows = program.basis;
   const std::size_t free_count = rows.size();
   rows.insert(rows.end(), exact.active.begin(), exact.active.end());
+  for (const ExactRow& row : exact.rows) {  // tight everywhere, though not counted as active
+    const bool idle =
+        std::all_of(row.value.begin(), row.value.end(), [](const Integer& value) { return value == 0; });
+    if (idle && row.origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(row.origin.index);
+  }
   const std::size_t first = rows.size();
   for (const ExactOrigin& origin : origins) {
     if (origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(origin.index);

@@ -94,6 +94,19 @@ TEST(Certify, RecognisesInequalitiesThatAreEqualities) {
   EXPECT_EQ(certified(solved(program), program).implied_equalities, (std::vector<int>{0, 1}));
 }
 
+TEST(Certify, FindsTheEdgeThatARowWithoutMultiplierMakes) {
+  // z_0 <= 0 is tight everywhere at no price; with -z_0 <= theta_0 it ends the feasible set at theta_0 = 0.
+  ParametricProgram program = randomProgram(2, 4, 2, 1);
+  program.H.setIdentity();
+  program.f.setZero();
+  program.F << 0.0, 0.0, 0.5, 1.0;
+  program.A << 1.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, -1.0;
+  program.b << 0.0, 0.0, 0.5, 0.5;
+  program.S << 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  expectProven(program);
+  EXPECT_GT(certified(solved(program), program).edge_facets, 0u);
+}
+
 TEST(Certify, ProvesALinearProgram) {
   const ParametricProgram program = smallLinearProgram();
   expectProven(program);
