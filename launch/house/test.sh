@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# ./run test: unit tests optimised, under the address and the thread sanitizer; rostests; the README's commands.
+# ./run test: unit tests, rostests, the README's commands. ./run sanitize: unit tests under the sanitizers.
 
 # runCtest PRESET [ctest option...]: leaves JUnit and GoogleTest results in build/.run/results/PRESET.
 runCtest() {
@@ -35,31 +35,36 @@ runCheck() {
 testCommand() {
   planInstall run
   planBuild all 150
-  planBuilding asan_build 150 asan
-  planBuilding tsan_build 60 tsan
-  plan tests 30
-  plan asan_tests 60
-  plan tsan_tests 30
-  plan rostests 60
+  plan tests 60
+  plan rostests 90
   plan readme 60
   requirePackages run
   buildAll all all
-  own asan
   own demo
+  step tests "running the tests" runTests release
+  step rostests "running the tests with ROS nodes" runRostests
+  step readme "running the README's commands" runCheck README test/readme_test.sh
+  python3 launch/house/count_tests.py --ctest build/.run/results/release/ctest.xml build/.run/results/release/gtest \
+    --catkin build/catkin/build/test_results --check README build/.run/results/README.status
+}
+
+sanitizeCommand() {
+  planInstall run
+  planBuilding asan_build 300 asan
+  planBuilding tsan_build 60 tsan
+  plan asan_tests 90
+  plan tsan_tests 30
+  requirePackages run
+  own asan
   own tsan
   step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
   step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests
-  step tests "running the tests" runTests release
   # not again under the sanitizer: the house's own test, and the reference problems, whose subject is numbers
   step asan_tests "running the tests under the address and undefined-behaviour sanitizers" \
     runTests asan -E '^(house_test|reference_problems_test)$'
   step tsan_tests "running the threaded tests under the thread sanitizer" runTests tsan -L threads
-  step rostests "running the tests with ROS nodes" runRostests
-  step readme "running the README's commands" runCheck README test/readme_test.sh
-  python3 launch/house/count_tests.py --ctest build/.run/results/release/ctest.xml build/.run/results/release/gtest \
-    --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
-    --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest \
-    --catkin build/catkin/build/test_results --check README build/.run/results/README.status
+  python3 launch/house/count_tests.py --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
+    --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest
 }
 
 buildSanitized() { configurePreset "$1" && buildPreset "$@"; }
