@@ -3,12 +3,16 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "offline_mpt/interior_point_qp.hpp"
 
 namespace polyfly {
 namespace {
 
+constexpr double kActiveBias[] = {1.0, 1e3, 1e-3,
+                                  1e6};  // a row is active if its multiplier exceeds so many slacks
+constexpr double kPolished = 1e-11;      // residual that needs no other guess [scaled]
 constexpr int kMaxPolishRounds = 8;
 constexpr double kPolishStart = 1e-3;     // residual below which the active set is worth guessing [scaled]
 constexpr double kRankTolerance = 1e-11;  // relative, in rank-revealing factorisations
@@ -69,19 +73,32 @@ bool InteriorPointQp::correct(const std::vector<int>& active) {
   return true;
 }
 
-// Guesses the active set by comparing multipliers with slacks, solves for it, and lets rows of the wrong sign
-// leave or enter. The best point seen is kept.
+// Guesses the active set by comparing multipliers with slacks; where that does not lead to a solution, rows
+// of which both are nearly zero are taken out of it or into it.
 void InteriorPointQp::polish() {
   double best = reducedResidual();
   if (!(best <= kPolishStart)) return;
   best_y_ = y_;
   best_l_ = l_;
-  std::vector<int> active;
-  for (int i = 0; i < static_cast<int>(l_.size()); ++i) {
-    if (l_[i] > s_[i]) active.push_back(i);
+  const Eigen::VectorXd y = y_, l = l_;
+  for (const double bias : kActiveBias) {
+    y_ = y;
+    l_ = l;
+    std::vector<int> active;
+    for (int i = 0; i < static_cast<int>(l_.size()); ++i) {
+      if (l_[i] > bias * s_[i]) active.push_back(i);
+    }
+    follow(std::move(active), best);
+    if (best <= kPolished) break;
   }
+  y_ = best_y_;
+  l_ = best_l_;
+}
+
+// Solves for an active set and lets rows of the wrong sign leave or enter. The best point seen is kept.
+void InteriorPointQp::follow(std::vector<int> active, double& best) {
   for (int round = 0; round < kMaxPolishRounds; ++round) {
-    if (!correct(active)) break;
+    if (!correct(active)) return;
     const double residual = reducedResidual();
     if (residual < best) {
       best = residual;
@@ -92,14 +109,12 @@ void InteriorPointQp::polish() {
     for (int i = 0; i < static_cast<int>(l_.size()); ++i) {
       const bool was_active = std::binary_search(active.begin(), active.end(), i);
       const double slack = b_y_[i] - A_y_.row(i).dot(y_);
-      if (was_active ? l_[i] >= -kWrongSign : slack < -kWrongSign * std::max(1.0, std::abs(b_y_[i])))
-        next.push_back(i);
+      const double scale = std::max(1.0, std::abs(b_y_[i]));
+      if (was_active ? l_[i] >= -kWrongSign : slack < -kWrongSign * scale) next.push_back(i);
     }
-    if (next == active) break;
+    if (next == active) return;
     active = std::move(next);
   }
-  y_ = best_y_;
-  l_ = best_l_;
 }
 
 // Multipliers of the equalities that cancel `gradient` best.

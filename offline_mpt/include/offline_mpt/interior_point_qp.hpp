@@ -59,6 +59,7 @@ class InteriorPointQp {
   bool provesUnbounded();
   void setCertificate();
   void polish();
+  void follow(std::vector<int> active, double& best);
   bool correct(const std::vector<int>& active);
   double reducedResidual() const;
   void addEqualityMultipliers(const Eigen::VectorXd& gradient);
