@@ -1,14 +1,13 @@
 #include "offline_mpt/explore.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <ctime>
+#include <functional>
+#include <memory>
 #include <random>
+#include <thread>
 #include <unordered_set>
 
 #include "least_distance.hpp"
@@ -196,16 +195,17 @@ CriticalRegion toRegion(const LeastDistance& program, const ActiveSet& active, c
 class Exploration {
  public:
   Exploration(const LeastDistance& program, const Eigen::VectorXd& start, const ExploreOptions& options)
-      : program_(program),
-        start_(start),
-        options_(options),
-        workers_([&] { return Worker(program, options); }) {}
+      : program_(program), start_(start), options_(options) {
+    const int most = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int threads = std::clamp(options.threads, 1, most);
+    for (int k = 0; k < threads; ++k) workers_.push_back(std::make_unique<Worker>(program, options));
+  }
 
   Partition run() {
     const std::clock_t cpu_start = std::clock();
     begin_ = std::chrono::steady_clock::now();
     ActiveSet first;
-    if (!findStart(program_, start_, workers_.local(), first)) {
+    if (!findStart(program_, start_, *workers_.front(), first)) {
       partition_.status = ExploreStatus::kIncomplete;
       partition_.witness = program_.centre + program_.half.cwiseProduct(start_);
       return std::move(partition_);
@@ -219,7 +219,7 @@ class Exploration {
     if (partition_.status == ExploreStatus::kComplete) settleProbes();
     partition_.stats.regions = partition_.regions.size();
     partition_.stats.candidate_sets = seen_.size();
-    for (Worker& worker : workers_) partition_.stats.lp_pivots += worker.builder.pivots();
+    for (const auto& worker : workers_) partition_.stats.lp_pivots += worker->builder.pivots();
     partition_.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     return std::move(partition_);
   }
@@ -232,14 +232,28 @@ class Exploration {
       if (limitReached()) return {};
       const std::size_t count = std::min(kBatch, wave.size() - first);
       described.assign(count, {});
-      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        described[i] = describe(program_, workers_.local(), wave[first + i]);
-      });
+      describeAll(wave.data() + first, described);
       for (std::size_t i = 0; i < count; ++i) merge(wave[first + i], described[i], next);
       if (options_.progress)
         options_.progress({partition_.regions.size(), wave.size() - first - count + next.size()});
     }
     return next;
+  }
+
+  // One set after another by whichever thread is free; the results do not depend on which.
+  void describeAll(const ActiveSet* sets, std::vector<Described>& described) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&](Worker& worker) {
+      for (std::size_t i = next++; i < described.size(); i = next++) {
+        described[i] = describe(program_, worker, sets[i]);
+      }
+    };
+    std::vector<std::thread> threads;
+    if (described.size() > 1) {
+      for (std::size_t k = 1; k < workers_.size(); ++k) threads.emplace_back(work, std::ref(*workers_[k]));
+    }
+    work(*workers_.front());
+    for (std::thread& thread : threads) thread.join();
   }
 
   void merge(const ActiveSet& active, Described& described, std::vector<ActiveSet>& next) {
@@ -291,7 +305,7 @@ class Exploration {
   const LeastDistance& program_;
   const Eigen::VectorXd& start_;
   const ExploreOptions& options_;
-  tbb::enumerable_thread_specific<Worker> workers_;
+  std::vector<std::unique_ptr<Worker>> workers_;
   std::chrono::steady_clock::time_point begin_;
   std::unordered_set<ActiveSet, ActiveSetHash> seen_;
   std::unordered_set<ActiveSet, ActiveSetHash> tight_;
@@ -321,13 +335,10 @@ Partition explore(const ParametricProgram& program, const ExploreOptions& option
   checkProgram(program);
   ParametricProgram explicit_equalities = program;
   const Margin margin = findMargin(explicit_equalities);
-  Partition partition;
-  if (!margin.feasible) return partition;
+  if (!margin.feasible) return {};
   const LeastDistance scaled = toLeastDistance(explicit_equalities);
-  if (scaled.domain_empty) return partition;
-  tbb::task_arena arena(std::clamp(options.threads, 1, tbb::info::default_concurrency()));
-  arena.execute([&] { partition = Exploration(scaled, margin.t, options).run(); });
-  return partition;
+  if (scaled.domain_empty) return {};
+  return Exploration(scaled, margin.t, options).run();
 }
 
 }  // namespace polyfly
