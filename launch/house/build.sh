@@ -12,7 +12,8 @@ buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --targe
 
 # catkinBuild TARGET...: the workspace of catkin_ws/src, built under build/catkin so that catkin_ws stays clean.
 catkinBuild() {
-  mkdir -p build/catkin/src
+  # the tests' environment is written on the first configuration, and leaves out what does not exist by then
+  mkdir -p build/catkin/src build/catkin/devel/lib/python3/dist-packages
   ln -sfn /usr/share/catkin/cmake/toplevel.cmake build/catkin/src/CMakeLists.txt
   ln -sfn ../../../catkin_ws/src build/catkin/src/polyfly
   catkin_make -C build/catkin --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
