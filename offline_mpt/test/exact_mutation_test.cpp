@@ -15,6 +15,8 @@
 namespace polyfly {
 namespace {
 
+constexpr std::size_t kMostTried = 30;  // lines of one kind
+
 std::string bytesOf(const MapContent& content) {
   const std::vector<std::byte> bytes = layOut(content);
   return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -83,25 +85,30 @@ class Mutation : public ::testing::Test {
   }
 
   /// Why the certificate is refused after `change` of each line that starts with `key`, one at a time. Empty
-  /// where one of them is confirmed. The count is returned in `tried`.
+  /// where one of them is confirmed. Of many lines some all over the certificate are taken; `tried` counts
+  /// them.
   template <typename Change>
   std::string refusalOfLines(const std::string& key, Change change, int& tried) const {
     std::vector<std::string> lines = linesOf(certificate_);
+    std::vector<std::pair<std::size_t, std::string>> changes;  // line, its new text
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (lines[k].compare(0, key.size(), key) != 0) continue;
+      std::vector<std::string> words = wordsOf(lines[k]);
+      if (change(words)) changes.emplace_back(k, joined(words, " "));
+    }
     std::string last = "nothing was tried";
     tried = 0;
-    for (std::string& line : lines) {
-      if (line.compare(0, key.size(), key) != 0) continue;
-      std::vector<std::string> words = wordsOf(line);
-      if (!change(words)) continue;
-      const std::string right = line;
-      line = joined(words, " ");
+    const std::size_t stride = 1 + changes.size() / kMostTried;
+    for (std::size_t k = 0; k < changes.size(); k += stride) {
+      auto& [at, text] = changes[k];
+      std::swap(lines[at], text);
       ++tried;
       last = refusal(sealed(joined(lines, "\n") + "\n", map_), map_);
       if (last.empty()) {
-        ADD_FAILURE() << "confirmed: " << line << " instead of " << right;
+        ADD_FAILURE() << "confirmed: " << lines[at] << " instead of " << text;
         return last;
       }
-      line = right;
+      std::swap(lines[at], text);
     }
     return last;
   }
@@ -206,13 +213,13 @@ TEST_F(Mutation, ARemovedFacetIsCaught) {
   int tried = 0;
   std::vector<std::string> lines = linesOf(certificate_);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    if (lines[k].compare(0, 2, "L ") != 0) continue;
+    if (lines[k].compare(0, 2, "L ") != 0 || k % 3 != 0) continue;
     std::vector<std::string> fewer = lines;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
     EXPECT_NE(refusal(sealed(joined(fewer, "\n") + "\n", map_), map_), "") << lines[k];
     ++tried;
   }
-  EXPECT_GT(tried, 20);
+  EXPECT_GT(tried, 10);
 }
 
 TEST_F(Mutation, ANeighbourIsChecked) {
