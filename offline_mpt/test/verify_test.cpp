@@ -314,7 +314,8 @@ TEST_P(VerifyReference, OracleAgreesWithTheSamplesOfOtherPrograms) {
   const std::filesystem::path path = folder / (std::string(GetParam()) + ".json");
   const ParametricProgram program = loadProgramJson(path.string());
   ProgramOracle oracle(program);
-  for (const auto& sample : readJson(path)["samples"]) {
+  const nlohmann::json problem = readJson(path);  // the loop reads from it
+  for (const auto& sample : problem["samples"]) {
     const auto theta = sample["theta"].get<std::vector<double>>();
     const OracleAnswer answer = oracle.solve(
         Eigen::Map<const Eigen::VectorXd>(theta.data(), static_cast<Eigen::Index>(theta.size())));
