@@ -11,6 +11,7 @@ namespace {
 constexpr int kShortBits = 24;  // of the weights of a first try: short ones keep the certificate small
 constexpr int kLongBits = 60;
 constexpr double kPositive = 1e-10;  // radius from which on a rounded centre is taken for one
+constexpr double kCounts = 1e-9;     // share of the greatest weight below which one is taken for zero
 constexpr double kNear = 1e-9;       // difference of unit rows that may be the same plane
 
 using Rows = std::vector<const ExactRow*>;
@@ -102,6 +103,95 @@ ExactProof clearFractions(std::vector<std::pair<int, Rational>> weights, const R
   for (const auto& [row, weight] : weights)
     proof.weights.emplace_back(row, Integer(weight.get_num() * (denominator / weight.get_den())));
   return proof;
+}
+
+/// Solves sum of weight * row = target exactly, constants and the coordinates of `skip` apart. False where
+/// the rows are dependent; whether the equations that are not needed hold is for the caller to see.
+bool combineExactly(const Rows& rows, const ExactRow& target, const std::vector<char>& skip,
+                    std::vector<Rational>& weights) {
+  const int unknowns = static_cast<int>(rows.size());
+  std::vector<int> coordinates;
+  for (std::size_t j = 0; j + 1 < target.value.size(); ++j) {
+    if (!skip[j]) coordinates.push_back(static_cast<int>(j));
+  }
+  IntegerMatrix equations(static_cast<int>(coordinates.size()), unknowns);
+  for (int e = 0; e < equations.rows(); ++e) {
+    for (int k = 0; k < unknowns; ++k)
+      equations(e, k) = rows[static_cast<std::size_t>(k)]->value[static_cast<std::size_t>(coordinates[e])];
+  }
+  const std::vector<int> kept = independentRows(equations);
+  if (static_cast<int>(kept.size()) != unknowns) return false;
+  IntegerMatrix system(unknowns, unknowns + 1);
+  for (int e = 0; e < unknowns; ++e) {
+    for (int k = 0; k < unknowns; ++k) system(e, k) = equations(kept[static_cast<std::size_t>(e)], k);
+    system(e, unknowns) = target.value[static_cast<std::size_t>(
+        coordinates[static_cast<std::size_t>(kept[static_cast<std::size_t>(e)])])];
+  }
+  Integer determinant;
+  if (!solveExactly(system, determinant)) return false;
+  weights.clear();
+  for (int k = 0; k < unknowns; ++k) {
+    weights.emplace_back(system(k, unknowns), determinant);
+    weights.back().canonicalize();
+  }
+  return true;
+}
+
+/// The rows with a weight that counts, and the coordinates whose sides of the box have one. `first_box` is
+/// the index of the first side.
+Rows rowsOfWeights(const std::vector<std::pair<int, double>>& weights, const Rows& rows, int first_box,
+                   std::vector<char>& skip, std::vector<int>& places) {
+  double greatest = 0.0;
+  for (const auto& [row, weight] : weights) greatest = std::max(greatest, weight);
+  Rows chosen;
+  for (const auto& [row, weight] : weights) {
+    if (weight <= kCounts * greatest) continue;
+    if (row < static_cast<int>(rows.size())) {
+      chosen.push_back(rows[static_cast<std::size_t>(row)]);
+      places.push_back(row);
+    } else if (row >= first_box && static_cast<std::size_t>(row - first_box) / 2 < skip.size()) {
+      skip[static_cast<std::size_t>(row - first_box) / 2] = 1;
+    }
+  }
+  return chosen;
+}
+
+/// A proof with exact weights for the rows that the guess found to matter.
+bool proveByBasis(const ExactGuess& solver, const Rows& rows, const ExactRow& target, ExactProof& proof) {
+  std::vector<char> skip(target.value.size() - 1, 0);
+  std::vector<int> places;
+  const Rows chosen = rowsOfWeights(solver.weights(), rows, solver.boxIndex(0), skip, places);
+  std::vector<Rational> exact;
+  if (chosen.empty() || !combineExactly(chosen, target, skip, exact)) return false;
+  std::vector<std::pair<int, Rational>> weights;
+  for (std::size_t k = 0; k < exact.size(); ++k) weights.emplace_back(places[k], exact[k]);
+  proof = clearFractions(std::move(weights), rows, mostBits(rows, &target), target.bits);
+  return proves(proof, rows, target);
+}
+
+/// The same for a cell without interior. Rows of the guess: the given ones, `on` and its opposite, sides.
+bool emptyByBasis(const ExactGuess& solver, const Rows& rows, const ExactRow* on, int p, ExactProof& proof) {
+  const int count = static_cast<int>(rows.size());
+  std::vector<char> skip(static_cast<std::size_t>(p), 0);
+  std::vector<int> places;
+  Rows chosen = rowsOfWeights(solver.weights(), rows, count + (on != nullptr ? 2 : 0), skip, places);
+  if (chosen.empty()) return false;
+  const ExactRow& target = *chosen.front();
+  const int target_place = places.front();
+  chosen.erase(chosen.begin());
+  places.erase(places.begin());
+  if (on != nullptr) {
+    chosen.push_back(on);
+    places.push_back(count);
+  }
+  std::vector<Rational> exact;
+  if (!combineExactly(chosen, target, skip, exact)) return false;
+  std::vector<std::pair<int, Rational>> weights{{target_place, Rational(1)}};
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    if (exact[k] != 0) weights.emplace_back(places[k], -exact[k]);
+  }
+  proof = clearFractions(std::move(weights), rows, mostBits(rows, on), on != nullptr ? on->bits : 0);
+  return provesEmpty(proof, rows, on);
 }
 
 /// Least value of the target where the rows are >= 0, without rounding.
@@ -267,6 +357,7 @@ Implication implies(const Rows& rows, const ExactRow& target, ExactGuess& solver
         result.proof = roundWeights(solver.weights(), rows, target.length, bits);
         if (proves(result.proof, rows, target)) return result;
       }
+      if (proveByBasis(solver, rows, target, result.proof)) return result;
     }
   }
   return impliesExactly(rows, target);
@@ -307,6 +398,7 @@ Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
     result.radius = status == ExactGuess::Status::kOptimal ? solver.objective() : -1.0;
     result.proof = emptyByRounding(solver, rows, on);
     if (provesEmpty(result.proof, rows, on)) return result;
+    if (emptyByBasis(solver, rows, on, p, result.proof)) return result;
   }
   return findExactly(rows, on, p);
 }
