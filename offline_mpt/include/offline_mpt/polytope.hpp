@@ -7,8 +7,9 @@ namespace polyfly {
 
 /// Result of removing redundant half-spaces.
 struct MinimalRows {
-  std::vector<int> facets;     ///< indices of the rows that bound the polytope, ascending
-  std::vector<double> beyond;  ///< per facet a point (dimension numbers) that violates this row and no other facet
+  std::vector<int> facets;  ///< indices of the rows that bound the polytope, ascending
+  std::vector<double>
+      beyond;  ///< per facet a point (dimension numbers) that violates this row and no other facet
 };
 
 /// Linear programming over small dense polytopes {t : a_i . t <= b_i}, in 1 to kMaxDimension dimensions.
@@ -33,8 +34,9 @@ class PolytopeSolver {
   /// kMaxPivots).
   bool chebyshev(const double* rows, int count, double* centre, double& radius);
 
-  /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other that is needed.
-  /// `interior` must lie strictly inside. Of rows that coincide one is kept. False when the simplex failed.
+  /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other that is
+  /// needed. `interior` must lie strictly inside. Of rows that coincide one is kept. False when the simplex
+  /// failed.
   bool minimal(const double* rows, int count, const double* interior, double tolerance, MinimalRows& result);
 
   /// A point where direction . t is greatest; false when the simplex failed. `interior` must lie inside.

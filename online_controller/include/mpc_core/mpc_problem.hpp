@@ -29,19 +29,19 @@ struct MpcProblem {
   std::string source;  ///< path it was read from, for messages
   std::string text;    ///< the file, verbatim
 
-  std::vector<Signal> states;        ///< nx; lower and upper are the state bounds on x - x_ref, infinite if none
-  std::vector<Signal> inputs;        ///< nu, bounds of u (absolute)
+  std::vector<Signal> states;  ///< nx; lower and upper are the state bounds on x - x_ref, infinite if none
+  std::vector<Signal> inputs;  ///< nu, bounds of u (absolute)
   std::vector<Signal> disturbances;  ///< nd
   Eigen::MatrixXd A_c;               ///< nx x nx, continuous time: x' = A_c x + B_c u + Bd_c d (Eq. 39)
   Eigen::MatrixXd B_c;               ///< nx x nu
   Eigen::MatrixXd Bd_c;              ///< nx x nd
   Eigen::MatrixXd C;                 ///< ny x nx, tracked output y = C x (ny = nu)
 
-  double sampling_time = 0.0;        ///< Ts [s]
-  int horizon = 0;                   ///< N
-  Eigen::MatrixXd Q;                 ///< nx x nx
-  Eigen::MatrixXd R;                 ///< nu x nu
-  Eigen::MatrixXd R_delta;           ///< nu x nu, Eq. 4
+  double sampling_time = 0.0;  ///< Ts [s]
+  int horizon = 0;             ///< N
+  Eigen::MatrixXd Q;           ///< nx x nx
+  Eigen::MatrixXd R;           ///< nu x nu
+  Eigen::MatrixXd R_delta;     ///< nu x nu, Eq. 4
   std::vector<Parameter> parameters;
 
   int stateCount() const { return static_cast<int>(A_c.rows()); }

@@ -50,8 +50,8 @@ struct MapContent {
   std::vector<Signal> parameters;  ///< with the box: lower and upper
   std::vector<Signal> inputs;      ///< with their bounds
 
-  std::vector<double> planes;        ///< unique planes, p + 1 numbers each
-  std::vector<double> laws;          ///< unique laws, m rows of p + 1 numbers (K row, k): u = K theta + k
+  std::vector<double> planes;  ///< unique planes, p + 1 numbers each
+  std::vector<double> laws;    ///< unique laws, m rows of p + 1 numbers (K row, k): u = K theta + k
   std::vector<Region> regions;
   std::vector<std::int32_t> rows;    ///< i + 1: plane i as it is; -(i + 1): plane i with both sides negated
   std::vector<std::int32_t> active;  ///< active sets (row indices of the program), concatenated
