@@ -125,7 +125,8 @@ class ScriptWriter {
     out_ << "reset\nset encoding utf8\nset datafile missing 'NaN'\n"
          << "set border 3 lc rgb '#8a929c' lw 1\nset tics nomirror out scale 0.5 textcolor rgb '#22272e'\n"
          << "set grid back lc rgb '#dfe3e8' lw 0.7 dt solid\nset samples 2\n"
-         << "set lmargin 11\nset tmargin 2.6\nset rmargin " << (panel.scale ? 13 : 3) << "\n";
+         << "set lmargin 11\nset tmargin " << (panel.subtitle.empty() ? 2.6 : 3.8) << "\nset rmargin "
+         << (panel.scale ? 13 : 3) << "\n";
     out_ << "set style fill solid 1.0 noborder\n";
     writeAxes(panel);
     writeDecoration(panel);
@@ -133,10 +134,18 @@ class ScriptWriter {
     writePlot(panel);
   }
 
-  void writeAxes(const Panel& panel) {
+  void writeTitle(const Panel& panel) {
     if (!panel.title.empty()) {
-      out_ << "set label " << quoted(panel.title) << " at graph 0, graph 1 left offset 0,0.9 font ',14'\n";
+      out_ << "set label " << quoted(panel.title) << " at graph 0, graph 1 left offset 0,"
+           << (panel.subtitle.empty() ? "0.9" : "2.1") << " font ',14'\n";
     }
+    if (!panel.subtitle.empty()) {
+      out_ << "set label " << quoted(panel.subtitle) << " at graph 0, graph 1 left offset 0,0.8 font ',11'\n";
+    }
+  }
+
+  void writeAxes(const Panel& panel) {
+    writeTitle(panel);
     if (!panel.x_label.empty()) {
       out_ << "set xlabel " << quoted(panel.x_label) << " offset 0,0.3\n";
     }

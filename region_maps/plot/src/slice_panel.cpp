@@ -92,16 +92,21 @@ std::vector<Patches> inputBands(const RegionMap& map, const Slice& cut, std::pai
 }
 
 std::string sliceTitle(const RegionMap& map, const Slice& cut) {
-  std::ostringstream title;
-  title.imbue(std::locale::classic());
-  title << map.name() << ": " << cut.polygons.size() << " of " << map.regionCount() << " regions";
-  const char* separator = "  at ";
+  return std::string(map.name()) + ": " + std::to_string(cut.polygons.size()) + " of " +
+         std::to_string(map.regionCount()) + " regions";
+}
+
+// The values of the parameters that the slice holds fixed.
+std::string fixedParameters(const RegionMap& map, const Slice& cut) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  const char* separator = "at ";
   for (std::size_t index = 0; index < map.parameters().size(); ++index) {
     if (static_cast<int>(index) == cut.x || static_cast<int>(index) == cut.y) continue;
-    title << separator << map.parameters()[index].name << " = " << std::setprecision(3) << cut.theta[index];
+    text << separator << map.parameters()[index].name << " = " << std::setprecision(3) << cut.theta[index];
     separator = ", ";
   }
-  return title.str();
+  return text.str();
 }
 
 }  // namespace
@@ -111,6 +116,7 @@ Panel slicePanel(const RegionMap& map, const Slice& cut) {
   const Signal& y = map.parameters()[static_cast<std::size_t>(cut.y)];
   Panel panel;
   panel.title = sliceTitle(map, cut);
+  panel.subtitle = fixedParameters(map, cut);
   panel.x_label = axisLabel(x);
   panel.y_label = axisLabel(y);
   panel.x_range = cut.x_range;

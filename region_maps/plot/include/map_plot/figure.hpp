@@ -74,6 +74,7 @@ struct Panel {
   using Range = std::pair<double, double>;
 
   std::string title;
+  std::string subtitle;  ///< a second, smaller line
   std::string x_label;
   std::string y_label;
   std::vector<Patches> patches;  ///< drawn first, in order
