@@ -135,11 +135,21 @@ class Count(unittest.TestCase):
         junit = self.write("r/ctest.xml", "<testsuite/>")
         self.assertEqual(self.count("--ctest", junit, self.folder), (1, "0 passed, 0 failed"))
 
-    def test_a_rostest_is_counted_once(self):
-        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure/></testcase>'
-                   '</testsuites>')
-        self.write("results/pkg/rosunit-a.xml", '<testsuites><testcase name="x"/></testsuites>')
+    def test_a_rostest_is_counted_by_its_programs_cases(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"/></testsuites>')
+        self.write("results/pkg/rosunit-program.xml", '<testsuites><testcase name="x"/><testcase name="y"/></testsuites>')
+        self.write("results/other/gtest-b.xml", '<testsuites><testcase name="z"/></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (0, "3 passed, 0 failed"))
+
+    def test_a_failed_case_of_a_rostest_is_one_failure(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
+        self.write("results/pkg/rosunit-program.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure/>'
+                   '</testcase></testsuites>')
         self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+
+    def test_a_rostest_that_crashed_is_a_failure(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results")[0], 1)
 
     def test_a_single_check_counts_by_its_status(self):
         good, bad = self.write("good", "0\n"), self.write("bad", "1\n")

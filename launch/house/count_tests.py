@@ -62,17 +62,25 @@ def count_ctest(junit, gtest_folder):
 
 
 def count_catkin(folder):
-    """rostest leaves a file with all cases of a launch file (rostest-*), and one more for each program in it
-    (rosunit-*): the former are counted."""
+    """rostest leaves one file for each launch file (rostest-*), whose cases are its programs, and one with the
+    cases of each of these programs (rosunit-*). The latter are counted, and of the former what failed without a
+    case that failed: a program that crashed, or left no file."""
     total = Count()
     for where, _, names in sorted(os.walk(folder)):
+        found = {}
         for name in sorted(names):
-            if not name.endswith(".xml") or name.startswith("rosunit-"):
-                continue
-            count = count_cases(os.path.join(where, name))
-            if count.failed:
-                print(f"  failed: {name}: {count.text()}")
+            if name.endswith(".xml"):
+                found[name] = count_cases(os.path.join(where, name))
+                if found[name].failed:
+                    print(f"  failed: {name}: {found[name].text()}")
+        programs = [count for name, count in found.items() if not name.startswith("rostest-")]
+        for count in programs:
             total.add(count)
+        failed = sum(count.failed for name, count in found.items() if name.startswith("rostest-"))
+        if failed and not any(count.failed for count in programs):
+            total.failed += failed
+        if found and not programs:
+            total.failed += 1
     return total
 
 
