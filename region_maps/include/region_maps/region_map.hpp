@@ -82,13 +82,13 @@ class RegionMap {
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
   const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
 
-  /// Region that holds theta (p numbers), by the search tree.
+  /// Region that holds theta (p numbers), by the search tree: FORMAT.md, "Point location".
   Lookup locate(const double* theta) const noexcept;
 
   /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
   Lookup evaluate(const double* theta, double* u) const noexcept;
 
-  /// First region in file order that holds theta, testing all: the reference for `locate`.
+  /// As `locate`, testing all regions in file order: its reference.
   Lookup locateExhaustively(const double* theta) const noexcept;
 
   /// Whether theta lies in region `index` within the map's tolerance.
