@@ -11,7 +11,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-constexpr double kSameLaw = 1e-10;  // greatest difference of two laws that are written once, relative to the
+constexpr double kSameLaw = 1e-9;   // greatest difference of two laws that are written once, relative to the
                                     // greater of the law itself and the outputs that occur [scaled]
 constexpr double kMembership = 1e-8;  // how far outside a half-space still counts as inside [scaled]
 
@@ -233,6 +233,7 @@ MapContent encode(const ParametricProgram& program, const Partition& partition, 
   regions.p = program.parameterCount();
   addPlanes(partition, scaling, content, regions);
   addLaws(partition, scaling, content);
+  for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
   SearchTree tree = buildTree(regions, options);
   content.solver_notes = notes(partition, tree);
   content.root = tree.root;

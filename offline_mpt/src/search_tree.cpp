@@ -1,25 +1,22 @@
 #include "offline_mpt/search_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <atomic>
+#include <thread>
 
-#include "offline_mpt/polytope.hpp"
+#include "tree_cells.hpp"
 
 namespace polyfly {
 namespace {
 
-/// A region in a node's cell, with points of it that lie in the cell: they show on which sides of a plane it
-/// reaches.
-struct Member {
-  std::uint32_t region = 0;
-  std::vector<double> points;
-};
-
-using Members = std::vector<Member>;
-
-constexpr unsigned kBelow = 1;
-constexpr unsigned kAbove = 2;
+constexpr std::size_t kLarge = 1500;       // regions above which a tree is built more cheaply
+constexpr std::size_t kManyMembers = 200;  // members above which estimates are trusted
+constexpr std::size_t kHopeless = 64;      // planes tried before regions count as inseparable
+constexpr std::size_t kEntangled = 24;     // members above which a cell is split in any case
+constexpr double kRepeated = 1.6;          // members on both sides together, relative to those before
+constexpr double kNodesPerRegion = 64.0;   // the default budget
+constexpr std::size_t kTasks = 32;         // a cell with one in so many of all regions is a task of its own
+constexpr std::uint32_t kPending = 1u << 30;  // marks the number of a task in place of a node's
 
 /// What a plane would leave on its sides.
 struct Estimate {
@@ -28,132 +25,115 @@ struct Estimate {
   std::size_t above = 0;
 
   std::size_t fuller() const { return std::max(below, above); }
+  std::size_t total() const { return below + above; }
 };
 
 bool better(const Estimate& a, const Estimate& b) {
   if (a.fuller() != b.fuller()) return a.fuller() < b.fuller();
-  if (a.below + a.above != b.below + b.above) return a.below + a.above < b.below + b.above;
+  if (a.total() != b.total()) return a.total() < b.total();
   return a.plane < b.plane;
 }
 
-std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(std::abs(row)) - 1; }
+/// The options with all that they leave open decided.
+TreeOptions decided(TreeOptions options, std::size_t regions) {
+  const bool large = regions > kLarge;
+  if (options.leaf_regions <= 0) options.leaf_regions = large ? 8 : 2;
+  if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
+  if (options.node_limit == 0) {
+    options.node_limit = static_cast<std::uint64_t>(kNodesPerRegion * static_cast<double>(regions));
+  }
+  return options;
+}
 
-class TreeBuilder {
+/// A cell whose subtree is built apart from the rest.
+struct Task {
+  CellMembers members;
+  std::vector<std::int32_t> path;
+  double budget = 0.0;
+};
+
+/// Grows a tree, or the subtree of a cell.
+class TreeGrower {
  public:
-  TreeBuilder(const TreeRegions& regions, const TreeOptions& options)
-      : regions_(regions),
-        options_(options),
-        leaf_regions_(choose(options.leaf_regions, 1, 8)),
-        planes_tried_(choose(options.planes_tried, 6, 1)),
-        p_(regions.p),
-        width_(regions.p + 1),
-        solver_(regions.p),
-        point_(p_) {}
+  TreeGrower(const TreeGeometry& geometry, const TreeOptions& options)
+      : geometry_(geometry), options_(options), splitter_(geometry) {}
 
-  SearchTree run() {
-    Members all(regions_.rows.size());
-    for (std::size_t r = 0; r < all.size(); ++r) {
-      all[r].region = static_cast<std::uint32_t>(r);
-      samplePoints(r, all[r].points);
-    }
-    tree_.root = grow(std::move(all), 0);
+  /// Cells with at most `size` members are put off, to be grown apart.
+  void putOff(std::size_t size, std::vector<Task>& tasks) {
+    task_size_ = size;
+    tasks_ = &tasks;
+  }
+
+  SearchTree run(Task task) {
+    tree_ = {};
+    path_ = std::move(task.path);
+    tree_.root = grow(std::move(task.members), task.budget);
     return std::move(tree_);
   }
 
  private:
-  static constexpr std::size_t kLarge = 1500;       // regions above which a tree is built more cheaply
-  static constexpr std::size_t kManyMembers = 200;  // members above which estimates are trusted
-  static constexpr std::size_t kHopeless = 64;      // planes tried before regions count as inseparable
-  static constexpr std::size_t kPointsKept = 24;    // per member
-
-  std::size_t choose(int wanted, std::size_t small, std::size_t large) const {
-    if (wanted > 0) return static_cast<std::size_t>(wanted);
-    return regions_.rows.size() > kLarge ? large : small;
-  }
-
-  void appendRow(std::int32_t row, std::vector<double>& out) const {
-    const double* plane = regions_.planes.data() + planeOf(row) * width_;
-    const double sign = row > 0 ? 1.0 : -1.0;
-    for (int j = 0; j < width_; ++j) out.push_back(sign * plane[j]);
-  }
-
-  double distance(std::size_t plane, const double* point) const {
-    const double* row = regions_.planes.data() + plane * width_;
-    double value = -row[p_];
-    for (int j = 0; j < p_; ++j) value += row[j] * point[j];
-    return value;
-  }
-
-  // Extreme points of a region: along the axes, which gives its bounding box, and along its own normals.
-  void samplePoints(std::size_t r, std::vector<double>& points) {
-    gather(r);
-    std::vector<double> direction(p_);
-    std::vector<double> low(p_), high(p_);
-    const auto add = [&] {
-      if (!support(r, direction.data())) return false;
-      points.insert(points.end(), point_.begin(), point_.end());
-      return true;
-    };
-    for (int j = 0; j < p_; ++j) {
-      std::fill(direction.begin(), direction.end(), 0.0);
-      direction[j] = 1.0;
-      high[j] = add() ? point_[j] : 1.0;
-      direction[j] = -1.0;
-      low[j] = add() ? point_[j] : -1.0;
+  /// `budget`: of interior nodes, this one and those below it.
+  std::uint32_t grow(CellMembers members, double budget) {
+    if (tasks_ != nullptr && members.size() <= task_size_) {
+      tasks_->push_back({std::move(members), path_, budget});
+      return kPending | static_cast<std::uint32_t>(tasks_->size() - 1);
     }
-    for (const std::int32_t row : regions_.rows[r]) {
-      const double* plane = regions_.planes.data() + planeOf(row) * width_;
-      const double sign = row > 0 ? -1.0 : 1.0;  // away from the facet
-      for (int j = 0; j < p_; ++j) direction[j] = sign * plane[j];
-      add();
-    }
-    low_.insert(low_.end(), low.begin(), low.end());
-    high_.insert(high_.end(), high.begin(), high.end());
-  }
-
-  void gather(std::size_t r) {
-    rows_.clear();
-    for (const std::int32_t own : regions_.rows[r]) appendRow(own, rows_);
-  }
-
-  // Extreme point of the rows gathered last, which describe region r.
-  bool support(std::size_t r, const double* direction) {
-    const int count = static_cast<int>(rows_.size()) / width_;
-    return solver_.support(rows_.data(), count, regions_.centres.data() + r * p_, direction, point_.data());
-  }
-
-  std::uint32_t grow(Members members, std::uint32_t depth) {
-    tree_.depth = std::max(tree_.depth, depth);
-    Members below, above;
+    tree_.depth = std::max(tree_.depth, static_cast<std::uint32_t>(path_.size()));
+    CellMembers below, above;
     std::size_t plane = 0;
-    if (members.size() <= leaf_regions_ || !choose(members, plane, below, above)) return leaf(members);
-    Members().swap(members);
+    if (members.size() <= static_cast<std::size_t>(options_.leaf_regions) || oneLaw(members) ||
+        budget < 1.0 || stopped() || !choose(members, plane, below, above)) {
+      return leaf(members);
+    }
+    CellMembers().swap(members);
     const auto index = static_cast<std::uint32_t>(tree_.nodes.size());
     tree_.nodes.push_back({static_cast<std::uint32_t>(plane), 0, 0});
+    const double share = static_cast<double>(below.size()) / static_cast<double>(below.size() + above.size());
     path_.push_back(static_cast<std::int32_t>(plane) + 1);
-    const std::uint32_t first = grow(std::move(below), depth + 1);
+    const std::uint32_t first = grow(std::move(below), share * (budget - 1.0));
     path_.back() = -path_.back();
-    const std::uint32_t second = grow(std::move(above), depth + 1);
+    const std::uint32_t second = grow(std::move(above), (1.0 - share) * (budget - 1.0));
     path_.pop_back();
     tree_.nodes[index].below = first;
     tree_.nodes[index].above = second;
     return index;
   }
 
-  std::uint32_t leaf(const Members& members) {
+  bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
+
+  std::uint32_t leaf(const CellMembers& members) {
     const auto index = static_cast<std::uint32_t>(tree_.leaves.size());
     tree_.leaves.push_back(
         {static_cast<std::uint32_t>(tree_.candidates.size()), static_cast<std::uint32_t>(members.size())});
-    for (const Member& member : members) tree_.candidates.push_back(member.region);
+    for (const CellMember& member : members) tree_.candidates.push_back(member.region);
     return index | MapContent::kLeaf;
   }
 
+  bool oneLaw(const CellMembers& members) const {
+    const TreeRegions& regions = geometry_.regions();
+    if (regions.laws.empty()) return false;
+    std::size_t rows = 0;
+    for (const CellMember& member : members) {
+      rows += regions.rows[member.region].size();
+      if (rows > static_cast<std::size_t>(options_.law_rows)) return false;
+      if (regions.laws[member.region] != regions.laws[members.front().region]) return false;
+    }
+    return true;
+  }
+
+  /// Regions that no plane keeps apart: slivers along a common edge, which splitting only repeats on both
+  /// sides.
+  static bool entangled(const Estimate& split, std::size_t members) {
+    return members <= kEntangled &&
+           static_cast<double>(split.total()) > kRepeated * static_cast<double>(members);
+  }
+
   // The best of the planes that bound members, by exact splits of those that look best.
-  bool choose(Members& members, std::size_t& plane, Members& below, Members& above) {
+  bool choose(CellMembers& members, std::size_t& plane, CellMembers& below, CellMembers& above) {
     std::vector<Estimate> estimates = estimate(members);
     std::sort(estimates.begin(), estimates.end(), better);
-    const bool many = members.size() > kManyMembers;  // estimates are good while cells are large
-    const std::size_t tried = many ? 1 : planes_tried_;
+    const std::size_t tried =
+        members.size() > kManyMembers ? 1 : static_cast<std::size_t>(options_.planes_tried);
     std::vector<unsigned char> sides, best_sides;
     Estimate best;
     bool found = false;
@@ -168,28 +148,21 @@ class TreeBuilder {
         found = true;
       }
     }
-    if (!found) return false;
+    if (!found || entangled(best, members.size())) return false;
     plane = best.plane;
-    distribute(members, plane, best_sides, below, above);
+    splitter_.divide(members, plane, best_sides, below, above);
     return true;
   }
 
-  std::vector<Estimate> estimate(const Members& members) const {
-    std::vector<std::size_t> planes;
-    for (const Member& member : members) {
-      for (const std::int32_t row : regions_.rows[member.region]) planes.push_back(planeOf(row));
-    }
-    std::sort(planes.begin(), planes.end());
-    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
-    planes.erase(std::remove_if(planes.begin(), planes.end(), [&](std::size_t h) { return onPath(h); }),
-                 planes.end());
-    const std::size_t stride = planes.size() / options_.planes_scored + 1;
+  std::vector<Estimate> estimate(const CellMembers& members) const {
+    const std::vector<std::size_t> planes = planesOf(members);
+    const std::size_t stride = planes.size() / static_cast<std::size_t>(options_.planes_scored) + 1;
     std::vector<Estimate> estimates;
     for (std::size_t i = 0; i < planes.size(); i += stride) {
       Estimate entry;
       entry.plane = planes[i];
-      for (const Member& member : members) {
-        const unsigned sides = seenSides(member, planes[i]);
+      for (const CellMember& member : members) {
+        const unsigned sides = geometry_.seenSides(member, planes[i]);
         if (sides & kBelow) ++entry.below;
         if (sides & kAbove) ++entry.above;
       }
@@ -198,43 +171,30 @@ class TreeBuilder {
     return estimates;
   }
 
-  bool onPath(std::size_t plane) const {
-    return std::any_of(path_.begin(), path_.end(), [&](std::int32_t row) { return planeOf(row) == plane; });
-  }
-
-  // Sides that the region cannot reach because its bounding box does not.
-  unsigned boxSides(std::uint32_t r, std::size_t plane) const {
-    const double* row = regions_.planes.data() + plane * width_;
-    const double* low = low_.data() + static_cast<std::size_t>(r) * p_;
-    const double* high = high_.data() + static_cast<std::size_t>(r) * p_;
-    double least = -row[p_];
-    double greatest = -row[p_];
-    for (int j = 0; j < p_; ++j) {
-      least += row[j] * (row[j] > 0.0 ? low[j] : high[j]);
-      greatest += row[j] * (row[j] > 0.0 ? high[j] : low[j]);
+  // Those that bound members, but not the cell.
+  std::vector<std::size_t> planesOf(const CellMembers& members) const {
+    std::vector<std::size_t> planes;
+    for (const CellMember& member : members) {
+      for (const std::int32_t row : geometry_.regions().rows[member.region]) {
+        planes.push_back(TreeGeometry::planeOf(row));
+      }
     }
-    return (least < -options_.side_tolerance ? kBelow : 0u) |
-           (greatest > options_.side_tolerance ? kAbove : 0u);
+    std::sort(planes.begin(), planes.end());
+    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+    const auto on_path = [&](std::size_t plane) {
+      return std::any_of(path_.begin(), path_.end(),
+                         [&](std::int32_t row) { return TreeGeometry::planeOf(row) == plane; });
+    };
+    planes.erase(std::remove_if(planes.begin(), planes.end(), on_path), planes.end());
+    return planes;
   }
 
-  // Sides on which the member is known to have points in this cell.
-  unsigned seenSides(const Member& member, std::size_t plane) const {
-    const unsigned possible = boxSides(member.region, plane);
-    unsigned sides = 0;
-    for (std::size_t i = 0; i < member.points.size() && sides != possible; i += p_) {
-      const double value = distance(plane, member.points.data() + i);
-      if (value < -options_.side_tolerance) sides |= kBelow;
-      if (value > options_.side_tolerance) sides |= kAbove;
-    }
-    return sides;
-  }
-
-  Estimate splitExactly(Members& members, std::size_t plane, std::vector<unsigned char>& sides) {
+  Estimate splitExactly(CellMembers& members, std::size_t plane, std::vector<unsigned char>& sides) {
     Estimate result;
     result.plane = plane;
     sides.assign(members.size(), 0);
     for (std::size_t i = 0; i < members.size(); ++i) {
-      const unsigned reached = exactSides(members[i], plane);
+      const unsigned reached = splitter_.sides(members[i], plane, path_);
       sides[i] = static_cast<unsigned char>(reached);
       if (reached & kBelow) ++result.below;
       if (reached & kAbove) ++result.above;
@@ -242,89 +202,86 @@ class TreeBuilder {
     return result;
   }
 
-  unsigned exactSides(Member& member, std::size_t plane) {
-    const auto row = static_cast<std::int32_t>(plane) + 1;
-    for (const std::int32_t own : regions_.rows[member.region]) {
-      if (own == row) return kBelow;
-      if (own == -row) return kAbove;
-    }
-    unsigned sides = seenSides(member, plane);
-    const unsigned open = boxSides(member.region, plane) & ~sides;
-    if ((open & kBelow) && reaches(member, -1.0, plane)) sides |= kBelow;
-    if ((open & kAbove) && reaches(member, 1.0, plane)) sides |= kAbove;
-    return sides;
-  }
-
-  // Whether the member's part in this cell has more than a touch on one side of the plane. A point found
-  // there is kept.
-  bool reaches(Member& member, double side, std::size_t plane) {
-    gather(member.region);
-    const double* normal = regions_.planes.data() + plane * width_;
-    std::vector<double> direction(normal, normal + p_);
-    for (double& entry : direction) entry *= side;
-    if (support(member.region, direction.data()) &&
-        side * distance(plane, point_.data()) <= options_.side_tolerance) {
-      return false;  // not even outside the cell
-    }
-    for (const std::int32_t step : path_) appendRow(step, rows_);
-    appendRow(side < 0.0 ? static_cast<std::int32_t>(plane) + 1 : -static_cast<std::int32_t>(plane) - 1,
-              rows_);
-    const double* centre = member.points.empty() ? regions_.centres.data() + std::size_t{member.region} * p_
-                                                 : member.points.data() + member.points.size() - p_;
-    std::copy_n(centre, p_, point_.begin());
-    double radius = 0.0;
-    const int count = static_cast<int>(rows_.size()) / width_;
-    if (!solver_.chebyshev(rows_.data(), count, point_.data(), radius)) return true;  // keep it on both sides
-    if (radius <= options_.side_tolerance) return false;
-    if (member.points.size() < kPointsKept * p_) {
-      member.points.insert(member.points.end(), point_.begin(), point_.end());
-    } else {
-      std::copy(point_.begin(), point_.end(), member.points.end() - p_);
-    }
-    return true;
-  }
-
-  void distribute(Members& members, std::size_t plane, const std::vector<unsigned char>& sides,
-                  Members& below, Members& above) const {
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      Member& member = members[i];
-      if (sides[i] == kBelow) {
-        below.push_back(std::move(member));
-      } else if (sides[i] == kAbove) {
-        above.push_back(std::move(member));
-      } else {
-        Member parts[2];
-        for (std::size_t k = 0; k < member.points.size(); k += p_) {
-          const double* point = member.points.data() + k;
-          const double value = distance(plane, point);
-          if (value <= 0.0) parts[0].points.insert(parts[0].points.end(), point, point + p_);
-          if (value >= 0.0) parts[1].points.insert(parts[1].points.end(), point, point + p_);
-        }
-        parts[0].region = parts[1].region = member.region;
-        below.push_back(std::move(parts[0]));
-        above.push_back(std::move(parts[1]));
-      }
-    }
-  }
-
-  const TreeRegions& regions_;
+  const TreeGeometry& geometry_;
   const TreeOptions& options_;
-  std::size_t leaf_regions_;
-  std::size_t planes_tried_;
-  int p_;
-  int width_;
-  PolytopeSolver solver_;
-  std::vector<double> low_, high_;  // bounding boxes
+  CellSplitter splitter_;
+  std::size_t task_size_ = 0;
+  std::vector<Task>* tasks_ = nullptr;
   std::vector<std::int32_t> path_;
-  std::vector<double> rows_;
-  std::vector<double> point_;
   SearchTree tree_;
 };
+
+/// The subtrees of all tasks, by whichever thread is free.
+std::vector<SearchTree> growAll(const TreeGeometry& geometry, const TreeOptions& options,
+                                std::vector<Task>& tasks) {
+  std::vector<SearchTree> trees(tasks.size());
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::uint64_t> done{0};
+  std::uint64_t total = 0;
+  for (const Task& task : tasks) total += task.members.size();
+  const auto work = [&](bool says) {
+    TreeGrower grower(geometry, options);
+    for (std::size_t i = next++; i < tasks.size(); i = next++) {
+      const std::size_t size = tasks[i].members.size();
+      trees[i] = grower.run(std::move(tasks[i]));
+      done += size;
+      if (says && options.progress) options.progress(done, total);
+    }
+  };
+  std::vector<std::thread> others;
+  for (int k = 1; k < options.threads && static_cast<std::size_t>(k) < tasks.size(); ++k) {
+    others.emplace_back(work, false);
+  }
+  work(true);
+  for (std::thread& thread : others) thread.join();
+  return trees;
+}
+
+/// Adds a subtree; its root's place in the whole tree.
+std::uint32_t append(const SearchTree& part, SearchTree& whole) {
+  const auto nodes = static_cast<std::uint32_t>(whole.nodes.size());
+  const auto leaves = static_cast<std::uint32_t>(whole.leaves.size());
+  const auto candidates = static_cast<std::uint32_t>(whole.candidates.size());
+  const auto moved = [&](std::uint32_t child) {
+    return (child & MapContent::kLeaf) != 0 ? ((child & ~MapContent::kLeaf) + leaves) | MapContent::kLeaf
+                                            : child + nodes;
+  };
+  for (const MapContent::Node& node : part.nodes) {
+    whole.nodes.push_back({node.plane, moved(node.below), moved(node.above)});
+  }
+  for (const MapContent::Leaf& leaf : part.leaves)
+    whole.leaves.push_back({leaf.first + candidates, leaf.count});
+  whole.candidates.insert(whole.candidates.end(), part.candidates.begin(), part.candidates.end());
+  whole.depth = std::max(whole.depth, part.depth);
+  return moved(part.root);
+}
+
+void join(const std::vector<SearchTree>& parts, SearchTree& tree) {
+  const std::size_t top = tree.nodes.size();
+  std::vector<std::uint32_t> roots;
+  for (const SearchTree& part : parts) roots.push_back(append(part, tree));
+  const auto settle = [&](std::uint32_t& child) {
+    if ((child & MapContent::kLeaf) == 0 && (child & kPending) != 0) child = roots[child & ~kPending];
+  };
+  settle(tree.root);
+  for (std::size_t i = 0; i < top; ++i) {
+    settle(tree.nodes[i].below);
+    settle(tree.nodes[i].above);
+  }
+}
 
 }  // namespace
 
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
-  return TreeBuilder(regions, options).run();
+  const TreeOptions choices = decided(options, regions.rows.size());
+  TreeGeometry geometry(regions, choices.side_tolerance, choices.threads);
+  std::vector<Task> tasks;
+  TreeGrower top(geometry, choices);
+  const std::size_t size = std::max(kManyMembers, regions.rows.size() / kTasks);
+  top.putOff(size, tasks);
+  SearchTree tree = top.run({geometry.takeMembers(), {}, static_cast<double>(choices.node_limit)});
+  join(growAll(geometry, choices, tasks), tree);
+  return tree;
 }
 
 }  // namespace polyfly

@@ -35,6 +35,8 @@ const char* const kStrictlyConvex[] = {"bemporad2002",
                                        "multirotor_N20",
                                        "multirotor_N10_soft",
                                        "mass_spring4_N5",
+                                       "mass_spring4_N10",
+                                       "mass_spring6_N5",
                                        "rnd_n3_m20_t4",
                                        "rnd_n5_m40_t3",
                                        "rnd_n6_m20_t3",
@@ -120,14 +122,9 @@ TEST_P(ReferenceProblem, AgreesWithSolutionsOfOtherPrograms) {
   EXPECT_LE(static_cast<std::size_t>(wide), *counts.rbegin());
 }
 
-// Wrong so far: mass_spring4_N10 shares laws that differ by more than rounding (error of u 1.5e-7),
-// mass_spring6_N5 ends incomplete among slivers. To be enabled with the solver's next correction.
-const char* const kKnownDefects[] = {"mass_spring4_N10", "mass_spring6_N5"};
-
 std::string testName(const testing::TestParamInfo<const char*>& info) { return info.param; }
 
 INSTANTIATE_TEST_SUITE_P(All, ReferenceProblem, testing::ValuesIn(kStrictlyConvex), testName);
-INSTANTIATE_TEST_SUITE_P(DISABLED_Defects, ReferenceProblem, testing::ValuesIn(kKnownDefects), testName);
 
 }  // namespace
 }  // namespace polyfly

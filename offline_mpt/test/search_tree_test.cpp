@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
 
@@ -77,6 +79,92 @@ TEST(SearchTree, OneRegionNeedsNoNode) {
   expectSameAnswer(memory.map(), Eigen::Vector2d(1.3, -0.9));
 }
 
+// Intervals [i, i + 1] / 8 - 1 as regions.
+TreeRegions intervals() {
+  TreeRegions regions;
+  regions.p = 1;
+  constexpr int kCount = 16;
+  for (int i = 0; i <= kCount; ++i) regions.planes.insert(regions.planes.end(), {1.0, i / 8.0 - 1.0});
+  for (int i = 0; i < kCount; ++i) {
+    regions.rows.push_back({i + 2, -(i + 1)});
+    regions.centres.push_back((i + 0.5) / 8.0 - 1.0);
+  }
+  return regions;
+}
+
+std::size_t mostCandidates(const SearchTree& tree) {
+  std::size_t most = 0;
+  for (const MapContent::Leaf& leaf : tree.leaves) most = std::max<std::size_t>(most, leaf.count);
+  return most;
+}
+
+TEST(SearchTree, IntervalsAreHalvedUntilALeafIsSmallEnough) {
+  const TreeRegions regions = intervals();
+  for (int leaf_regions = 1; leaf_regions <= 16; leaf_regions *= 2) {
+    TreeOptions options;
+    options.leaf_regions = leaf_regions;
+    const SearchTree tree = buildTree(regions, options);
+    EXPECT_EQ(tree.leaves.size(), 16u / static_cast<unsigned>(leaf_regions));
+    EXPECT_EQ(mostCandidates(tree), static_cast<std::size_t>(leaf_regions));
+    EXPECT_EQ(1u << tree.depth, tree.leaves.size());
+  }
+}
+
+TEST(SearchTree, RegionsOfOneLawMayShareALeaf) {
+  TreeRegions regions = intervals();
+  for (std::size_t i = 0; i < 16; ++i) regions.laws.push_back(i < 8 ? 0 : static_cast<std::uint32_t>(i));
+  TreeOptions options;
+  options.leaf_regions = 1;
+  options.law_rows = 16;  // of eight intervals
+  const SearchTree tree = buildTree(regions, options);
+  EXPECT_EQ(tree.leaves.size(), 9u);
+  EXPECT_EQ(mostCandidates(tree), 8u);
+  options.law_rows = 15;
+  EXPECT_EQ(mostCandidates(buildTree(regions, options)), 4u);
+}
+
+TEST(SearchTree, TheLimitOnNodesIsKept) {
+  const TreeRegions regions = intervals();
+  for (const std::uint64_t limit : {1u, 2u, 3u, 7u, 100u}) {
+    TreeOptions options;
+    options.leaf_regions = 1;
+    options.node_limit = limit;
+    const SearchTree tree = buildTree(regions, options);
+    EXPECT_LE(tree.nodes.size(), limit);
+    EXPECT_GE(tree.nodes.size(), std::min<std::size_t>(limit, 15) / 2);
+    std::size_t listed = 0;
+    for (const MapContent::Leaf& leaf : tree.leaves) listed += leaf.count;
+    EXPECT_EQ(listed, 16u);
+  }
+}
+
+TEST(SearchTree, ThreadsDoNotChangeIt) {
+  const ParametricProgram program = randomProgram(8, 24, 4, 3);
+  const Partition partition = explore(program);
+  ASSERT_GT(partition.regions.size(), 200u);  // more than one task
+  TreeOptions options;
+  const MapContent one = encode(program, partition, options);
+  std::uint64_t last = 0;
+  options.threads = 3;
+  options.progress = [&last](std::uint64_t done, std::uint64_t total) {
+    EXPECT_LE(done, total);
+    EXPECT_GE(done, last);
+    last = done;
+  };
+  const MapContent three = encode(program, partition, options);
+  EXPECT_EQ(layOut(one), layOut(three));
+  EXPECT_GT(last, 0u);
+}
+
+TEST(SearchTree, EndsEarlyWhenToldTo) {
+  const std::atomic<bool> stop{true};
+  TreeOptions options;
+  options.stop = &stop;
+  const SearchTree tree = buildTree(intervals(), options);
+  EXPECT_EQ(tree.nodes.size(), 0u);
+  EXPECT_EQ(mostCandidates(tree), 16u);
+}
+
 // Regions that overlap cannot be separated: they share a leaf, and the first one answers.
 TEST(SearchTree, OverlappingRegionsShareALeaf) {
   TreeRegions regions;
@@ -85,9 +173,7 @@ TEST(SearchTree, OverlappingRegionsShareALeaf) {
   regions.rows = {{1, -2}, {1, -2}};       // both are [-0.5, 0.5]
   regions.centres = {0.0, 0.0};
   const SearchTree tree = buildTree(regions);
-  std::size_t most = 0;
-  for (const MapContent::Leaf& leaf : tree.leaves) most = std::max<std::size_t>(most, leaf.count);
-  EXPECT_EQ(most, 2u);
+  EXPECT_EQ(mostCandidates(tree), 2u);
 }
 
 }  // namespace

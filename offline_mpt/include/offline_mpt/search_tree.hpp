@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "region_maps/map_content.hpp"
@@ -14,6 +16,7 @@ struct TreeRegions {
   std::vector<double> planes;
   std::vector<std::vector<std::int32_t>> rows;  ///< per region
   std::vector<double> centres;                  ///< per region p numbers, strictly inside
+  std::vector<std::uint32_t> laws;              ///< per region; empty: all differ
 };
 
 struct SearchTree {
@@ -25,17 +28,27 @@ struct SearchTree {
 };
 
 struct TreeOptions {
-  int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 1, or 8 above 1500 regions
-  double side_tolerance =
-      1e-9;  ///< a part of a region whose inscribed ball is smaller is left to the other side [scaled]
-  int planes_scored = 300;  ///< candidate planes looked at in a node
-  int planes_tried = 6;     ///< of these, the best by estimate, split exactly
+  int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 2, or 8 above 1500 regions
+  int law_rows = 48;  ///< a leaf may hold regions of one and the same law with so many half-spaces together
+  std::uint64_t node_limit =
+      0;  ///< of interior nodes, shared out by regions on the way down; 0: 64 per region
+  double side_tolerance = 1e-9;  ///< a part of a region that reaches no further across a plane is left to the
+                                 ///< other side [scaled]
+  int planes_scored = 300;       ///< candidate planes looked at in a node
+  int planes_tried = 0;  ///< of these, the best by estimate, split exactly; 0: 6, or 3 above 1500 regions
+  int threads = 1;       ///< the tree does not depend on it
+  const std::atomic<bool>* stop =
+      nullptr;  ///< set from outside to end early: what is not split by then stays
+                ///< one leaf, so that the tree is of no use but for its shape
+  /// Called now and then from the calling thread.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
 /// Binary search tree over the regions' own planes (Tondel, Johansen and Bemporad, 2003), smallest worst case
 /// first: each node takes the plane that leaves the fewest regions on its fuller side. A region stays on a
-/// side if its part there, within the cell of the node, holds a ball larger than side_tolerance, by linear
-/// programming. A leaf holds one region, or those that no plane separates.
+/// side if its part there, within the cell of the node, reaches further than side_tolerance, by linear
+/// programming. A leaf holds few regions, or regions of one law, or those that no plane keeps apart, or what
+/// the limit on nodes leaves together; a look-up tests them in turn.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
 
 }  // namespace polyfly

@@ -1,0 +1,197 @@
+#include "tree_cells.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kPointsKept = 24;      // per member
+constexpr std::size_t kManyRegions = 20000;  // above which the first points are those along the axes only
+
+}  // namespace
+
+TreeGeometry::TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads)
+    : regions_(regions),
+      tolerance_(side_tolerance),
+      low_(regions.centres.size()),
+      high_(regions.centres.size()),
+      members_(regions.rows.size()) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    PolytopeSolver solver(regions_.p);
+    std::vector<double> rows;
+    for (std::size_t r = next++; r < members_.size(); r = next++) sample(r, solver, rows);
+  };
+  std::vector<std::thread> others;
+  for (int k = 1; k < threads; ++k) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+}
+
+double TreeGeometry::distance(std::size_t plane, const double* point) const {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const double* row = regions_.planes.data() + plane * (p + 1);
+  double value = -row[p];
+  for (std::size_t j = 0; j < p; ++j) value += row[j] * point[j];
+  return value;
+}
+
+void TreeGeometry::appendRow(std::int32_t row, std::vector<double>& rows) const {
+  const std::size_t width = static_cast<std::size_t>(regions_.p) + 1;
+  const double* plane = regions_.planes.data() + planeOf(row) * width;
+  const double sign = row > 0 ? 1.0 : -1.0;
+  for (std::size_t j = 0; j < width; ++j) rows.push_back(sign * plane[j]);
+}
+
+// Extreme points of a region: along the axes, which gives its bounding box, and along its own normals.
+void TreeGeometry::sample(std::size_t region, PolytopeSolver& solver, std::vector<double>& rows) {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const double* centre = regions_.centres.data() + region * p;
+  CellMember& member = members_[region];
+  member.region = static_cast<std::uint32_t>(region);
+  member.inner.assign(centre, centre + p);
+  rows.clear();
+  for (const std::int32_t row : regions_.rows[region]) appendRow(row, rows);
+  std::vector<double> direction(p), point(p);
+  const auto add = [&] {
+    const int count = static_cast<int>(regions_.rows[region].size());
+    if (!solver.support(rows.data(), count, centre, direction.data(), point.data())) return false;
+    member.points.insert(member.points.end(), point.begin(), point.end());
+    return true;
+  };
+  for (std::size_t j = 0; j < p; ++j) {
+    std::fill(direction.begin(), direction.end(), 0.0);
+    direction[j] = 1.0;
+    high_[region * p + j] = add() ? point[j] : 1.0;
+    direction[j] = -1.0;
+    low_[region * p + j] = add() ? point[j] : -1.0;
+  }
+  if (regions_.rows.size() > kManyRegions) return;
+  for (std::size_t row = 0; row < regions_.rows[region].size(); ++row) {
+    for (std::size_t j = 0; j < p; ++j) direction[j] = -rows[row * (p + 1) + j];  // away from the facet
+    add();
+  }
+}
+
+unsigned TreeGeometry::boxSides(std::uint32_t region, std::size_t plane) const {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const double* row = regions_.planes.data() + plane * (p + 1);
+  const double* low = low_.data() + region * p;
+  const double* high = high_.data() + region * p;
+  double least = -row[p];
+  double greatest = -row[p];
+  for (std::size_t j = 0; j < p; ++j) {
+    least += row[j] * (row[j] > 0.0 ? low[j] : high[j]);
+    greatest += row[j] * (row[j] > 0.0 ? high[j] : low[j]);
+  }
+  return (least < -tolerance_ ? kBelow : 0u) | (greatest > tolerance_ ? kAbove : 0u);
+}
+
+unsigned TreeGeometry::seenSides(const CellMember& member, std::size_t plane) const {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const unsigned possible = boxSides(member.region, plane);
+  unsigned sides = 0;
+  const auto look = [&](const double* point) {
+    const double value = distance(plane, point);
+    if (value < -tolerance_) sides |= kBelow;
+    if (value > tolerance_) sides |= kAbove;
+  };
+  look(member.inner.data());
+  for (std::size_t i = 0; i < member.points.size() && sides != possible; i += p)
+    look(member.points.data() + i);
+  return sides;
+}
+
+CellSplitter::CellSplitter(const TreeGeometry& geometry)
+    : geometry_(geometry),
+      solver_(geometry.regions().p),
+      point_(static_cast<std::size_t>(geometry.regions().p)) {}
+
+unsigned CellSplitter::sides(CellMember& member, std::size_t plane, const std::vector<std::int32_t>& path) {
+  const auto row = static_cast<std::int32_t>(plane) + 1;
+  for (const std::int32_t own : geometry_.regions().rows[member.region]) {
+    if (own == row) return kBelow;
+    if (own == -row) return kAbove;
+  }
+  unsigned sides = geometry_.seenSides(member, plane);
+  const unsigned open = geometry_.boxSides(member.region, plane) & ~sides;
+  if ((open & kBelow) && reaches(member, -1.0, plane, path)) sides |= kBelow;
+  if ((open & kAbove) && reaches(member, 1.0, plane, path)) sides |= kAbove;
+  return sides;
+}
+
+// The member's point that is furthest out on one side of the plane.
+bool CellSplitter::reaches(CellMember& member, double side, std::size_t plane,
+                           const std::vector<std::int32_t>& path) {
+  const TreeRegions& regions = geometry_.regions();
+  const auto p = static_cast<std::size_t>(regions.p);
+  rows_.clear();
+  for (const std::int32_t own : regions.rows[member.region]) geometry_.appendRow(own, rows_);
+  for (const std::int32_t step : path) geometry_.appendRow(step, rows_);
+  const double* normal = regions.planes.data() + plane * (p + 1);
+  std::vector<double> direction(normal, normal + p);
+  for (double& entry : direction) entry *= side;
+  const int count = static_cast<int>(rows_.size() / (p + 1));
+  if (!solver_.support(rows_.data(), count, member.inner.data(), direction.data(), point_.data())) {
+    return true;  // undecided: keep it on both sides
+  }
+  if (side * geometry_.distance(plane, point_.data()) <= geometry_.tolerance()) return false;
+  if (member.points.size() < kPointsKept * p) {
+    member.points.insert(member.points.end(), point_.begin(), point_.end());
+  } else {
+    std::copy(point_.begin(), point_.end(), member.points.end() - static_cast<std::ptrdiff_t>(p));
+  }
+  return true;
+}
+
+void CellSplitter::divide(CellMembers& members, std::size_t plane, const std::vector<unsigned char>& sides,
+                          CellMembers& below, CellMembers& above) const {
+  const auto p = static_cast<std::size_t>(geometry_.regions().p);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    CellMember& member = members[i];
+    if (sides[i] == 0) continue;  // nothing but a touch
+    if (sides[i] == kBelow || sides[i] == kAbove) {
+      enter(member, sides[i] == kBelow ? -1.0 : 1.0, plane, member.points);
+      (sides[i] == kBelow ? below : above).push_back(std::move(member));
+      continue;
+    }
+    CellMember parts[2];
+    for (std::size_t k = 0; k < member.points.size(); k += p) {
+      const double* point = member.points.data() + k;
+      const double value = geometry_.distance(plane, point);
+      if (value <= 0.0) parts[0].points.insert(parts[0].points.end(), point, point + p);
+      if (value >= 0.0) parts[1].points.insert(parts[1].points.end(), point, point + p);
+    }
+    for (CellMember& part : parts) {
+      part.region = member.region;
+      part.inner = member.inner;
+    }
+    enter(parts[0], -1.0, plane, member.points);
+    enter(parts[1], 1.0, plane, member.points);
+    below.push_back(std::move(parts[0]));
+    above.push_back(std::move(parts[1]));
+  }
+}
+
+// Moves the inner point, if it lies on the other side, to half-way between the plane and the point furthest
+// out on this side: what lies between an inner point and one of the border is inside.
+void CellSplitter::enter(CellMember& part, double side, std::size_t plane,
+                         const std::vector<double>& points) const {
+  const auto p = static_cast<std::size_t>(geometry_.regions().p);
+  const double inner = side * geometry_.distance(plane, part.inner.data());
+  const double* furthest = nullptr;
+  double reach = 0.0;
+  for (std::size_t k = 0; k < points.size(); k += p) {
+    const double value = side * geometry_.distance(plane, points.data() + k);
+    if (value <= reach) continue;
+    reach = value;
+    furthest = points.data() + k;
+  }
+  if (inner > 0.0 || furthest == nullptr) return;
+  const double fraction = (0.5 * reach - inner) / (reach - inner);
+  for (std::size_t j = 0; j < p; ++j) part.inner[j] += fraction * (furthest[j] - part.inner[j]);
+}
+
+}  // namespace polyfly
