@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
+
+#include "dictionary_kernels.hpp"
 
 namespace polyfly {
 
@@ -13,7 +16,9 @@ namespace polyfly {
 ///
 ///     s_i = row[0] + sum_j row[1 + j] x_j,   x_j = slack of row nonbasic(j).
 ///
-/// Free columns (before the first vertex is reached) are displacements from the starting point.
+/// Free columns (before the first vertex is reached) are displacements from the starting point. Rows that are
+/// not zero at the vertex stand in places 0 .. size - 1, in no order; the numbers of one column lie side by
+/// side, for the processor's sake.
 template <int N>
 class Dictionary {
  public:
@@ -22,23 +27,26 @@ class Dictionary {
   static constexpr double kPivot = 1e-10;   // coefficients below this do not count as a direction
   static constexpr int kStallLimit = 12;    // degenerate pivots before Bland's rule
   static constexpr int kPivotLimit = 4000;  // per optimisation; never met but on numerical breakdown
-  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  static constexpr double kGrowing = -1.0;  // directions of a column
+  static constexpr double kShrinking = 1.0;
 
-  /// Places the dictionary at `start`, which must satisfy every row, and walks to a vertex.
+  /// Stands at `point`, which must satisfy every row, and walks to a vertex.
   bool start(const double* rows, int count, const double* point) {
-    count_ = count;
-    slack_.resize(count);
-    slot_.assign(count, -1);
-    enforced_.assign(count, 1);
+    size_ = count;
+    stride_ = padded(static_cast<std::size_t>(count));
+    columns_.assign((N + 1) * stride_, 0.0);
+    quotient_.resize(stride_);
+    row_.resize(static_cast<std::size_t>(count));
+    place_.resize(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
-      const double* row = rows + static_cast<long>(i) * (N + 1);
-      Row& out = slack_[i];
+      const double* row = rows + static_cast<std::ptrdiff_t>(i) * (N + 1);
       double value = row[N];
       for (int j = 0; j < N; ++j) {
         value -= row[j] * point[j];
-        out[j + 1] = -row[j];
+        at(i, j + 1) = -row[j];
       }
-      out[0] = std::max(value, 0.0);
+      at(i, 0) = std::max(value, 0.0);
+      row_[i] = place_[i] = i;
     }
     for (int q = 0; q < N; ++q) {
       coordinate_[q].fill(0.0);
@@ -52,72 +60,78 @@ class Dictionary {
     return true;
   }
 
-  const Row& slack(int i) const { return slack_[i]; }
-  const Row& coordinate(int q) const { return coordinate_[q]; }
+  int size() const { return size_; }
+  int rowAt(int place) const { return row_[place]; }
+  int place(int row) const { return place_[row]; }  ///< negative: zero at the vertex, or removed
+  /// Column of a row that is zero at the vertex.
+  int column(int row) const { return -1 - place_[row]; }
   int nonbasic(int j) const { return nonbasic_[j]; }
-  int slot(int i) const { return slot_[i]; }
-  bool enforced(int i) const { return enforced_[i] != 0; }
-  int count() const { return count_; }
+  const Row& coordinate(int q) const { return coordinate_[q]; }
   unsigned long long pivots() const { return pivots_; }
 
-  /// Row i no longer bounds the polytope (it is implied by others).
-  void relax(int i) { enforced_[i] = 0; }
+  double value(int place) const { return columns_[place]; }
 
-  /// How far x_j can grow, and the row that stops it (-1: none); `except` does not stop it.
-  double ratio(int j, int except, int& blocking) const {
-    double step = kInfinite;
-    double best_pivot = 0.0;
+  Row slack(int place) const {
+    Row row;
+    for (int k = 0; k <= N; ++k) row[k] = columns_[k * stride_ + place];
+    return row;
+  }
+
+  /// Least coefficient of each place; valid until the next call.
+  const double* leastCoefficients() {
+    leastOfColumns(columns_.data() + stride_, stride_, padded(static_cast<std::size_t>(size_)), N,
+                   quotient_.data());
+    return quotient_.data();
+  }
+
+  /// The row at `place` is implied by others: it leaves, and the last one takes its place.
+  void remove(int place) {
+    const int row = row_[place];
+    vacate(place);
+    place_[row] = kRemoved;
+  }
+
+  /// How far x_j can move in `direction`, and the place of the row that stops it (-1: none); the row at
+  /// `except` does not stop it (negative: all do).
+  double ratio(int j, double direction, int except, int& blocking) {
+    const double* coefficient = columns_.data() + (j + 1) * stride_;
+    const std::size_t count = padded(static_cast<std::size_t>(size_));
+    const std::size_t left_out = except < 0 ? count : static_cast<std::size_t>(except);
+    const double step =
+        leastRatio(columns_.data(), coefficient, direction, kPivot, left_out, count, quotient_.data());
     blocking = -1;
-    for (int i = 0; i < count_; ++i) {
-      const double coefficient = slack_[i][j + 1];
-      if (coefficient >= -kPivot || slot_[i] >= 0 || !enforced_[i] || i == except) continue;
-      const double candidate = std::max(slack_[i][0], 0.0) / -coefficient;
-      if (candidate < step - kTie || (candidate <= step + kTie && -coefficient > best_pivot)) {
-        step = std::min(step, candidate);
-        best_pivot = -coefficient;
-        blocking = i;
-      }
+    if (step == std::numeric_limits<double>::infinity()) return step;
+    double best_pivot = 0.0;
+    for (int i = 0; i < size_; ++i) {
+      if (quotient_[i] > step + kTie || std::abs(coefficient[i]) <= best_pivot) continue;
+      best_pivot = std::abs(coefficient[i]);
+      blocking = i;
     }
     return step;
   }
 
-  /// As ratio, for x_j shrinking below zero (row nonbasic(j) being violated).
-  double ratioBelow(int j, int& blocking) const {
-    double step = kInfinite;
-    double best_pivot = 0.0;
-    blocking = -1;
-    for (int i = 0; i < count_; ++i) {
-      const double coefficient = slack_[i][j + 1];
-      if (coefficient <= kPivot || slot_[i] >= 0 || !enforced_[i]) continue;
-      const double candidate = std::max(slack_[i][0], 0.0) / coefficient;
-      if (candidate < step - kTie || (candidate <= step + kTie && coefficient > best_pivot)) {
-        step = std::min(step, candidate);
-        best_pivot = coefficient;
-        blocking = i;
-      }
-    }
-    return step;
-  }
-
-  /// Row `entering` becomes tight in place of column j.
-  void pivot(int entering, int j) {
+  /// The row at `place` becomes zero in place of column j.
+  void pivot(int place, int j) {
     ++pivots_;
-    const Row source = slack_[entering];
+    const Row source = slack(place);
     const double inverse = 1.0 / source[j + 1];
     Row replacement;  // x_j in terms of the new columns
     for (int k = 0; k <= N; ++k) replacement[k] = -source[k] * inverse;
     replacement[j + 1] = inverse;
-    for (int i = 0; i < count_; ++i) substitute(slack_[i], replacement, j);
-    for (int q = 0; q < N; ++q) substitute(coordinate_[q], replacement, j);
+    pivotColumns(columns_.data(), stride_, padded(static_cast<std::size_t>(size_)), N + 1, replacement.data(),
+                 static_cast<std::size_t>(j) + 1);
+    for (Row& coordinate : coordinate_) substitute(coordinate, replacement, j);
+    const int entering = row_[place];
     const int leaving = nonbasic_[j];
     if (leaving >= 0) {
-      slack_[leaving] = replacement;
-      slot_[leaving] = -1;
+      for (int k = 0; k <= N; ++k) at(place, k) = replacement[k];
+      row_[place] = leaving;
+      place_[leaving] = place;
+    } else {
+      vacate(place);
     }
     nonbasic_[j] = entering;
-    slot_[entering] = j;
-    slack_[entering].fill(0.0);
-    slack_[entering][j + 1] = 1.0;
+    place_[entering] = -1 - j;
   }
 
   /// The vertex moved along column j by `step`.
@@ -143,6 +157,9 @@ class Dictionary {
 
  private:
   static constexpr double kTie = 1e-14;
+  static constexpr int kRemoved = std::numeric_limits<int>::min();
+
+  double& at(int place, int k) { return columns_[k * stride_ + place]; }
 
   static void substitute(Row& row, const Row& replacement, int j) {
     const double factor = row[j + 1];
@@ -151,24 +168,36 @@ class Dictionary {
     for (int k = 0; k <= N; ++k) row[k] += factor * replacement[k];
   }
 
+  // The last row moves to `place`; what it leaves behind is zero, as the padding is.
+  void vacate(int place) {
+    const int last = --size_;
+    for (int k = 0; k <= N; ++k) {
+      at(place, k) = at(last, k);
+      at(last, k) = 0.0;
+    }
+    row_[place] = row_[last];
+    place_[row_[place]] = place;
+  }
+
   // Replaces a free column by a row that blocks it, on the side whose pivot is the safer.
   bool enterFree(int j) {
     int up = -1;
     int down = -1;
-    ratio(j, -1, up);
-    ratioBelow(j, down);
+    ratio(j, kGrowing, -1, up);
+    ratio(j, kShrinking, -1, down);
     if (up < 0 && down < 0) return false;
-    const bool take_up =
-        down < 0 || (up >= 0 && std::abs(slack_[up][j + 1]) >= std::abs(slack_[down][j + 1]));
+    const bool take_up = down < 0 || (up >= 0 && std::abs(at(up, j + 1)) >= std::abs(at(down, j + 1)));
     pivot(take_up ? up : down, j);
     return true;
   }
 
-  int count_ = 0;
+  int size_ = 0;
+  std::size_t stride_ = 0;
   unsigned long long pivots_ = 0;
-  std::vector<Row> slack_;
-  std::vector<int> slot_;
-  std::vector<char> enforced_;
+  std::vector<double> columns_;   // of constants, then of the coefficients of each x_j
+  std::vector<double> quotient_;  // work space
+  std::vector<int> row_;          // by place
+  std::vector<int> place_;        // by row: place, -1 - column, or kRemoved
   std::array<Row, N> coordinate_{};
   std::array<int, N> nonbasic_{};
 };

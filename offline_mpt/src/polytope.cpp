@@ -66,7 +66,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
         return true;
       }
       int blocking = -1;
-      const double step = dictionary_.ratio(column, -1, blocking);
+      const double step = dictionary_.ratio(column, Dictionary<N>::kGrowing, -1, blocking);
       if (blocking < 0) return false;
       stalled = step > kStall ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
@@ -83,13 +83,14 @@ class KernelOf final : public PolytopeSolver::Kernel {
   // Reads off the current dictionary what it proves. A slack that grows along every column never
   // falls below its value here; a tight row whose column can go negative is needed.
   void sweep() {
-    for (int i = 0; i < dictionary_.count(); ++i) {
-      if (state_[i] != RowState::kUnknown || dictionary_.slot(i) >= 0) continue;
-      const auto& row = dictionary_.slack(i);
-      if (row[0] < 0.0) continue;
-      bool grows = true;
-      for (int j = 0; j < N && grows; ++j) grows = row[j + 1] >= -Dictionary<N>::kPivot;
-      if (grows) markRedundant(i);
+    const double* least = dictionary_.leastCoefficients();
+    for (int place = dictionary_.size() - 1; place >= 0;
+         --place) {  // what takes a place was looked at before
+      const int row = dictionary_.rowAt(place);
+      if (state_[row] == RowState::kUnknown && least[place] >= -Dictionary<N>::kPivot &&
+          dictionary_.value(place) >= 0.0) {
+        markRedundant(row);
+      }
     }
     for (int j = 0; j < N; ++j) {
       const int i = dictionary_.nonbasic(j);
@@ -100,7 +101,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
   // Whether row i, tight in column j, can be violated alone by more than the tolerance.
   bool provedByColumn(int i, int j) {
     int blocking = -1;
-    const double step = std::min(dictionary_.ratioBelow(j, blocking), kReach);
+    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking, -1, blocking), kReach);
     if (step <= tolerance_) return false;
     markFacet(i, j, -step);
     return true;
@@ -110,26 +111,27 @@ class KernelOf final : public PolytopeSolver::Kernel {
   bool decide(int i) {
     int stalled = 0;
     for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
-      const int slot = dictionary_.slot(i);
-      if (slot >= 0) {
+      const int place = dictionary_.place(i);
+      if (place < 0) {
+        const int own = dictionary_.column(i);
         int blocking = -1;
-        const double step = std::min(dictionary_.ratioBelow(slot, blocking), kReach);
+        const double step = std::min(dictionary_.ratio(own, Dictionary<N>::kShrinking, -1, blocking), kReach);
         if (step > tolerance_) {
-          markFacet(i, slot, -step);
+          markFacet(i, own, -step);
           return true;
         }
-        dictionary_.pivot(blocking, slot);
+        dictionary_.pivot(blocking, own);
         ++stalled;
         continue;
       }
-      const auto& row = dictionary_.slack(i);
+      const auto row = dictionary_.slack(place);
       const int column = dictionary_.fallingColumn(row, stalled > Dictionary<N>::kStallLimit);
       if (column < 0) {
         markRedundant(i);
         return true;
       }
       int blocking = -1;
-      const double step = dictionary_.ratio(column, i, blocking);
+      const double step = dictionary_.ratio(column, Dictionary<N>::kGrowing, place, blocking);
       if (row[0] + row[column + 1] * step < -tolerance_) {
         const double reach = std::min(step, (row[0] + kReach) / -row[column + 1]);
         markFacet(i, column, reach);
@@ -146,7 +148,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   void markRedundant(int i) {
     state_[i] = RowState::kRedundant;
-    dictionary_.relax(i);
+    dictionary_.remove(dictionary_.place(i));
   }
 
   void markFacet(int i, int column, double step) {
