@@ -24,6 +24,8 @@ constexpr double kLinearProbe =
     1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
 constexpr double kProbeTolerance =
     1e-8;  // a region holds a probe within this, as the map's look-up does [scaled]
+constexpr double kClearlyInside =
+    1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
 constexpr double kEdge =
     1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
 constexpr double kActive = 1e-10;     // multipliers below this are not active in a starting point
@@ -91,19 +93,23 @@ Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, doub
   return probe;
 }
 
-/// Adds the active set found by a program of its own just across a degenerate facet to its candidates, and
-/// checks that one of them holds that point.
+/// Checks that one of the candidates of a degenerate facet holds a point just across it. Where none does so
+/// clearly, a program of its own finds the active set there, which joins the candidates.
 void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet,
                 std::vector<ActiveSet>& sets, Described& out) {
   const double widen = program.linear ? kLinearProbe : 1.0;
   const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * kProbeStep);
+  const auto held = [&](double tolerance) {
+    return std::any_of(sets.begin(), sets.end(), [&](const ActiveSet& set) {
+      return worker.builder.holds(set, probe.data(), tolerance);
+    });
+  };
+  if (held(-kClearlyInside)) return;
   ActiveSet active;
   if (!activeSetAt(program, worker.qp, probe, widen * kEdge, active)) return;  // the edge of the feasible set
   if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
   sets.push_back(active);
-  for (const ActiveSet& set : sets) {
-    if (worker.builder.holds(set, probe.data(), kProbeTolerance)) return;
-  }
+  if (held(kProbeTolerance)) return;
   RegionData optimal;
   if (worker.builder.build(active, optimal) == BuildStatus::kRegion) return;  // ill-conditioned, but not lost
   out.unsettled.insert(out.unsettled.end(), probe.data(), probe.data() + program.p);

@@ -14,6 +14,8 @@ constexpr double kConstant = 1e-11;    // relative slope below which a row does 
 constexpr double kCoincident = 1e-9;   // difference below which two unit half-spaces are the same plane
 constexpr double kUnpaid = 1e-9;    // part of the cost that prices may leave, relative to its largest entry
 constexpr double kExchange = 1e-9;  // weight above which a row can leave in an exchange
+constexpr double kClear =
+    1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
 constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
 
 ActiveSet with(const ActiveSet& active, int row) {
@@ -181,18 +183,24 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
   return status;
 }
 
+// Slack of an inactive row as a function of (t, 1), into scratch_.
+void RegionBuilder::slackRow(const ActiveSet& active, int row) {
+  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
+  std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    const double weight = gram[active[r]];
+    const double* multiplier = multipliers_.data() + r * width_;
+    for (int j = 0; j < width_; ++j) scratch_[j] += weight * multiplier[j];
+  }
+}
+
 BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
   idle_.clear();
   for (const int row : active) is_active_[row] = 1;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
     if (is_active_[i]) continue;
-    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
-    std::copy_n(D_.data() + static_cast<std::size_t>(i) * width_, width_, scratch_.data());
-    for (std::size_t r = 0; r < active.size(); ++r) {
-      const double weight = gram[active[r]];
-      for (int j = 0; j < width_; ++j) scratch_[j] += weight * multipliers_[r * width_ + j];
-    }
+    slackRow(active, i);
     const std::size_t before = origins_.size();
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, status);
     if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
@@ -203,10 +211,12 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   return status;
 }
 
-BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
+// Multipliers of the active rows as functions of (t, 1), and the size of their constants and slopes. False
+// where the rows are dependent.
+bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   multipliers_.resize(active.size() * width_);
-  if (!factorise(active)) return BuildStatus::kDependent;
-  double scale = 1.0;
+  if (!factorise(active)) return false;
+  scale = 1.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     for (int j = 0; j < width_; ++j) {
       const double value = -D_[static_cast<std::size_t>(active[r]) * width_ + j];
@@ -215,6 +225,12 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
     }
   }
   solveFactor(multipliers_.data());
+  return true;
+}
+
+BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
+  double scale = 1.0;
+  if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
   if (program_.linear && !priceOut(active)) return BuildStatus::kThin;
 
   rows_.assign(program_.domain.begin(), program_.domain.end());
@@ -391,13 +407,50 @@ void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin
 }
 
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
-  if (assembleRows(active) != BuildStatus::kRegion) return false;
+  double scale = 1.0;
+  if (!findMultipliers(active, scale)) return false;
+  if (program_.linear && !priceOut(active)) return false;
+  rows_.clear();
+  origins_.clear();
+  if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
+  return holdsSlacks(active, t, tolerance, scale);
+}
+
+// Whether t satisfies the rows gathered so far but for `tolerance`.
+bool RegionBuilder::satisfied(const double* t, double tolerance) const {
   for (std::size_t i = 0; i < origins_.size(); ++i) {
     double slack = rows_[i * width_ + program_.p];
     for (int j = 0; j < program_.p; ++j) slack -= rows_[i * width_ + j] * t[j];
     if (slack < -tolerance) return false;
   }
   return true;
+}
+
+// The same of the inactive rows. Their slacks at t alone clear most of them; only the others are described as
+// half-spaces.
+bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
+  const auto at = [&](const double* affine) {
+    double value = affine[program_.p];
+    for (int j = 0; j < program_.p; ++j) value += affine[j] * t[j];
+    return value;
+  };
+  at_point_.resize(active.size());
+  for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = at(multipliers_.data() + r * width_);
+  rows_.clear();
+  origins_.clear();
+  for (const int row : active) is_active_[row] = 1;
+  BuildStatus status = BuildStatus::kRegion;
+  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
+    if (is_active_[i]) continue;
+    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
+    double slack = at(D_.data() + static_cast<std::size_t>(i) * width_);
+    for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
+    if (slack > kClear * scale) continue;
+    slackRow(active, i);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, status);
+  }
+  for (const int row : active) is_active_[row] = 0;
+  return status == BuildStatus::kRegion && satisfied(t, tolerance);
 }
 
 }  // namespace polyfly

@@ -62,12 +62,17 @@ class RegionBuilder {
   /// built.
   Crossing neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets);
 
-  /// Whether the region of `active` holds t within `tolerance`; false where the rows are dependent.
+  /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
+  /// spare); false where the active rows are dependent.
   bool holds(const ActiveSet& active, const double* t, double tolerance);
 
   unsigned long long pivots() const { return solver_.pivots(); }
 
  private:
+  bool findMultipliers(const ActiveSet& active, double& scale);
+  void slackRow(const ActiveSet& active, int row);
+  bool satisfied(const double* t, double tolerance) const;
+  bool holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale);
   bool factorise(const ActiveSet& active);
   bool factoriseAccurately(const ActiveSet& active);
   void solveFactor(double* x) const;
@@ -97,7 +102,7 @@ class RegionBuilder {
   std::vector<double> rows_;         // (a, b)
   std::vector<RowOrigin> origins_;
   std::vector<char> is_active_;
-  std::vector<double> scratch_;
+  std::vector<double> scratch_, at_point_;
   PolytopeSolver solver_;
   MinimalRows minimal_;
 };
