@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "tree_cells.hpp"
@@ -13,6 +14,7 @@ constexpr std::size_t kLarge = 1500;       // regions above which a tree is buil
 constexpr std::size_t kManyMembers = 200;  // members above which estimates are trusted
 constexpr std::size_t kHopeless = 64;      // planes tried before regions count as inseparable
 constexpr std::size_t kEntangled = 24;     // members above which a cell is split in any case
+constexpr double kLateDepth = 4.0;         // beyond that of a balanced tree
 constexpr double kRepeated = 1.6;          // members on both sides together, relative to those before
 constexpr double kNodesPerRegion = 64.0;   // the default budget
 constexpr std::size_t kTasks = 32;         // a cell with one in so many of all regions is a task of its own
@@ -37,7 +39,7 @@ bool better(const Estimate& a, const Estimate& b) {
 /// The options with all that they leave open decided.
 TreeOptions decided(TreeOptions options, std::size_t regions) {
   const bool large = regions > kLarge;
-  if (options.leaf_regions <= 0) options.leaf_regions = large ? 8 : 2;
+  if (options.leaf_regions <= 0) options.leaf_regions = large ? 8 : 4;
   if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
   if (options.node_limit == 0) {
     options.node_limit = static_cast<std::uint64_t>(kNodesPerRegion * static_cast<double>(regions));
@@ -56,7 +58,10 @@ struct Task {
 class TreeGrower {
  public:
   TreeGrower(const TreeGeometry& geometry, const TreeOptions& options)
-      : geometry_(geometry), options_(options), splitter_(geometry) {}
+      : geometry_(geometry),
+        options_(options),
+        balanced_depth_(std::log2(static_cast<double>(geometry.regions().rows.size()))),
+        splitter_(geometry) {}
 
   /// Cells with at most `size` members are put off, to be grown apart.
   void putOff(std::size_t size, std::vector<Task>& tasks) {
@@ -122,9 +127,9 @@ class TreeGrower {
   }
 
   /// Regions that no plane keeps apart: slivers along a common edge, which splitting only repeats on both
-  /// sides.
-  static bool entangled(const Estimate& split, std::size_t members) {
-    return members <= kEntangled &&
+  /// sides. Only below the depth at which a balanced tree would have ended.
+  bool entangled(const Estimate& split, std::size_t members) const {
+    return static_cast<double>(path_.size()) > balanced_depth_ + kLateDepth && members <= kEntangled &&
            static_cast<double>(split.total()) > kRepeated * static_cast<double>(members);
   }
 
@@ -204,6 +209,7 @@ class TreeGrower {
 
   const TreeGeometry& geometry_;
   const TreeOptions& options_;
+  double balanced_depth_;
   CellSplitter splitter_;
   std::size_t task_size_ = 0;
   std::vector<Task>* tasks_ = nullptr;
