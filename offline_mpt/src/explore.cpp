@@ -10,6 +10,7 @@
 #include <thread>
 #include <unordered_set>
 
+#include "feasible_slack.hpp"
 #include "least_distance.hpp"
 #include "margin.hpp"
 #include "mpc_core/dense_qp.hpp"
@@ -302,6 +303,8 @@ class Exploration {
           partition_.regions.begin(), partition_.regions.end(),
           [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
       if (held) continue;
+      const std::optional<double> slack = feasibleSlack(program_, t);
+      if (slack && *slack <= kEdge) continue;  // the edge of the feasible set after all
       partition_.status = ExploreStatus::kIncomplete;
       partition_.witness = theta;
       return;
