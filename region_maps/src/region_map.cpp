@@ -91,6 +91,10 @@ std::size_t RegionMap::nodeCount() const noexcept { return header_->sections[for
 std::size_t RegionMap::leafCount() const noexcept { return header_->sections[format::kLeaves].count; }
 std::size_t RegionMap::bytes() const noexcept { return header_->file_size; }
 std::uint64_t RegionMap::checksum() const noexcept { return header_->checksum; }
+std::size_t RegionMap::firstFallback() const noexcept {
+  return header_->first_fallback != 0 ? header_->first_fallback : regionCount();
+}
+std::uint64_t RegionMap::reducedFrom() const noexcept { return header_->reduced_from; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
   const MapContent::Region& region = tables_.regions[index];

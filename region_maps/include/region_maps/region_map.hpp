@@ -78,6 +78,11 @@ class RegionMap {
   std::size_t bytes() const noexcept;
   std::uint64_t checksum() const noexcept;  ///< of the whole file, as its header has it
 
+  /// Regions from this one on are fallback regions: they count only where no region before it does.
+  /// regionCount() where there are none.
+  std::size_t firstFallback() const noexcept;
+  std::uint64_t reducedFrom() const noexcept;  ///< checksum of the map that this one was reduced from, or 0
+
   RegionView region(std::size_t index) const noexcept;
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
   const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
