@@ -255,8 +255,7 @@ void Examiner::checkPriority() const {
   // Leaves may overlap: running counts keep the time linear in the size of the file.
   std::vector<std::uint32_t> steps_back(count(format::kCandidates) + 1, 0);
   for (std::size_t i = 1; i < count(format::kCandidates); ++i) {
-    const bool back =
-        candidates[i - 1] >= header_.first_fallback && candidates[i] < header_.first_fallback;
+    const bool back = candidates[i - 1] >= header_.first_fallback && candidates[i] < header_.first_fallback;
     steps_back[i] = steps_back[i - 1] + (back ? 1 : 0);
   }
   for (std::uint64_t i = 0; i < count(format::kLeaves); ++i) {

@@ -102,6 +102,15 @@ RegionView RegionMap::region(std::size_t index) const noexcept {
           region.active_count, region.law};
 }
 
+std::uint32_t RegionMap::root() const noexcept { return tables_.root; }
+
+const MapContent::Node& RegionMap::node(std::size_t index) const noexcept { return tables_.nodes[index]; }
+
+LeafView RegionMap::leaf(std::size_t index) const noexcept {
+  const MapContent::Leaf& leaf = tables_.leaves[index];
+  return {tables_.candidates + leaf.first, leaf.count};
+}
+
 const double* RegionMap::plane(std::size_t index) const noexcept {
   return tables_.planes + index * (std::size_t{tables_.parameters} + 1);
 }

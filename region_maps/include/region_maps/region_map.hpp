@@ -45,6 +45,12 @@ struct RegionView {
   std::uint32_t law = 0;
 };
 
+/// The regions that may hold a parameter at a leaf of the search tree, in the order in which they are tested.
+struct LeafView {
+  const std::uint32_t* candidates = nullptr;
+  std::uint32_t count = 0;
+};
+
 /// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
 /// index, finiteness, checksum) and throws polyfly::Error with the file and the rule that it breaks;
 /// afterwards a look-up only tests its own input. Look-ups allocate nothing and may run concurrently.
@@ -86,6 +92,10 @@ class RegionMap {
   RegionView region(std::size_t index) const noexcept;
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
   const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
+
+  std::uint32_t root() const noexcept;  ///< a child, see MapContent::Node
+  const MapContent::Node& node(std::size_t index) const noexcept;
+  LeafView leaf(std::size_t index) const noexcept;
 
   /// Region that holds theta (p numbers), by the search tree.
   Lookup locate(const double* theta) const noexcept;
