@@ -11,13 +11,15 @@ namespace polyfly {
 namespace {
 
 constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-constexpr double kSameLaw = 1e-10;    // greatest relative difference of two laws that are written once
+constexpr double kSameLaw = 1e-10;  // greatest difference of two laws that are written once, relative to the
+                                    // greater of the law itself and the outputs that occur [scaled]
 constexpr double kMembership = 1e-8;  // how far outside a half-space still counts as inside [scaled]
 
-/// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
+/// Groups equal vectors of `width` numbers, each of which has a tolerance of its own. Sorted by a fixed
+/// projection, equal vectors stand close together.
 class Sharing {
  public:
-  Sharing(const std::vector<double>& vectors, std::size_t width, double tolerance)
+  Sharing(const std::vector<double>& vectors, std::size_t width, const std::vector<double>& tolerances)
       : index_(vectors.size() / width) {
     const std::size_t count = index_.size();
     std::vector<double> key(count, 0.0);
@@ -31,14 +33,14 @@ class Sharing {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
-    const double window = weight_sum * tolerance;
     std::vector<std::size_t> heads(count);  // representative of each vector
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = order[k];
       heads[i] = i;
+      const double window = weight_sum * tolerances[i];
       for (std::size_t back = k; back-- > 0 && key[i] - key[order[back]] <= window;) {
         const std::size_t other = heads[order[back]];
-        if (close(vectors, width, i, other, tolerance)) {
+        if (close(vectors, width, i, other, std::min(tolerances[i], tolerances[other]))) {
           heads[i] = other;
           break;
         }
@@ -119,7 +121,7 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
 void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& content, TreeRegions& tree) {
   const std::size_t p = scaling.half.size();
   const Planes all = collectPlanes(partition, scaling);
-  const Sharing sharing(all.planes, p + 1, kSamePlane);
+  const Sharing sharing(all.planes, p + 1, std::vector<double>(all.planes.size() / (p + 1), kSamePlane));
   for (const std::size_t i : sharing.representatives()) {
     double bound = all.planes[i * (p + 1) + p];
     for (std::size_t j = 0; j < p; ++j) {
@@ -154,32 +156,47 @@ void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& c
   }
 }
 
-void addLaws(const Partition& partition, const Scaling& scaling, MapContent& content) {
-  const std::size_t p = scaling.half.size();
-  const std::size_t q = content.inputs.size();
-  std::vector<double> laws;    // as written
-  std::vector<double> scaled;  // as compared: in scaled parameters, relative to the greatest entry of all
+/// The laws of all regions: as they are written, and as they are compared, in scaled parameters.
+struct Laws {
+  std::vector<double> written;
+  std::vector<double> scaled;
+  double output = 0.0;  // greatest |u| at the regions' centres
+};
+
+Laws collectLaws(const Partition& partition, const Scaling& scaling, Eigen::Index outputs) {
+  const auto p = static_cast<Eigen::Index>(scaling.half.size());
+  Laws laws;
   for (const CriticalRegion& region : partition.regions) {
-    for (std::size_t i = 0; i < q; ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      double constant = region.k(row);
-      for (std::size_t j = 0; j < p; ++j) {
-        const double gain = region.K(row, static_cast<Eigen::Index>(j));
-        laws.push_back(gain);
-        scaled.push_back(gain * scaling.half[j]);
-        constant += gain * scaling.centre[j];
+    laws.output = std::max(laws.output, (region.K * region.centre + region.k).cwiseAbs().maxCoeff());
+    for (Eigen::Index i = 0; i < outputs; ++i) {
+      double constant = region.k(i);
+      for (Eigen::Index j = 0; j < p; ++j) {
+        const double gain = region.K(i, j);
+        laws.written.push_back(gain);
+        laws.scaled.push_back(gain * scaling.half[static_cast<std::size_t>(j)]);
+        constant += gain * scaling.centre[static_cast<std::size_t>(j)];
       }
-      laws.push_back(region.k(row));
-      scaled.push_back(constant);
+      laws.written.push_back(region.k(i));
+      laws.scaled.push_back(constant);
     }
   }
-  double greatest = 1.0;
-  for (const double value : scaled) greatest = std::max(greatest, std::abs(value));
-  const std::size_t width = q * (p + 1);
-  const Sharing sharing(scaled, width, kSameLaw * greatest);
+  return laws;
+}
+
+void addLaws(const Partition& partition, const Scaling& scaling, MapContent& content) {
+  const std::size_t width = content.inputs.size() * (scaling.half.size() + 1);
+  const Laws laws = collectLaws(partition, scaling, static_cast<Eigen::Index>(content.inputs.size()));
+  std::vector<double> tolerances;
+  for (std::size_t first = 0; first < laws.scaled.size(); first += width) {
+    double greatest = laws.output;  // not the steepest law of all: beside it a saturated one is not constant
+    for (std::size_t j = first; j < first + width; ++j)
+      greatest = std::max(greatest, std::abs(laws.scaled[j]));
+    tolerances.push_back(kSameLaw * greatest);
+  }
+  const Sharing sharing(laws.scaled, width, tolerances);
   for (const std::size_t i : sharing.representatives()) {
-    content.laws.insert(content.laws.end(), laws.begin() + static_cast<std::ptrdiff_t>(i * width),
-                        laws.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
+    const auto first = laws.written.begin() + static_cast<std::ptrdiff_t>(i * width);
+    content.laws.insert(content.laws.end(), first, first + static_cast<std::ptrdiff_t>(width));
   }
   for (std::size_t r = 0; r < content.regions.size(); ++r) content.regions[r].law = sharing.index()[r];
 }

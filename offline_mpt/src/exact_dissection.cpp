@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "exact_proof.hpp"
+#include "region_maps/format.hpp"
 
 namespace polyfly {
 namespace {
@@ -75,8 +76,8 @@ class Dissector {
 
 class Subtractor {
  public:
-  Subtractor(const ExactMap& map, const RestVisit& visit, std::uint64_t& parts)
-      : map_(map), visit_(visit), parts_(parts) {}
+  Subtractor(const ExactMap& map, Slack slack, const RestVisit& visit, std::uint64_t& parts)
+      : map_(map), slack_(slack), visit_(visit), parts_(parts) {}
 
   /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
   /// those that reach into it.
@@ -95,11 +96,12 @@ class Subtractor {
     const RegionView view = map_.map().region(region);
     for (std::uint32_t i = 0; i < view.row_count; ++i) {
       const std::int32_t row = view.rows[i];
-      if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row))) continue;
+      if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) continue;
       Cell beyond;
-      if (cut(cell, map_.outside(row), map_.p(), beyond) && !run(std::move(beyond), others)) return false;
+      if (cut(cell, map_.outside(row, slack_), map_.p(), beyond) && !run(std::move(beyond), others))
+        return false;
       Cell inside;
-      if (!cut(cell, map_.relaxed(row), map_.p(), inside)) return true;
+      if (!cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) return true;
       cell = std::move(inside);
     }
     return true;
@@ -109,14 +111,14 @@ class Subtractor {
   bool holds(std::uint32_t region, const Cell& cell) const {
     const RegionView view = map_.map().region(region);
     return std::all_of(view.rows, view.rows + view.row_count,
-                       [&](std::int32_t row) { return valueAt(map_.relaxed(row), cell.point) >= 0; });
+                       [&](std::int32_t row) { return valueAt(map_.relaxed(row, slack_), cell.point) >= 0; });
   }
 
   bool findMeeting(const Cell& cell, const std::vector<std::uint32_t>& left, std::uint32_t& region) const {
     for (const std::uint32_t candidate : left) {
       const RegionView view = map_.map().region(candidate);
       std::vector<const ExactRow*> rows = cell.rows;
-      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i]));
+      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i], slack_));
       if (!findInterior(rows, nullptr, map_.p()).exists) continue;
       region = candidate;
       return true;
@@ -125,13 +127,14 @@ class Subtractor {
   }
 
   const ExactMap& map_;
+  Slack slack_;
   const RestVisit& visit_;
   std::uint64_t& parts_;
 };
 
 }  // namespace
 
-ExactMap::ExactMap(const RegionMap& map, double slack, const ExactMap* other) : map_(map) {
+ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other) : map_(map) {
   for (const Signal& signal : map.parameters()) {
     const Rational lower(signal.lower), upper(signal.upper);
     centre_.push_back((lower + upper) / 2);
@@ -147,11 +150,11 @@ ExactMap::ExactMap(const RegionMap& map, double slack, const ExactMap* other) : 
     const double* const plane = map.plane(i);
     const auto found = known.find(std::vector<double>(plane, plane + width));
     rows_.push_back(found != known.end() ? other->rows_[found->second]
-                                         : std::make_shared<const PlaneRows>(makeRows(plane, slack)));
+                                         : std::make_shared<const PlaneRows>(makeRows(plane, full_slack)));
   }
 }
 
-ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double slack) const {
+ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) const {
   const std::size_t p = centre_.size();
   std::vector<Rational> below;  // c - a . theta
   Rational bound(plane[p]);
@@ -167,10 +170,15 @@ ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double slack) const 
       for (Rational& entry : value) entry = -entry;
     }
     rows[first + kRow] = wholeRow(value);
-    value.back() += Rational(slack);
-    rows[first + kRelaxed] = wholeRow(value);
-    for (Rational& entry : value) entry = -entry;
-    rows[first + kOutside] = wholeRow(value);
+    const auto relax = [&](double slack, Variant inside, Variant outside) {
+      std::vector<Rational> moved = value;
+      moved.back() += Rational(slack);
+      rows[first + inside] = wholeRow(moved);
+      for (Rational& entry : moved) entry = -entry;
+      rows[first + outside] = wholeRow(std::move(moved));
+    };
+    relax(full_slack, kRelaxed, kOutside);
+    relax(format::kHandicap * map_.tolerance(), kNear, kBeyond);
   }
   return rows;
 }
@@ -208,8 +216,8 @@ bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit,
 }
 
 bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
-              const RestVisit& visit, std::uint64_t& parts) {
-  return Subtractor(map, visit, parts).run(cell, regions);
+              Slack slack, const RestVisit& visit, std::uint64_t& parts) {
+  return Subtractor(map, slack, visit, parts).run(cell, regions);
 }
 
 }  // namespace polyfly

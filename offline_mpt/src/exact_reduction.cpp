@@ -104,7 +104,7 @@ class ReductionProof {
         report(finding, ReductionDefect::Kind::kLost, region, sliver);
         return false;
       };
-      return subtract(reduced_, part, own, rest, finding.cells);
+      return subtract(reduced_, part, own, Slack::kFull, rest, finding.cells);
     };
     dissect(reduced_, cell, check, finding.cells);
     return finding;
@@ -125,7 +125,7 @@ class ReductionProof {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         if (leaf.candidates[i] < reduced_.map().firstFallback()) ordinary.push_back(leaf.candidates[i]);
       }
-      return subtract(reduced_, part, ordinary, claim, finding.cells);
+      return subtract(reduced_, part, ordinary, Slack::kHandicap, claim, finding.cells);
     };
     dissect(reduced_, cell, check, finding.cells);
     return finding;
@@ -146,8 +146,8 @@ class ReductionProof {
       return leftToOthers(part, candidates, next + 1, finding);
     };
     const std::vector<std::uint32_t> owners = nearRegions(reduced_.map().region(candidates[next]).law, cell);
-    return subtract(reduced_, cell, {candidates[next]}, rest, finding.cells) &&
-           subtract(original_, cell, owners, rest, finding.cells);
+    return subtract(reduced_, cell, {candidates[next]}, Slack::kFull, rest, finding.cells) &&
+           subtract(original_, cell, owners, Slack::kFull, rest, finding.cells);
   }
 
   /// Regions of the original with a law of the reduced map that are not far from the cell's point.
@@ -178,7 +178,7 @@ class ReductionProof {
       return false;
     };
     const auto sliver = [&](const ExactCell& rest) {
-      return subtract(original_, rest, nearRegions(law, rest), foreign, finding.cells);
+      return subtract(original_, rest, nearRegions(law, rest), Slack::kFull, foreign, finding.cells);
     };
     const auto check = [&](const LeafView& leaf, const ExactCell& part) {
       std::vector<std::uint32_t> owners;
@@ -186,7 +186,7 @@ class ReductionProof {
         if (laws_.same(law, original_.map().region(leaf.candidates[i]).law))
           owners.push_back(leaf.candidates[i]);
       }
-      return subtract(original_, part, owners, sliver, finding.cells);
+      return subtract(original_, part, owners, Slack::kFull, sliver, finding.cells);
     };
     return dissect(original_, cell, check, finding.cells);
   }

@@ -21,8 +21,9 @@ namespace polyfly {
 namespace {
 
 constexpr double kSlackShare =
-    0.125;                       // of the map's tolerance: how far regions may be off when they are joined
-constexpr double kThin = 1e-11;  // regions with a smaller inscribed ball are left as they are [scaled]
+    0.125;                          // of the map's tolerance: how far regions may be off when they are joined
+constexpr double kThin = 1e-11;     // regions with a smaller inscribed ball are left as they are [scaled]
+constexpr double kConstant = 1e-6;  // greatest change of a constant input over the box, relative as laws
 constexpr std::size_t kMostFallbacks = 64;
 
 /// A region of the reduced map.
@@ -140,7 +141,7 @@ class Reducer {
     double best_value = 0.0;
     const std::size_t p = map_.parameters().size();
     for (LawGroup& group : groups_) {
-      if (!isConstantLaw(map_, group.law, options_.law_tolerance)) continue;
+      if (!isConstantLaw(map_, group.law, kConstant)) continue;
       const double value = map_.law(group.law)[p];
       if (best != nullptr && (upper ? value <= best_value : value >= best_value)) continue;
       best = &group;
@@ -150,7 +151,7 @@ class Reducer {
     const Signal& input = map_.inputs().front();
     const double bound = upper ? input.upper : input.lower;
     const double scale = lawScales(map_).front();
-    if (std::isfinite(bound) && std::abs(best_value - bound) > options_.law_tolerance * scale) return nullptr;
+    if (std::isfinite(bound) && std::abs(best_value - bound) > kConstant * scale) return nullptr;
     return best;
   }
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "region_maps/region_map.hpp"
 
@@ -8,6 +10,8 @@ namespace polyfly {
 /// unroll.
 template <std::uint32_t kParameters>
 struct RegionMap::PointLocation {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
   static std::size_t size(const Tables& tables) noexcept {
     return kParameters != 0 ? kParameters : tables.parameters;
   }
@@ -51,17 +55,46 @@ struct RegionMap::PointLocation {
     return LookupStatus::kOutsideBox;
   }
 
-  static bool contains(const Tables& tables, std::size_t region, const double* theta) noexcept {
+  /// How far theta violates the row of the region that it violates most; <= 0 within the region, infinite
+  /// when it is more than the tolerance.
+  static double violation(const Tables& tables, std::size_t region, const double* theta) noexcept {
     const std::size_t p = size(tables);
     const MapContent::Region& r = tables.regions[region];
     const std::int32_t* const rows = tables.rows + r.first_row;
+    double greatest = -kInfinity;
     for (std::uint32_t i = 0; i < r.row_count; ++i) {
       const std::int32_t row = rows[i];
       const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
       const double d = distance(tables.planes + plane * (p + 1), theta, p);
-      if (!((row < 0 ? -d : d) <= tables.tolerance)) return false;
+      const double beyond = row < 0 ? -d : d;
+      if (!(beyond <= tables.tolerance)) return kInfinity;
+      greatest = std::max(greatest, beyond);
     }
-    return true;
+    return greatest;
+  }
+
+  static bool contains(const Tables& tables, std::size_t region, const double* theta) noexcept {
+    return violation(tables, region, theta) <= tables.tolerance;
+  }
+
+  /// The first of `count` regions that holds theta; failing that, the one that theta violates least, within
+  /// the tolerance. A steep law beside a sliver would be off by more than rounding if just any within the
+  /// tolerance were taken. Fallback regions, which come last, count as farther away by the handicap.
+  template <class Region>
+  static Lookup best(const Tables& tables, std::size_t count, const double* theta,
+                     Region&& regionAt) noexcept {
+    Lookup found{LookupStatus::kOutsidePartition};
+    double least = kInfinity;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t region = regionAt(i);
+      double beyond = violation(tables, region, theta);
+      if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
+      if (!(beyond < least)) continue;
+      least = beyond;
+      found = {LookupStatus::kInside, region, tables.regions[region].law};
+      if (beyond <= 0.0) break;
+    }
+    return found;
   }
 
   static Lookup locate(const Tables& tables, const double* theta) noexcept {
@@ -81,12 +114,7 @@ struct RegionMap::PointLocation {
     }
     const MapContent::Leaf& leaf = tables.leaves[child & ~MapContent::kLeaf];
     const std::uint32_t* const candidates = tables.candidates + leaf.first;
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      if (contains(tables, candidates[i], theta)) {
-        return {LookupStatus::kInside, candidates[i], tables.regions[candidates[i]].law};
-      }
-    }
-    return {LookupStatus::kOutsidePartition};
+    return best(tables, leaf.count, theta, [=](std::size_t i) noexcept { return candidates[i]; });
   }
 
   static Lookup evaluate(const Tables& tables, const double* theta, double* u) noexcept {
@@ -105,12 +133,7 @@ struct RegionMap::PointLocation {
   static Lookup locateExhaustively(const Tables& tables, std::size_t regions, const double* theta) noexcept {
     const LookupStatus box = testBox(tables, theta);
     if (box != LookupStatus::kInside) return {box};
-    for (std::size_t i = 0; i < regions; ++i) {
-      if (contains(tables, i, theta)) {
-        return {LookupStatus::kInside, static_cast<std::uint32_t>(i), tables.regions[i].law};
-      }
-    }
-    return {LookupStatus::kOutsidePartition};
+    return best(tables, regions, theta, [](std::size_t i) noexcept { return static_cast<std::uint32_t>(i); });
   }
 
   static Functions functions() noexcept { return {locate, evaluate, locateExhaustively, contains}; }

@@ -70,6 +70,8 @@ void RegionMap::load(const void* data, std::size_t size) {
   tables_.leaves = sectionStart<MapContent::Leaf>(header, format::kLeaves);
   tables_.candidates = sectionStart<std::uint32_t>(header, format::kCandidates);
   tables_.tolerance = header.tolerance;
+  tables_.handicap = format::kHandicap * header.tolerance;
+  tables_.first_fallback = static_cast<std::uint32_t>(firstFallback());
   tables_.root = header.root;
   tables_.parameters = header.parameters;
   tables_.inputs = header.inputs;

@@ -287,6 +287,35 @@ TEST(PointLocationLeaf, TheFirstCandidateThatHoldsWins) {
   EXPECT_EQ(made.map.locate(left).region, 1u);
 }
 
+// Two cells with a gap between them: of two regions within the tolerance, the nearer one answers.
+TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
+  MapContent content = makeGridMap(1, 2);  // cells [0, 1] and [1, 2]
+  constexpr double kGap = 1.0 / (1 << 10);
+  content.tolerance = kGap;
+  content.nodes.clear();
+  content.leaves = {{0, 2}};
+  content.root = MapContent::kLeaf;
+  content.candidates = {0, 1};
+  content.planes.insert(content.planes.end(), {1.0, 1.0 + kGap});  // the second cell begins later
+  const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
+  for (std::uint32_t i = 0; i < content.regions[1].row_count; ++i) {
+    std::int32_t& row = content.rows[content.regions[1].first_row + i];
+    if (row < 0) row = -late;
+  }
+  const MadeMap made(std::move(content));
+  const auto region = [&](double theta) {
+    const Lookup found = made.map.locate(&theta);
+    EXPECT_EQ(found.status, LookupStatus::kInside);
+    EXPECT_EQ(made.map.locateExhaustively(&theta).region, found.region);
+    return found.region;
+  };
+  EXPECT_EQ(region(1.0), 0u);
+  EXPECT_EQ(region(1.0 + 0.25 * kGap), 0u);
+  EXPECT_EQ(region(1.0 + 0.5 * kGap), 0u);  // the first of equals
+  EXPECT_EQ(region(1.0 + 0.75 * kGap), 1u);
+  EXPECT_EQ(region(1.0 + kGap), 1u);
+}
+
 TEST(PointLocationLeaf, AnEmptyLeafIsOutsideThePartition) {
   MapContent content = makeSmallMap();
   content.leaves[2].count = 0;

@@ -58,7 +58,7 @@ struct ReductionReport {
 /// 2. Each ordinary region of the reduced map lies, within the slack, in the union of the original's regions
 ///    with its law.
 /// 3. So does what a fallback region claims: the part of it that lies in no ordinary candidate of the leaf
-///    within the slack.
+///    within the handicap of fallback regions (FORMAT.md).
 ///
 /// So every answer of the reduced map is one that the original gives as well, within the tolerance that both
 /// maps carry, and where the original answers, so does the reduced map. What is proven of the original holds

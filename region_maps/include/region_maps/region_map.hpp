@@ -97,13 +97,13 @@ class RegionMap {
   const MapContent::Node& node(std::size_t index) const noexcept;
   LeafView leaf(std::size_t index) const noexcept;
 
-  /// Region that holds theta (p numbers), by the search tree.
+  /// Region that holds theta (p numbers), by the search tree: FORMAT.md, "Point location".
   Lookup locate(const double* theta) const noexcept;
 
   /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
   Lookup evaluate(const double* theta, double* u) const noexcept;
 
-  /// First region in file order that holds theta, testing all: the reference for `locate`.
+  /// As `locate`, testing all regions in file order: its reference.
   Lookup locateExhaustively(const double* theta) const noexcept;
 
   /// Whether theta lies in region `index` within the map's tolerance.
@@ -121,6 +121,8 @@ class RegionMap {
     const MapContent::Leaf* leaves = nullptr;
     const std::uint32_t* candidates = nullptr;
     double tolerance = 0.0;
+    double handicap = 0.0;  // of fallback regions
+    std::uint32_t first_fallback = 0;
     std::uint32_t root = 0;
     std::uint32_t parameters = 0;
     std::uint32_t inputs = 0;
