@@ -34,6 +34,13 @@ nlohmann::ordered_json signalsJson(const std::vector<Signal>& signals) {
   return list;
 }
 
+/// As hexadecimal digits; empty for none.
+std::string checksumText(std::uint64_t checksum) {
+  char text[32] = "";
+  if (checksum != 0) std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(checksum));
+  return text;
+}
+
 void printJson(const RegionMap& map) {
   nlohmann::ordered_json json;
   json["file"] = map.path();
@@ -47,6 +54,9 @@ void printJson(const RegionMap& map) {
   json["regions"] = map.regionCount();
   json["laws"] = map.lawCount();
   json["planes"] = map.planeCount();
+  json["fallback_regions"] = map.regionCount() - map.firstFallback();
+  json["reduced_from"] = checksumText(map.reducedFrom());
+  json["checksum"] = checksumText(map.checksum());
   json["nodes"] = map.nodeCount();
   json["leaves"] = map.leafCount();
   json["depth"] = map.cost().depth;
@@ -88,7 +98,11 @@ void printText(const RegionMap& map) {
   std::printf("tolerance   %.3g of half a range\n", map.tolerance());
   std::printf("regions     %zu\nlaws        %zu\nplanes      %zu\nnodes       %zu\nleaves      %zu\n",
               map.regionCount(), map.lawCount(), map.planeCount(), map.nodeCount(), map.leafCount());
-  std::printf("bytes       %zu\n", map.bytes());
+  std::printf("bytes       %zu\nchecksum    %s\n", map.bytes(), checksumText(map.checksum()).c_str());
+  if (map.reducedFrom() != 0) {
+    std::printf("reduced     from the map with checksum %s; %zu fallback regions\n",
+                checksumText(map.reducedFrom()).c_str(), map.regionCount() - map.firstFallback());
+  }
   std::printf("worst case  depth %u, %u half-spaces at a leaf, %llu multiply-adds\n", map.cost().depth,
               map.cost().region_checks, static_cast<unsigned long long>(map.cost().multiply_adds));
   std::printf("problem     %.*s, %zu bytes of text\n", static_cast<int>(map.problemKind().size()),

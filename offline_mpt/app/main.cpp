@@ -14,6 +14,7 @@ const char kFooter[] =
     "  offline_mpt solve multirotor_lateral.yaml -o lateral.map\n"
     "  offline_mpt info lateral.map\n"
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
+    "  offline_mpt reduce lateral.map -o small.map --separate\n"
     "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
     "\n"
     "Exit codes:\n"
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
   polyfly::addInfo(app, exit_code);
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);
+  polyfly::addReduce(app, exit_code);
   polyfly::addPlot(app, exit_code);
   if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
     return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());

@@ -7,6 +7,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "progress.hpp"
 #include "verify_exact.hpp"
+#include "verify_reduction.hpp"
 
 namespace polyfly {
 namespace {
@@ -30,6 +31,7 @@ const char kFooter[] =
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
     "  offline_mpt verify lateral.map --exact --certificate lateral.cert    (a proof; see CERTIFICATE.md)\n"
     "  offline_mpt verify lateral.map --exact --repair -o repaired.map\n"
+    "  offline_mpt verify small.map --reduced-from lateral.map              (a proof; see reduce --help)\n"
     "  offline_mpt verify lateral.map --json report.json    (against the problem that the map carries)";
 
 struct Options {
@@ -41,6 +43,7 @@ struct Options {
   bool exact = false;
   bool repair = false;
   std::string certificate;
+  std::string reduced_from;
   std::string output;
 };
 
@@ -90,6 +93,13 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
   CLI::Option* output = command->add_option("-o,--output", options->output, "with --repair: the new map");
   output->needs(repair);
   repair->needs(output);
+  CLI::Option* reduced =
+      command->add_option("--reduced-from", options->reduced_from,
+                          "prove in rational arithmetic that MAP, made by `reduce`, answers "
+                          "as this map does");
+  reduced->excludes(exact);
+  for (const char* other : {"--problem", "--samples", "--seed", "--tolerance"})
+    reduced->excludes(command->get_option(other));
 }
 
 }  // namespace
@@ -117,6 +127,11 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
   command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
   addExact(command, options);
   command->callback([options, &exit_code] {
+    if (!options->reduced_from.empty()) {
+      exit_code = verifyReducedMap(
+          {options->map, options->reduced_from, options->json, options->verify.threads, options->quiet});
+      return;
+    }
     exit_code = options->exact
                     ? verifyExact({options->map, options->problem, options->certificate, options->json,
                                    options->output, options->verify.threads, options->quiet})

@@ -58,6 +58,11 @@ bool inParallel(std::uint64_t count, std::uint64_t done_before, std::uint64_t to
 }
 
 void requireSameProblem(const RegionMap& map, const ParametricProgram& program) {
+  if (map.reducedFrom() != 0) {
+    throw Error(
+        map.path() +
+        ": is a reduced map: prove it by --reduced-from, and the map that it was reduced from by --exact");
+  }
   const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
       return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;

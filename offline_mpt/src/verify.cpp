@@ -119,7 +119,7 @@ class Checker {
     if (inside) {
       ++report.inside;
       hit_[lookup.region] = 1;
-      if (oracle_.strictlyConvex()) checkOverlap(theta, report);
+      if (oracle_.strictlyConvex()) checkOverlap(theta, lookup.region, report);
     }
     const bool search_differs = searchDiffers(theta, lookup);
     const OracleAnswer answer = oracle_.solve(theta);
@@ -148,7 +148,27 @@ class Checker {
   bool searchDiffers(const Eigen::VectorXd& theta, const Lookup& lookup) const {
     const Lookup exhaustive = map_.locateExhaustively(theta.data());
     const bool inside = lookup.status == LookupStatus::kInside;
-    return lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data()));
+    if (lookup.status != exhaustive.status || (inside && !map_.contains(lookup.region, theta.data())))
+      return true;
+    if (!inside || isFallback(lookup.region) == isFallback(exhaustive.region)) return false;
+    return difference(theta, lookup.law, exhaustive.law) > options_.tolerance;
+  }
+
+  bool isFallback(std::size_t region) const { return region >= map_.firstFallback(); }
+
+  /// Of two laws, relative to max(1, |u|).
+  double difference(const Eigen::VectorXd& theta, std::uint32_t law, std::uint32_t other) const {
+    const Eigen::Index p = theta.size();
+    double worst = 0.0, scale = 1.0;
+    for (Eigen::Index i = 0; i < u_.size(); ++i) {
+      const double* row = map_.law(law) + i * (p + 1);
+      const double* other_row = map_.law(other) + i * (p + 1);
+      const double value = Eigen::Map<const Eigen::VectorXd>(row, p).dot(theta) + row[p];
+      const double other_value = Eigen::Map<const Eigen::VectorXd>(other_row, p).dot(theta) + other_row[p];
+      worst = std::max(worst, std::abs(value - other_value));
+      scale = std::max(scale, std::abs(value));
+    }
+    return worst / scale;
   }
 
   // At the edge of the feasible set map and program may differ.
@@ -190,11 +210,14 @@ class Checker {
     return true;
   }
 
-  void checkOverlap(const Eigen::VectorXd& theta, VerifyReport& report) {
+  // Fallback regions may lie over ordinary ones.
+  void checkOverlap(const Eigen::VectorXd& theta, std::size_t region, VerifyReport& report) {
     const double scale = std::max(1.0, u_.cwiseAbs().maxCoeff());
     const Eigen::Index p = theta.size();
     double worst = 0.0;
-    for (std::size_t index = 0; index < map_.regionCount(); ++index) {
+    const std::size_t first = isFallback(region) ? map_.firstFallback() : 0;
+    const std::size_t end = isFallback(region) ? map_.regionCount() : map_.firstFallback();
+    for (std::size_t index = first; index < end; ++index) {
       if (!holds(index, theta)) continue;
       const double* law = map_.law(map_.region(index).law);
       for (Eigen::Index i = 0; i < u_.size(); ++i) {

@@ -79,7 +79,7 @@ struct RegionMap::PointLocation {
 
   /// The first of `count` regions that holds theta; failing that, the one that theta violates least, within
   /// the tolerance. A steep law beside a sliver would be off by more than rounding if just any within the
-  /// tolerance were taken.
+  /// tolerance were taken. Fallback regions, which come last, count as farther away by the handicap.
   template <class Region>
   static Lookup best(const Tables& tables, std::size_t count, const double* theta,
                      Region&& regionAt) noexcept {
@@ -87,7 +87,8 @@ struct RegionMap::PointLocation {
     double least = kInfinity;
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t region = regionAt(i);
-      const double beyond = violation(tables, region, theta);
+      double beyond = violation(tables, region, theta);
+      if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
       if (!(beyond < least)) continue;
       least = beyond;
       found = {LookupStatus::kInside, region, tables.regions[region].law};

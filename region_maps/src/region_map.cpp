@@ -70,6 +70,8 @@ void RegionMap::load(const void* data, std::size_t size) {
   tables_.leaves = sectionStart<MapContent::Leaf>(header, format::kLeaves);
   tables_.candidates = sectionStart<std::uint32_t>(header, format::kCandidates);
   tables_.tolerance = header.tolerance;
+  tables_.handicap = format::kHandicap * header.tolerance;
+  tables_.first_fallback = static_cast<std::uint32_t>(firstFallback());
   tables_.root = header.root;
   tables_.parameters = header.parameters;
   tables_.inputs = header.inputs;
@@ -91,11 +93,24 @@ std::size_t RegionMap::nodeCount() const noexcept { return header_->sections[for
 std::size_t RegionMap::leafCount() const noexcept { return header_->sections[format::kLeaves].count; }
 std::size_t RegionMap::bytes() const noexcept { return header_->file_size; }
 std::uint64_t RegionMap::checksum() const noexcept { return header_->checksum; }
+std::size_t RegionMap::firstFallback() const noexcept {
+  return header_->first_fallback != 0 ? header_->first_fallback : regionCount();
+}
+std::uint64_t RegionMap::reducedFrom() const noexcept { return header_->reduced_from; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
   const MapContent::Region& region = tables_.regions[index];
   return {tables_.rows + region.first_row, region.row_count, active_ + region.first_active,
           region.active_count, region.law};
+}
+
+std::uint32_t RegionMap::root() const noexcept { return tables_.root; }
+
+const MapContent::Node& RegionMap::node(std::size_t index) const noexcept { return tables_.nodes[index]; }
+
+LeafView RegionMap::leaf(std::size_t index) const noexcept {
+  const MapContent::Leaf& leaf = tables_.leaves[index];
+  return {tables_.candidates + leaf.first, leaf.count};
 }
 
 const double* RegionMap::plane(std::size_t index) const noexcept {

@@ -14,6 +14,7 @@ constexpr std::uint32_t kByteOrder = 0x01020304u;
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kAlignment = 64;  ///< of the file in memory and of each section in the file [bytes]
 constexpr std::uint32_t kMaxSignals = 256;
+constexpr double kHandicap = 1.0 / 16.0;             ///< of fallback regions, in tolerances
 constexpr std::uint64_t kMaxElements = 0x7fffffffu;  ///< of a section, text excepted
 
 enum Section : std::size_t {
@@ -53,7 +54,9 @@ struct Header {
   std::uint32_t depth;
   std::uint32_t region_checks;
   std::uint64_t multiply_adds;
-  unsigned char reserved[16];
+  std::uint64_t reduced_from;
+  std::uint32_t first_fallback;
+  unsigned char reserved[4];
   SectionEntry sections[kSectionCount];
 };
 
@@ -65,7 +68,8 @@ struct Bounds {
 static_assert(sizeof(double) == 8, "f64");
 static_assert(sizeof(Header) == 256 && std::is_trivially_copyable_v<Header>);
 static_assert(offsetof(Header, checksum) == 24 && offsetof(Header, period) == 48);
-static_assert(offsetof(Header, multiply_adds) == 72 && offsetof(Header, sections) == 96);
+static_assert(offsetof(Header, multiply_adds) == 72 && offsetof(Header, reduced_from) == 80);
+static_assert(offsetof(Header, first_fallback) == 88 && offsetof(Header, sections) == 96);
 static_assert(sizeof(Bounds) == 16 && std::is_trivially_copyable_v<Bounds>);
 static_assert(sizeof(MapContent::Region) == 20 && std::is_trivially_copyable_v<MapContent::Region>);
 static_assert(sizeof(MapContent::Node) == 12 && std::is_trivially_copyable_v<MapContent::Node>);

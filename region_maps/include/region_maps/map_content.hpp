@@ -55,6 +55,8 @@ struct MapContent {
   std::vector<Region> regions;
   std::vector<std::int32_t> rows;    ///< i + 1: plane i as it is; -(i + 1): plane i with both sides negated
   std::vector<std::int32_t> active;  ///< active sets (row indices of the program), concatenated
+  std::uint32_t first_fallback = 0;  ///< regions from here on count only where none before does; 0: all count
+  std::uint64_t reduced_from = 0;    ///< checksum of the map that this one was reduced from, 0: none
   std::uint32_t root = 0;            ///< as a child: node index, or leaf index with kLeaf set
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;

@@ -45,6 +45,12 @@ struct RegionView {
   std::uint32_t law = 0;
 };
 
+/// The regions that may hold a parameter at a leaf of the search tree, in the order in which they are tested.
+struct LeafView {
+  const std::uint32_t* candidates = nullptr;
+  std::uint32_t count = 0;
+};
+
 /// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
 /// index, finiteness, checksum) and throws polyfly::Error with the file and the rule that it breaks;
 /// afterwards a look-up only tests its own input. Look-ups allocate nothing and may run concurrently.
@@ -78,9 +84,18 @@ class RegionMap {
   std::size_t bytes() const noexcept;
   std::uint64_t checksum() const noexcept;  ///< of the whole file, as its header has it
 
+  /// Regions from this one on are fallback regions: they count only where no region before it does.
+  /// regionCount() where there are none.
+  std::size_t firstFallback() const noexcept;
+  std::uint64_t reducedFrom() const noexcept;  ///< checksum of the map that this one was reduced from, or 0
+
   RegionView region(std::size_t index) const noexcept;
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
   const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
+
+  std::uint32_t root() const noexcept;  ///< a child, see MapContent::Node
+  const MapContent::Node& node(std::size_t index) const noexcept;
+  LeafView leaf(std::size_t index) const noexcept;
 
   /// Region that holds theta (p numbers), by the search tree: FORMAT.md, "Point location".
   Lookup locate(const double* theta) const noexcept;
@@ -106,6 +121,8 @@ class RegionMap {
     const MapContent::Leaf* leaves = nullptr;
     const std::uint32_t* candidates = nullptr;
     double tolerance = 0.0;
+    double handicap = 0.0;  // of fallback regions
+    std::uint32_t first_fallback = 0;
     std::uint32_t root = 0;
     std::uint32_t parameters = 0;
     std::uint32_t inputs = 0;

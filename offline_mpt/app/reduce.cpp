@@ -1,0 +1,146 @@
+#include "offline_mpt/reduce.hpp"
+
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <new>
+
+#include "command.hpp"
+#include "progress.hpp"
+#include "region_maps/format.hpp"
+#include "region_maps/write_map.hpp"
+#include "verify_reduction.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "Regions with the same law are joined where their union is convex: as few as can be (--merge optimal), "
+    "as "
+    "far\n"
+    "as the planes of a law's neighbouring regions are at most 64 and make at most 10,000 cells; pair by "
+    "pair\n"
+    "otherwise (--merge greedy). --merge auto stops looking for the fewest at 24 planes or 1,000 cells.\n"
+    "\n"
+    "--separate, for maps with one input: regions where the input is constant at its greatest or least value "
+    "give\n"
+    "way to few fallback regions, which a look-up comes to last (region_maps/FORMAT.md). Nothing is "
+    "clipped.\n"
+    "\n"
+    "The new map is proven to answer as MAP does, as `verify --reduced-from` does, before it is written; "
+    "what "
+    "was\n"
+    "proven of MAP then holds for it too. Where the proof fails nothing is written (exit code 1).\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt reduce lateral.map -o small.map --stats saved.json\n"
+    "  offline_mpt reduce lateral.map -o small.map --merge optimal --separate\n"
+    "  offline_mpt verify small.map --reduced-from lateral.map";
+
+struct Options {
+  std::string map;
+  std::string output;
+  std::string stats;
+  ReduceOptions reduce;
+  bool no_proof = false;
+  bool quiet = false;
+};
+
+/// The bytes of a map where RegionMap::view can read them.
+class Image {
+ public:
+  explicit Image(const MapContent& content)
+      : bytes_(layOut(content)), place_(::operator new(bytes_.size(), kAlignment)) {
+    std::memcpy(place_, bytes_.data(), bytes_.size());
+  }
+  ~Image() { ::operator delete(place_, kAlignment); }
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+
+  RegionMap view(const std::string& name) const { return RegionMap::view(place_, bytes_.size(), name); }
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+
+ private:
+  static constexpr std::align_val_t kAlignment{format::kAlignment};
+  std::vector<std::byte> bytes_;
+  void* place_;
+};
+
+ReduceResult reduceWithProgress(const RegionMap& map, const Options& options) {
+  Progress progress(options.quiet);
+  ReduceOptions reduce_options = options.reduce;
+  reduce_options.stop = &stopOnSignal();
+  reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
+    progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
+                  -1.0);
+  };
+  return reduce(map, reduce_options);
+}
+
+ExitCode reduceMap(const Options& options) {
+  checkWritable(options.output);
+  if (!options.stats.empty()) checkWritable(options.stats);
+  const RegionMap map = RegionMap::open(options.map);
+  const ReduceResult result = reduceWithProgress(map, options);
+  const Image image(result.content);
+  const RegionMap reduced = image.view(options.output);
+  if (!options.no_proof) {
+    const ReductionReport report = proveReduction(reduced, map, options.reduce.threads, options.quiet);
+    if (report.interrupted) {
+      std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was written\n", options.output.c_str());
+      return ExitCode::kStopped;
+    }
+    if (!report.passed()) {
+      if (!options.quiet) std::fputs(reductionText(report).c_str(), stdout);
+      std::fprintf(stderr, "offline_mpt: %s: the reduced map could not be proven: nothing was written\n",
+                   options.output.c_str());
+      return ExitCode::kFailed;
+    }
+  }
+  endOnSignal();
+  writeFileAtomically(options.output, image.bytes());
+  if (!options.stats.empty())
+    writeText(options.stats, reduceJson(result.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
+  if (!options.quiet) {
+    std::fputs(reduceText(result.stats, sizeOf(map), sizeOf(reduced)).c_str(), stdout);
+    std::printf("%s: %s\n", options.output.c_str(),
+                options.no_proof ? "written, not proven" : "proven to answer as the original, written");
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void addReduce(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  options->reduce.threads = defaultThreads();
+  CLI::App* command = app.add_subcommand("reduce", "Make a smaller map with the same answers");
+  command->footer(kFooter);
+  command->add_option("MAP", options->map, "map file")->required();
+  command->add_option("-o,--output", options->output, "map file to write")->required();
+  const std::map<std::string, MergeMethod> methods = {{"none", MergeMethod::kNone},
+                                                      {"greedy", MergeMethod::kGreedy},
+                                                      {"optimal", MergeMethod::kOptimal},
+                                                      {"auto", MergeMethod::kAuto}};
+  command
+      ->add_option("--merge", options->reduce.merge,
+                   "how regions with the same law are joined (default: auto)")
+      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case))
+      ->type_name("none|greedy|optimal|auto");
+  command->add_flag("--separate", options->reduce.separate,
+                    "let few fallback regions take the place of saturated ones");
+  command
+      ->add_option("--law-tolerance", options->reduce.law_tolerance,
+                   "laws that differ by less anywhere in the box are one, relative to max(1, |bounds of u|)")
+      ->check(CLI::Range(0.0, 1e-8))
+      ->capture_default_str();
+  command->add_option("--stats", options->stats, "write what was saved as JSON");
+  command->add_option("--threads", options->reduce.threads, "worker threads (default: all processors)")
+      ->check(CLI::Range(1, 256));
+  command->add_flag("--no-proof", options->no_proof, "write the map without proving it");
+  command->add_flag("--quiet", options->quiet, "say nothing but errors");
+  command->callback([options, &exit_code] { exit_code = reduceMap(*options); });
+}
+
+}  // namespace polyfly

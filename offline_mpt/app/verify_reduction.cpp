@@ -1,0 +1,36 @@
+#include "verify_reduction.hpp"
+
+#include <cstdio>
+
+#include "progress.hpp"
+
+namespace polyfly {
+
+ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet) {
+  Progress progress(quiet);
+  ReductionOptions options;
+  options.threads = threads;
+  options.stop = &stopOnSignal();
+  options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
+    const double remaining =
+        done > 0 ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
+    progress.show("proof: " + std::to_string(done) + " of " + std::to_string(total) + " regions", remaining);
+  };
+  return verifyReduction(reduced, original, options);
+}
+
+ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
+  if (!options.json.empty()) checkWritable(options.json);
+  const RegionMap reduced = RegionMap::open(options.map);
+  const RegionMap original = RegionMap::open(options.original);
+  const ReductionReport report = proveReduction(reduced, original, options.threads, options.quiet);
+  if (!options.json.empty()) writeText(options.json, reductionJson(report));
+  if (!options.quiet) std::fputs(reductionText(report).c_str(), stdout);
+  if (report.interrupted) {
+    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing is proven\n", options.map.c_str());
+    return ExitCode::kStopped;
+  }
+  return report.passed() ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+}  // namespace polyfly

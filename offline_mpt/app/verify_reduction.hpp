@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "command.hpp"
+#include "offline_mpt/verify_reduction.hpp"
+
+namespace polyfly {
+
+/// What `verify --reduced-from` was asked for.
+struct VerifyReductionOptions {
+  std::string map;
+  std::string original;
+  std::string json;  ///< file to write, empty: none
+  int threads = 1;
+  bool quiet = false;
+};
+
+/// Proves that a reduced map answers as the original, or refutes it. kDone when it is proven.
+ExitCode verifyReducedMap(const VerifyReductionOptions& options);
+
+/// verifyReduction with a progress line, stopped by a signal.
+ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet);
+
+}  // namespace polyfly

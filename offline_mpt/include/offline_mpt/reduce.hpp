@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "region_maps/map_content.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// How regions of one law are joined.
+enum class MergeMethod : std::uint8_t {
+  kNone,
+  kGreedy,   ///< pairs (Bemporad, Fukuda and Torrisi, 2001)
+  kOptimal,  ///< fewest convex unions (Geyer, Torrisi and Morari, 2008), greedily beyond the limits below
+  kAuto,     ///< the same with limits that are reached sooner
+};
+
+const char* toString(MergeMethod method);
+
+struct ReduceOptions {
+  MergeMethod merge = MergeMethod::kAuto;
+  bool separate = false;        ///< let few fallback regions take the place of saturated ones
+  double law_tolerance = 1e-9;  ///< laws that differ by less anywhere in the box are one, relative to
+                                ///< max(1, |finite bounds of u|)
+  int threads = 1;              ///< 1..256; the result does not depend on it
+  const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early: Error
+  /// Called now and then from the calling thread, with laws that are done.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+};
+
+/// Arrangements up to this size are merged optimally.
+constexpr std::size_t kAutoPlanes = 24, kAutoCells = 1000;
+constexpr std::size_t kOptimalPlanes = 64, kOptimalCells = 10'000;
+
+/// What a map takes.
+struct MapSize {
+  std::size_t regions = 0;
+  std::size_t laws = 0;
+  std::size_t planes = 0;
+  std::size_t nodes = 0;
+  std::size_t leaves = 0;
+  std::size_t bytes = 0;
+  LookupCost cost;
+};
+
+MapSize sizeOf(const RegionMap& map);
+
+struct ReduceStats {
+  MergeMethod merge = MergeMethod::kNone;
+  std::size_t laws = 0;          ///< distinct ones, by ReduceOptions::law_tolerance
+  std::size_t merged_laws = 0;   ///< with fewer regions than before
+  std::size_t optimal_laws = 0;  ///< described by as few convex unions as can be (of the regions' planes)
+  std::size_t greedy_laws = 0;   ///< merged without that proof
+  bool separated = false;
+  std::string separation;             ///< a sentence: what was done, or why not; empty if not asked for
+  std::size_t saturated_regions = 0;  ///< that fallback regions took the place of
+  std::size_t fallback_regions = 0;
+  std::size_t separating_planes = 0;
+};
+
+struct ReduceResult {
+  MapContent content;
+  ReduceStats stats;
+};
+
+/// A map with the same answers from fewer regions. Regions of one law are joined where their union is convex;
+/// joined regions of one law may overlap.
+///
+/// With `separate`, and one input: where the input is constant at its greatest or least value, the regions
+/// are left out, and fallback regions (FORMAT.md) take their place: the whole set of parameters that the map
+/// answers, divided by planes that keep the two kinds of saturation apart (Kvasnica, Hledik, Rauova and
+/// Fikar, 2013). One plane where one is enough; else a list of planes, each cutting off regions of one kind;
+/// the regions stay where that would not be fewer.
+///
+/// Decisions are made in floating point: prove the result (verify_reduction.hpp). Throws Error for a map that
+/// was reduced before; with `separate` for one that is not complete or has several inputs; when stopped.
+ReduceResult reduce(const RegionMap& map, const ReduceOptions& options = {});
+
+std::string reduceText(const ReduceStats& stats, const MapSize& before, const MapSize& after);
+std::string reduceJson(const ReduceStats& stats, const MapSize& before, const MapSize& after, bool proven);
+
+}  // namespace polyfly

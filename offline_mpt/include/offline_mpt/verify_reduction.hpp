@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+struct ReductionOptions {
+  int threads = 1;              ///< 1..256; the report does not depend on it
+  double law_tolerance = 1e-8;  ///< laws that differ by less anywhere in the box count as one, relative to
+                                ///< max(1, |finite bounds of u|)
+  const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
+  /// Called now and then from the calling thread, with regions of both maps.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+};
+
+/// Something that the reduced map gets wrong.
+struct ReductionDefect {
+  enum class Kind : std::uint8_t {
+    kLost,   ///< a region of the original has a part that the reduced map does not answer as it should
+    kClaim,  ///< a region of the reduced map claims a parameter that no region with its law holds
+  };
+  Kind kind = Kind::kLost;
+  std::uint32_t region = 0;  ///< kLost: of the original; kClaim: of the reduced map
+  Eigen::VectorXd witness;   ///< parameter in the box
+  std::string text;          ///< a sentence
+};
+
+const char* toString(ReductionDefect::Kind kind);
+
+/// What was proven. "Within the slack" means: in all half-spaces of a region moved outwards by `slack`.
+struct ReductionReport {
+  std::uint64_t original_regions = 0;
+  std::uint64_t reduced_regions = 0;
+  std::uint64_t fallback_regions = 0;
+  std::uint64_t cells = 0;         ///< parts of regions that were looked at
+  std::uint64_t flat_regions = 0;  ///< of either map: without interior
+  double slack = 0.0;              ///< half the maps' tolerance [scaled]
+  double law_tolerance = 0.0;
+  double law_error = 0.0;  ///< greatest difference of laws that count as one, relative as law_tolerance
+  std::vector<ReductionDefect> defects;  ///< by map, then region
+  bool interrupted = false;
+
+  bool passed() const { return defects.empty() && !interrupted && original_regions > 0; }
+};
+
+/// Proves in rational arithmetic, with doubles at their exact values, or refutes:
+///
+/// 1. Where a region of the original holds theta, the leaf of the reduced map at which theta arrives has a
+///    candidate that holds theta within the slack, and its law is that of the region or (in slivers that the
+///    tree leaves to a neighbour) of another region of the original that holds theta within the slack.
+/// 2. Each ordinary region of the reduced map lies, within the slack, in the union of the original's regions
+///    with its law.
+/// 3. So does what a fallback region claims: the part of it that lies in no ordinary candidate of the leaf
+///    within the handicap of fallback regions (FORMAT.md).
+///
+/// So every answer of the reduced map is one that the original gives as well, within the tolerance that both
+/// maps carry, and where the original answers, so does the reduced map. What is proven of the original holds
+/// for the reduced map up to that tolerance and `law_error`. Throws Error when the maps do not belong
+/// together.
+ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
+                                const ReductionOptions& options = {});
+
+std::string reductionText(const ReductionReport& report);  ///< for people, several lines
+std::string reductionJson(const ReductionReport& report);
+
+}  // namespace polyfly

@@ -1,0 +1,223 @@
+#include "exact_dissection.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+#include "exact_proof.hpp"
+#include "region_maps/format.hpp"
+
+namespace polyfly {
+namespace {
+
+using Cell = ExactCell;
+
+ExactRow wholeRow(std::vector<Rational> value) {
+  Integer denominator(1);
+  for (const Rational& entry : value)
+    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
+  ExactRow row;
+  for (const Rational& entry : value) row.value.emplace_back(Rational(entry * denominator).get_num());
+  finishRow(row);
+  return row;
+}
+
+bool isConstant(const ExactRow& row) {
+  return std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
+}
+
+/// The part of the cell where `row` is positive; false when that has no interior.
+bool cut(const Cell& cell, const ExactRow& row, int p, Cell& part) {
+  part.rows = cell.rows;
+  part.rows.push_back(&row);
+  if (valueAt(row, cell.point) > 0) {
+    part.point = cell.point;
+    return true;
+  }
+  if (isConstant(row)) return false;
+  Interior interior = findInterior(part.rows, nullptr, p);
+  part.point = std::move(interior.point);
+  return interior.exists;
+}
+
+bool has(const Cell& cell, const ExactRow& row) {
+  return std::find(cell.rows.begin(), cell.rows.end(), &row) != cell.rows.end();
+}
+
+class Dissector {
+ public:
+  Dissector(const ExactMap& map, const LeafVisit& visit, std::uint64_t& parts)
+      : map_(map), visit_(visit), parts_(parts) {}
+
+  bool descend(std::uint32_t child, const Cell& cell) {
+    const std::uint32_t index = child & ~MapContent::kLeaf;
+    if ((child & MapContent::kLeaf) != 0) {
+      ++parts_;
+      return visit_(map_.map().leaf(index), cell);
+    }
+    const MapContent::Node& node = map_.map().node(index);
+    const auto row = static_cast<std::int32_t>(node.plane) + 1;
+    return take(row, node.below, cell) && take(-row, node.above, cell);
+  }
+
+ private:
+  bool take(std::int32_t row, std::uint32_t child, const Cell& cell) {
+    if (has(cell, map_.row(-row))) return true;
+    if (has(cell, map_.row(row))) return descend(child, cell);
+    Cell part;
+    return !cut(cell, map_.row(row), map_.p(), part) || descend(child, part);
+  }
+
+  const ExactMap& map_;
+  const LeafVisit& visit_;
+  std::uint64_t& parts_;
+};
+
+class Subtractor {
+ public:
+  Subtractor(const ExactMap& map, Slack slack, const RestVisit& visit, std::uint64_t& parts)
+      : map_(map), slack_(slack), visit_(visit), parts_(parts) {}
+
+  /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
+  /// those that reach into it.
+  bool run(Cell cell, const std::vector<std::uint32_t>& left) {
+    ++parts_;
+    const auto holder =
+        std::find_if(left.begin(), left.end(), [&](std::uint32_t r) { return holds(r, cell); });
+    std::uint32_t region = 0;
+    if (holder != left.end()) {
+      region = *holder;
+    } else if (!findMeeting(cell, left, region)) {
+      return visit_(cell);
+    }
+    std::vector<std::uint32_t> others = left;
+    others.erase(std::remove(others.begin(), others.end(), region), others.end());
+    const RegionView view = map_.map().region(region);
+    for (std::uint32_t i = 0; i < view.row_count; ++i) {
+      const std::int32_t row = view.rows[i];
+      if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) continue;
+      Cell beyond;
+      if (cut(cell, map_.outside(row, slack_), map_.p(), beyond) && !run(std::move(beyond), others))
+        return false;
+      Cell inside;
+      if (!cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) return true;
+      cell = std::move(inside);
+    }
+    return true;
+  }
+
+ private:
+  bool holds(std::uint32_t region, const Cell& cell) const {
+    const RegionView view = map_.map().region(region);
+    return std::all_of(view.rows, view.rows + view.row_count,
+                       [&](std::int32_t row) { return valueAt(map_.relaxed(row, slack_), cell.point) >= 0; });
+  }
+
+  bool findMeeting(const Cell& cell, const std::vector<std::uint32_t>& left, std::uint32_t& region) const {
+    for (const std::uint32_t candidate : left) {
+      const RegionView view = map_.map().region(candidate);
+      std::vector<const ExactRow*> rows = cell.rows;
+      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i], slack_));
+      if (!findInterior(rows, nullptr, map_.p()).exists) continue;
+      region = candidate;
+      return true;
+    }
+    return false;
+  }
+
+  const ExactMap& map_;
+  Slack slack_;
+  const RestVisit& visit_;
+  std::uint64_t& parts_;
+};
+
+}  // namespace
+
+ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other) : map_(map) {
+  for (const Signal& signal : map.parameters()) {
+    const Rational lower(signal.lower), upper(signal.upper);
+    centre_.push_back((lower + upper) / 2);
+    half_.push_back((upper - lower) / 2);
+  }
+  const std::size_t width = centre_.size() + 1;
+  std::map<std::vector<double>, std::size_t> known;
+  for (std::size_t i = 0; other != nullptr && i < other->rows_.size(); ++i) {
+    const double* const plane = other->map_.plane(i);
+    known.emplace(std::vector<double>(plane, plane + width), i);
+  }
+  for (std::size_t i = 0; i < map.planeCount(); ++i) {
+    const double* const plane = map.plane(i);
+    const auto found = known.find(std::vector<double>(plane, plane + width));
+    rows_.push_back(found != known.end() ? other->rows_[found->second]
+                                         : std::make_shared<const PlaneRows>(makeRows(plane, full_slack)));
+  }
+}
+
+ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) const {
+  const std::size_t p = centre_.size();
+  std::vector<Rational> below;  // c - a . theta
+  Rational bound(plane[p]);
+  for (std::size_t j = 0; j < p; ++j) {
+    below.emplace_back(-Rational(plane[j]) * half_[j]);
+    bound -= Rational(plane[j]) * centre_[j];
+  }
+  below.push_back(bound);
+  PlaneRows rows;
+  for (const std::size_t first : {std::size_t{0}, std::size_t{kVariants}}) {
+    std::vector<Rational> value = below;
+    if (first != 0) {
+      for (Rational& entry : value) entry = -entry;
+    }
+    rows[first + kRow] = wholeRow(value);
+    const auto relax = [&](double slack, Variant inside, Variant outside) {
+      std::vector<Rational> moved = value;
+      moved.back() += Rational(slack);
+      rows[first + inside] = wholeRow(moved);
+      for (Rational& entry : moved) entry = -entry;
+      rows[first + outside] = wholeRow(std::move(moved));
+    };
+    relax(full_slack, kRelaxed, kOutside);
+    relax(format::kHandicap * map_.tolerance(), kNear, kBeyond);
+  }
+  return rows;
+}
+
+const ExactRow& ExactMap::at(std::int32_t row, Variant variant) const {
+  const auto plane = static_cast<std::size_t>(std::abs(row)) - 1;
+  return (*rows_[plane])[(row > 0 ? std::size_t{0} : std::size_t{kVariants}) + variant];
+}
+
+Eigen::VectorXd ExactMap::theta(const std::vector<Rational>& t) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));
+  for (std::size_t j = 0; j < t.size(); ++j)
+    result(static_cast<Eigen::Index>(j)) = Rational(centre_[j] + half_[j] * t[j]).get_d();
+  return result;
+}
+
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell) {
+  const RegionView view = map.map().region(region);
+  cell.rows.clear();
+  for (std::uint32_t i = 0; i < view.row_count; ++i) {
+    const ExactRow& row = map.row(view.rows[i]);
+    if (!isConstant(row)) {
+      cell.rows.push_back(&row);
+    } else if (row.value.back() < 0) {
+      return false;
+    }
+  }
+  Interior interior = findInterior(cell.rows, nullptr, map.p());
+  cell.point = std::move(interior.point);
+  return interior.exists;
+}
+
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts) {
+  return Dissector(map, visit, parts).descend(map.map().root(), cell);
+}
+
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
+              Slack slack, const RestVisit& visit, std::uint64_t& parts) {
+  return Subtractor(map, slack, visit, parts).run(cell, regions);
+}
+
+}  // namespace polyfly

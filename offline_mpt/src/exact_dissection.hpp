@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "exact_region.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// How far relaxed rows are moved outwards, in the measure of FORMAT.md.
+enum class Slack : std::uint8_t {
+  kFull,
+  kHandicap,  ///< that of fallback regions
+};
+
+/// A map's half-spaces without rounding, in t, theta = centre + half .* t: row (t, 1) >= 0.
+class ExactMap {
+ public:
+  /// The map must outlive the object. Planes that `other`, of the same slack and tolerance, has too become
+  /// its rows, so that they are known to be the same.
+  ExactMap(const RegionMap& map, double full_slack, const ExactMap* other = nullptr);
+
+  const ExactRow& row(std::int32_t row) const { return at(row, kRow); }
+  const ExactRow& relaxed(std::int32_t row, Slack slack) const {
+    return at(row, slack == Slack::kFull ? kRelaxed : kNear);
+  }
+  /// The opposite of the relaxed row.
+  const ExactRow& outside(std::int32_t row, Slack slack) const {
+    return at(row, slack == Slack::kFull ? kOutside : kBeyond);
+  }
+
+  const RegionMap& map() const { return map_; }
+  int p() const { return static_cast<int>(map_.parameters().size()); }
+  Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
+
+ private:
+  enum Variant : std::size_t { kRow, kRelaxed, kOutside, kNear, kBeyond, kVariants };
+  using PlaneRows = std::array<ExactRow, 2 * kVariants>;  // of the row, then of its opposite
+  const ExactRow& at(std::int32_t row, Variant variant) const;
+  PlaneRows makeRows(const double* plane, double full_slack) const;
+
+  const RegionMap& map_;
+  std::vector<Rational> centre_, half_;
+  std::vector<std::shared_ptr<const PlaneRows>> rows_;  // per plane
+};
+
+/// A polytope with a point strictly inside.
+struct ExactCell {
+  std::vector<const ExactRow*> rows;
+  std::vector<Rational> point;
+};
+
+/// The cell of a region; false when it has no interior.
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
+
+/// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
+/// Parts without interior are left out: their closure is part of the others'. False when stopped. Parts that
+/// were looked at are counted.
+using LeafVisit = std::function<bool(const LeafView& leaf, const ExactCell& part)>;
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts);
+
+/// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
+/// until it returns false. False when stopped.
+using RestVisit = std::function<bool(const ExactCell& rest)>;
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
+              Slack slack, const RestVisit& visit, std::uint64_t& parts);
+
+}  // namespace polyfly

@@ -1,0 +1,278 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "exact_dissection.hpp"
+#include "in_parallel.hpp"
+#include "law_classes.hpp"
+#include "offline_mpt/verify_reduction.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kSlackShare = 0.5;  // of the maps' tolerance
+constexpr double kNear = 0.01;       // regions farther from a sliver are not looked at [scaled]
+
+/// Which laws of two maps count as one.
+class LawTable {
+ public:
+  LawTable(const RegionMap& a, const RegionMap& b, double tolerance)
+      : width_(b.lawCount()), same_(a.lawCount() * b.lawCount(), 0), tolerance_(tolerance) {
+    const std::vector<double> scales = lawScales(b);
+    for (std::size_t i = 0; i < a.lawCount(); ++i) {
+      for (std::size_t j = 0; j < width_; ++j) {
+        const double difference = compare(a, a.law(i), b.law(j), scales);
+        if (difference > tolerance) continue;
+        same_[i * width_ + j] = 1;
+        error_ = std::max(error_, difference);
+      }
+    }
+  }
+
+  bool same(std::uint32_t a, std::uint32_t b) const { return same_[a * width_ + b] != 0; }
+  double error() const { return error_; }
+
+ private:
+  /// Greatest difference in the box, rounded up; any greater number where it is far above the tolerance.
+  double compare(const RegionMap& map, const double* a, const double* b,
+                 const std::vector<double>& scales) const {
+    const std::size_t p = map.parameters().size();
+    double worst = 0.0;
+    for (std::size_t i = 0; i < scales.size(); ++i, a += p + 1, b += p + 1) {
+      if (std::equal(a, a + p + 1, b)) continue;
+      Rational sum, centre = Rational(a[p]) - Rational(b[p]);
+      double rounded = 0.0;
+      for (std::size_t j = 0; j < p; ++j) {
+        const Signal& signal = map.parameters()[j];
+        rounded += std::abs(a[j] - b[j]) * (signal.upper - signal.lower) / 2.0;
+      }
+      if (rounded > 4.0 * tolerance_ * scales[i]) return rounded / scales[i];
+      for (std::size_t j = 0; j < p; ++j) {
+        const Signal& signal = map.parameters()[j];
+        const Rational gain = Rational(a[j]) - Rational(b[j]);
+        sum += abs(gain) * (Rational(signal.upper) - Rational(signal.lower)) / 2;
+        centre += gain * (Rational(signal.upper) + Rational(signal.lower)) / 2;
+      }
+      sum = (sum + abs(centre)) / Rational(scales[i]);
+      double difference = sum.get_d();  // rounded towards zero
+      if (Rational(difference) < sum) difference = std::nextafter(difference, 2.0 * difference + 1.0);
+      worst = std::max(worst, difference);
+    }
+    return worst;
+  }
+
+  std::size_t width_;
+  std::vector<char> same_;
+  double tolerance_;
+  double error_ = 0.0;
+};
+
+/// What came of one region.
+struct Finding {
+  std::vector<ReductionDefect> defects;
+  std::uint64_t cells = 0;
+  bool flat = false;
+};
+
+class ReductionProof {
+ public:
+  ReductionProof(const RegionMap& reduced, const RegionMap& original, const ReductionOptions& options,
+                 double slack)
+      : original_(original, slack),
+        reduced_(reduced, slack, &original_),
+        laws_(reduced, original, options.law_tolerance) {}
+
+  double lawError() const { return laws_.error(); }
+
+  /// Every part of a region of the original is answered, with its law or, in slivers that the tree leaves to
+  /// a neighbour, with the law of a region that holds it within the slack too.
+  Finding checkOriginal(std::uint32_t region) const {
+    Finding finding;
+    ExactCell cell;
+    if (!cellOf(original_, region, cell)) return flat(finding);
+    const std::uint32_t law = original_.map().region(region).law;
+    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+      std::vector<std::uint32_t> own, others;
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::uint32_t candidate = leaf.candidates[i];
+        (laws_.same(reduced_.map().region(candidate).law, law) ? own : others).push_back(candidate);
+      }
+      const auto rest = [&](const ExactCell& sliver) {
+        if (leftToOthers(sliver, others, 0, finding)) return true;
+        report(finding, ReductionDefect::Kind::kLost, region, sliver);
+        return false;
+      };
+      return subtract(reduced_, part, own, Slack::kFull, rest, finding.cells);
+    };
+    dissect(reduced_, cell, check, finding.cells);
+    return finding;
+  }
+
+  /// What a region of the reduced map claims belongs to its law.
+  Finding checkReduced(std::uint32_t region) const {
+    Finding finding;
+    ExactCell cell;
+    if (!cellOf(reduced_, region, cell)) return flat(finding);
+    const auto claim = [&](const ExactCell& part) { return belongs(region, part, finding); };
+    if (region < reduced_.map().firstFallback()) {
+      claim(cell);
+      return finding;
+    }
+    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+      std::vector<std::uint32_t> ordinary;
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        if (leaf.candidates[i] < reduced_.map().firstFallback()) ordinary.push_back(leaf.candidates[i]);
+      }
+      return subtract(reduced_, part, ordinary, Slack::kHandicap, claim, finding.cells);
+    };
+    dissect(reduced_, cell, check, finding.cells);
+    return finding;
+  }
+
+ private:
+  static Finding flat(Finding& finding) {
+    finding.flat = true;
+    return finding;
+  }
+
+  /// Whether the cell lies in the union of what each candidate, from `next` on, has in common with regions of
+  /// the original with its law.
+  bool leftToOthers(const ExactCell& cell, const std::vector<std::uint32_t>& candidates, std::size_t next,
+                    Finding& finding) const {
+    if (next == candidates.size()) return false;
+    const RestVisit rest = [&](const ExactCell& part) {
+      return leftToOthers(part, candidates, next + 1, finding);
+    };
+    const std::vector<std::uint32_t> owners = nearRegions(reduced_.map().region(candidates[next]).law, cell);
+    return subtract(reduced_, cell, {candidates[next]}, Slack::kFull, rest, finding.cells) &&
+           subtract(original_, cell, owners, Slack::kFull, rest, finding.cells);
+  }
+
+  /// Regions of the original with a law of the reduced map that are not far from the cell's point.
+  std::vector<std::uint32_t> nearRegions(std::uint32_t law, const ExactCell& cell) const {
+    const RegionMap& map = original_.map();
+    const Eigen::VectorXd theta = original_.theta(cell.point);
+    const Eigen::Index p = theta.size();
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
+      const RegionView region = map.region(r);
+      if (!laws_.same(law, region.law)) continue;
+      const bool is_near = std::all_of(region.rows, region.rows + region.row_count, [&](std::int32_t row) {
+        const double* const plane = map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
+        const double distance = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
+        return (row > 0 ? distance : -distance) <= kNear;
+      });
+      if (is_near) result.push_back(r);
+    }
+    return result;
+  }
+
+  /// The original's tree tells which regions matter where; slivers that it leaves to a neighbour are looked
+  /// for in all regions about.
+  bool belongs(std::uint32_t region, const ExactCell& cell, Finding& finding) const {
+    const std::uint32_t law = reduced_.map().region(region).law;
+    const auto foreign = [&](const ExactCell& rest) {
+      report(finding, ReductionDefect::Kind::kClaim, region, rest);
+      return false;
+    };
+    const auto sliver = [&](const ExactCell& rest) {
+      return subtract(original_, rest, nearRegions(law, rest), Slack::kFull, foreign, finding.cells);
+    };
+    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+      std::vector<std::uint32_t> owners;
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        if (laws_.same(law, original_.map().region(leaf.candidates[i]).law))
+          owners.push_back(leaf.candidates[i]);
+      }
+      return subtract(original_, part, owners, Slack::kFull, sliver, finding.cells);
+    };
+    return dissect(original_, cell, check, finding.cells);
+  }
+
+  void report(Finding& finding, ReductionDefect::Kind kind, std::uint32_t region,
+              const ExactCell& rest) const {
+    ReductionDefect defect;
+    defect.kind = kind;
+    defect.region = region;
+    defect.witness = original_.theta(rest.point);
+    defect.text = kind == ReductionDefect::Kind::kLost
+                      ? "region " + std::to_string(region) +
+                            " of the original: a part of it is not answered as it should be"
+                      : "region " + std::to_string(region) +
+                            " of the reduced map: claims what no region with its law holds";
+    finding.defects.push_back(std::move(defect));
+  }
+
+  const ExactMap original_, reduced_;
+  const LawTable laws_;
+};
+
+void requireSameMaps(const RegionMap& reduced, const RegionMap& original) {
+  const auto fail = [&](const std::string& rule) { throw Error(reduced.path() + ": " + rule); };
+  if (reduced.reducedFrom() == 0) fail("was not reduced from another map");
+  if (original.reducedFrom() != 0) fail(original.path() + " was itself reduced from another map");
+  if (reduced.reducedFrom() != original.checksum()) {
+    char text[96];
+    std::snprintf(text, sizeof text, "was reduced from the map with checksum %016llx, not from ",
+                  static_cast<unsigned long long>(reduced.reducedFrom()));
+    fail(text + original.path());
+  }
+  const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
+      return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;
+    });
+  };
+  if (!same(reduced.parameters(), original.parameters()) || !same(reduced.inputs(), original.inputs()))
+    fail("parameters or inputs are not those of " + original.path());
+  if (reduced.problemText() != original.problemText() || reduced.problemKind() != original.problemKind())
+    fail("the problem is not that of " + original.path());
+  if (reduced.solverStatus() != original.solverStatus()) fail("the status is not that of " + original.path());
+  if (reduced.tolerance() != original.tolerance() || reduced.period() != original.period())
+    fail("tolerance or period are not those of " + original.path());
+  for (const Signal& signal : original.parameters()) {
+    if (!(signal.lower < signal.upper)) fail("parameter " + signal.name + " has no range");
+  }
+}
+
+}  // namespace
+
+const char* toString(ReductionDefect::Kind kind) {
+  switch (kind) {
+    case ReductionDefect::Kind::kLost:
+      return "lost";
+    case ReductionDefect::Kind::kClaim:
+      return "claim";
+  }
+  return "unknown";
+}
+
+ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
+                                const ReductionOptions& options) {
+  requireSameMaps(reduced, original);
+  ReductionReport report;
+  report.original_regions = original.regionCount();
+  report.reduced_regions = reduced.regionCount();
+  report.fallback_regions = reduced.regionCount() - reduced.firstFallback();
+  report.slack = kSlackShare * original.tolerance();
+  report.law_tolerance = options.law_tolerance;
+  const ReductionProof proof(reduced, original, options, report.slack);
+  report.law_error = proof.lawError();
+  const std::uint64_t count = report.original_regions + report.reduced_regions;
+  std::vector<Finding> findings(count);
+  report.interrupted =
+      !inParallel(count, options.threads, options.stop, options.progress, [&](std::size_t, std::uint64_t i) {
+        const bool is_original = i < report.original_regions;
+        const auto region = static_cast<std::uint32_t>(is_original ? i : i - report.original_regions);
+        findings[i] = is_original ? proof.checkOriginal(region) : proof.checkReduced(region);
+      });
+  for (Finding& finding : findings) {
+    report.cells += finding.cells;
+    report.flat_regions += finding.flat ? 1 : 0;
+    for (ReductionDefect& defect : finding.defects) report.defects.push_back(std::move(defect));
+  }
+  return report;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Per input: max(1, |finite bounds|).
+std::vector<double> lawScales(const RegionMap& map);
+
+/// For each law of the map the first law that it differs from by at most `tolerance` anywhere in the box,
+/// relative to lawScales: itself, or one that comes before and stands for itself.
+std::vector<std::uint32_t> lawClasses(const RegionMap& map, double tolerance);
+
+/// For a law whose inputs do not depend on theta (within `tolerance`, as above): true.
+bool isConstantLaw(const RegionMap& map, std::uint32_t law, double tolerance);
+
+}  // namespace polyfly
