@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);
   polyfly::addPlot(app, exit_code);
+  polyfly::addAnalyze(app, exit_code);
   if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
     return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());
   }

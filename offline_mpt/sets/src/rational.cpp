@@ -61,7 +61,7 @@ Rational dot(const RationalVector& a, const RationalVector& b) {
   return sum;
 }
 
-RationalVector apply(const RationalMatrix& M, const RationalVector& x, const RationalVector& m) {
+RationalVector affine(const RationalMatrix& M, const RationalVector& x, const RationalVector& m) {
   RationalVector result(static_cast<std::size_t>(M.rows()));
   for (int i = 0; i < M.rows(); ++i) {
     Rational& sum = result[static_cast<std::size_t>(i)];

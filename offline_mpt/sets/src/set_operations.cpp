@@ -115,9 +115,9 @@ ExactPolytope translate(const ExactPolytope& set, const RationalVector& by) {
 ExactPolytope affineImage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m) {
   requireDimension(set, static_cast<std::size_t>(M.columns()), "affine image");
   Generators all = generators(set);
-  for (RationalVector& vertex : all.vertices) vertex = apply(M, vertex, m);
-  for (RationalVector& ray : all.rays) ray = apply(M, ray);
-  for (RationalVector& line : all.lines) line = apply(M, line);
+  for (RationalVector& vertex : all.vertices) vertex = affine(M, vertex, m);
+  for (RationalVector& ray : all.rays) ray = affine(M, ray);
+  for (RationalVector& line : all.lines) line = affine(M, line);
   return hull(M.rows(), all);
 }
 

@@ -42,7 +42,7 @@ class RationalMatrix {
 Rational dot(const RationalVector& a, const RationalVector& b);
 
 /// M x + m; an empty m counts as zero.
-RationalVector apply(const RationalMatrix& M, const RationalVector& x, const RationalVector& m = {});
+RationalVector affine(const RationalMatrix& M, const RationalVector& x, const RationalVector& m = {});
 
 /// M' a.
 RationalVector applyTransposed(const RationalMatrix& M, const RationalVector& a);
