@@ -120,9 +120,13 @@ std::string analyzeText(const AnalyzeReport& report, const RegionMap& map, const
     text += std::to_string(report.offending_regions) + " of " + std::to_string(report.regions) +
             " regions have successors outside";
   }
-  text += std::string("\ninvariance            ") + (both ? "HOLDS: " : "FAILS: ") +
-          (report.is_within ? "the set is " : "the domain is ") + (both ? "" : "not proven ") +
-          "positively invariant for all disturbances\n";
+  const std::string set = report.is_within ? "the set" : "the domain";
+  text += "\ninvariance            ";
+  if (both) {
+    text += "HOLDS: " + set + " is positively invariant for all disturbances\n";
+  } else {
+    text += "FAILS: " + set + (report.witness ? " is left\n" : " is not known as a whole\n");
+  }
   if (report.witness) text += witnessText(report, map, model);
   return text;
 }

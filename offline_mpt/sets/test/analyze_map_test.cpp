@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/random.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
@@ -229,6 +232,58 @@ TEST(AnalyzeMap, ParametersThatAreNoStates) {
   EXPECT_FALSE(pushed.holds());
   ASSERT_TRUE(pushed.witness.has_value());
   EXPECT_TRUE(pushed.witness->verified);
+}
+
+// The map of the multirotor's vertical axis is a box of errors, which a large error leaves. Within the
+// maximal robust invariant set of the law around 0 it is never left.
+TEST(AnalyzeMap, AnAxisHoldsInItsInvariantSet) {
+  const std::string folder = std::string(std::getenv("POLYFLY_ROOT")) + "/region_maps/problems/";
+  const ParametricProgram program = loadProgram(folder + "multirotor_vertical.yaml");
+  const MapInMemory memory(encode(program, explore(program)));
+  const RegionMap& map = memory.map();
+  const ClosedLoopModel loop = bindModel(loadModel(folder + "models/multirotor_vertical.yaml"), map);
+  const AnalyzeReport whole = analyze(map, loop);
+  EXPECT_TRUE(whole.covered);
+  EXPECT_EQ(whole.domain.size(), 8u);
+  EXPECT_FALSE(whole.successors_inside);
+  ASSERT_TRUE(whole.witness.has_value());
+  EXPECT_TRUE(whole.witness->verified && whole.witness->successor_outside);
+
+  const std::vector<double> zero(4, 0.0);
+  const Lookup lookup = map.locate(zero.data());
+  ASSERT_EQ(lookup.status, LookupStatus::kInside);
+  SetModel inner;  // theta+ = (F + G K) theta + E d + G k + c
+  inner.A = loop.F;
+  inner.B = RationalMatrix(4, 0);
+  inner.E = loop.E;
+  inner.c = loop.c;
+  inner.D = loop.D;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) inner.A(i, j) += loop.G(i, 0) * Rational(map.law(lookup.law)[j]);
+    inner.c[static_cast<std::size_t>(i)] += loop.G(i, 0) * Rational(map.law(lookup.law)[4]);
+  }
+  inner.X.dimension = 4;
+  const RegionView view = map.region(lookup.region);
+  for (std::uint32_t k = 0; k < view.row_count; ++k) {
+    const double* plane = map.plane(static_cast<std::size_t>(std::abs(view.rows[k])) - 1);
+    const double sign = view.rows[k] > 0 ? 1.0 : -1.0;
+    ExactHalfSpace row;
+    for (int j = 0; j < 4; ++j) row.a.emplace_back(sign * plane[j]);
+    row.b = Rational(sign * plane[4]);
+    inner.X.rows.push_back(row);
+  }
+  InvariantOptions options;
+  options.exact = false;
+  const InvariantSet invariant = maximalInvariantSet(inner, options);
+  ASSERT_EQ(invariant.status, InvariantSet::Status::kMaximal);
+  EXPECT_TRUE(contains(invariant.set, RationalVector(4)));
+  AnalyzeOptions within;
+  within.within = invariant.set;
+  const AnalyzeReport report = analyze(map, loop, within);
+  EXPECT_TRUE(report.holds()) << analyzeJson(report, map, SetModel());
+  for (ExactHalfSpace& row : within.within->rows)
+    row.b *= Rational(11, 10);  // but no larger one of its shape
+  EXPECT_FALSE(analyze(map, loop, within).holds());
 }
 
 TEST(AnalyzeMap, BindsByNameAndUnit) {
