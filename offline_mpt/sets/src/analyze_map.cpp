@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -10,32 +11,13 @@
 #include "parallel.hpp"
 #include "region_cover.hpp"
 #include "region_maps/error.hpp"
+#include "vertex_tests.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr int kFirstBlend = 4;  // a witness is moved 2^-4 of the way to the region's middle, then less
 constexpr int kLastBlend = 60;
-
-double roundedUp(const Rational& value) {
-  return value == 0 ? 0.0 : std::nextafter(value.get_d(), std::numeric_limits<double>::infinity());
-}
-
-/// (b, -a) . (x_0, x) >= 0
-std::vector<Integer> slackRow(const RationalVector& a, const Rational& b) {
-  RationalVector values{b};
-  for (const Rational& value : a) values.emplace_back(-value);
-  return wholeNumbers(values);
-}
-
-RationalVector pointOf(const std::vector<Integer>& vertex) {
-  RationalVector point;
-  for (std::size_t j = 1; j < vertex.size(); ++j) {
-    point.emplace_back(vertex[j], vertex[0]);
-    point.back().canonicalize();
-  }
-  return point;
-}
 
 /// theta+ = M theta + m + E d in one region.
 struct RegionStep {
@@ -79,7 +61,7 @@ class Analysis {
     });
     if (stopped(report)) return report;
     report.is_within = options_.within.has_value();
-    domain_ = report.is_within ? scaledRows(*options_.within) : domainRows(regions_);
+    domain_ = report.is_within ? scaledRows(*options_.within, map_) : domainRows(regions_);
     report.domain = domain_;
     proveCover(report);
     if (stopped(report)) return report;
@@ -106,29 +88,6 @@ class Analysis {
     return set;
   }
 
-  // Rows as distances where half ranges are 1; the length is rounded, the half-space is not.
-  std::vector<ExactHalfSpace> scaledRows(const ExactPolytope& set) const {
-    std::vector<ExactHalfSpace> rows;
-    const auto add = [&](const ExactHalfSpace& row, int sign) {
-      double squares = 0.0;
-      for (std::size_t j = 0; j < row.a.size(); ++j) {
-        const Signal& parameter = map_.parameters()[j];
-        squares += std::pow(row.a[j].get_d() * 0.5 * (parameter.upper - parameter.lower), 2);
-      }
-      const Rational scale(squares > 0.0 ? sign / std::sqrt(squares) : sign);
-      ExactHalfSpace scaled{row.a, Rational(row.b * scale)};
-      for (Rational& value : scaled.a) value *= scale;
-      rows.push_back(std::move(scaled));
-    };
-    const ExactPolytope smallest = minimal(set);
-    for (const ExactHalfSpace& row : smallest.rows) add(row, 1);
-    for (const ExactHalfSpace& row : smallest.equalities) {
-      add(row, 1);
-      add(row, -1);
-    }
-    return rows;
-  }
-
   void proveCover(AnalyzeReport& report) {
     const int p = regions_.parameters();
     RegionCover cover(regions_, RationalMatrix::identity(p), RationalVector(static_cast<std::size_t>(p)));
@@ -140,6 +99,10 @@ class Analysis {
     for (const RegionCover::Sliver& sliver : cover.slivers()) {
       auto& list = slivers_[sliver.region];
       list.insert(list.end(), sliver.vertices.begin(), sliver.vertices.end());
+    }
+    for (std::vector<std::vector<Integer>>& list : slivers_) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
     }
   }
 
@@ -174,31 +137,25 @@ class Analysis {
     return result;
   }
 
-  // Greatest violation of a . theta <= b over vertices, 0 if there is none, and where.
-  static Rational worst(const std::vector<std::vector<Integer>>& vertices, const RationalVector& a,
-                        const Rational& b, const std::vector<Integer>** where) {
-    const std::vector<Integer> row = slackRow(a, b);
-    Rational greatest;
-    for (const std::vector<Integer>& vertex : vertices) {
-      if (dot(row, vertex) >= 0) continue;
-      const Rational excess = dot(a, pointOf(vertex)) - b;
-      if (excess <= greatest) continue;
-      greatest = excess;
-      *where = &vertex;
-    }
-    return greatest;
-  }
-
   Finding testRegion(std::size_t region, bool union_target) const {
     Finding finding;
     std::vector<std::vector<Integer>> corners = verticesOf(region, finding.flat);
     finding.empty = corners.empty();
-    // Parts of P that only the tolerance gives to this region: its law answers there too.
-    corners.insert(corners.end(), slivers_[region].begin(), slivers_[region].end());
-    if (corners.empty()) return finding;
     const std::vector<Integer>* where = nullptr;
     for (const ExactHalfSpace& row : domain_)
       finding.out_of_domain = std::max(finding.out_of_domain, worst(corners, row.a, row.b, &where));
+    // Parts of P that only the tolerance gives to this region: its law answers there too.
+    std::vector<std::vector<Integer>> rows;
+    for (std::uint32_t i = 0; i < map_.region(region).row_count && !slivers_[region].empty(); ++i) {
+      const ExactHalfSpace row = regions_.row(region, i);
+      rows.push_back(slackRow(row.a, row.b));
+    }
+    std::copy_if(slivers_[region].begin(), slivers_[region].end(), std::back_inserter(corners),
+                 [&](const std::vector<Integer>& vertex) {
+                   return std::any_of(rows.begin(), rows.end(),
+                                      [&](const auto& row) { return dot(row, vertex) < 0; });
+                 });
+    if (corners.empty()) return finding;
     finding.middle = middleOf(corners);
     const RegionStep step = stepOf(region);
     if (union_target) {
@@ -244,16 +201,6 @@ class Analysis {
     finding.offends = !cover.covers(set, options_.stop);
     finding.stopped = cover.stopped();
     if (finding.offends && !finding.stopped) finding.vertex = cover.gap();
-  }
-
-  static RationalVector middleOf(const std::vector<std::vector<Integer>>& corners) {
-    RationalVector middle(corners[0].size() - 1);
-    const Rational share(1, static_cast<unsigned long>(corners.size()));
-    for (const std::vector<Integer>& corner : corners) {
-      const RationalVector point = pointOf(corner);
-      for (std::size_t j = 0; j < middle.size(); ++j) middle[j] += share * point[j];
-    }
-    return middle;
   }
 
   void testRegions(AnalyzeReport& report) {

@@ -46,59 +46,25 @@ struct RegionCover::Cell {
   std::vector<double> images;  // p numbers for each vertex
 };
 
-MapRegions::MapRegions(const RegionMap& map, double tolerance)
-    : map_(map),
-      tolerance_(tolerance),
-      p_(static_cast<int>(map.parameters().size())),
-      shapes_(map.regionCount()) {}
-
-ExactHalfSpace MapRegions::row(std::size_t region, std::uint32_t row) const {
-  const std::int32_t number = map_.region(region).rows[row];
-  const double* plane = map_.plane(static_cast<std::size_t>(std::abs(number)) - 1);
-  const double sign = number > 0 ? 1.0 : -1.0;
-  ExactHalfSpace result;
-  for (int j = 0; j < p_; ++j) result.a.emplace_back(sign * plane[j]);
-  result.b = Rational(sign * plane[p_]);
-  return result;
-}
-
-ExactPolytope MapRegions::polytope(std::size_t region) const {
-  RationalVector lower, upper;
-  for (const Signal& parameter : map_.parameters()) {
-    lower.emplace_back(parameter.lower);
-    upper.emplace_back(parameter.upper);
-  }
-  ExactPolytope result = ExactPolytope::box(lower, upper);
-  for (std::uint32_t i = 0; i < map_.region(region).row_count; ++i) result.rows.push_back(row(region, i));
-  return result;
-}
-
-std::vector<std::vector<Integer>> MapRegions::vertices(std::size_t region, bool& flat) const {
-  const PolytopeCone polytope_cone(polytope(region));
-  std::vector<std::vector<Integer>> result;
-  BitSet common;
-  for (const DoubleDescription::Ray& ray : polytope_cone.cone.rays()) {
-    common = result.empty() ? ray.tight : common & ray.tight;
-    result.push_back(ray.value);
-  }
-  flat = common.count() > 0;  // a row that is tight at all vertices
-  return result;
-}
-
-void MapRegions::setShape(std::size_t region, const std::vector<std::vector<Integer>>& vertices) {
-  std::vector<double> shape;
-  for (const std::vector<Integer>& vertex : vertices) {
-    for (std::size_t j = 1; j < vertex.size(); ++j) {
-      Rational value(vertex[j], vertex[0]);
-      value.canonicalize();
-      shape.push_back(value.get_d());
-    }
-  }
-  shapes_[region] = std::move(shape);
-}
-
 RegionCover::RegionCover(const MapRegions& regions, RationalMatrix M, RationalVector m)
-    : regions_(regions), M_(std::move(M)), m_(std::move(m)) {}
+    : regions_(regions), M_(std::move(M)), m_(std::move(m)) {
+  for (std::vector<std::vector<IntegerRow>>& rows : insides_) rows.resize(regions.count());
+  for (int i = 0; i < M_.rows(); ++i) {
+    for (int j = 0; j < M_.columns(); ++j) rounded_M_.push_back(M_(i, j).get_d());
+    rounded_m_.push_back(m_[static_cast<std::size_t>(i)].get_d());
+  }
+}
+
+// The rows of a region, as they are or moved outwards, in the space of the cells: made once.
+const std::vector<RegionCover::IntegerRow>& RegionCover::insidesOf(std::uint32_t region, bool moved) {
+  std::vector<IntegerRow>& rows = insides_[moved ? 1 : 0][region];
+  const std::uint32_t count = regions_.map().region(region).row_count;
+  while (rows.size() < count) {
+    const auto row = static_cast<std::uint32_t>(rows.size());
+    rows.push_back(planeOf(region, row, moved ? regions_.tolerance() : 0.0).inside);
+  }
+  return rows;
+}
 
 RegionCover::Plane RegionCover::planeOf(std::uint32_t region, std::uint32_t row, double move) const {
   const std::int32_t number = regions_.map().region(region).rows[row];
@@ -115,12 +81,14 @@ RegionCover::Plane RegionCover::planeOf(std::uint32_t region, std::uint32_t row,
 RegionCover::Cell RegionCover::cellOf(DoubleDescription cone) const {
   Cell cell{std::move(cone), {}};
   for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
-    RationalVector x;
-    for (std::size_t j = 1; j < ray.value.size(); ++j) {
-      x.emplace_back(ray.value[j], ray.value[0]);
-      x.back().canonicalize();
+    for (int i = 0; i < M_.rows(); ++i) {
+      double sum = rounded_m_[static_cast<std::size_t>(i)];
+      for (int j = 0; j < M_.columns(); ++j) {
+        const double factor = rounded_M_[static_cast<std::size_t>(i * M_.columns() + j)];
+        if (factor != 0.0) sum += factor * ratio(ray.value[static_cast<std::size_t>(j) + 1], ray.value[0]);
+      }
+      cell.images.push_back(sum);
     }
-    for (const Rational& value : affine(M_, x, m_)) cell.images.push_back(value.get_d());
   }
   return cell;
 }
@@ -160,17 +128,17 @@ bool RegionCover::covers(const ExactPolytope& set, const std::atomic<bool>* stop
 }
 
 // Rounded numbers sort out, exact ones decide.
-bool RegionCover::liesIn(const Cell& cell, std::uint32_t region, double move) const {
+bool RegionCover::liesIn(const Cell& cell, std::uint32_t region, bool moved) {
+  const double move = moved ? regions_.tolerance() : 0.0;
   const RegionView view = regions_.map().region(region);
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const double* plane = regions_.map().plane(static_cast<std::size_t>(std::abs(view.rows[i])) - 1);
     const double sign = view.rows[i] > 0 ? 1.0 : -1.0;
     if (reachOf(cell.images, plane, sign, regions_.parameters()).greatest > move + kTouches) return false;
   }
-  for (std::uint32_t i = 0; i < view.row_count; ++i) {
-    const Plane plane = planeOf(region, i, move);
+  for (const IntegerRow& row : insidesOf(region, moved)) {
     for (const DoubleDescription::Ray& ray : cell.cone.rays()) {
-      if (dot(plane.inside, ray.value) < 0) return false;
+      if (dot(row, ray.value) < 0) return false;
     }
   }
   return true;
@@ -268,12 +236,12 @@ bool RegionCover::anyPlane(const Cell& cell, Plane& plane) const {
 }
 
 bool RegionCover::isCovered(const Cell& cell, const std::vector<std::uint32_t>& candidates) {
-  for (const double move : {0.0, regions_.tolerance()}) {
+  for (const bool moved : {false, true}) {
     const auto found = std::find_if(candidates.begin(), candidates.end(),
-                                    [&](std::uint32_t region) { return liesIn(cell, region, move); });
+                                    [&](std::uint32_t region) { return liesIn(cell, region, moved); });
     if (found == candidates.end()) continue;
     ++cells_;
-    if (move > 0.0) {
+    if (moved) {
       slivers_.push_back({*found, {}});
       for (const DoubleDescription::Ray& ray : cell.cone.rays())
         slivers_.back().vertices.push_back(ray.value);

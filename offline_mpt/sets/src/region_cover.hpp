@@ -9,6 +9,9 @@
 
 namespace polyfly {
 
+/// value / by, rounded without exact division: for guesses.
+double ratio(const Integer& value, const Integer& by);
+
 /// The regions of a map as exact polytopes and, for guesses, by rounded vertices.
 class MapRegions {
  public:
@@ -66,6 +69,7 @@ class RegionCover {
   bool stopped() const { return stopped_; }
 
  private:
+  using IntegerRow = std::vector<Integer>;
   struct Plane;
   struct Cell;
   struct RowOf {
@@ -75,7 +79,8 @@ class RegionCover {
 
   bool coverCell(const Cell& cell, const std::vector<std::uint32_t>& candidates);
   bool isCovered(const Cell& cell, const std::vector<std::uint32_t>& candidates);
-  bool liesIn(const Cell& cell, std::uint32_t region, double move) const;
+  bool liesIn(const Cell& cell, std::uint32_t region, bool moved);
+  const std::vector<IntegerRow>& insidesOf(std::uint32_t region, bool moved);
   static bool cuts(const Cell& cell, const Plane& plane);
   std::vector<RowOf> cuttingRows(const Cell& cell, const std::vector<std::uint32_t>& candidates) const;
   bool choosePlane(const Cell& cell, const std::vector<std::uint32_t>& candidates, Plane& plane) const;
@@ -89,6 +94,9 @@ class RegionCover {
   const MapRegions& regions_;
   RationalMatrix M_;
   RationalVector m_;
+  std::vector<double> rounded_M_;
+  std::vector<double> rounded_m_;
+  std::vector<std::vector<IntegerRow>> insides_[2];  // by region: >= 0 inside
   std::uint64_t cells_ = 0;
   std::vector<Sliver> slivers_;
   RationalVector gap_;
