@@ -16,10 +16,12 @@ const char kFooter[] =
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
     "  offline_mpt reduce lateral.map -o small.map --separate\n"
     "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
+    "  offline_mpt analyze lateral.map --model lateral_model.yaml\n"
+    "  offline_mpt set invariant model.yaml -o safe.json\n"
     "\n"
     "Exit codes:\n"
     "  0  done\n"
-    "  1  verification failed, or the partition has a gap\n"
+    "  1  verification or analysis failed, the partition has a gap, or the answer is no\n"
     "  2  bad file, option or problem; nothing was written\n"
     "  3  interrupted, or a limit was reached; what was kept is said";
 
@@ -47,6 +49,8 @@ int main(int argc, char** argv) {
   polyfly::addVerify(app, exit_code);
   polyfly::addReduce(app, exit_code);
   polyfly::addPlot(app, exit_code);
+  polyfly::addAnalyze(app, exit_code);
+  polyfly::addSet(app, exit_code);
   if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
     return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());
   }

@@ -1,7 +1,7 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "read_text.hpp"
+#include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

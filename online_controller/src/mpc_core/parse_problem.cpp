@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "read_text.hpp"
+#include "mpc_core/read_text.hpp"
+#include "mpc_core/yaml_field.hpp"
 #include "region_maps/error.hpp"
-#include "yaml_field.hpp"
 
 namespace polyfly {
 namespace {

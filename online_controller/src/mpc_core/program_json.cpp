@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mpc_core/parametric_program.hpp"
-#include "read_text.hpp"
+#include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

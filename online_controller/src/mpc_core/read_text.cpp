@@ -1,4 +1,4 @@
-#include "read_text.hpp"
+#include "mpc_core/read_text.hpp"
 
 #include <algorithm>
 #include <cctype>

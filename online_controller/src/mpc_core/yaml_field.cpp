@@ -1,4 +1,4 @@
-#include "yaml_field.hpp"
+#include "mpc_core/yaml_field.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 

@@ -1,0 +1,92 @@
+#include <cstdio>
+#include <memory>
+
+#include "command.hpp"
+#include "polytope_sets/analyze_map.hpp"
+#include "progress.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "The closed loop is theta+ = F theta + G u(theta) + E d + c, with u the map's laws and d any value in "
+    "the\n"
+    "model's set of disturbances. Signals are bound by name; see offline_mpt/sets/README.md for model "
+    "files.\n"
+    "Decided in fractions, the map's doubles at their exact values:\n"
+    "\n"
+    "  covered      the regions cover the convex polytope that their outer half-spaces describe\n"
+    "  recursive feasibility, invariance\n"
+    "               from every parameter in every region, for every disturbance, the next one is in that\n"
+    "               polytope (with --within: in that set), so that the map answers again, for ever\n"
+    "\n"
+    "A parameter counts as inside up to --tolerance, in half ranges; by default the tolerance of the map's "
+    "own\n"
+    "look-up. Where something does not hold, a parameter, input, disturbance and successor are shown.\n"
+    "\n"
+    "Exit code 0: all holds. 1: it does not; the report says what.\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt analyze lateral.map --model region_maps/problems/models/multirotor_lateral.yaml\n"
+    "  offline_mpt analyze lateral.map --model lateral.yaml --within safe_set.json --json report.json";
+
+struct Options {
+  std::string map;
+  std::string model;
+  std::string within;
+  std::string json;
+  bool quiet = false;
+  AnalyzeOptions analyze;
+};
+
+ExitCode analyzeMap(const Options& options) {
+  if (!options.json.empty()) checkWritable(options.json);
+  const RegionMap map = RegionMap::open(options.map);
+  const SetModel model = loadModel(options.model);
+  const ClosedLoopModel loop = bindModel(model, map);
+  AnalyzeOptions analyze_options = options.analyze;
+  if (!options.within.empty()) analyze_options.within = loadSet(options.within);
+  analyze_options.stop = &stopOnSignal();
+  AnalyzeReport report;
+  {
+    Progress progress(options.quiet);
+    analyze_options.progress = [&](std::uint64_t done, std::uint64_t total) {
+      progress.show(std::to_string(done) + " of " + std::to_string(total) + " steps", -1.0);
+    };
+    report = analyze(map, loop, analyze_options);
+  }
+  if (!options.json.empty()) writeText(options.json, analyzeJson(report, map, model));
+  if (!options.quiet) std::fputs(analyzeText(report, map, model).c_str(), stdout);
+  if (report.interrupted) {
+    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was decided\n", options.map.c_str());
+    return ExitCode::kStopped;
+  }
+  return report.holds() ? ExitCode::kDone : ExitCode::kFailed;
+}
+
+}  // namespace
+
+void addAnalyze(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  options->analyze.threads = defaultThreads();
+  CLI::App* command = app.add_subcommand(
+      "analyze", "Prove that a map's closed loop never leaves the map, or show how it does");
+  command->footer(kFooter);
+  command->add_option("MAP", options->map, "map file")->required();
+  command->add_option("--model", options->model, "model file: how the parameters move")->required();
+  command->add_option("--within", options->within,
+                      "set file, in the map's parameters: ask about this set instead of the domain");
+  command
+      ->add_option(
+          "--tolerance", options->analyze.tolerance,
+          "how far outside a half-space still counts as inside [half ranges] (default: the map's own)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options->analyze.threads, "worker threads (default: all processors)")
+      ->check(CLI::Range(1, 256));
+  command->add_option("--json", options->json, "write the report as JSON");
+  command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
+  command->callback([options, &exit_code] { exit_code = analyzeMap(*options); });
+}
+
+}  // namespace polyfly

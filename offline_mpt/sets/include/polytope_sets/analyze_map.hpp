@@ -1,0 +1,100 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polytope_sets/exact_polytope.hpp"
+#include "polytope_sets/set_model.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// theta+ = F theta + G u + E d + c over the parameters of a map, in the map's order; d in D.
+struct ClosedLoopModel {
+  RationalMatrix F;
+  RationalMatrix G;
+  RationalMatrix E;
+  RationalVector c;
+  ExactPolytope D;
+};
+
+/// Binds a model's signals to a map's by name. Throws Error when a parameter of the map is neither a state
+/// nor a parameter of the model, one of the model's is not in the map, inputs differ, or units do.
+ClosedLoopModel bindModel(const SetModel& model, const RegionMap& map);
+
+struct AnalyzeOptions {
+  /// How far outside a half-space a parameter still counts as inside [scaled, see region_maps/FORMAT.md];
+  /// below 0: the map's own membership tolerance, which its look-up grants.
+  double tolerance = -1.0;
+  std::optional<ExactPolytope> within;  ///< ask about this set of parameters instead of the whole domain
+  int threads = 1;                      ///< 1..256; the report does not depend on it
+  const std::atomic<bool>* stop = nullptr;
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< from the calling thread
+};
+
+/// A state that leaves: exact numbers, and what the map itself says of them.
+struct AnalyzeWitness {
+  std::vector<double> theta;       ///< the parameter; exactly these doubles
+  std::uint32_t region = 0;        ///< whose successor set leaves
+  std::vector<double> u;           ///< the map's answer at theta, by its look-up
+  RationalVector d;                ///< a vertex of D
+  RationalVector successor;        ///< F theta + G u + E d + c of exactly these numbers
+  ExactHalfSpace facet;            ///< a . successor <= b is broken; empty where the target is a union
+  double excess = 0.0;             ///< by this much [scaled], at theta
+  bool answered = false;           ///< the look-up finds a region at theta
+  bool successor_outside = false;  ///< ... and none at the successor, or it is outside `within`
+  /// Whether the numbers above were evaluated again and break the facet by more than the tolerance.
+  bool verified = false;
+};
+
+/// What was found of the closed loop. All of it is exact but for numbers that are named as rounded: the map's
+/// doubles and the model's numbers count at their exact values, u = K theta + k is taken without rounding.
+struct AnalyzeReport {
+  double tolerance = 0.0;  ///< t [scaled]
+  std::uint64_t regions = 0;
+  std::uint64_t flat_regions = 0;  ///< without interior: their closure is tested all the same
+  std::uint64_t empty_regions = 0;
+
+  /// The domain P: the box and those half-spaces of regions that hold all regions. No redundant row. With
+  /// `within`: that set, its rows scaled to distances.
+  bool is_within = false;
+  std::vector<ExactHalfSpace> domain;
+  double region_excess =
+      0.0;  ///< no region reaches farther out of P than this [scaled, rounded up]; 0 for `within`
+
+  /// Every theta of P lies in a region, each half-space moved outwards by t. Proven by cutting P into `cells`
+  /// that each lie in one region. Together with region_excess: the union of the regions is the convex
+  /// polytope P, up to t.
+  bool covered = false;
+  std::uint64_t cells = 0;
+  std::uint64_t slivers = 0;          ///< of them in a region only as it is moved outwards
+  std::optional<RationalVector> gap;  ///< in P, in no region, where not
+
+  /// For every region, theta in it or in a sliver that is given to it, d in D: theta+ lies in the target,
+  /// each half-space moved out by t. The target is P; where P is not covered and not `within`, the union of
+  /// the regions as they are.
+  bool successors_inside = false;
+  bool target_is_union = false;
+  double greatest_excess = 0.0;   ///< over regions and facets [scaled, rounded up]; 0: needs no tolerance
+  std::uint64_t tight_pairs = 0;  ///< (region, facet) with excess in (0, t]: they agree up to rounding
+  std::uint64_t offending_regions =
+      0;  ///< with excess above t, or with a part of the successor set in no region
+  std::optional<AnalyzeWitness> witness;
+
+  bool interrupted = false;
+
+  bool holds() const { return covered && successors_inside && !interrupted; }
+};
+
+/// Decides recursive feasibility of a map under a model, and invariance of its domain. A successor that lies
+/// in the target lies in a region (covered), so the map answers there again: for ever, while d stays in D.
+AnalyzeReport analyze(const RegionMap& map, const ClosedLoopModel& model, const AnalyzeOptions& options = {});
+
+std::string analyzeText(const AnalyzeReport& report, const RegionMap& map, const SetModel& model);
+std::string analyzeJson(const AnalyzeReport& report, const RegionMap& map, const SetModel& model);
+
+}  // namespace polyfly

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "polytope_sets/rational.hpp"
+
+namespace polyfly {
+
+/// A set of small whole numbers: which rows are tight, which vertices a face holds.
+class BitSet {
+ public:
+  void set(std::size_t index) {
+    if (index / kBits >= words_.size()) words_.resize(index / kBits + 1);
+    words_[index / kBits] |= std::uint64_t{1} << (index % kBits);
+  }
+  bool test(std::size_t index) const {
+    return index / kBits < words_.size() && ((words_[index / kBits] >> (index % kBits)) & 1u) != 0;
+  }
+  std::size_t count() const;
+  bool contains(const BitSet& other) const;  ///< every member of `other` is one of this
+  bool operator==(const BitSet& other) const { return contains(other) && other.contains(*this); }
+  bool operator<(const BitSet& other) const;  ///< any strict order
+  BitSet operator&(const BitSet& other) const;
+
+ private:
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> words_;
+};
+
+/// The cone {y : row . y >= 0 for all rows} by its generators, kept up to date while rows are added: the
+/// double description method (Motzkin, Raiffa, Thompson and Thrall, 1953; Fukuda and Prodon, 1996), in whole
+/// numbers, without rounding. Every y of the cone is a sum of rays with weights >= 0 and lines with any
+/// weights; no ray can be left out.
+///
+/// The number of rays may grow exponentially with the dimension before it falls again; a cell of a few dozen
+/// rows in up to 8 dimensions takes milliseconds.
+class DoubleDescription {
+ public:
+  struct Ray {
+    std::vector<Integer> value;  ///< without a common factor
+    BitSet tight;                ///< rows, by their order, that are zero here
+  };
+
+  /// The whole space of `size` dimensions.
+  explicit DoubleDescription(int size);
+
+  /// Also demands row . y >= 0, or = 0. Returns the row's place.
+  std::size_t add(const std::vector<Integer>& row, bool equality = false);
+
+  const std::vector<Ray>& rays() const { return rays_; }
+  const std::vector<std::vector<Integer>>& lines() const { return lines_; }
+  std::size_t rowCount() const { return row_count_; }
+
+ private:
+  bool addAcrossLines(const std::vector<Integer>& row, bool equality);
+  void addAcrossRays(const std::vector<Integer>& row, bool equality);
+  bool adjacent(std::size_t first, std::size_t second, const BitSet& common) const;
+
+  std::size_t size_;
+  std::size_t row_count_ = 0;
+  BitSet all_rows_;
+  std::vector<std::vector<Integer>> lines_;
+  std::vector<Ray> rays_;
+};
+
+/// row . y
+Integer dot(const std::vector<Integer>& row, const std::vector<Integer>& y);
+
+/// Whole numbers without a common factor in the proportions of `values`, signs kept; zeros stay zeros.
+std::vector<Integer> wholeNumbers(const RationalVector& values);
+
+/// Divides by the greatest common factor.
+void makePrimitive(std::vector<Integer>& values);
+
+}  // namespace polyfly

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <vector>
+
+#include "polytope_sets/double_description.hpp"
+#include "polytope_sets/rational.hpp"
+
+namespace polyfly {
+
+/// a . x <= b, or a . x = b where it stands for an equality.
+struct ExactHalfSpace {
+  RationalVector a;
+  Rational b;
+};
+
+/// {x : a . x <= b for all rows, a . x = b for all equalities}, in exact fractions. May be empty, flat,
+/// unbounded, and described by more rows than it needs.
+struct ExactPolytope {
+  int dimension = 0;
+  std::vector<ExactHalfSpace> rows;
+  std::vector<ExactHalfSpace> equalities;
+
+  static ExactPolytope box(const RationalVector& lower, const RationalVector& upper);
+};
+
+/// The polyhedron's generators: all x = convex combination of vertices + sum of rays with weights >= 0 + any
+/// combination of lines. Vertices are unique only where there is no line. Empty: no vertex.
+struct Generators {
+  std::vector<RationalVector> vertices;
+  std::vector<RationalVector> rays;
+  std::vector<RationalVector> lines;
+};
+
+/// Exact generators, by double description: any dimension; the cost grows with the number of vertices met on
+/// the way, see DoubleDescription.
+Generators generators(const ExactPolytope& set);
+
+/// Vertices of a set that must be bounded. Throws Error when it is not. Empty: none.
+std::vector<RationalVector> vertices(const ExactPolytope& set);
+
+/// The least polyhedron with these generators, without redundant rows; no vertex gives the empty set. Throws
+/// Error when a generator does not have `dimension` entries.
+ExactPolytope hull(int dimension, const Generators& generators);
+ExactPolytope hull(int dimension, const std::vector<RationalVector>& points);
+
+/// The same set without redundant rows: each row left is a facet, in the order they had, the first of equal
+/// ones; what holds with equality everywhere is an equality, each independent of those before. Rows and
+/// equalities are scaled to whole numbers without a common factor. The empty set is the one row 0 . x <= -1.
+ExactPolytope minimal(const ExactPolytope& set);
+
+/// What a linear program over a set answers.
+struct ExactSupport {
+  enum class Status { kOptimal, kEmpty, kUnbounded };
+  Status status = Status::kEmpty;
+  Rational value;        ///< max direction . x
+  RationalVector point;  ///< where
+};
+
+/// The greatest direction . x, by an exact linear program (ExactLp).
+ExactSupport support(const ExactPolytope& set, const RationalVector& direction);
+
+bool isEmpty(const ExactPolytope& set);
+bool isBounded(const ExactPolytope& set);  ///< also true when empty
+
+/// Dimension of the smallest flat that holds the set; -1 when it is empty.
+int affineDimension(const ExactPolytope& set);
+
+bool contains(const ExactPolytope& set, const RationalVector& point);
+bool contains(const ExactPolytope& outer, const ExactPolytope& inner);  ///< every point of `inner`
+bool equal(const ExactPolytope& first, const ExactPolytope& second);    ///< the same points
+
+/// Least and greatest value of each coordinate of a set that must be bounded and not empty. Throws Error.
+struct ExactBox {
+  RationalVector lower;
+  RationalVector upper;
+};
+ExactBox boundingBox(const ExactPolytope& set);
+
+/// The operations below throw Error when dimensions do not fit; their results are minimal (see minimal)
+/// except for intersect, translate and preimage.
+ExactPolytope intersect(const ExactPolytope& first, const ExactPolytope& second);
+ExactPolytope translate(const ExactPolytope& set, const RationalVector& by);
+
+/// {M x + m : x in set}, by the generators.
+ExactPolytope affineImage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m = {});
+
+/// {x : M x + m in set}.
+ExactPolytope preimage(const ExactPolytope& set, const RationalMatrix& M, const RationalVector& m = {});
+
+/// How a projection is computed. Both are exact. kGenerators lists the vertices, drops coordinates and takes
+/// the hull: good for many dropped coordinates and few vertices. kElimination is Fourier and Motzkin's, one
+/// coordinate at a time, with redundant rows removed after each: good for few dropped coordinates of a set
+/// with many vertices; a step can square the number of rows before they are removed.
+enum class ProjectionMethod { kGenerators, kElimination };
+
+/// {x_keep : x in set}, coordinates in the order of `keep` (from 0, each at most once).
+ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep,
+                      ProjectionMethod method = ProjectionMethod::kGenerators);
+
+/// {x + y : x in first, y in second}, by the generators.
+ExactPolytope minkowskiSum(const ExactPolytope& first, const ExactPolytope& second);
+
+/// {x : x + y in first for all y in second}. `second` must not be empty; where it is unbounded in a direction
+/// in which `first` is not, the result is empty.
+ExactPolytope pontryaginDifference(const ExactPolytope& first, const ExactPolytope& second);
+
+/// Volume in `dimension` dimensions, 0 where the set is flat or empty: simplices from the exact vertices
+/// (Cohen and Hickey, 1979). Throws Error when it is unbounded.
+Rational volume(const ExactPolytope& set);
+
+/// The closures of the parts of `set` that lie outside of `cut`, without common interior points; parts
+/// without interior are left out.
+std::vector<ExactPolytope> subtract(const ExactPolytope& set, const ExactPolytope& cut);
+
+}  // namespace polyfly

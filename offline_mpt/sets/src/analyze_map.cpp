@@ -1,0 +1,307 @@
+#include "polytope_sets/analyze_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "cone.hpp"
+#include "map_domain.hpp"
+#include "parallel.hpp"
+#include "region_cover.hpp"
+#include "region_maps/error.hpp"
+#include "vertex_tests.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kFirstBlend = 4;  // a witness is moved 2^-4 of the way to the region's middle, then less
+constexpr int kLastBlend = 60;
+
+/// theta+ = M theta + m + E d in one region.
+struct RegionStep {
+  RationalMatrix M;
+  RationalVector m;
+};
+
+/// What was found of one region.
+struct Finding {
+  bool empty = false;
+  bool flat = false;
+  bool offends = false;
+  bool stopped = false;
+  std::uint64_t tight = 0;  // facets with an excess that the tolerance forgives
+  Rational out_of_domain;   // of the region itself
+  Rational excess;          // greatest, of its successors
+  std::size_t facet = 0;    // where
+  RationalVector vertex;    // where; with a union as target (theta, d)
+  RationalVector middle;
+};
+
+class Analysis {
+ public:
+  Analysis(const RegionMap& map, const ClosedLoopModel& model, const AnalyzeOptions& options)
+      : map_(map),
+        model_(model),
+        options_(options),
+        regions_(map, options.tolerance < 0.0 ? map.tolerance() : options.tolerance),
+        tolerance_(regions_.tolerance()) {
+    corners_ = vertices(model.D);
+  }
+
+  AnalyzeReport run() {
+    AnalyzeReport report;
+    report.tolerance = regions_.tolerance();
+    report.regions = regions_.count();
+    total_ = 2 * regions_.count();
+    forEach(regions_.count(), options_.threads, options_.stop, progress(0), [&](std::size_t r) {
+      bool flat = false;
+      regions_.setShape(r, regions_.vertices(r, flat));
+    });
+    if (stopped(report)) return report;
+    report.is_within = options_.within.has_value();
+    domain_ = report.is_within ? scaledRows(*options_.within, map_) : domainRows(regions_);
+    report.domain = domain_;
+    proveCover(report);
+    if (stopped(report)) return report;
+    report.target_is_union = !report.covered && !report.is_within;
+    testRegions(report);
+    return report;
+  }
+
+ private:
+  std::function<void(std::uint64_t)> progress(std::uint64_t before) const {
+    if (!options_.progress) return {};
+    return [this, before](std::uint64_t done) { options_.progress(before + done, total_); };
+  }
+
+  bool stopped(AnalyzeReport& report) const {
+    report.interrupted = options_.stop != nullptr && options_.stop->load();
+    return report.interrupted;
+  }
+
+  ExactPolytope domainSet() const {
+    ExactPolytope set;
+    set.dimension = regions_.parameters();
+    set.rows = domain_;
+    return set;
+  }
+
+  void proveCover(AnalyzeReport& report) {
+    const int p = regions_.parameters();
+    RegionCover cover(regions_, RationalMatrix::identity(p), RationalVector(static_cast<std::size_t>(p)));
+    report.covered = cover.covers(domainSet(), options_.stop);
+    report.cells = cover.cells();
+    if (!report.covered && !cover.stopped()) report.gap = cover.gap();
+    report.slivers = cover.slivers().size();
+    slivers_.resize(regions_.count());
+    for (const RegionCover::Sliver& sliver : cover.slivers()) {
+      auto& list = slivers_[sliver.region];
+      list.insert(list.end(), sliver.vertices.begin(), sliver.vertices.end());
+    }
+    for (std::vector<std::vector<Integer>>& list : slivers_) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+  }
+
+  RegionStep stepOf(std::size_t region) const {
+    const int p = regions_.parameters(), m = model_.G.columns();
+    const double* law = map_.law(map_.region(region).law);
+    RegionStep step{model_.F, model_.c};
+    for (int k = 0; k < m; ++k) {
+      for (int i = 0; i < p; ++i) {
+        if (model_.G(i, k) == 0) continue;
+        for (int j = 0; j < p; ++j) step.M(i, j) += model_.G(i, k) * Rational(law[k * (p + 1) + j]);
+        step.m[static_cast<std::size_t>(i)] += model_.G(i, k) * Rational(law[k * (p + 1) + p]);
+      }
+    }
+    return step;
+  }
+
+  /// The vertex of D that pushes farthest along a.
+  const RationalVector& push(const RationalVector& a) const {
+    const RationalVector direction = applyTransposed(model_.E, a);
+    return *std::max_element(corners_.begin(), corners_.end(),
+                             [&](const RationalVector& x, const RationalVector& y) {
+                               return dot(direction, x) < dot(direction, y);
+                             });
+  }
+
+  std::vector<std::vector<Integer>> verticesOf(std::size_t region, bool& flat) const {
+    if (!options_.within) return regions_.vertices(region, flat);
+    const PolytopeCone cone(intersect(regions_.polytope(region), domainSet()));
+    std::vector<std::vector<Integer>> result;
+    for (const DoubleDescription::Ray& ray : cone.cone.rays()) result.push_back(ray.value);
+    return result;
+  }
+
+  Finding testRegion(std::size_t region, bool union_target) const {
+    Finding finding;
+    std::vector<std::vector<Integer>> corners = verticesOf(region, finding.flat);
+    finding.empty = corners.empty();
+    const std::vector<Integer>* where = nullptr;
+    for (const ExactHalfSpace& row : domain_)
+      finding.out_of_domain = std::max(finding.out_of_domain, worst(corners, row.a, row.b, &where));
+    // Parts of P that only the tolerance gives to this region: its law answers there too.
+    std::vector<std::vector<Integer>> rows;
+    for (std::uint32_t i = 0; i < map_.region(region).row_count && !slivers_[region].empty(); ++i) {
+      const ExactHalfSpace row = regions_.row(region, i);
+      rows.push_back(slackRow(row.a, row.b));
+    }
+    std::copy_if(slivers_[region].begin(), slivers_[region].end(), std::back_inserter(corners),
+                 [&](const std::vector<Integer>& vertex) {
+                   return std::any_of(rows.begin(), rows.end(),
+                                      [&](const auto& row) { return dot(row, vertex) < 0; });
+                 });
+    if (corners.empty()) return finding;
+    finding.middle = middleOf(corners);
+    const RegionStep step = stepOf(region);
+    if (union_target) {
+      testUnion(region, step, finding);
+      return finding;
+    }
+    for (std::size_t f = 0; f < domain_.size(); ++f) {
+      const RationalVector& a = domain_[f].a;
+      const Rational bound = domain_[f].b - dot(applyTransposed(model_.E, a), push(a)) - dot(a, step.m);
+      const Rational excess = worst(corners, applyTransposed(step.M, a), bound, &where);
+      if (excess > 0 && excess <= tolerance_) ++finding.tight;
+      if (excess <= finding.excess) continue;
+      finding.excess = excess;
+      finding.facet = f;
+      finding.vertex = pointOf(*where);
+    }
+    finding.offends = finding.excess > tolerance_;
+    return finding;
+  }
+
+  // Whether every successor lies in some region: in the space of (theta, d).
+  void testUnion(std::size_t region, const RegionStep& step, Finding& finding) const {
+    const int p = regions_.parameters(), nd = model_.E.columns();
+    RationalMatrix M(p, p + nd);
+    for (int i = 0; i < p; ++i) {
+      for (int j = 0; j < p; ++j) M(i, j) = step.M(i, j);
+      for (int j = 0; j < nd; ++j) M(i, p + j) = model_.E(i, j);
+    }
+    ExactPolytope set;
+    set.dimension = p + nd;
+    const auto lift = [&](const std::vector<ExactHalfSpace>& from, std::vector<ExactHalfSpace>& to,
+                          int first) {
+      for (const ExactHalfSpace& row : from) {
+        ExactHalfSpace wide{RationalVector(static_cast<std::size_t>(p + nd)), row.b};
+        std::copy(row.a.begin(), row.a.end(), wide.a.begin() + first);
+        to.push_back(std::move(wide));
+      }
+    };
+    lift(regions_.polytope(region).rows, set.rows, 0);
+    lift(model_.D.rows, set.rows, p);
+    lift(model_.D.equalities, set.equalities, p);
+    RegionCover cover(regions_, std::move(M), step.m);
+    finding.offends = !cover.covers(set, options_.stop);
+    finding.stopped = cover.stopped();
+    if (finding.offends && !finding.stopped) finding.vertex = cover.gap();
+  }
+
+  void testRegions(AnalyzeReport& report) {
+    std::vector<Finding> findings(regions_.count());
+    forEach(regions_.count(), options_.threads, options_.stop, progress(regions_.count()),
+            [&](std::size_t r) { findings[r] = testRegion(r, report.target_is_union); });
+    if (stopped(report)) return;
+    std::size_t worst_region = findings.size();
+    Rational out, excess;
+    for (std::size_t r = 0; r < findings.size(); ++r) {
+      const Finding& finding = findings[r];
+      report.flat_regions += finding.flat && !finding.empty ? 1 : 0;
+      report.empty_regions += finding.empty ? 1 : 0;
+      report.tight_pairs += finding.tight;
+      report.offending_regions += finding.offends ? 1 : 0;
+      if (!report.is_within) out = std::max(out, finding.out_of_domain);
+      if (finding.offends && (worst_region == findings.size() || finding.excess > excess)) worst_region = r;
+      excess = std::max(excess, finding.excess);
+    }
+    report.region_excess = roundedUp(out);
+    report.greatest_excess = roundedUp(excess);
+    report.successors_inside = report.offending_regions == 0;
+    if (report.successors_inside) return;
+    const Finding& worst_finding = findings[worst_region];
+    report.witness = report.target_is_union ? unionWitness(worst_region, worst_finding)
+                                            : facetWitness(worst_region, worst_finding);
+  }
+
+  // Evaluates one step from exactly these doubles; true when the map answers there.
+  bool evaluate(AnalyzeWitness& witness) const {
+    witness.u.assign(map_.inputs().size(), 0.0);
+    const Lookup lookup = map_.evaluate(witness.theta.data(), witness.u.data());
+    witness.answered = lookup.status == LookupStatus::kInside;
+    if (!witness.answered) return false;
+    const RationalVector theta(witness.theta.begin(), witness.theta.end());
+    const RationalVector u(witness.u.begin(), witness.u.end());
+    witness.successor = affine(model_.F, theta, model_.c);
+    const RationalVector by_input = affine(model_.G, u), by_disturbance = affine(model_.E, witness.d);
+    std::vector<double> rounded;
+    for (std::size_t i = 0; i < witness.successor.size(); ++i) {
+      witness.successor[i] += by_input[i] + by_disturbance[i];
+      rounded.push_back(nearestDouble(witness.successor[i]));
+    }
+    witness.successor_outside = map_.locate(rounded.data()).status != LookupStatus::kInside;
+    if (options_.within) {
+      witness.successor_outside = witness.successor_outside || !contains(*options_.within, witness.successor);
+    }
+    return true;
+  }
+
+  AnalyzeWitness facetWitness(std::size_t region, const Finding& finding) const {
+    AnalyzeWitness witness;
+    witness.region = static_cast<std::uint32_t>(region);
+    witness.facet = domain_[finding.facet];
+    witness.d = push(witness.facet.a);
+    for (int blend = kFirstBlend; blend <= kLastBlend && !witness.verified; ++blend) {
+      const Rational share(std::ldexp(1.0, -blend));
+      witness.theta.clear();
+      for (std::size_t j = 0; j < finding.vertex.size(); ++j)
+        witness.theta.push_back(
+            nearestDouble(finding.vertex[j] + share * (finding.middle[j] - finding.vertex[j])));
+      if (!evaluate(witness)) continue;
+      const Rational excess = dot(witness.facet.a, witness.successor) - witness.facet.b;
+      witness.excess = excess.get_d();
+      witness.verified = excess > tolerance_ && 2 * excess > finding.excess;
+      if (blend == kLastBlend) witness.verified = excess > tolerance_;
+    }
+    return witness;
+  }
+
+  AnalyzeWitness unionWitness(std::size_t region, const Finding& finding) const {
+    AnalyzeWitness witness;
+    witness.region = static_cast<std::uint32_t>(region);
+    const auto p = static_cast<std::size_t>(regions_.parameters());
+    if (finding.vertex.size() < p) return witness;
+    for (std::size_t j = 0; j < p; ++j) witness.theta.push_back(nearestDouble(finding.vertex[j]));
+    witness.d.assign(finding.vertex.begin() + static_cast<std::ptrdiff_t>(p), finding.vertex.end());
+    witness.verified = evaluate(witness) && witness.successor_outside;
+    return witness;
+  }
+
+  const RegionMap& map_;
+  const ClosedLoopModel& model_;
+  const AnalyzeOptions& options_;
+  MapRegions regions_;
+  Rational tolerance_;
+  std::vector<RationalVector> corners_;  // of D
+  std::vector<ExactHalfSpace> domain_;
+  std::vector<std::vector<std::vector<Integer>>> slivers_;  // vertices, by region
+  std::uint64_t total_ = 0;
+};
+
+}  // namespace
+
+AnalyzeReport analyze(const RegionMap& map, const ClosedLoopModel& model, const AnalyzeOptions& options) {
+  if (options.threads < 1 || options.threads > 256) throw Error("analyze: threads: must be 1 to 256");
+  if (options.within) {
+    requireDimension(*options.within, map.parameters().size(), "set of parameters");
+    if (vertices(*options.within).empty()) throw Error("analyze: the set of parameters is empty");
+  }
+  return Analysis(map, model, options).run();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "region_cover.hpp"
+
+namespace polyfly {
+
+/// The half-spaces of the box and of regions that no region leaves by more than the tolerance, as the map has
+/// them, without redundant ones and without those that repeat others up to rounding. A guess from rounded
+/// vertices: what follows from it is to be proven.
+std::vector<ExactHalfSpace> domainRows(const MapRegions& regions);
+
+}  // namespace polyfly

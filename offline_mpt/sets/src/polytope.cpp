@@ -1,0 +1,194 @@
+#include "polytope_sets/polytope.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "offline_mpt/polytope.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kZeroEntry = 1e-12;  // of a row of length 1
+constexpr double kSameRow = 1e-11;    // difference of two rows of length 1 that are one
+
+std::vector<double> flatRows(const Polytope& set) {
+  std::vector<double> rows;
+  for (int i = 0; i < set.rowCount(); ++i) {
+    for (int j = 0; j < set.dimension(); ++j) rows.push_back(set.A(i, j));
+    rows.push_back(set.b[i]);
+  }
+  return rows;
+}
+
+/// Collects rows, at length 1, each once.
+class RowList {
+ public:
+  explicit RowList(int dimension) : dimension_(dimension) {}
+
+  // False when the row alone makes the set empty.
+  bool add(const Eigen::VectorXd& a, double b, double scale) {
+    const double length = a.norm();
+    if (length <= kZeroEntry * scale) return b >= -kZeroEntry * scale;
+    Eigen::VectorXd row(dimension_ + 1);
+    row << a / length, b / length;
+    for (Eigen::VectorXd& other : rows_) {
+      if ((other.head(dimension_) - row.head(dimension_)).cwiseAbs().maxCoeff() > kSameRow) continue;
+      other[dimension_] = std::min(other[dimension_], row[dimension_]);
+      return true;
+    }
+    rows_.push_back(std::move(row));
+    return true;
+  }
+
+  Polytope set() const {
+    Polytope result;
+    result.A.resize(static_cast<Eigen::Index>(rows_.size()), dimension_);
+    result.b.resize(result.A.rows());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      result.A.row(static_cast<Eigen::Index>(i)) = rows_[i].head(dimension_).transpose();
+      result.b[static_cast<Eigen::Index>(i)] = rows_[i][dimension_];
+    }
+    return result;
+  }
+
+ private:
+  int dimension_;
+  std::vector<Eigen::VectorXd> rows_;
+};
+
+double lengthOfInterval(const Polytope& set) {
+  double lower = -HUGE_VAL, upper = HUGE_VAL;
+  for (int i = 0; i < set.rowCount(); ++i) {
+    if (set.A(i, 0) > 0.0) upper = std::min(upper, set.b[i] / set.A(i, 0));
+    if (set.A(i, 0) < 0.0) lower = std::max(lower, set.b[i] / set.A(i, 0));
+  }
+  return std::max(0.0, upper - lower);
+}
+
+}  // namespace
+
+Polytope rounded(const ExactPolytope& set) {
+  RowList rows(set.dimension);
+  const auto add = [&](const ExactHalfSpace& row, double sign) {
+    Rational greatest = abs(row.b);
+    for (const Rational& value : row.a) greatest = std::max(greatest, Rational(abs(value)));
+    if (greatest == 0) return;
+    Eigen::VectorXd a(set.dimension);
+    for (int j = 0; j < set.dimension; ++j)
+      a[j] = sign * nearestDouble(Rational(row.a[static_cast<std::size_t>(j)] / greatest));
+    if (rows.add(a, sign * nearestDouble(Rational(row.b / greatest)), 1.0)) return;
+    a.setZero();  // 0 . x <= -1 as x_0 <= -1 and x_0 >= 1
+    for (const double side : {1.0, -1.0}) {
+      a[0] = side;
+      rows.add(a, -1.0, 1.0);
+    }
+  };
+  for (const ExactHalfSpace& row : set.rows) add(row, 1.0);
+  for (const ExactHalfSpace& row : set.equalities) {
+    add(row, 1.0);
+    add(row, -1.0);
+  }
+  return rows.set();
+}
+
+ExactPolytope exactly(const Polytope& set) {
+  ExactPolytope result;
+  result.dimension = set.dimension();
+  for (int i = 0; i < set.rowCount(); ++i) {
+    ExactHalfSpace row;
+    for (int j = 0; j < set.dimension(); ++j) row.a.emplace_back(set.A(i, j));
+    row.b = Rational(set.b[i]);
+    result.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+Ball chebyshevBall(const Polytope& set) {
+  PolytopeSolver solver(set.dimension());
+  Ball ball{Eigen::VectorXd::Zero(set.dimension()), 0.0};
+  if (!solver.chebyshev(flatRows(set).data(), set.rowCount(), ball.centre.data(), ball.radius))
+    throw Error("polytope: inscribed ball: the set is unbounded, or the simplex method failed");
+  return ball;
+}
+
+double support(const Polytope& set, const Eigen::VectorXd& inside, const Eigen::VectorXd& direction) {
+  PolytopeSolver solver(set.dimension());
+  Eigen::VectorXd point(set.dimension());
+  if (!solver.support(flatRows(set).data(), set.rowCount(), inside.data(), direction.data(), point.data()))
+    throw Error("polytope: support: the simplex method failed");
+  return direction.dot(point);
+}
+
+Polytope minimal(const Polytope& set, double tolerance) {
+  const Ball ball = chebyshevBall(set);
+  if (ball.radius <= 0.0) throw Error("polytope: redundant rows: the set has no interior");
+  PolytopeSolver solver(set.dimension());
+  MinimalRows found;
+  if (!solver.minimal(flatRows(set).data(), set.rowCount(), ball.centre.data(), tolerance, found))
+    throw Error("polytope: redundant rows: the simplex method failed");
+  Polytope result;
+  result.A.resize(static_cast<Eigen::Index>(found.facets.size()), set.dimension());
+  result.b.resize(result.A.rows());
+  for (std::size_t k = 0; k < found.facets.size(); ++k) {
+    result.A.row(static_cast<Eigen::Index>(k)) = set.A.row(found.facets[k]);
+    result.b[static_cast<Eigen::Index>(k)] = set.b[found.facets[k]];
+  }
+  return result;
+}
+
+Polytope eliminate(const Polytope& set, int column, double tolerance) {
+  const int n = set.dimension();
+  RowList rows(n - 1);
+  const auto drop = [&](const Eigen::VectorXd& a) {
+    Eigen::VectorXd result(n - 1);
+    result << a.head(column), a.tail(n - 1 - column);
+    return result;
+  };
+  bool possible = true;
+  for (int i = 0; i < set.rowCount(); ++i) {
+    const double up = set.A(i, column);
+    if (std::abs(up) <= kZeroEntry)
+      possible = rows.add(drop(set.A.row(i).transpose()), set.b[i], 1.0) && possible;
+    if (up <= kZeroEntry) continue;
+    for (int k = 0; k < set.rowCount(); ++k) {
+      const double down = -set.A(k, column);
+      if (down <= kZeroEntry) continue;
+      possible = rows.add(drop((down * set.A.row(i) + up * set.A.row(k)).transpose()),
+                          down * set.b[i] + up * set.b[k], up + down) &&
+                 possible;
+    }
+  }
+  if (!possible) throw Error("polytope: elimination: the set is empty");
+  return minimal(rows.set(), tolerance);
+}
+
+double volume(const Polytope& set, double tolerance) {
+  const int n = set.dimension();
+  if (n == 1) return lengthOfInterval(set);
+  if (chebyshevBall(set).radius <= tolerance) return 0.0;
+  const Polytope facets = minimal(set, tolerance);
+  double sum = 0.0;
+  for (int i = 0; i < facets.rowCount(); ++i) {
+    if (facets.b[i] == 0.0) continue;
+    // On the facet, x_j = (b_i - sum of the others) / a_ij, with a_ij the greatest.
+    Eigen::Index j = 0;
+    facets.A.row(i).cwiseAbs().maxCoeff(&j);
+    const double pivot = facets.A(i, j);
+    RowList rows(n - 1);
+    bool possible = true;
+    for (int k = 0; k < facets.rowCount() && possible; ++k) {
+      if (k == i) continue;
+      const Eigen::VectorXd reduced =
+          (facets.A.row(k) - facets.A(k, j) / pivot * facets.A.row(i)).transpose();
+      Eigen::VectorXd a(n - 1);
+      a << reduced.head(j), reduced.tail(n - 1 - j);
+      possible = rows.add(a, facets.b[k] - facets.A(k, j) / pivot * facets.b[i], 1.0);
+    }
+    if (possible) sum += facets.b[i] / std::abs(pivot) * volume(rows.set(), tolerance);
+  }
+  return sum / n;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,115 @@
+#include "polytope_sets/rational.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace polyfly {
+namespace {
+
+constexpr long kMaxExponent = 400;  // beyond the range of a double
+constexpr std::size_t kMaxDigits = 4000;
+
+bool allDigits(const std::string& text) {
+  return !text.empty() && text.size() <= kMaxDigits &&
+         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// "12.5e-3" without its sign.
+bool parseDecimal(const std::string& text, Rational& value) {
+  const std::size_t e = text.find_first_of("eE");
+  std::string mantissa = text.substr(0, e);
+  long exponent = 0;
+  if (e != std::string::npos) {
+    std::string digits = text.substr(e + 1);
+    const bool negative = !digits.empty() && digits[0] == '-';
+    if (!digits.empty() && (digits[0] == '-' || digits[0] == '+')) digits.erase(0, 1);
+    if (!allDigits(digits) || digits.size() > 4) return false;
+    exponent = std::strtol(digits.c_str(), nullptr, 10);
+    if (exponent > kMaxExponent) return false;
+    if (negative) exponent = -exponent;
+  }
+  const std::size_t point = mantissa.find('.');
+  if (point != std::string::npos) {
+    exponent -= static_cast<long>(mantissa.size() - point - 1);
+    mantissa.erase(point, 1);
+  }
+  if (!allDigits(mantissa)) return false;
+  Integer power;
+  mpz_ui_pow_ui(power.get_mpz_t(), 10, static_cast<unsigned long>(std::labs(exponent)));
+  const Integer whole(mantissa, 10);
+  value = exponent >= 0 ? Rational(whole * power) : Rational(whole, power);
+  value.canonicalize();
+  return true;
+}
+
+}  // namespace
+
+RationalMatrix RationalMatrix::identity(int size) {
+  RationalMatrix result(size, size);
+  for (int i = 0; i < size; ++i) result(i, i) = 1;
+  return result;
+}
+
+Rational dot(const RationalVector& a, const RationalVector& b) {
+  Rational sum;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] != 0 && b[i] != 0) sum += a[i] * b[i];
+  }
+  return sum;
+}
+
+RationalVector affine(const RationalMatrix& M, const RationalVector& x, const RationalVector& m) {
+  RationalVector result(static_cast<std::size_t>(M.rows()));
+  for (int i = 0; i < M.rows(); ++i) {
+    Rational& sum = result[static_cast<std::size_t>(i)];
+    if (!m.empty()) sum = m[static_cast<std::size_t>(i)];
+    for (int j = 0; j < M.columns(); ++j) {
+      if (M(i, j) != 0) sum += M(i, j) * x[static_cast<std::size_t>(j)];
+    }
+  }
+  return result;
+}
+
+RationalVector applyTransposed(const RationalMatrix& M, const RationalVector& a) {
+  RationalVector result(static_cast<std::size_t>(M.columns()));
+  for (int j = 0; j < M.columns(); ++j) {
+    for (int i = 0; i < M.rows(); ++i) {
+      if (M(i, j) != 0) result[static_cast<std::size_t>(j)] += M(i, j) * a[static_cast<std::size_t>(i)];
+    }
+  }
+  return result;
+}
+
+double nearestDouble(const Rational& value) {
+  const double toward_zero = value.get_d();  // GMP cuts off
+  if (!std::isfinite(toward_zero)) return toward_zero;
+  const double away = std::nextafter(toward_zero, sgn(value) < 0 ? -std::numeric_limits<double>::infinity()
+                                                                 : std::numeric_limits<double>::infinity());
+  if (!std::isfinite(away)) return toward_zero;
+  const Rational below = abs(value - Rational(toward_zero)), above = abs(value - Rational(away));
+  return above <= below && value != 0 ? away : toward_zero;
+}
+
+bool parseRational(const std::string& text, Rational& value) {
+  std::string rest = text;
+  const bool negative = !rest.empty() && rest[0] == '-';
+  if (!rest.empty() && (rest[0] == '-' || rest[0] == '+')) rest.erase(0, 1);
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos) {
+    if (!parseDecimal(rest, value)) return false;
+  } else {
+    const std::string above = rest.substr(0, slash), below = rest.substr(slash + 1);
+    if (!allDigits(above) || !allDigits(below)) return false;
+    const Integer denominator(below, 10);
+    if (denominator == 0) return false;
+    value = Rational(Integer(above, 10), denominator);
+    value.canonicalize();
+  }
+  if (negative) value = -value;
+  return true;
+}
+
+}  // namespace polyfly

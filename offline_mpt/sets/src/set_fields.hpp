@@ -1,0 +1,20 @@
+#pragma once
+
+#include "mpc_core/yaml_field.hpp"
+#include "polytope_sets/exact_polytope.hpp"
+
+namespace polyfly {
+
+/// A number as it is written: a decimal or a fraction.
+Rational rationalOf(const YamlField& field);
+RationalVector vectorOf(const YamlField& field, int size);
+/// A list of `rows` rows of `columns` numbers; -1: as many rows as there are.
+RationalMatrix matrixOf(const YamlField& field, int rows, int columns);
+
+/// The set that a map of A, b, A_eq, b_eq, box, vertices describes, in `dimension` dimensions; -1: any from 1
+/// to kMaxSetDimension. The keys must have been checked.
+ExactPolytope setOf(const YamlField& field, int dimension);
+
+constexpr int kMaxSetDimension = 12;
+
+}  // namespace polyfly

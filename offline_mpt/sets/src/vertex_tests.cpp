@@ -1,0 +1,74 @@
+#include "vertex_tests.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace polyfly {
+
+double roundedUp(const Rational& value) {
+  return value == 0 ? 0.0 : std::nextafter(value.get_d(), std::numeric_limits<double>::infinity());
+}
+
+std::vector<Integer> slackRow(const RationalVector& a, const Rational& b) {
+  RationalVector values{b};
+  for (const Rational& value : a) values.emplace_back(-value);
+  return wholeNumbers(values);
+}
+
+RationalVector pointOf(const std::vector<Integer>& vertex) {
+  RationalVector point;
+  for (std::size_t j = 1; j < vertex.size(); ++j) {
+    point.emplace_back(vertex[j], vertex[0]);
+    point.back().canonicalize();
+  }
+  return point;
+}
+
+Rational worst(const std::vector<std::vector<Integer>>& vertices, const RationalVector& a, const Rational& b,
+               const std::vector<Integer>** where) {
+  const std::vector<Integer> row = slackRow(a, b);
+  Rational greatest;
+  for (const std::vector<Integer>& vertex : vertices) {
+    if (dot(row, vertex) >= 0) continue;
+    const Rational excess = dot(a, pointOf(vertex)) - b;
+    if (excess <= greatest) continue;
+    greatest = excess;
+    *where = &vertex;
+  }
+  return greatest;
+}
+
+RationalVector middleOf(const std::vector<std::vector<Integer>>& corners) {
+  RationalVector middle(corners[0].size() - 1);
+  const Rational share(1, static_cast<unsigned long>(corners.size()));
+  for (const std::vector<Integer>& corner : corners) {
+    const RationalVector point = pointOf(corner);
+    for (std::size_t j = 0; j < middle.size(); ++j) middle[j] += share * point[j];
+  }
+  return middle;
+}
+
+std::vector<ExactHalfSpace> scaledRows(const ExactPolytope& set, const RegionMap& map) {
+  std::vector<ExactHalfSpace> rows;
+  const auto add = [&](const ExactHalfSpace& row, int sign) {
+    double squares = 0.0;
+    for (std::size_t j = 0; j < row.a.size(); ++j) {
+      const Signal& parameter = map.parameters()[j];
+      squares += std::pow(row.a[j].get_d() * 0.5 * (parameter.upper - parameter.lower), 2);
+    }
+    const Rational scale(squares > 0.0 ? sign / std::sqrt(squares) : sign);
+    ExactHalfSpace scaled{row.a, Rational(row.b * scale)};
+    for (Rational& value : scaled.a) value *= scale;
+    rows.push_back(std::move(scaled));
+  };
+  const ExactPolytope smallest = minimal(set);
+  for (const ExactHalfSpace& row : smallest.rows) add(row, 1);
+  for (const ExactHalfSpace& row : smallest.equalities) {
+    add(row, 1);
+    add(row, -1);
+  }
+  return rows;
+}
+
+}  // namespace polyfly

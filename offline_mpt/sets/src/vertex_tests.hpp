@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "polytope_sets/exact_polytope.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// A double above the value, or 0 for 0.
+double roundedUp(const Rational& value);
+
+/// Whole numbers r with r . (x_0, x) >= 0 where a . x / x_0 <= b.
+std::vector<Integer> slackRow(const RationalVector& a, const Rational& b);
+
+/// x / x_0 of a vertex (x_0, x).
+RationalVector pointOf(const std::vector<Integer>& vertex);
+
+/// Greatest violation of a . theta <= b over vertices, 0 if there is none, and where.
+Rational worst(const std::vector<std::vector<Integer>>& vertices, const RationalVector& a, const Rational& b,
+               const std::vector<Integer>** where);
+
+/// Mean of vertices; there is at least one.
+RationalVector middleOf(const std::vector<std::vector<Integer>>& corners);
+
+/// A set's rows, equalities as two, as distances where half ranges of the map's parameters are 1: the length
+/// is rounded, the half-space is not.
+std::vector<ExactHalfSpace> scaledRows(const ExactPolytope& set, const RegionMap& map);
+
+}  // namespace polyfly

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "cone.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+/// Cuts a polytope into simplices: a face is the pyramids from its first vertex over those of its facets that
+/// do not hold it.
+class Simplices {
+ public:
+  explicit Simplices(const ExactPolytope& set) : dimension_(static_cast<std::size_t>(set.dimension)) {
+    const PolytopeCone polytope(set);
+    for (const DoubleDescription::Ray& ray : polytope.cone.rays()) points_.push_back(ray.value);
+    for (std::size_t i = 0; i < polytope.place.size(); ++i) {
+      BitSet face;
+      for (std::size_t k = 0; k < points_.size(); ++k) {
+        if (polytope.cone.rays()[k].tight.test(polytope.place[i])) face.set(k);
+      }
+      rows_.push_back(std::move(face));
+    }
+  }
+
+  Rational volume() {
+    BitSet all;
+    for (std::size_t k = 0; k < points_.size(); ++k) all.set(k);
+    Indices chosen;
+    add(all, chosen);
+    Integer factorial;
+    mpz_fac_ui(factorial.get_mpz_t(), static_cast<unsigned long>(dimension_));
+    Rational result = sum_ / Rational(factorial);
+    return result;
+  }
+
+ private:
+  // Greatest intersections of the face with a row's face.
+  const std::vector<BitSet>& facetsOf(const BitSet& face) {
+    const auto known = facets_.find(face);
+    if (known != facets_.end()) return known->second;
+    std::vector<BitSet> found;
+    for (const BitSet& row : rows_) {
+      BitSet part = row & face;
+      if (part == face || part.count() == 0) continue;
+      const auto within = [&](const BitSet& other) { return other.contains(part); };
+      if (std::any_of(found.begin(), found.end(), within)) continue;
+      found.erase(std::remove_if(found.begin(), found.end(),
+                                 [&](const BitSet& other) { return part.contains(other); }),
+                  found.end());
+      found.push_back(std::move(part));
+    }
+    return facets_.emplace(face, std::move(found)).first->second;
+  }
+
+  void add(const BitSet& face, Indices& chosen) {
+    std::size_t apex = 0;
+    while (!face.test(apex)) ++apex;
+    chosen.push_back(apex);
+    if (chosen.size() == dimension_ + 1) {
+      sum_ += simplex(chosen);
+    } else {
+      for (const BitSet& facet : facetsOf(face)) {
+        if (!facet.test(apex)) add(facet, chosen);
+      }
+    }
+    chosen.pop_back();
+  }
+
+  // |det (1, x)| over the vertices: elimination without fractions (Bareiss).
+  Rational simplex(const Indices& chosen) const {
+    std::vector<std::vector<Integer>> rows;
+    Integer denominator(1);
+    for (const std::size_t k : chosen) {
+      rows.push_back(points_[k]);
+      denominator *= points_[k][0];
+    }
+    Integer previous(1);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      std::size_t pivot = k;
+      while (pivot < rows.size() && rows[pivot][k] == 0) ++pivot;
+      if (pivot == rows.size()) return 0;
+      std::swap(rows[k], rows[pivot]);
+      for (std::size_t i = k + 1; i < rows.size(); ++i) {
+        for (std::size_t j = k + 1; j < rows.size(); ++j) {
+          Integer& entry = rows[i][j];
+          entry = entry * rows[k][k] - rows[i][k] * rows[k][j];
+          mpz_divexact(entry.get_mpz_t(), entry.get_mpz_t(), previous.get_mpz_t());
+        }
+      }
+      previous = rows[k][k];
+    }
+    Rational result(abs(previous), denominator);
+    result.canonicalize();
+    return result;
+  }
+
+  std::size_t dimension_;
+  std::vector<std::vector<Integer>> points_;
+  std::vector<BitSet> rows_;
+  std::map<BitSet, std::vector<BitSet>> facets_;
+  Rational sum_;
+};
+
+}  // namespace
+
+Rational volume(const ExactPolytope& set) {
+  if (!isBounded(set)) throw Error("polytope: volume: the set is unbounded");
+  const ExactPolytope smallest = minimal(set);
+  if (affineDimension(smallest) < set.dimension) return 0;
+  return Simplices(smallest).volume();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,328 @@
+// Exact set operations against closed forms, brute force and GLPK.
+#include "polytope_sets/exact_polytope.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "../../test/glpk_lp.hpp"
+#include "../../test/random.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+RationalVector vector(std::initializer_list<const char*> texts) {
+  RationalVector result;
+  for (const char* text : texts) {
+    Rational value;
+    EXPECT_TRUE(parseRational(text, value)) << text;
+    result.push_back(value);
+  }
+  return result;
+}
+
+ExactPolytope cube(int dimension) {
+  const auto size = static_cast<std::size_t>(dimension);
+  return ExactPolytope::box(RationalVector(size, Rational(-1)), RationalVector(size, Rational(1)));
+}
+
+ExactPolytope simplex(int dimension) {  // x >= 0, sum x <= 1
+  ExactPolytope result;
+  result.dimension = dimension;
+  const auto size = static_cast<std::size_t>(dimension);
+  result.rows.push_back({RationalVector(size, Rational(1)), Rational(1)});
+  for (std::size_t j = 0; j < size; ++j) {
+    ExactHalfSpace row{RationalVector(size), Rational(0)};
+    row.a[j] = -1;
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+std::vector<RationalVector> crossPoints(int dimension) {
+  std::vector<RationalVector> points;
+  for (int j = 0; j < 2 * dimension; ++j) {
+    RationalVector point(static_cast<std::size_t>(dimension));
+    point[static_cast<std::size_t>(j / 2)] = j % 2 == 0 ? 1 : -1;
+    points.push_back(point);
+  }
+  return points;
+}
+
+Rational factorial(int n) { return n < 2 ? Rational(1) : Rational(n * factorial(n - 1)); }
+
+/// Small fractions: coincidences are frequent.
+ExactPolytope randomSet(Random& random, int dimension, int rows) {
+  ExactPolytope result = cube(dimension);
+  for (int i = 0; i < rows; ++i) {
+    ExactHalfSpace row;
+    for (int j = 0; j < dimension; ++j) row.a.emplace_back(random.below(7) - 3);
+    row.b = Rational(random.below(9) - 1, 2);
+    row.b.canonicalize();
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+TEST(Rational, ReadsDecimalsAsTheyAreWritten) {
+  EXPECT_EQ(vector({"0.1", "-2.5e-3", "7/21", "+4", "1e2", ".5"}),
+            (RationalVector{Rational(1, 10), Rational(-1, 400), Rational(1, 3), Rational(4), Rational(100),
+                            Rational(1, 2)}));
+  Rational value;
+  for (const char* text :
+       {"", "-", "1/0", "1/-2", "0x1", "1e", "1e999", "nan", "inf", "1.2.3", "1 2", "1/2/3", "."})
+    EXPECT_FALSE(parseRational(text, value)) << text;
+}
+
+TEST(Rational, RoundsToTheNearestDouble) {
+  EXPECT_EQ(nearestDouble(Rational(1, 10)), 0.1);
+  EXPECT_EQ(nearestDouble(Rational(-2, 3)), -2.0 / 3.0);
+  EXPECT_EQ(nearestDouble(Rational(0)), 0.0);
+  Random random(3);
+  for (int k = 0; k < 200; ++k) {
+    const double x = random.uniform(-3.0, 3.0);
+    EXPECT_EQ(nearestDouble(Rational(x)), x);
+  }
+}
+
+TEST(ExactPolytope, VolumesOfKnownBodies) {
+  for (int n = 1; n <= 6; ++n) {
+    Integer power;
+    mpz_ui_pow_ui(power.get_mpz_t(), 2, static_cast<unsigned long>(n));
+    EXPECT_EQ(volume(cube(n)), Rational(power)) << n;
+    EXPECT_EQ(volume(simplex(n)), Rational(1) / factorial(n)) << n;
+    EXPECT_EQ(volume(hull(n, crossPoints(n))), Rational(power) / factorial(n)) << n;
+  }
+}
+
+TEST(ExactPolytope, CountsFacetsAndVerticesOfKnownBodies) {
+  for (int n = 2; n <= 6; ++n) {
+    EXPECT_EQ(vertices(cube(n)).size(), std::size_t{1} << n);
+    const ExactPolytope cross = hull(n, crossPoints(n));
+    EXPECT_EQ(cross.rows.size(), std::size_t{1} << n);
+    EXPECT_EQ(vertices(cross).size(), static_cast<std::size_t>(2 * n));
+    EXPECT_EQ(hull(n, vertices(cube(n))).rows.size(), static_cast<std::size_t>(2 * n));
+  }
+}
+
+TEST(ExactPolytope, EightDimensions) {
+  EXPECT_EQ(vertices(cube(8)).size(), 256u);
+  EXPECT_EQ(volume(simplex(8)), Rational(1, 40320));
+  const ExactPolytope shadow = project(cube(8), {7, 0, 3});
+  EXPECT_TRUE(equal(shadow, cube(3)));
+}
+
+// Vertices by solving every choice of rows: no code in common.
+std::vector<RationalVector> verticesOfPolygon(const ExactPolytope& set) {
+  std::vector<RationalVector> found;
+  for (std::size_t i = 0; i < set.rows.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& [a, b] = set.rows[i];
+      const auto& [c, d] = set.rows[j];
+      const Rational determinant = a[0] * c[1] - a[1] * c[0];
+      if (determinant == 0) continue;
+      RationalVector point{Rational((b * c[1] - a[1] * d) / determinant),
+                           Rational((a[0] * d - b * c[0]) / determinant)};
+      const auto holds = [&](const ExactHalfSpace& row) {
+        return row.a[0] * point[0] + row.a[1] * point[1] <= row.b;
+      };
+      if (std::all_of(set.rows.begin(), set.rows.end(), holds)) found.push_back(point);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+TEST(ExactPolytope, PolygonsAgreeWithBruteForce) {
+  Random random(11);
+  int empty = 0, flat = 0;
+  for (int k = 0; k < 200; ++k) {
+    const ExactPolytope set = randomSet(random, 2, 1 + random.below(7));
+    const std::vector<RationalVector> expected = verticesOfPolygon(set);
+    EXPECT_EQ(vertices(set), expected);
+    EXPECT_EQ(isEmpty(set), expected.empty());
+    const ExactPolytope smallest = minimal(set);
+    EXPECT_TRUE(equal(smallest, set));
+    EXPECT_EQ(vertices(smallest), expected);
+    EXPECT_EQ(vertices(hull(2, expected)), expected);
+    if (expected.size() >= 3) {
+      EXPECT_EQ(smallest.rows.size(), expected.size()) << k;  // a polygon
+      EXPECT_TRUE(smallest.equalities.empty());
+    }
+    empty += expected.empty() ? 1 : 0;
+    flat += expected.size() == 1 || expected.size() == 2 ? 1 : 0;
+    EXPECT_EQ(affineDimension(set),
+              expected.empty() ? -1 : std::min(2, static_cast<int>(expected.size()) - 1));
+  }
+  EXPECT_GT(empty, 3);
+  EXPECT_GT(flat, 3);
+}
+
+TEST(ExactPolytope, SupportAgreesWithGlpkAndVertices) {
+  Random random(5);
+  for (int k = 0; k < 60; ++k) {
+    const int n = 2 + random.below(4);
+    const ExactPolytope set = randomSet(random, n, 6);
+    Eigen::MatrixXd A(static_cast<int>(set.rows.size()), n);
+    Eigen::VectorXd b(A.rows()), g(n);
+    RationalVector direction;
+    for (int j = 0; j < n; ++j) direction.emplace_back(random.below(11) - 5);
+    for (int j = 0; j < n; ++j) g[j] = -direction[static_cast<std::size_t>(j)].get_d();
+    for (int i = 0; i < A.rows(); ++i) {
+      for (int j = 0; j < n; ++j)
+        A(i, j) = set.rows[static_cast<std::size_t>(i)].a[static_cast<std::size_t>(j)].get_d();
+      b[i] = set.rows[static_cast<std::size_t>(i)].b.get_d();
+    }
+    const LpAnswer glpk = solveByGlpk(g, A, b);
+    const ExactSupport exact = support(set, direction);
+    if (exact.status == ExactSupport::Status::kEmpty) {
+      EXPECT_EQ(glpk.status, GLP_NOFEAS);
+      EXPECT_TRUE(vertices(set).empty());
+      continue;
+    }
+    ASSERT_EQ(exact.status, ExactSupport::Status::kOptimal);
+    EXPECT_NEAR(exact.value.get_d(), -glpk.objective, 1e-9);
+    Rational greatest = dot(direction, vertices(set)[0]);
+    for (const RationalVector& vertex : vertices(set)) greatest = std::max(greatest, dot(direction, vertex));
+    EXPECT_EQ(exact.value, greatest);
+    EXPECT_TRUE(contains(set, exact.point));
+  }
+}
+
+TEST(ExactPolytope, BothProjectionsAreOneSet) {
+  Random random(8);
+  for (int k = 0; k < 40; ++k) {
+    const int n = 3 + random.below(2);
+    const ExactPolytope set = randomSet(random, n, 5);
+    const std::vector<int> keep = random.below(2) == 0 ? std::vector<int>{2, 0} : std::vector<int>{1};
+    const ExactPolytope one = project(set, keep), other = project(set, keep, ProjectionMethod::kElimination);
+    EXPECT_TRUE(equal(one, other)) << k;
+    EXPECT_EQ(one.rows.size(), other.rows.size());
+    // A point is in the shadow exactly where the fibre over it is not empty.
+    for (int t = 0; t < 5; ++t) {
+      RationalVector point;
+      ExactPolytope fibre = set;
+      for (const int j : keep) {
+        point.push_back(Rational(random.below(9) - 4) / 4);
+        fibre.equalities.push_back({RationalVector(static_cast<std::size_t>(n)), point.back()});
+        fibre.equalities.back().a[static_cast<std::size_t>(j)] = 1;
+      }
+      EXPECT_EQ(contains(one, point), !isEmpty(fibre));
+    }
+  }
+}
+
+TEST(ExactPolytope, SumsOfSegmentsHaveTheVolumeOfTheZonotope) {
+  Random random(2);
+  for (int n = 2; n <= 4; ++n) {
+    std::vector<RationalVector> segments;
+    for (int k = 0; k < n + 2; ++k) {
+      RationalVector segment;
+      for (int j = 0; j < n; ++j) segment.emplace_back(random.below(9) - 4);
+      segments.push_back(segment);
+    }
+    const RationalVector zero(static_cast<std::size_t>(n));
+    ExactPolytope sum = hull(n, {zero});
+    for (const RationalVector& segment : segments)
+      sum = minkowskiSum(sum, hull(n, std::vector<RationalVector>{zero, segment}));
+    // The sum of |det| over all choices of n segments.
+    double expected = 0.0;
+    std::vector<char> chosen(segments.size(), 0);
+    std::fill(chosen.begin(), chosen.begin() + n, 1);
+    do {
+      Eigen::MatrixXd M(n, n);
+      int column = 0;
+      for (std::size_t k = 0; k < segments.size(); ++k) {
+        if (chosen[k] == 0) continue;
+        for (int j = 0; j < n; ++j) M(j, column) = segments[k][static_cast<std::size_t>(j)].get_d();
+        ++column;
+      }
+      expected += std::abs(std::round(M.determinant()));  // whole numbers
+    } while (std::prev_permutation(chosen.begin(), chosen.end()));
+    EXPECT_EQ(volume(sum), Rational(expected)) << n;
+  }
+}
+
+TEST(ExactPolytope, PontryaginDifferenceIsWhatTheSumFits) {
+  Random random(21);
+  for (int k = 0; k < 20; ++k) {
+    const ExactPolytope set = randomSet(random, 2, 4), small = randomSet(random, 2, 5);
+    if (isEmpty(small)) {
+      EXPECT_THROW(pontryaginDifference(set, small), Error);
+      continue;
+    }
+    ExactPolytope large = minkowskiSum(set, small);
+    EXPECT_TRUE(contains(pontryaginDifference(large, small), set));
+    const ExactPolytope difference = pontryaginDifference(large, small);
+    EXPECT_TRUE(contains(large, minkowskiSum(difference, small)));
+    for (int t = 0; t < 10; ++t) {  // no point is left out
+      const RationalVector point{Rational(random.below(17) - 8) / 4, Rational(random.below(17) - 8) / 4};
+      EXPECT_EQ(contains(difference, point), contains(large, translate(small, point)));
+    }
+  }
+}
+
+TEST(ExactPolytope, ImagesAndPreimages) {
+  RationalMatrix M(2, 3);
+  M(0, 0) = 1, M(0, 2) = Rational(1, 2), M(1, 1) = -2;
+  const RationalVector m{Rational(1), Rational(0)};
+  const ExactPolytope image = affineImage(cube(3), M, m);
+  EXPECT_TRUE(equal(image, ExactPolytope::box(vector({"-1/2", "-2"}), vector({"5/2", "2"}))));
+  EXPECT_TRUE(contains(preimage(image, M, m), cube(3)));
+  EXPECT_FALSE(isBounded(preimage(image, M, m)));
+  RationalMatrix flat(2, 1);
+  flat(0, 0) = 1, flat(1, 0) = 1;
+  const ExactPolytope segment = affineImage(cube(1), flat);
+  EXPECT_EQ(affineDimension(segment), 1);
+  EXPECT_EQ(volume(segment), 0);
+  EXPECT_EQ(vertices(segment), (std::vector<RationalVector>{vector({"-1", "-1"}), vector({"1", "1"})}));
+}
+
+TEST(ExactPolytope, UnboundedSets) {
+  ExactPolytope quadrant;
+  quadrant.dimension = 2;
+  quadrant.rows = {{vector({"-1", "0"}), Rational(0)}, {vector({"0", "-1"}), Rational(0)}};
+  EXPECT_FALSE(isBounded(quadrant));
+  EXPECT_THROW(vertices(quadrant), Error);
+  EXPECT_THROW(volume(quadrant), Error);
+  EXPECT_EQ(support(quadrant, vector({"1", "0"})).status, ExactSupport::Status::kUnbounded);
+  EXPECT_EQ(generators(quadrant).rays.size(), 2u);
+  EXPECT_TRUE(equal(hull(2, generators(quadrant)), quadrant));
+  EXPECT_FALSE(contains(cube(2), quadrant));
+  ExactPolytope redundant = quadrant;
+  redundant.rows.push_back({vector({"-1", "-1"}), Rational(1)});
+  redundant.rows.push_back({vector({"0", "0"}), Rational(3)});
+  EXPECT_EQ(minimal(redundant).rows.size(), 2u);
+  EXPECT_TRUE(equal(project(quadrant, {0}, ProjectionMethod::kElimination), project(quadrant, {0})));
+}
+
+TEST(ExactPolytope, DifferenceCoversWhatIsLeft) {
+  Random random(31);
+  for (int k = 0; k < 20; ++k) {
+    const ExactPolytope set = randomSet(random, 3, 3), cut = randomSet(random, 3, 3);
+    Rational sum = volume(intersect(set, cut));
+    for (const ExactPolytope& part : subtract(set, cut)) {
+      sum += volume(part);
+      EXPECT_TRUE(contains(set, part));
+      EXPECT_EQ(volume(intersect(part, cut)), 0);
+    }
+    EXPECT_EQ(sum, volume(set));
+  }
+}
+
+TEST(ExactPolytope, RefusesWhatDoesNotFit) {
+  EXPECT_THROW(intersect(cube(2), cube(3)), Error);
+  EXPECT_THROW(project(cube(2), {0, 0}), Error);
+  EXPECT_THROW(project(cube(2), {2}), Error);
+  EXPECT_THROW(hull(2, std::vector<RationalVector>{vector({"1"})}), Error);
+  EXPECT_THROW(contains(cube(2), vector({"1"})), Error);
+  EXPECT_TRUE(vertices(hull(3, std::vector<RationalVector>())).empty());
+}
+
+}  // namespace
+}  // namespace polyfly
