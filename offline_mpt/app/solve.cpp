@@ -240,11 +240,12 @@ void reportEnd(const Options& options, const Partition& partition, const RegionM
 void reportStop(const Options& options, const Partition& partition) {
   const bool stopped =
       partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
-  if (!stopped || partition.regions.empty()) return;
+  if (!stopped) return;
   if (partition.stats.lost_process > 0) {
     std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost after %zu regions\n",
                  options.map.c_str(), partition.stats.lost_process, partition.regions.size());
   }
+  if (partition.regions.empty()) return;
   std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
                checkpointOf(options).c_str(), partition.regions.size(),
                static_cast<unsigned long long>(partition.stats.open_sets));

@@ -1,13 +1,11 @@
 #include "crew.hpp"
 
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include "describe.hpp"
+#include "lend_threads.hpp"
 
 namespace polyfly {
 namespace {
@@ -32,23 +30,38 @@ void work(const LeastDistance& program, const ExploreOptions& options, Desk& des
   }
 }
 
+/// What the threads of a crew share.
+struct Crew {
+  const LeastDistance& program;
+  const ExploreOptions& options;
+  Desk& desk;
+};
+
+// TBB orders what is before its tasks, in them and after them. The thread sanitizer does not see that
+// (lend_threads.hpp): this says it again.
+std::atomic<unsigned> order{0};
+
+void join(void* context) {
+  order.fetch_add(1, std::memory_order_acq_rel);
+  const Crew& crew = *static_cast<const Crew*>(context);
+  work(crew.program, crew.options, crew.desk);
+  order.fetch_add(1, std::memory_order_acq_rel);
+}
+
 }  // namespace
 
 int crewSize(const ExploreOptions& options) {
   return std::clamp(options.threads, 1, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
 }
 
-// The desk is what the threads meet at: its mutex orders all that they share. TBB only lends the threads,
-// and may lend fewer, which changes nothing but the time.
+// The desk is what the threads meet at: its mutex orders all that they share. TBB may lend fewer threads,
+// which changes nothing but the time.
 void runCrew(const LeastDistance& program, const ExploreOptions& options, int threads, Desk& desk) {
   if (threads == 1) return work(program, options, desk);
-  const tbb::global_control at_least(tbb::global_control::max_allowed_parallelism,
-                                     static_cast<std::size_t>(threads));
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    tbb::parallel_for(
-        0, threads, [&](int) { work(program, options, desk); }, tbb::simple_partitioner());
-  });
+  Crew crew{program, options, desk};
+  order.fetch_add(1, std::memory_order_acq_rel);
+  lendThreads(threads, join, &crew);
+  order.fetch_add(1, std::memory_order_acq_rel);
 }
 
 }  // namespace polyfly

@@ -43,6 +43,7 @@ void TeamLeader::run() {
       dispatcher_.look();
       if (!busy) std::this_thread::sleep_for(kTeamPause);
     }
+    receiveAll();  // who cannot assist may say so last
     findLost();
     team_.dismiss();
   } catch (...) {
@@ -127,9 +128,12 @@ bool TeamLeader::handOut() {
 
 void TeamLeader::stayInTouch() {
   const Clock::time_point now = Clock::now();
-  if (now < next_sign_) return;
-  next_sign_ = now + kTeamAlive;
-  for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, teamMessage(TeamMessage::kAlive));
+  if (now >= next_sign_) {
+    next_sign_ = now + kTeamAlive;
+    for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, teamMessage(TeamMessage::kAlive));
+  }
+  if (now < next_check_) return;
+  next_check_ = now + kTeamCheck;
   findLost();
   if (lost_ > 0) dispatcher_.end(ExploreStatus::kInterrupted);
 }

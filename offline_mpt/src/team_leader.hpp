@@ -46,6 +46,7 @@ class TeamLeader {
   const std::uint64_t fingerprint_;
   std::vector<Member> members_;
   Clock::time_point next_sign_;
+  Clock::time_point next_check_;
   int lost_ = 0;
   std::thread thread_;
 };

@@ -21,6 +21,7 @@ enum class TeamMessage : std::uint8_t {
 
 constexpr auto kTeamPause = std::chrono::microseconds(100);  // between two looks for messages
 constexpr auto kTeamAlive = std::chrono::seconds(1);         // between two signs of life
+constexpr auto kTeamCheck = std::chrono::milliseconds(50);   // between two looks whether all are there
 constexpr auto kTeamSilence = std::chrono::seconds(60);      // without one, the other side is lost
 
 inline std::vector<std::byte> teamMessage(TeamMessage kind) { return {static_cast<std::byte>(kind)}; }
