@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "mpi_team.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 
@@ -37,7 +38,17 @@ void endOnSignal() {
   std::signal(SIGTERM, SIG_DFL);
 }
 
-int defaultThreads() { return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256); }
+void ignoreSignals() {
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+}
+
+// Processes of a launcher share the machine; one that is bound to some processors sees those only.
+int defaultThreads() {
+  const int all = static_cast<int>(::sysconf(_SC_NPROCESSORS_ONLN));
+  const int mine = static_cast<int>(std::thread::hardware_concurrency());
+  return std::clamp(std::min(mine, all / launchedHere()), 1, 256);
+}
 
 void writeText(const std::string& path, const std::string& text) {
   std::vector<std::byte> bytes(text.size());

@@ -30,7 +30,10 @@ const std::atomic<bool>& stopOnSignal();
 /// Signals end the program at once again: for work that cannot be stopped half-way.
 void endOnSignal();
 
-/// Number of processors, at least 1.
+/// Signals do nothing from now on: for a process that another one tells when to end.
+void ignoreSignals();
+
+/// Number of processors, at least 1; under an MPI launcher this process's share of them.
 int defaultThreads();
 
 /// Writes a text as writeFileAtomically does. Throws Error.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "command.hpp"
+#include "mpi_team.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -31,8 +32,9 @@ bool isCommand(const CLI::App& app, const std::string& name) {
                      [&name](const CLI::App* command) { return command->get_name() == name; });
 }
 
+// Of the processes of a launcher, which all fail alike, one speaks.
 int fail(const char* text) {
-  std::fprintf(stderr, "offline_mpt: %s\n", text);
+  if (polyfly::launchedRank() == 0) std::fprintf(stderr, "offline_mpt: %s\n", text);
   return static_cast<int>(polyfly::ExitCode::kBadInput);
 }
 

@@ -14,6 +14,10 @@ constexpr auto kInLog = std::chrono::seconds(10);
 constexpr double kSecondsPerMinute = 60.0;
 constexpr double kSecondsPerHour = 3600.0;
 
+constexpr double kWindow = 30.0;   // [s] that a forecast looks back
+constexpr double kSpacing = 0.25;  // [s] between two samples
+constexpr double kTrusted = 2.0;   // [s] of samples that tell a trend
+
 }  // namespace
 
 std::string duration(double seconds) {
@@ -58,5 +62,31 @@ void Progress::finish() {
 }
 
 double Progress::elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+void Forecast::add(double seconds, std::uint64_t regions, std::uint64_t described, std::uint64_t open) {
+  if (samples_.size() > 1 && seconds - samples_[samples_.size() - 2].seconds < kSpacing) samples_.pop_back();
+  samples_.push_back(
+      {seconds, static_cast<double>(regions), static_cast<double>(described), static_cast<double>(open)});
+  while (samples_.size() > 2 && seconds - samples_.front().seconds > kWindow) samples_.pop_front();
+}
+
+double Forecast::regionsPerSecond() const {
+  if (samples_.size() < 2 || samples_.back().seconds <= samples_.front().seconds) return 0.0;
+  return (samples_.back().regions - samples_.front().regions) /
+         (samples_.back().seconds - samples_.front().seconds);
+}
+
+bool Forecast::atLeast() const {
+  return samples_.size() < 2 || samples_.back().seconds - samples_.front().seconds < kTrusted ||
+         samples_.back().open >= samples_.front().open;
+}
+
+double Forecast::remaining() const {
+  if (samples_.size() < 2) return -1.0;
+  const Sample& now = samples_.back();
+  const Sample& then = samples_.front();
+  const double done = atLeast() ? now.described - then.described : then.open - now.open;
+  return done > 0.0 ? now.open * (now.seconds - then.seconds) / done : -1.0;
+}
 
 }  // namespace polyfly

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <deque>
 #include <string>
 
 namespace polyfly {
@@ -30,6 +32,27 @@ class Progress {
   const bool quiet_;
   const bool terminal_;
   bool open_ = false;  // a line stands on the terminal
+};
+
+/// How fast an exploration is, and how long it will take. It cannot know: sets turn up while others are
+/// described, until they turn up no more.
+class Forecast {
+ public:
+  /// The state after `seconds`. Calls that follow each other closely count as one.
+  void add(double seconds, std::uint64_t regions, std::uint64_t described, std::uint64_t open);
+
+  double regionsPerSecond() const;  ///< of late; 0 at first
+
+  /// [s]; negative while nothing is known. Exact where `atLeast()` is false and the open sets go on falling
+  /// as they did of late; else what the sets take that are open now.
+  double remaining() const;
+  bool atLeast() const;
+
+ private:
+  struct Sample {
+    double seconds, regions, described, open;
+  };
+  std::deque<Sample> samples_;  // of the last half minute
 };
 
 /// "12 s", "3 min 05 s", "2 h 10 min"

@@ -1,14 +1,18 @@
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpi_team.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "offline_mpt/team.hpp"
 #include "progress.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -22,13 +26,26 @@ const char kFooter[] =
     "(.json).\n"
     "The map does not depend on the number of threads: the same problem gives the same bytes.\n"
     "\n"
-    "Stopped by Ctrl-C or by a limit, the regions found so far are written and marked in the map, unless "
-    "MAP\n"
-    "exists already: it is replaced by a partial result with --force only.\n"
+    "Stopped by Ctrl-C, SIGTERM or a limit, it leaves MAP.checkpoint, from which --resume goes on to the map "
+    "of "
+    "an\n"
+    "uninterrupted run, byte for byte; it is also written every --checkpoint-period, and removed with the "
+    "complete map.\n"
+    "The regions found so far are written too and marked in the map, unless MAP exists already: it is "
+    "replaced "
+    "by a\n"
+    "partial result with --force only. A checkpoint of an unfinished run is overwritten with --force only.\n"
+    "\n"
+    "Started by mpirun, the processes explore together (--threads each) and process 0 writes the same map. "
+    "If "
+    "one is\n"
+    "lost, the run ends and leaves a checkpoint.\n"
     "\n"
     "Examples:\n"
     "  offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json\n"
-    "  offline_mpt solve big.json -o big.map --threads 8 --time-limit 600 --quiet";
+    "  offline_mpt solve big.json -o big.map --threads 8 --time-limit 600 --memory-limit 4G\n"
+    "  offline_mpt solve big.json -o big.map --resume\n"
+    "  mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2";
 
 constexpr std::size_t kLongTree = 1000;  // regions; more take a while
 
@@ -48,6 +65,40 @@ struct Seconds {
   double write = 0.0;
 };
 
+std::string checkpointOf(const Options& options) { return options.map + ".checkpoint"; }
+
+bool exists(const std::string& path) {
+  struct stat status = {};
+  return ::stat(path.c_str(), &status) == 0;
+}
+
+/// The other processes of an MPI launcher, if any. Whatever happens, they are dismissed and waited for.
+class Session {
+ public:
+  Session() : team_(joinTeam()) {}
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() { leave(); }
+
+  MpiTeam* team() const { return team_.get(); }
+  int processes() const { return team_ ? team_->size() : 1; }
+  void leave() {
+    if (!team_ || left_) return;
+    left_ = true;
+    if (team_->rank() == 0) team_->dismiss();
+    team_->leave();
+  }
+  /// One of them is lost: there is nothing to wait for.
+  void abort() {
+    left_ = true;
+    team_->abort(static_cast<int>(ExitCode::kStopped));
+  }
+
+ private:
+  std::unique_ptr<MpiTeam> team_;
+  bool left_ = false;
+};
+
 class Stopwatch {
  public:
   /// Seconds since the last call.
@@ -62,16 +113,20 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-Partition exploreWithProgress(const ParametricProgram& program, const Options& options) {
+Partition exploreWithProgress(const ParametricProgram& program, const Options& options, Team* team) {
   ExploreOptions explore_options = options.explore;
   explore_options.stop = &stopOnSignal();
+  explore_options.checkpoint = checkpointOf(options);
+  explore_options.team = team;
   Progress progress(options.quiet);
+  Forecast forecast;
   explore_options.progress = [&](const ExploreProgress& state) {
-    // Each region found so far takes as long as those before; more turn up until the last facets are crossed.
-    const double rate = static_cast<double>(state.regions) / progress.elapsed();
-    const double remaining = rate > 0.0 ? static_cast<double>(state.open) / rate : -1.0;
-    progress.show(std::to_string(state.regions) + " regions, " + std::to_string(state.open) + " open",
-                  remaining, true);
+    forecast.add(progress.elapsed(), state.regions, state.described, state.open);
+    std::string text = std::to_string(state.regions) + " regions, " + std::to_string(state.open) + " open";
+    if (const double rate = forecast.regionsPerSecond(); rate > 0.0) {
+      text += ", " + std::to_string(std::llround(rate)) + " regions/s";
+    }
+    progress.show(text, forecast.remaining(), forecast.atLeast());
   };
   return explore(program, explore_options);
 }
@@ -92,7 +147,7 @@ ExitCode exitCode(ExploreStatus status) {
 }
 
 std::string statsJson(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
-                      const Seconds& seconds, int threads) {
+                      const Seconds& seconds, int threads, int processes) {
   nlohmann::ordered_json json;
   json["name"] = program.name;
   json["status"] = toString(partition.status);
@@ -104,8 +159,12 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
   json["candidate_sets"] = partition.stats.candidate_sets;
   json["degenerate_facets"] = partition.stats.degenerate_facets;
   json["lp_pivots"] = partition.stats.lp_pivots;
+  json["open_sets"] = partition.stats.open_sets;
+  json["resumed_regions"] = partition.stats.resumed_regions;
+  json["explore_bytes"] = partition.stats.memory_bytes;
   json["cpu_seconds"] = partition.stats.cpu_seconds;
   json["threads"] = threads;
+  json["processes"] = processes;
   json["seconds"] = {{"load", seconds.load},
                      {"explore", seconds.explore},
                      {"encode", seconds.encode},
@@ -138,18 +197,15 @@ std::string vectorText(const Eigen::VectorXd& vector) {
 // True when the result may be written; says why not otherwise.
 bool mayWrite(const Options& options, const Partition& partition) {
   if (partition.status == ExploreStatus::kComplete || options.force) return true;
-  struct stat status = {};
-  const bool exists = ::stat(options.map.c_str(), &status) == 0;
   if (partition.regions.empty()) {
     std::fprintf(stderr, "offline_mpt: %s: %s before the first region, nothing was kept\n",
                  options.map.c_str(), toString(partition.status));
     return false;
   }
-  if (exists) {
-    std::fprintf(
-        stderr,
-        "offline_mpt: %s: %s after %zu regions; nothing was kept, the existing file stands (--force)\n",
-        options.map.c_str(), toString(partition.status), partition.regions.size());
+  if (exists(options.map)) {
+    std::fprintf(stderr,
+                 "offline_mpt: %s: %s after %zu regions; not written, the existing file stands (--force)\n",
+                 options.map.c_str(), toString(partition.status), partition.regions.size());
     return false;
   }
   return true;
@@ -180,15 +236,46 @@ void reportEnd(const Options& options, const Partition& partition, const RegionM
               map.cost().depth, map.bytes(), seconds.explore, seconds.encode);
 }
 
-ExitCode solve(const Options& options) {
+// What stopped the exploration and where it can go on: said before the search tree takes its time.
+void reportStop(const Options& options, const Partition& partition) {
+  const bool stopped =
+      partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
+  if (!stopped) return;
+  if (partition.stats.lost_process > 0) {
+    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost after %zu regions\n",
+                 options.map.c_str(), partition.stats.lost_process, partition.regions.size());
+  }
+  if (partition.regions.empty()) return;
+  std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
+               checkpointOf(options).c_str(), partition.regions.size(),
+               static_cast<unsigned long long>(partition.stats.open_sets));
+}
+
+void checkFiles(const Options& options) {
   checkWritable(options.map);
   if (!options.stats.empty()) checkWritable(options.stats);
+  const std::string checkpoint = checkpointOf(options);
+  const bool unfinished = exists(checkpoint);
+  if (options.explore.resume && !unfinished) throw Error(checkpoint + ": there is no checkpoint to resume");
+  if (!options.explore.resume && unfinished && !options.force) {
+    throw Error(checkpoint + ": an unfinished run left this: continue with --resume, or --force a new one");
+  }
+}
+
+ExitCode lead(const Options& options, Session& session) {
+  checkFiles(options);
   Stopwatch watch;
   Seconds seconds;
   const ParametricProgram program = loadProgram(options.problem);
   seconds.load = watch.lap();
-  const Partition partition = exploreWithProgress(program, options);
+  const Partition partition = exploreWithProgress(program, options, session.team());
   seconds.explore = watch.lap();
+  reportStop(options, partition);
+  if (partition.stats.lost_process > 0) {
+    session.abort();
+    return ExitCode::kStopped;
+  }
+  session.leave();
   if (partition.status == ExploreStatus::kInfeasible) {
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   }
@@ -202,11 +289,34 @@ ExitCode solve(const Options& options) {
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
   seconds.write = watch.lap();
+  if (partition.stats.open_sets == 0) ::unlink(checkpointOf(options).c_str());
   if (!options.stats.empty()) {
-    writeText(options.stats, statsJson(program, partition, map, seconds, options.explore.threads));
+    writeText(options.stats,
+              statsJson(program, partition, map, seconds, options.explore.threads, session.processes()));
   }
   reportEnd(options, partition, map, seconds);
   return exitCode(partition.status);
+}
+
+// A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
+// signal to all of them must leave process 0 the time to save.
+ExitCode assist(const Options& options, MpiTeam& team) {
+  ignoreSignals();
+  ParametricProgram program;
+  try {
+    program = loadProgram(options.problem);
+  } catch (const Error& error) {
+    declineExploration(error.what(), team);
+    return ExitCode::kBadInput;
+  }
+  assistExploration(program, options.explore, team);
+  return ExitCode::kDone;
+}
+
+ExitCode solve(const Options& options) {
+  Session session;
+  if (session.team() != nullptr && session.team()->rank() > 0) return assist(options, *session.team());
+  return lead(options, session);
 }
 
 }  // namespace
@@ -227,8 +337,18 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--time-limit", options->explore.time_limit, "stop after so many seconds (default: none)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--memory-limit", options->explore.memory_limit,
+                   "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
+      ->transform(CLI::AsSizeValue(false));
+  command->add_flag("--resume", options->explore.resume, "go on from MAP.checkpoint");
+  command
+      ->add_option("--checkpoint-period", options->explore.checkpoint_period,
+                   "write MAP.checkpoint every so many seconds (default: 300; 0: at the end only)")
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--quiet", options->quiet, "say nothing but errors");
-  command->add_flag("--force", options->force, "let a partial result replace an existing map");
+  command->add_flag("--force", options->force,
+                    "let a partial result replace an existing map, and a new run an old checkpoint");
   command->callback([options, &exit_code] { exit_code = solve(*options); });
 }
 

@@ -1,21 +1,21 @@
 #include "offline_mpt/explore.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
+#include <cstring>
 #include <ctime>
 #include <functional>
-#include <memory>
 #include <random>
-#include <thread>
-#include <unordered_set>
 
+#include "checkpoint.hpp"
+#include "crew.hpp"
+#include "describe.hpp"
+#include "dispatcher.hpp"
+#include "exploration_state.hpp"
 #include "feasible_slack.hpp"
 #include "least_distance.hpp"
 #include "margin.hpp"
-#include "mpc_core/dense_qp.hpp"
-#include "region_builder.hpp"
 #include "region_maps/error.hpp"
+#include "team_leader.hpp"
 
 namespace polyfly {
 namespace {
@@ -29,35 +29,8 @@ constexpr double kClearlyInside =
     1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
 constexpr double kEdge =
     1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
-constexpr double kActive = 1e-10;     // multipliers below this are not active in a starting point
-constexpr std::size_t kBatch = 1024;  // sets handed out between two looks at the limits
-
-struct ActiveSetHash {
-  std::size_t operator()(const ActiveSet& set) const {
-    std::uint64_t hash = 1469598103934665603ull;
-    for (const std::uint16_t row : set) hash = (hash ^ row) * 1099511628211ull;
-    return static_cast<std::size_t>(hash ^ hash >> 29);
-  }
-};
-
-/// What describing one active set yields.
-struct Described {
-  BuildStatus status = BuildStatus::kThin;
-  RegionData region;
-  std::vector<ActiveSet> neighbours;
-  std::vector<double> unsettled;  // probes (p numbers each) that no candidate of their facet holds
-  std::uint32_t degenerate_facets = 0;
-};
-
-/// Everything that one thread needs.
-struct Worker {
-  Worker(const LeastDistance& program, const ExploreOptions& options)
-      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {}
-
-  RegionBuilder builder;
-  DenseQp qp;
-  std::vector<ActiveSet> sets;
-};
+constexpr double kActive = 1e-10;            // multipliers below this are not active in a starting point
+constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
 
 /// Active set at t with all rows of unit length tightened by `margin`, ascending; false where that is
 /// infeasible.
@@ -125,6 +98,8 @@ void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
   }
 }
 
+}  // namespace
+
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
   Described out;
   out.status = worker.builder.build(active, out.region);
@@ -147,7 +122,6 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
   return out;
 }
 
-/// A full-dimensional region to begin with.
 bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
                ActiveSet& active) {
   std::mt19937_64 random(1);
@@ -166,161 +140,107 @@ bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Work
   return false;
 }
 
-CriticalRegion toRegion(const LeastDistance& program, const ActiveSet& active, const RegionData& data) {
-  const int p = program.p;
-  const int q = static_cast<int>(program.U.rows());
-  CriticalRegion region;
-  for (const std::uint16_t row : active) region.active.push_back(program.row_ids[row]);
-  std::sort(region.active.begin(), region.active.end());
-  region.G.resize(static_cast<Eigen::Index>(data.facets.size()), p);
-  region.g.resize(region.G.rows());
-  for (Eigen::Index f = 0; f < region.G.rows(); ++f) {
-    double bound = data.facets[f].row[p];
-    for (int j = 0; j < p; ++j) {
-      region.G(f, j) = data.facets[f].row[j] / program.half(j);
-      bound += region.G(f, j) * program.centre(j);
-    }
-    region.g(f) = bound;
+namespace {
+
+// A probe that none of its facet's own candidates holds must lie in some other region.
+void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& unsettled,
+                  Partition& partition) {
+  const auto p = static_cast<std::size_t>(program.p);
+  for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
+    const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
+    const Eigen::VectorXd theta = program.centre + program.half.cwiseProduct(t);
+    const bool held = std::any_of(
+        partition.regions.begin(), partition.regions.end(),
+        [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
+    if (held) continue;
+    const std::optional<double> slack = feasibleSlack(program, t);
+    if (slack && *slack <= kEdge) continue;  // the edge of the feasible set after all
+    partition.status = ExploreStatus::kIncomplete;
+    partition.witness = theta;
+    return;
   }
-  region.K.resize(q, p);
-  region.k.resize(q);
-  region.centre.resize(p);
-  for (int i = 0; i < q; ++i) {
-    double constant = data.law[static_cast<std::size_t>(i) * (p + 1) + p];
-    for (int j = 0; j < p; ++j) {
-      region.K(i, j) = data.law[static_cast<std::size_t>(i) * (p + 1) + j] / program.half(j);
-      constant -= region.K(i, j) * program.centre(j);
-    }
-    region.k(i) = constant;
-  }
-  for (int j = 0; j < p; ++j) region.centre(j) = program.centre(j) + program.half(j) * data.centre[j];
-  region.radius = data.radius;
-  return region;
 }
 
-/// The exploration itself: waves of active sets, each described in parallel and merged in order.
-class Exploration {
- public:
-  Exploration(const LeastDistance& program, const Eigen::VectorXd& start, const ExploreOptions& options)
-      : program_(program), start_(start), options_(options) {
-    const int most = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    const int threads = std::clamp(options.threads, 1, most);
-    for (int k = 0; k < threads; ++k) workers_.push_back(std::make_unique<Worker>(program, options));
+// Regions sorted by active set, whatever the order in which they were found.
+void convertRegions(const LeastDistance& program, const ExplorationState& state, Partition& partition) {
+  partition.regions.reserve(state.regions.size());
+  for (std::size_t k = 0; k < state.regions.size(); ++k) {
+    partition.regions.push_back(state.regions.region(k, program, state.found[state.regions[k].set]));
   }
+  std::sort(partition.regions.begin(), partition.regions.end(),
+            [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
+}
 
-  Partition run() {
-    const std::clock_t cpu_start = std::clock();
-    begin_ = std::chrono::steady_clock::now();
-    ActiveSet first;
-    if (!findStart(program_, start_, *workers_.front(), first)) {
-      partition_.status = ExploreStatus::kIncomplete;
-      partition_.witness = program_.centre + program_.half.cwiseProduct(start_);
-      return std::move(partition_);
-    }
-    partition_.status = ExploreStatus::kComplete;
-    seen_.insert(first);
-    std::vector<ActiveSet> wave{first};
-    while (!wave.empty() && partition_.status == ExploreStatus::kComplete) wave = advance(wave);
-    std::sort(partition_.regions.begin(), partition_.regions.end(),
-              [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
-    if (partition_.status == ExploreStatus::kComplete) settleProbes();
-    partition_.stats.regions = partition_.regions.size();
-    partition_.stats.candidate_sets = seen_.size();
-    for (const auto& worker : workers_) partition_.stats.lp_pivots += worker->builder.pivots();
-    partition_.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-    return std::move(partition_);
+// Goes on from a checkpoint. Some of its regions are described again: other bits tell of another solver,
+// whose regions would not go together with these.
+void resume(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
+            const ActiveSet& first, Worker& worker, ExplorationState& state) {
+  loadCheckpoint(options.checkpoint, key, program, state);
+  const RowSpan start = state.found[0];
+  bool same = std::equal(start.begin(), start.end(), first.begin(), first.end());
+  const std::size_t step = std::max<std::size_t>(1, state.regions.size() / kDescribedAgain);
+  for (std::size_t k = 0; same && k < state.regions.size(); k += step) {
+    const RegionStore::Region& region = state.regions[k];
+    const RowSpan set = state.found[region.set];
+    const Described again = describe(program, worker, ActiveSet(set.begin(), set.end()));
+    std::vector<std::byte> numbers;
+    ByteWriter out(numbers);
+    if (again.status == BuildStatus::kRegion) writeNumbers(again.region, out);
+    same = again.region.facets.size() == region.facets && !numbers.empty() &&
+           std::memcmp(numbers.data(), region.numbers, numbers.size()) == 0;
   }
+  if (!same) throw Error(options.checkpoint + ": was written by another build of the solver");
+}
 
- private:
-  std::vector<ActiveSet> advance(const std::vector<ActiveSet>& wave) {
-    std::vector<ActiveSet> next;
-    std::vector<Described> described;
-    for (std::size_t first = 0; first < wave.size(); first += kBatch) {
-      if (limitReached()) return {};
-      const std::size_t count = std::min(kBatch, wave.size() - first);
-      described.assign(count, {});
-      describeAll(wave.data() + first, described);
-      for (std::size_t i = 0; i < count; ++i) merge(wave[first + i], described[i], next);
-      if (options_.progress)
-        options_.progress({partition_.regions.size(), wave.size() - first - count + next.size()});
-    }
-    return next;
+// Describes all open sets, alone or with the team's other processes, until there are none or a limit is
+// reached.
+ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
+                          ExplorationState& state, ExploreStats& stats) {
+  std::function<void()> save;
+  if (!options.checkpoint.empty()) save = [&] { saveCheckpoint(options.checkpoint, key, state); };
+  Dispatcher dispatcher(state, options, save);
+  if (options.team != nullptr && options.team->size() > 1) {
+    TeamLeader leader(*options.team, dispatcher, key);
+    runCrew(program, options, crewSize(options), dispatcher);
+    stats.lost_process = leader.finish();
+  } else {
+    runCrew(program, options, crewSize(options), dispatcher);
   }
+  const ExploreStatus status = dispatcher.result();
+  if (status != ExploreStatus::kComplete && save && state.regions.size() > 0) save();
+  return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
+}
 
-  // One set after another by whichever thread is free; the results do not depend on which.
-  void describeAll(const ActiveSet* sets, std::vector<Described>& described) {
-    std::atomic<std::size_t> next{0};
-    const auto work = [&](Worker& worker) {
-      for (std::size_t i = next++; i < described.size(); i = next++) {
-        described[i] = describe(program_, worker, sets[i]);
-      }
-    };
-    std::vector<std::thread> threads;
-    if (described.size() > 1) {
-      for (std::size_t k = 1; k < workers_.size(); ++k) threads.emplace_back(work, std::ref(*workers_[k]));
-    }
-    work(*workers_.front());
-    for (std::thread& thread : threads) thread.join();
+Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& start, std::uint64_t key,
+                      const ExploreOptions& options) {
+  const std::clock_t cpu_start = std::clock();
+  Partition partition;
+  ExplorationState state(program);
+  Worker worker(program, options);
+  ActiveSet first;
+  if (!findStart(program, start, worker, first)) {
+    partition.status = ExploreStatus::kIncomplete;
+    partition.witness = program.centre + program.half.cwiseProduct(start);
+    return partition;
   }
-
-  void merge(const ActiveSet& active, Described& described, std::vector<ActiveSet>& next) {
-    if (described.status == BuildStatus::kFailed) partition_.status = ExploreStatus::kIncomplete;
-    for (ActiveSet& set : described.neighbours) {
-      if (seen_.insert(set).second) next.push_back(std::move(set));
-    }
-    if (described.status != BuildStatus::kRegion) return;
-    partition_.stats.degenerate_facets += described.degenerate_facets;
-    if (described.region.by_slack && described.region.tight.size() > active.size() &&
-        !tight_.insert(described.region.tight).second) {
-      return;  // the same rows are tight in a region that was found before: it is that region
-    }
-    unsettled_.insert(unsettled_.end(), described.unsettled.begin(), described.unsettled.end());
-    partition_.regions.push_back(toRegion(program_, active, described.region));
+  if (options.resume) {
+    resume(program, options, key, first, worker, state);
+  } else {
+    state.found.insert({first.data(), first.size()});
   }
-
-  bool limitReached() {
-    if (options_.stop != nullptr && options_.stop->load()) {
-      partition_.status = ExploreStatus::kInterrupted;
-    } else if (partition_.regions.size() >= options_.region_limit) {
-      partition_.status = ExploreStatus::kLimited;
-    } else if (options_.time_limit > 0.0 &&
-               std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() >
-                   options_.time_limit) {
-      partition_.status = ExploreStatus::kLimited;
-    } else {
-      return false;
-    }
-    return true;
-  }
-
-  // A probe that none of its facet's own candidates holds must lie in some other region.
-  void settleProbes() {
-    const int p = program_.p;
-    for (std::size_t i = 0; i + p <= unsettled_.size(); i += p) {
-      const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled_.data() + i, p);
-      const Eigen::VectorXd theta = program_.centre + program_.half.cwiseProduct(t);
-      const bool held = std::any_of(
-          partition_.regions.begin(), partition_.regions.end(),
-          [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
-      if (held) continue;
-      const std::optional<double> slack = feasibleSlack(program_, t);
-      if (slack && *slack <= kEdge) continue;  // the edge of the feasible set after all
-      partition_.status = ExploreStatus::kIncomplete;
-      partition_.witness = theta;
-      return;
-    }
-  }
-
-  const LeastDistance& program_;
-  const Eigen::VectorXd& start_;
-  const ExploreOptions& options_;
-  std::vector<std::unique_ptr<Worker>> workers_;
-  std::chrono::steady_clock::time_point begin_;
-  std::unordered_set<ActiveSet, ActiveSetHash> seen_;
-  std::unordered_set<ActiveSet, ActiveSetHash> tight_;
-  std::vector<double> unsettled_;
-  Partition partition_;
-};
+  partition.stats.resumed_regions = state.regions.size();
+  partition.status = describeAll(program, options, key, state, partition.stats);
+  convertRegions(program, state, partition);
+  if (partition.status == ExploreStatus::kComplete) settleProbes(program, state.unsettled, partition);
+  partition.stats.regions = partition.regions.size();
+  partition.stats.candidate_sets = state.found.size();
+  partition.stats.open_sets = state.open();
+  partition.stats.degenerate_facets = state.degenerate_facets;
+  partition.stats.lp_pivots = state.pivots;
+  partition.stats.memory_bytes = state.memory.peak();
+  partition.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  return partition;
+}
 
 }  // namespace
 
@@ -347,7 +267,7 @@ Partition explore(const ParametricProgram& program, const ExploreOptions& option
   if (!margin.feasible) return {};
   const LeastDistance scaled = toLeastDistance(explicit_equalities);
   if (scaled.domain_empty) return {};
-  return Exploration(scaled, margin.t, options).run();
+  return exploreFrom(scaled, margin.t, fingerprint(program, options), options);
 }
 
 }  // namespace polyfly

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "region_maps/error.hpp"
+#include "region_maps/file_draft.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
@@ -20,56 +21,6 @@ std::string folderOf(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
-/// A new file beside its target: removed again unless it was renamed.
-class Draft {
- public:
-  explicit Draft(const std::string& target) : target_(target) {
-    // A writer that was killed may have left a file of the same name: take the next one.
-    for (int attempt = 0; descriptor_ < 0; ++attempt) {
-      path_ = target + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
-      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (descriptor_ < 0 && (errno != EEXIST || attempt == kMaxAttempts)) fail("cannot be written");
-    }
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-  ~Draft() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(path_.c_str());
-  }
-
-  void write(const std::byte* data, std::size_t first, std::size_t end) {
-    while (first < end) {
-      const ssize_t written = ::pwrite(descriptor_, data + first, end - first, static_cast<off_t>(first));
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail("cannot be written");
-      first += static_cast<std::size_t>(written);
-    }
-  }
-
-  void sync() {
-    if (::fsync(descriptor_) != 0) fail("cannot be written to the disk");
-  }
-
-  void rename() {
-    const int result = ::close(descriptor_);
-    descriptor_ = -1;
-    if (result != 0) fail("cannot be written");
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot be replaced");
-    renamed_ = true;
-  }
-
- private:
-  [[noreturn]] void fail(const char* what) const {
-    throw Error(target_ + ": " + what + ": " + std::strerror(errno));
-  }
-
-  const std::string target_;
-  std::string path_;
-  int descriptor_ = -1;
-  bool renamed_ = false;
-};
-
 /// So that the new name outlives a loss of power.
 void syncFolder(const std::string& target) {
   const int descriptor = ::open(folderOf(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -80,15 +31,57 @@ void syncFolder(const std::string& target) {
 
 }  // namespace
 
+FileDraft::FileDraft(const std::string& target) : target_(target) {
+  // A writer that was killed may have left a file of the same name: take the next one.
+  for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    path_ = target + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && (errno != EEXIST || attempt == kMaxAttempts)) fail("cannot be written");
+  }
+}
+
+FileDraft::~FileDraft() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!renamed_) ::unlink(path_.c_str());
+}
+
+void FileDraft::write(const void* data, std::uint64_t offset, std::size_t bytes) {
+  const auto* next = static_cast<const std::byte*>(data);
+  while (bytes > 0) {
+    const ssize_t written = ::pwrite(descriptor_, next, bytes, static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail("cannot be written");
+    next += written;
+    offset += static_cast<std::uint64_t>(written);
+    bytes -= static_cast<std::size_t>(written);
+  }
+}
+
+void FileDraft::sync() {
+  if (::fsync(descriptor_) != 0) fail("cannot be written to the disk");
+}
+
+void FileDraft::commit() {
+  sync();
+  const int result = ::close(descriptor_);
+  descriptor_ = -1;
+  if (result != 0) fail("cannot be written");
+  if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot be replaced");
+  renamed_ = true;
+  syncFolder(target_);
+}
+
+void FileDraft::fail(const char* what) const {
+  throw Error(target_ + ": " + what + ": " + std::strerror(errno));
+}
+
 void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes) {
-  Draft draft(path);
+  FileDraft draft(path);
   const std::size_t head = std::min(kWrittenLast, bytes.size());
-  draft.write(bytes.data(), head, bytes.size());
+  draft.write(bytes.data() + head, head, bytes.size() - head);
   draft.sync();
   draft.write(bytes.data(), 0, head);
-  draft.sync();
-  draft.rename();
-  syncFolder(path);
+  draft.commit();
 }
 
 }  // namespace polyfly

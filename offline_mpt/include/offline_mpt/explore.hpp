@@ -3,26 +3,39 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/partition.hpp"
 
 namespace polyfly {
 
+class Team;
+
 struct ExploreProgress {
-  std::uint64_t regions = 0;  ///< finished
-  std::uint64_t open = 0;     ///< found, not yet described
+  std::uint64_t regions = 0;    ///< finished, those of a checkpoint among them
+  std::uint64_t open = 0;       ///< active sets found, not yet described
+  std::uint64_t described = 0;  ///< active sets described, of which some are regions
+  std::uint64_t memory = 0;     ///< accounted [bytes], see memory_limit
 };
 
 struct ExploreOptions {
   int threads = 1;  ///< worker threads, at most the machine's; the result does not depend on it
-  std::uint64_t region_limit = 10'000'000;  ///< stop after so many regions
-  double time_limit = 0.0;                  ///< [s], 0: none
+  std::uint64_t region_limit = 10'000'000;  ///< stop when so many regions are found
+  double time_limit = 0.0;                  ///< [s], of this run, 0: none
+  /// [bytes], 0: none. What grows with the exploration counts: regions, active sets, their hash tables,
+  /// probes. Not the program, and not the Partition that regions are converted to at the end.
+  std::uint64_t memory_limit = 0;
   double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
   double radius_tolerance =
       1e-10;  ///< regions with a smaller inscribed ball are left to their neighbours [scaled]
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
+
+  std::string checkpoint;            ///< file to go on from, written when stopped or limited; empty: none
+  double checkpoint_period = 300.0;  ///< it is also written every so often, at least [s]; 0: at the end only
+  bool resume = false;               ///< go on from `checkpoint`
+  Team* team = nullptr;              ///< other processes that describe active sets, see team.hpp
 };
 
 /// Partitions the parameter set of a convex program into critical regions.
@@ -32,6 +45,13 @@ struct ExploreOptions {
 /// its mean eigenvalue is added to it, so that z is close to the shortest optimum. Rows may repeat, depend on
 /// each other or hold with equality everywhere. Throws Error when H is indefinite, the parameter set is
 /// unbounded, or the parameters that admit a solution form a lower-dimensional set.
+///
+/// Active sets are described in the order in which they are found, so the result depends neither on threads
+/// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the
+/// regions of one that was not. A limit on regions cuts at the same region each time. Throws Error when the
+/// checkpoint is damaged, belongs to another problem or other tolerances, or comes from another build of the
+/// solver; when it cannot be written; and when a process of the team cannot assist. A process of the team
+/// that is lost interrupts (ExploreStats::lost_process).
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly

@@ -13,7 +13,7 @@ namespace polyfly {
 enum class ExploreStatus {
   kComplete,     ///< every facet of every region leads to a region or to the edge of the feasible set
   kIncomplete,   ///< a gap was left: `witness` is a parameter that no region holds
-  kLimited,      ///< a limit on regions or time was reached
+  kLimited,      ///< a limit on regions, time or memory was reached
   kInterrupted,  ///< stopped from outside
   kInfeasible,   ///< no parameter in the box admits a solution
 };
@@ -38,7 +38,11 @@ struct ExploreStats {
   std::uint64_t candidate_sets = 0;  ///< active sets looked at
   std::uint64_t degenerate_facets = 0;
   std::uint64_t lp_pivots = 0;
-  double cpu_seconds = 0.0;  ///< not written to maps
+  std::uint64_t open_sets = 0;        ///< found, not looked at: the exploration was stopped
+  std::uint64_t resumed_regions = 0;  ///< of `regions`, taken from a checkpoint
+  std::uint64_t memory_bytes = 0;     ///< greatest that was accounted, see ExploreOptions::memory_limit
+  int lost_process = 0;               ///< number of a process of the team that was lost; 0: none
+  double cpu_seconds = 0.0;           ///< not written to maps
 };
 
 /// The solution of a parametric program. Regions are sorted by active set.

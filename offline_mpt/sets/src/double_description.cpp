@@ -20,13 +20,13 @@ std::vector<Integer> combine(const std::vector<Integer>& first, const Integer& w
 
 }  // namespace
 
-std::size_t BitSet::count() const {
+std::size_t TightSet::count() const {
   std::size_t result = 0;
   for (const std::uint64_t word : words_) result += static_cast<std::size_t>(__builtin_popcountll(word));
   return result;
 }
 
-bool BitSet::contains(const BitSet& other) const {
+bool TightSet::contains(const TightSet& other) const {
   for (std::size_t k = 0; k < other.words_.size(); ++k) {
     const std::uint64_t mine = k < words_.size() ? words_[k] : 0;
     if ((other.words_[k] & ~mine) != 0) return false;
@@ -34,7 +34,7 @@ bool BitSet::contains(const BitSet& other) const {
   return true;
 }
 
-bool BitSet::operator<(const BitSet& other) const {
+bool TightSet::operator<(const TightSet& other) const {
   const std::size_t size = std::max(words_.size(), other.words_.size());
   for (std::size_t k = 0; k < size; ++k) {
     const std::uint64_t mine = k < words_.size() ? words_[k] : 0;
@@ -44,8 +44,8 @@ bool BitSet::operator<(const BitSet& other) const {
   return false;
 }
 
-BitSet BitSet::operator&(const BitSet& other) const {
-  BitSet result;
+TightSet TightSet::operator&(const TightSet& other) const {
+  TightSet result;
   result.words_.resize(std::min(words_.size(), other.words_.size()));
   for (std::size_t k = 0; k < result.words_.size(); ++k) result.words_[k] = words_[k] & other.words_[k];
   return result;
@@ -132,7 +132,7 @@ void DoubleDescription::addAcrossRays(const std::vector<Integer>& row, bool equa
   std::vector<Ray> fresh;
   for (const std::size_t i : positive) {
     for (const std::size_t j : negative) {
-      BitSet common = rays_[i].tight & rays_[j].tight;
+      TightSet common = rays_[i].tight & rays_[j].tight;
       if (!adjacent(i, j, common)) continue;
       common.set(row_count_);
       fresh.push_back({combine(rays_[i].value, -values[j], rays_[j].value, values[i]), std::move(common)});
@@ -147,7 +147,7 @@ void DoubleDescription::addAcrossRays(const std::vector<Integer>& row, bool equa
 }
 
 // Two rays span a face of two dimensions when no third ray is tight wherever both are.
-bool DoubleDescription::adjacent(std::size_t first, std::size_t second, const BitSet& common) const {
+bool DoubleDescription::adjacent(std::size_t first, std::size_t second, const TightSet& common) const {
   if (common.count() + lines_.size() + 2 < size_) return false;
   for (std::size_t k = 0; k < rays_.size(); ++k) {
     if (k != first && k != second && rays_[k].tight.contains(common)) return false;

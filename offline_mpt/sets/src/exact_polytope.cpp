@@ -150,8 +150,8 @@ ExactPolytope minimal(const ExactPolytope& set) {
     return result;
   }
   const auto& rays = polytope.cone.rays();
-  std::vector<BitSet> faces(set.rows.size());
-  BitSet all, infinity;
+  std::vector<TightSet> faces(set.rows.size());
+  TightSet all, infinity;
   for (std::size_t k = 0; k < rays.size(); ++k) {
     all.set(k);
     if (rays[k].value[0] == 0) infinity.set(k);

@@ -43,7 +43,7 @@ ExactPolytope MapRegions::polytope(std::size_t region) const {
 std::vector<std::vector<Integer>> MapRegions::vertices(std::size_t region, bool& flat) const {
   const PolytopeCone polytope_cone(polytope(region));
   std::vector<std::vector<Integer>> result;
-  BitSet common;
+  TightSet common;
   for (const DoubleDescription::Ray& ray : polytope_cone.cone.rays()) {
     common = result.empty() ? ray.tight : common & ray.tight;
     result.push_back(ray.value);

@@ -18,7 +18,7 @@ class Simplices {
     const PolytopeCone polytope(set);
     for (const DoubleDescription::Ray& ray : polytope.cone.rays()) points_.push_back(ray.value);
     for (std::size_t i = 0; i < polytope.place.size(); ++i) {
-      BitSet face;
+      TightSet face;
       for (std::size_t k = 0; k < points_.size(); ++k) {
         if (polytope.cone.rays()[k].tight.test(polytope.place[i])) face.set(k);
       }
@@ -27,7 +27,7 @@ class Simplices {
   }
 
   Rational volume() {
-    BitSet all;
+    TightSet all;
     for (std::size_t k = 0; k < points_.size(); ++k) all.set(k);
     Indices chosen;
     add(all, chosen);
@@ -39,31 +39,31 @@ class Simplices {
 
  private:
   // Greatest intersections of the face with a row's face.
-  const std::vector<BitSet>& facetsOf(const BitSet& face) {
+  const std::vector<TightSet>& facetsOf(const TightSet& face) {
     const auto known = facets_.find(face);
     if (known != facets_.end()) return known->second;
-    std::vector<BitSet> found;
-    for (const BitSet& row : rows_) {
-      BitSet part = row & face;
+    std::vector<TightSet> found;
+    for (const TightSet& row : rows_) {
+      TightSet part = row & face;
       if (part == face || part.count() == 0) continue;
-      const auto within = [&](const BitSet& other) { return other.contains(part); };
+      const auto within = [&](const TightSet& other) { return other.contains(part); };
       if (std::any_of(found.begin(), found.end(), within)) continue;
       found.erase(std::remove_if(found.begin(), found.end(),
-                                 [&](const BitSet& other) { return part.contains(other); }),
+                                 [&](const TightSet& other) { return part.contains(other); }),
                   found.end());
       found.push_back(std::move(part));
     }
     return facets_.emplace(face, std::move(found)).first->second;
   }
 
-  void add(const BitSet& face, Indices& chosen) {
+  void add(const TightSet& face, Indices& chosen) {
     std::size_t apex = 0;
     while (!face.test(apex)) ++apex;
     chosen.push_back(apex);
     if (chosen.size() == dimension_ + 1) {
       sum_ += simplex(chosen);
     } else {
-      for (const BitSet& facet : facetsOf(face)) {
+      for (const TightSet& facet : facetsOf(face)) {
         if (!facet.test(apex)) add(facet, chosen);
       }
     }
@@ -100,8 +100,8 @@ class Simplices {
 
   std::size_t dimension_;
   std::vector<std::vector<Integer>> points_;
-  std::vector<BitSet> rows_;
-  std::map<BitSet, std::vector<BitSet>> facets_;
+  std::vector<TightSet> rows_;
+  std::map<TightSet, std::vector<TightSet>> facets_;
   Rational sum_;
 };
 

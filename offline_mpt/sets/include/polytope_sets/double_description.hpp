@@ -9,7 +9,7 @@
 namespace polyfly {
 
 /// A set of small whole numbers: which rows are tight, which vertices a face holds.
-class BitSet {
+class TightSet {
  public:
   void set(std::size_t index) {
     if (index / kBits >= words_.size()) words_.resize(index / kBits + 1);
@@ -19,10 +19,10 @@ class BitSet {
     return index / kBits < words_.size() && ((words_[index / kBits] >> (index % kBits)) & 1u) != 0;
   }
   std::size_t count() const;
-  bool contains(const BitSet& other) const;  ///< every member of `other` is one of this
-  bool operator==(const BitSet& other) const { return contains(other) && other.contains(*this); }
-  bool operator<(const BitSet& other) const;  ///< any strict order
-  BitSet operator&(const BitSet& other) const;
+  bool contains(const TightSet& other) const;  ///< every member of `other` is one of this
+  bool operator==(const TightSet& other) const { return contains(other) && other.contains(*this); }
+  bool operator<(const TightSet& other) const;  ///< any strict order
+  TightSet operator&(const TightSet& other) const;
 
  private:
   static constexpr std::size_t kBits = 64;
@@ -40,7 +40,7 @@ class DoubleDescription {
  public:
   struct Ray {
     std::vector<Integer> value;  ///< without a common factor
-    BitSet tight;                ///< rows, by their order, that are zero here
+    TightSet tight;              ///< rows, by their order, that are zero here
   };
 
   /// The whole space of `size` dimensions.
@@ -56,11 +56,11 @@ class DoubleDescription {
  private:
   bool addAcrossLines(const std::vector<Integer>& row, bool equality);
   void addAcrossRays(const std::vector<Integer>& row, bool equality);
-  bool adjacent(std::size_t first, std::size_t second, const BitSet& common) const;
+  bool adjacent(std::size_t first, std::size_t second, const TightSet& common) const;
 
   std::size_t size_;
   std::size_t row_count_ = 0;
-  BitSet all_rows_;
+  TightSet all_rows_;
   std::vector<std::vector<Integer>> lines_;
   std::vector<Ray> rays_;
 };

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "least_distance.hpp"
+#include "mpc_core/dense_qp.hpp"
+#include "offline_mpt/explore.hpp"
+#include "region_builder.hpp"
+
+namespace polyfly {
+
+/// What describing one active set yields. It depends on that set alone.
+struct Described {
+  BuildStatus status = BuildStatus::kThin;
+  RegionData region;
+  std::vector<ActiveSet> neighbours;
+  std::vector<double> unsettled;  ///< probes (p numbers each) that no candidate of their facet holds
+  std::uint32_t degenerate_facets = 0;
+};
+
+/// Everything that one thread needs.
+struct Worker {
+  Worker(const LeastDistance& program, const ExploreOptions& options)
+      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {}
+
+  RegionBuilder builder;
+  DenseQp qp;
+  std::vector<ActiveSet> sets;
+};
+
+Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active);
+
+/// A full-dimensional region to begin with, at or near t = `centre`; false where none is found.
+bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
+               ActiveSet& active);
+
+}  // namespace polyfly

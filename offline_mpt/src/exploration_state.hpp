@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "active_set_pool.hpp"
+#include "arena.hpp"
+#include "byte_stream.hpp"
+#include "describe.hpp"
+#include "least_distance.hpp"
+#include "region_store.hpp"
+
+namespace polyfly {
+
+/// How far an exploration has come. It is a queue: active sets are described in the order in which they were
+/// found, so the state after k sets is the same whoever described them, and all that a checkpoint holds.
+struct ExplorationState {
+  explicit ExplorationState(const LeastDistance& program);
+
+  std::uint64_t open() const { return found.size() - described; }
+
+  /// Takes in what describing the set `described` yielded.
+  void merge(ByteReader& answer);
+
+  CountedMemory memory;  // of all that follows
+  ActiveSetPool found;
+  std::uint64_t described = 0;  // sets of `found` that were merged
+  ActiveSetPool tight;          // rows tight in a region that only slacks bound, to know it again
+  RegionStore regions;
+  std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
+  std::uint64_t degenerate_facets = 0;
+  std::uint64_t pivots = 0;
+  bool failed = false;  // the simplex gave up on a set
+
+ private:
+  void mergeRegion(ByteReader& answer);
+
+  std::vector<std::uint16_t> rows_;
+};
+
+/// Appends what describing a set yielded, in the form that ExplorationState::merge reads.
+void writeAnswer(const Described& described, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out);
+
+/// The numbers of a region as RegionStore holds them.
+void writeNumbers(const RegionData& region, ByteWriter& out);
+
+}  // namespace polyfly

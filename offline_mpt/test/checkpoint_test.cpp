@@ -1,0 +1,169 @@
+// Explorations that are stopped and resumed end with the bytes of one that was not; a checkpoint that is not
+// whole or not the problem's is refused.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <random>
+#include <string>
+
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "random_program.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
+#include "same_regions.hpp"
+#include "scratch_folder.hpp"
+
+namespace polyfly {
+namespace {
+
+class Checkpoint : public ::testing::Test {
+ protected:
+  Checkpoint() { options_.checkpoint = folder_.path("x.map.checkpoint"); }
+
+  // Explores up to `limit` regions, from the checkpoint if `resume`.
+  Partition upTo(std::uint64_t limit, bool resume) {
+    ExploreOptions options = options_;
+    options.region_limit = limit;
+    options.resume = resume;
+    return explore(program_, options);
+  }
+
+  std::string refusal(const ParametricProgram& program, const ExploreOptions& options) {
+    try {
+      explore(program, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string refusal() {
+    ExploreOptions options = options_;
+    options.resume = true;
+    return refusal(program_, options);
+  }
+
+  const ParametricProgram program_ = randomProgram(8, 24, 3, 5);
+  const Partition whole_ = explore(program_);
+  ScratchFolder folder_;
+  ExploreOptions options_;
+};
+
+TEST_F(Checkpoint, ResumedAtAnyRegionGivesTheSameBytes) {
+  const std::vector<std::byte> bytes = layOut(encode(program_, whole_));
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 12; ++round) {
+    options_.threads = 1 + round % 2;
+    std::uint64_t cut = 1 + random() % (whole_.regions.size() - 1);
+    Partition partition = upTo(cut, false);
+    ASSERT_EQ(partition.status, ExploreStatus::kLimited);
+    ASSERT_EQ(partition.regions.size(), cut);
+    if (round % 3 == 0) {  // stopped twice
+      cut += (whole_.regions.size() - cut) / 2;
+      partition = upTo(cut, true);
+    }
+    options_.threads = 1 + round / 2 % 2;
+    partition = upTo(whole_.regions.size() + 1, true);
+    EXPECT_EQ(partition.stats.resumed_regions, cut);
+    expectSameRegions(partition, whole_);
+    EXPECT_EQ(layOut(encode(program_, partition)), bytes);
+  }
+}
+
+TEST_F(Checkpoint, TheLimitCutsAtTheSameRegionForAnyThreads) {
+  const std::uint64_t cut = whole_.regions.size() / 2;
+  const Partition one = upTo(cut, false);
+  const std::string saved = readBytes(options_.checkpoint);
+  options_.threads = 2;
+  expectSameRegions(upTo(cut, false), one);
+  EXPECT_EQ(readBytes(options_.checkpoint), saved);
+}
+
+TEST_F(Checkpoint, InterruptedAnywhereGivesTheSameBytes) {
+  std::mt19937_64 random(4);
+  for (int round = 0; round < 6; ++round) {
+    std::atomic<bool> stop{false};
+    int left = 1 + static_cast<int>(random() % 20);
+    ExploreOptions options = options_;
+    options.threads = 1 + round % 2;
+    options.stop = &stop;
+    options.progress = [&](const ExploreProgress&) { stop = --left <= 0; };
+    const Partition part = explore(program_, options);
+    if (part.status == ExploreStatus::kComplete) continue;  // another thread did all the work
+    EXPECT_EQ(part.status, ExploreStatus::kInterrupted);
+    expectSameRegions(upTo(whole_.regions.size() + 1, true), whole_);
+  }
+}
+
+TEST_F(Checkpoint, SavedNowAndThenServesToo) {
+  ExploreOptions options = options_;
+  options.checkpoint_period = 1e-9;
+  ASSERT_EQ(explore(program_, options).status, ExploreStatus::kComplete);
+  const Partition resumed = upTo(whole_.regions.size() + 1, true);
+  EXPECT_LT(resumed.stats.resumed_regions, whole_.regions.size());
+  expectSameRegions(resumed, whole_);
+  EXPECT_EQ(folder_.fileCount(), 1u);
+}
+
+TEST_F(Checkpoint, MemoryLimitStops) {
+  ExploreOptions options = options_;
+  options.memory_limit = whole_.stats.memory_bytes / 2;
+  const Partition part = explore(program_, options);
+  EXPECT_EQ(part.status, ExploreStatus::kLimited);
+  EXPECT_LT(part.regions.size(), whole_.regions.size());
+  EXPECT_GE(part.stats.memory_bytes, options.memory_limit);
+  expectSameRegions(upTo(whole_.regions.size() + 1, true), whole_);
+}
+
+TEST_F(Checkpoint, LimitBeforeTheFirstRegionLeavesNone) {
+  const std::atomic<bool> stop{true};
+  options_.stop = &stop;
+  EXPECT_EQ(explore(program_, options_).status, ExploreStatus::kInterrupted);
+  EXPECT_EQ(folder_.fileCount(), 0u);
+}
+
+TEST_F(Checkpoint, RefusesEveryDamage) {
+  upTo(40, false);
+  const std::string bytes = readBytes(options_.checkpoint);
+  for (std::size_t i = 0; i < bytes.size(); i += i < 64 ? 1 : 97) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ (1 << i % 8));
+    writeBytes(options_.checkpoint, damaged);
+    EXPECT_NE(refusal().find(options_.checkpoint + ": "), std::string::npos) << "byte " << i;
+  }
+  for (const std::size_t size : {bytes.size() - 1, bytes.size() / 2, std::size_t{64}, std::size_t{10}}) {
+    writeBytes(options_.checkpoint, bytes.substr(0, size));
+    EXPECT_NE(refusal().find(options_.checkpoint + ": is"), std::string::npos) << size << " bytes";
+  }
+  writeBytes(options_.checkpoint, bytes + std::string(8, '\0'));
+  EXPECT_NE(refusal().find("has grown"), std::string::npos);
+  writeBytes(options_.checkpoint, std::string(4096, 'x'));
+  EXPECT_NE(refusal().find("is no checkpoint"), std::string::npos);
+  std::filesystem::remove(options_.checkpoint);
+  EXPECT_NE(refusal().find(options_.checkpoint), std::string::npos);
+}
+
+TEST_F(Checkpoint, RefusesAnotherProblem) {
+  upTo(40, false);
+  ExploreOptions options = options_;
+  options.resume = true;
+  ParametricProgram other = program_;
+  other.b(3) = std::nextafter(other.b(3), 10.0);
+  EXPECT_NE(refusal(other, options).find("belongs to another problem"), std::string::npos);
+  options.facet_tolerance *= 2.0;
+  EXPECT_NE(refusal(program_, options).find("other tolerances"), std::string::npos);
+  ParametricProgram renamed = program_;
+  renamed.name = "another name";
+  options = options_;
+  options.resume = true;
+  expectSameRegions(explore(renamed, options), whole_);
+}
+
+TEST_F(Checkpoint, SaysWhereItCannotBeWritten) {
+  options_.checkpoint = folder_.path("no/such/folder");
+  options_.region_limit = 3;
+  EXPECT_NE(refusal(program_, options_).find(options_.checkpoint), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly

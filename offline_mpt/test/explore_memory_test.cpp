@@ -1,0 +1,81 @@
+// The memory that an exploration says it holds is what it takes from the heap, and it is little.
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "offline_mpt/explore.hpp"
+#include "random_program.hpp"
+
+namespace {
+
+std::atomic<std::int64_t> in_use{0};  // bytes from operator new
+
+void* counted(std::size_t bytes) {
+  void* const memory = std::malloc(bytes > 0 ? bytes : 1);
+  if (memory == nullptr) throw std::bad_alloc();
+  in_use += static_cast<std::int64_t>(malloc_usable_size(memory));
+  return memory;
+}
+
+void* counted(std::size_t bytes, std::size_t alignment) {
+  void* const memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  in_use += static_cast<std::int64_t>(malloc_usable_size(memory));
+  return memory;
+}
+
+void release(void* memory) {
+  if (memory != nullptr) in_use -= static_cast<std::int64_t>(malloc_usable_size(memory));
+  std::free(memory);
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) { return counted(bytes); }
+void* operator new[](std::size_t bytes) { return counted(bytes); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return counted(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+  return counted(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { release(memory); }
+void operator delete[](void* memory) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { release(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { release(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+
+namespace polyfly {
+namespace {
+
+constexpr double kPerRegion = 2000.0;                     // [bytes] promised at 4 parameters
+constexpr std::int64_t kBesides = std::int64_t{1} << 20;  // workers, chunks, the scaled program
+
+TEST(ExploreMemory, IsWhatTheHeapHolds) {
+  const ParametricProgram program = randomProgram(12, 40, 4, 2);
+  ExploreOptions options;
+  options.region_limit = 4000;
+  const std::int64_t before = in_use;
+  std::int64_t greatest = 0;
+  std::uint64_t accounted = 0;
+  options.progress = [&](const ExploreProgress& state) {
+    greatest = std::max(greatest, in_use - before);
+    accounted = std::max(accounted, state.memory);
+  };
+  const Partition partition = explore(program, options);
+  ASSERT_GT(partition.regions.size(), 2000u) << "too small to tell";
+  EXPECT_GE(static_cast<std::int64_t>(accounted), greatest - kBesides);
+  EXPECT_LE(static_cast<std::int64_t>(accounted), greatest + kBesides / 16);
+  EXPECT_LE(accounted, partition.stats.memory_bytes);
+  EXPECT_LT(static_cast<double>(partition.stats.memory_bytes),
+            kPerRegion * static_cast<double>(partition.regions.size()));
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,229 @@
+// `offline_mpt solve` stopped and resumed, alone and under mpirun: the same bytes, and a sentence for every
+// refusal.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "offline_mpt/explore.hpp"
+#include "same_regions.hpp"
+#include "scratch_folder.hpp"
+
+namespace polyfly {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+// |z_i + a theta_i ...| <= 1 with a coupled cost: many regions, more with `n`.
+std::string chainProblem(int n, int p) {
+  std::ostringstream H, F, A, b, B, lb, ub;
+  for (int i = 0; i < n; ++i) {
+    H << (i > 0 ? ",[" : "[");
+    F << (i > 0 ? ",[" : "[");
+    for (int j = 0; j < n; ++j)
+      H << (j > 0 ? "," : "") << (i == j ? 2.0 + 0.1 * i : 0.9 / (1 + std::abs(i - j)));
+    for (int j = 0; j < p; ++j) F << (j > 0 ? "," : "") << ((i * 7 + j * 5) % 11 - 5.3) * 0.4;
+    H << "]";
+    F << "]";
+  }
+  for (int row = 0; row < 2 * n; ++row) {
+    A << (row > 0 ? ",[" : "[");
+    B << (row > 0 ? ",[" : "[");
+    for (int j = 0; j < n; ++j) A << (j > 0 ? "," : "") << (row / 2 == j ? (row % 2 == 0 ? 1 : -1) : 0);
+    for (int j = 0; j < p; ++j) B << (j > 0 ? "," : "") << "0";
+    A << "]";
+    B << "]";
+    b << (row > 0 ? "," : "") << 0.5 + 0.03 * row;
+  }
+  for (int j = 0; j < p; ++j) {
+    lb << (j > 0 ? "," : "") << -1.5;
+    ub << (j > 0 ? "," : "") << 1.5;
+  }
+  std::ostringstream f, text;
+  for (int i = 0; i < n; ++i) f << (i > 0 ? "," : "") << "0";
+  text << R"({"name": "chain", "H": [)" << H.str() << R"(], "f": [)" << f.str() << R"(], "F": [)" << F.str()
+       << R"(], "A": [)" << A.str() << R"(], "b": [)" << b.str() << R"(], "B": [)" << B.str()
+       << R"(], "eq_ids": [], "lb": [)" << lb.str() << R"(], "ub": [)" << ub.str()
+       << R"(], "A_theta": [], "b_theta": [], "out": [0]})";
+  return text.str();
+}
+
+class ResumeCommand : public testing::Test {
+ protected:
+  void SetUp() override { writeBytes(path("small.json"), chainProblem(4, 2)); }
+
+  std::string path(const std::string& name) const { return folder_.path(name); }
+
+  // Standard output and error go to files, so that neither can block.
+  pid_t start(std::vector<std::string> command) const {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);  // as continuous integration does
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    setenv("ASAN_OPTIONS", "detect_leaks=0", 0);  // Open MPI's own
+    std::vector<char*> argv;
+    for (std::string& word : command) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    if (!std::freopen(path("stdout").c_str(), "w", stdout) ||
+        !std::freopen(path("stderr").c_str(), "w", stderr))
+      _exit(126);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+
+  Outcome wait(pid_t child) const {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), readBytes(path("stdout")),
+            readBytes(path("stderr"))};
+  }
+
+  std::vector<std::string> solve(const std::string& problem, const std::string& map,
+                                 const std::vector<std::string>& options) const {
+    std::vector<std::string> command = {OFFLINE_MPT_PROGRAM, "solve", path(problem), "-o", path(map)};
+    command.insert(command.end(), options.begin(), options.end());
+    return command;
+  }
+  Outcome run(const std::string& map, const std::vector<std::string>& options) const {
+    return wait(start(solve("small.json", map, options)));
+  }
+
+  static std::vector<std::string> underMpi(int processes, std::vector<std::string> command) {
+    std::vector<std::string> all = {
+        MPI_LAUNCHER, "--oversubscribe",        "--bind-to", "none", "--mca", "btl", "self,vader",
+        "-n",         std::to_string(processes)};
+    all.insert(all.end(), command.begin(), command.end());
+    return all;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(ResumeCommand, GoesOnToTheSameBytesAndCleansUp) {
+  ASSERT_EQ(run("whole.map", {"--quiet"}).exit_code, 0);
+  const Outcome part = run("part.map", {"--region-limit", "5"});
+  EXPECT_EQ(part.exit_code, 3);
+  EXPECT_NE(part.err.find("part.map.checkpoint: holds 5 regions"), std::string::npos) << part.err;
+  ASSERT_TRUE(fs::exists(path("part.map.checkpoint")));
+  EXPECT_EQ(run("part.map", {"--region-limit", "9", "--resume", "--threads", "1"}).exit_code, 3);
+  const Outcome rest = run("part.map", {"--resume"});
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_EQ(readBytes(path("part.map")), readBytes(path("whole.map")));
+  EXPECT_FALSE(fs::exists(path("part.map.checkpoint")));
+}
+
+TEST_F(ResumeCommand, MemoryLimitTakesSuffixes) {
+  const Outcome part = run("part.map", {"--memory-limit", "14k"});
+  EXPECT_EQ(part.exit_code, 3) << part.err;
+  EXPECT_NE(part.err.find("--resume"), std::string::npos) << part.err;
+  EXPECT_EQ(run("part.map", {"--memory-limit", "1G", "--resume"}).exit_code, 0);
+  EXPECT_EQ(run("x.map", {"--memory-limit", "1 parsec"}).exit_code, 2);
+}
+
+TEST_F(ResumeCommand, RefusesWithASentence) {
+  const auto refuse = [&](const std::vector<std::string>& options, const std::string& words) {
+    const Outcome result = run("x.map", options);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  refuse({"--resume"}, "x.map.checkpoint: there is no checkpoint to resume");
+  ASSERT_EQ(run("x.map", {"--region-limit", "5"}).exit_code, 3);
+  refuse({}, "x.map.checkpoint: an unfinished run left this");
+  const std::string bytes = readBytes(path("x.map.checkpoint"));
+  writeBytes(path("x.map.checkpoint"), bytes.substr(0, bytes.size() / 2));
+  refuse({"--resume"}, "x.map.checkpoint: is cut off");
+  writeBytes(path("x.map.checkpoint"), bytes);
+  writeBytes(path("small.json"), chainProblem(4, 3));
+  refuse({"--resume"}, "belongs to another problem");
+  EXPECT_EQ(run("x.map", {"--force"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(path("x.map.checkpoint")));
+}
+
+TEST_F(ResumeCommand, MpirunGivesTheSameBytes) {
+  if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
+  ASSERT_EQ(run("whole.map", {"--quiet"}).exit_code, 0);
+  const std::string whole = readBytes(path("whole.map"));
+  for (int processes = 1; processes <= 3; ++processes) {
+    const Outcome result =
+        wait(start(underMpi(processes, solve("small.json", "mpi.map", {"--quiet", "--threads", "1"}))));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(readBytes(path("mpi.map")), whole) << processes << " processes";
+  }
+  EXPECT_EQ(wait(start(underMpi(2, solve("small.json", "part.map", {"--region-limit", "7"})))).exit_code, 3);
+  EXPECT_EQ(run("part.map", {"--resume"}).exit_code, 0);
+  EXPECT_EQ(readBytes(path("part.map")), whole);
+}
+
+TEST_F(ResumeCommand, MpirunSaysOnceWhatIsWrong) {
+  if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
+  const Outcome result = wait(start(underMpi(2, solve("none.json", "x.map", {}))));
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  const std::size_t first = result.err.find("offline_mpt: ");
+  ASSERT_NE(first, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("offline_mpt: ", first + 1), std::string::npos) << result.err;
+}
+
+// The process of this number in the job of `launcher`; 0 while there is none.
+pid_t memberOf(pid_t launcher, int rank) {
+  const std::string wanted = "OMPI_COMM_WORLD_RANK=" + std::to_string(rank);
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = readBytes(entry.path() / "status");
+    if (status.find("PPid:\t" + std::to_string(launcher) + "\n") == std::string::npos) continue;
+    if (readBytes(entry.path() / "environ").find(wanted + '\0') != std::string::npos) return std::stoi(name);
+  }
+  return 0;
+}
+
+TEST_F(ResumeCommand, LosingAProcessOfMpirunLeavesACheckpoint) {
+  if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
+  writeBytes(path("long.json"), chainProblem(12, 6));
+  const pid_t launcher =
+      start(underMpi(3, solve("long.json", "long.map",
+                              {"--threads", "1", "--checkpoint-period", "0.01", "--time-limit", "60"})));
+  while (!fs::exists(path("long.map.checkpoint"))) {
+    ASSERT_EQ(waitpid(launcher, nullptr, WNOHANG), 0) << "ended by itself: " << readBytes(path("stderr"));
+    sched_yield();
+  }
+  const pid_t victim = memberOf(launcher, 2);
+  ASSERT_GT(victim, 0);
+  kill(victim, SIGKILL);
+  const Outcome result = wait(launcher);
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_NE(result.err.find("process 2 of the MPI job was lost"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("long.map.checkpoint: holds"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(path("long.map")));
+
+  // One process goes on from there as if it had done it all.
+  const ParametricProgram program = loadProgramJson(path("long.json"));
+  ExploreOptions options;
+  options.checkpoint = path("long.map.checkpoint");
+  options.region_limit = 1;
+  options.resume = true;
+  const Partition kept = explore(program, options);
+  ASSERT_GT(kept.stats.resumed_regions, 0u);
+  ExploreOptions afresh;
+  options.region_limit = afresh.region_limit = kept.stats.resumed_regions + 50;
+  expectSameRegions(explore(program, options), explore(program, afresh));
+}
+
+}  // namespace
+}  // namespace polyfly

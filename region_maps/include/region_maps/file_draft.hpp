@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace polyfly {
+
+/// A new file beside its target that takes the target's place when it is whole: readers see the old bytes or
+/// the new ones, also after a loss of power. Removed again unless it was committed; left behind only by a
+/// writer that was killed (TARGET.tmp-*). For what is too long for writeFileAtomically's one piece.
+/// Everything throws Error.
+class FileDraft {
+ public:
+  explicit FileDraft(const std::string& target);
+  FileDraft(const FileDraft&) = delete;
+  FileDraft& operator=(const FileDraft&) = delete;
+  ~FileDraft();
+
+  /// Writes at `offset`, in any order.
+  void write(const void* data, std::uint64_t offset, std::size_t bytes);
+
+  /// Brings what was written so far to the disk.
+  void sync();
+
+  /// Syncs, renames, syncs the folder. Nothing else may follow.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  const std::string target_;
+  std::string path_;
+  int descriptor_ = -1;
+  bool renamed_ = false;
+};
+
+}  // namespace polyfly
