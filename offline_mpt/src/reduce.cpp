@@ -24,6 +24,9 @@ constexpr double kSlackShare =
     0.125;                          // of the map's tolerance: how far regions may be off when they are joined
 constexpr double kThin = 1e-11;     // regions with a smaller inscribed ball are left as they are [scaled]
 constexpr double kConstant = 1e-6;  // greatest change of a constant input over the box, relative as laws
+// A sliver that the tree leaves to a neighbour must not be left to a fallback region, whose law may be
+// another.
+constexpr double kSharpSide = 1e-11;
 constexpr std::size_t kMostFallbacks = 64;
 
 /// A region of the reduced map.
@@ -247,7 +250,9 @@ class Reducer {
     tree.p = planes_.p;
     addPlanes(content, tree);
     addRegions(content, tree);
-    SearchTree found = buildTree(tree);
+    TreeOptions tree_options;
+    if (first_fallback_ != 0) tree_options.side_tolerance = kSharpSide;
+    SearchTree found = buildTree(tree, tree_options);
     for (const MapContent::Leaf& leaf : found.leaves) {
       const auto first = found.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
       std::sort(first, first + static_cast<std::ptrdiff_t>(leaf.count));
