@@ -67,9 +67,10 @@ class Image {
   void* place_;
 };
 
-ReduceResult reduceWithProgress(const RegionMap& map, const Options& options) {
+ReduceResult reduceWithProgress(const RegionMap& map, const Options& options, double side_tolerance) {
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
+  reduce_options.side_tolerance = side_tolerance;
   reduce_options.stop = &stopOnSignal();
   reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
     progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
@@ -78,32 +79,50 @@ ReduceResult reduceWithProgress(const RegionMap& map, const Options& options) {
   return reduce(map, reduce_options);
 }
 
+struct Attempt {
+  ReduceStats stats;
+  std::unique_ptr<Image> image;
+  ReductionReport report;  // not filled in without a proof
+};
+
+/// Where the proof fails, slivers were left out of the search tree that matter, or rounding made too much of
+/// them: trees that leave out thicker or thinner ones are tried.
+Attempt reduceAndProve(const RegionMap& map, const Options& options) {
+  Attempt attempt;
+  for (const double share : {1.0, 3.0, 0.3}) {
+    ReduceResult result = reduceWithProgress(map, options, share * options.reduce.side_tolerance);
+    attempt.stats = result.stats;
+    attempt.image = std::make_unique<Image>(result.content);
+    if (options.no_proof) break;
+    attempt.report =
+        proveReduction(attempt.image->view(options.output), map, options.reduce.threads, options.quiet);
+    if (attempt.report.passed() || attempt.report.interrupted) break;
+  }
+  return attempt;
+}
+
 ExitCode reduceMap(const Options& options) {
   checkWritable(options.output);
   if (!options.stats.empty()) checkWritable(options.stats);
   const RegionMap map = RegionMap::open(options.map);
-  const ReduceResult result = reduceWithProgress(map, options);
-  const Image image(result.content);
-  const RegionMap reduced = image.view(options.output);
-  if (!options.no_proof) {
-    const ReductionReport report = proveReduction(reduced, map, options.reduce.threads, options.quiet);
-    if (report.interrupted) {
-      std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was written\n", options.output.c_str());
-      return ExitCode::kStopped;
-    }
-    if (!report.passed()) {
-      if (!options.quiet) std::fputs(reductionText(report).c_str(), stdout);
-      std::fprintf(stderr, "offline_mpt: %s: the reduced map could not be proven: nothing was written\n",
-                   options.output.c_str());
-      return ExitCode::kFailed;
-    }
+  const Attempt attempt = reduceAndProve(map, options);
+  if (!options.no_proof && attempt.report.interrupted) {
+    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was written\n", options.output.c_str());
+    return ExitCode::kStopped;
   }
+  if (!options.no_proof && !attempt.report.passed()) {
+    if (!options.quiet) std::fputs(reductionText(attempt.report).c_str(), stdout);
+    std::fprintf(stderr, "offline_mpt: %s: the reduced map could not be proven: nothing was written\n",
+                 options.output.c_str());
+    return ExitCode::kFailed;
+  }
+  const RegionMap reduced = attempt.image->view(options.output);
   endOnSignal();
-  writeFileAtomically(options.output, image.bytes());
+  writeFileAtomically(options.output, attempt.image->bytes());
   if (!options.stats.empty())
-    writeText(options.stats, reduceJson(result.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
+    writeText(options.stats, reduceJson(attempt.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
   if (!options.quiet) {
-    std::fputs(reduceText(result.stats, sizeOf(map), sizeOf(reduced)).c_str(), stdout);
+    std::fputs(reduceText(attempt.stats, sizeOf(map), sizeOf(reduced)).c_str(), stdout);
     std::printf("%s: %s\n", options.output.c_str(),
                 options.no_proof ? "written, not proven" : "proven to answer as the original, written");
   }

@@ -27,18 +27,19 @@ bool isConstant(const ExactRow& row) {
   return std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
 }
 
-/// The part of the cell where `row` is positive; false when that has no interior.
+/// The part of the cell where `row` is positive; false when that is known to have no interior.
 bool cut(const Cell& cell, const ExactRow& row, int p, Cell& part) {
   part.rows = cell.rows;
   part.rows.push_back(&row);
+  part.certain = cell.certain;
   if (valueAt(row, cell.point) > 0) {
     part.point = cell.point;
     return true;
   }
   if (isConstant(row)) return false;
-  Interior interior = findInterior(part.rows, nullptr, p);
-  part.point = std::move(interior.point);
-  return interior.exists;
+  const InteriorGuess guess = guessInterior(part.rows, p, part.point);
+  part.certain = guess == InteriorGuess::kExists;
+  return guess != InteriorGuess::kNone;
 }
 
 bool has(const Cell& cell, const ExactRow& row) {
@@ -119,7 +120,8 @@ class Subtractor {
       const RegionView view = map_.map().region(candidate);
       std::vector<const ExactRow*> rows = cell.rows;
       for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i], slack_));
-      if (!findInterior(rows, nullptr, map_.p()).exists) continue;
+      std::vector<Rational> point;
+      if (guessInterior(rows, map_.p(), point) == InteriorGuess::kNone) continue;
       region = candidate;
       return true;
     }
@@ -209,6 +211,14 @@ bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell) {
   Interior interior = findInterior(cell.rows, nullptr, map.p());
   cell.point = std::move(interior.point);
   return interior.exists;
+}
+
+bool makeCertain(const ExactMap& map, ExactCell& cell) {
+  if (cell.certain) return true;
+  Interior interior = findInterior(cell.rows, nullptr, map.p());
+  cell.point = std::move(interior.point);
+  cell.certain = interior.exists;
+  return cell.certain;
 }
 
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts) {

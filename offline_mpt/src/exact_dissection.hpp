@@ -49,23 +49,28 @@ class ExactMap {
   std::vector<std::shared_ptr<const PlaneRows>> rows_;  // per plane
 };
 
-/// A polytope with a point strictly inside.
+/// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
+/// rounding at most.
 struct ExactCell {
   std::vector<const ExactRow*> rows;
   std::vector<Rational> point;
+  bool certain = true;  ///< the point lies strictly inside
 };
 
 /// The cell of a region; false when it has no interior.
 bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
 
+/// Finds a point strictly inside; false when there is none.
+bool makeCertain(const ExactMap& map, ExactCell& cell);
+
 /// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
-/// Parts without interior are left out: their closure is part of the others'. False when stopped. Parts that
-/// were looked at are counted.
+/// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
+/// Parts that were looked at are counted.
 using LeafVisit = std::function<bool(const LeafView& leaf, const ExactCell& part)>;
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts);
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
-/// until it returns false. False when stopped.
+/// until it returns false. Each has a point strictly inside. False when stopped.
 using RestVisit = std::function<bool(const ExactCell& rest)>;
 bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
               Slack slack, const RestVisit& visit, std::uint64_t& parts);

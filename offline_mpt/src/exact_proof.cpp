@@ -328,6 +328,11 @@ Interior findExactly(const Rows& rows, const ExactRow* on, int p) {
   return result;
 }
 
+InteriorGuess exactGuess(Interior interior, std::vector<Rational>& point) {
+  point = std::move(interior.point);
+  return interior.exists ? InteriorGuess::kExists : InteriorGuess::kNone;
+}
+
 }  // namespace
 
 bool proves(const ExactProof& proof, const Rows& rows, const ExactRow& target) {
@@ -383,6 +388,26 @@ bool strictlyInside(const std::vector<Rational>& t, const Rows& rows, const Exac
   if (std::any_of(t.begin(), t.end(), [](const Rational& value) { return abs(value) >= 1; })) return false;
   if (on != nullptr && valueAt(*on, t) != 0) return false;
   return std::all_of(rows.begin(), rows.end(), [&](const ExactRow* row) { return valueAt(*row, t) > 0; });
+}
+
+InteriorGuess guessInterior(const Rows& rows, int p, std::vector<Rational>& point) {
+  ExactGuess solver(p + 1);
+  switch (guessInterior(rows, nullptr, p, solver)) {
+    case ExactGuess::Status::kOptimal:
+      point = onPlane(solver.x(), nullptr, p);
+      if (solver.objective() > kPositive && strictlyInside(point, rows, nullptr))
+        return InteriorGuess::kExists;
+      break;
+    case ExactGuess::Status::kInfeasible:
+      point.clear();
+      break;
+    case ExactGuess::Status::kFailed:
+      return exactGuess(findExactly(rows, nullptr, p), point);
+  }
+  ExactProof proof = emptyByRounding(solver, rows, nullptr);
+  if (provesEmpty(proof, rows, nullptr) || emptyByBasis(solver, rows, nullptr, p, proof))
+    return InteriorGuess::kNone;
+  return point.empty() ? exactGuess(findExactly(rows, nullptr, p), point) : InteriorGuess::kUnknown;
 }
 
 Interior findInterior(const Rows& rows, const ExactRow* on, int p) {

@@ -101,7 +101,9 @@ class ReductionProof {
       }
       const auto rest = [&](const ExactCell& sliver) {
         if (leftToOthers(sliver, others, 0, finding)) return true;
-        report(finding, ReductionDefect::Kind::kLost, region, sliver);
+        ExactCell settled = sliver;
+        if (!makeCertain(original_, settled)) return true;
+        report(finding, ReductionDefect::Kind::kLost, region, settled);
         return false;
       };
       return subtract(reduced_, part, own, Slack::kFull, rest, finding.cells);
@@ -141,7 +143,10 @@ class ReductionProof {
   /// the original with its law.
   bool leftToOthers(const ExactCell& cell, const std::vector<std::uint32_t>& candidates, std::size_t next,
                     Finding& finding) const {
-    if (next == candidates.size()) return false;
+    if (next == candidates.size()) {
+      ExactCell rest = cell;
+      return !makeCertain(original_, rest);
+    }
     const RestVisit rest = [&](const ExactCell& part) {
       return leftToOthers(part, candidates, next + 1, finding);
     };
@@ -173,11 +178,16 @@ class ReductionProof {
   /// for in all regions about.
   bool belongs(std::uint32_t region, const ExactCell& cell, Finding& finding) const {
     const std::uint32_t law = reduced_.map().region(region).law;
-    const auto foreign = [&](const ExactCell& rest) {
+    RestVisit sliver;
+    const RestVisit foreign = [&](const ExactCell& rest) {
+      if (!rest.certain) {
+        ExactCell settled = rest;
+        return !makeCertain(original_, settled) || sliver(settled);
+      }
       report(finding, ReductionDefect::Kind::kClaim, region, rest);
       return false;
     };
-    const auto sliver = [&](const ExactCell& rest) {
+    sliver = [&](const ExactCell& rest) {
       return subtract(original_, rest, nearRegions(law, rest), Slack::kFull, foreign, finding.cells);
     };
     const auto check = [&](const LeafView& leaf, const ExactCell& part) {

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kSamePlane = 1e-11;  // greatest difference of two planes that are one [scaled]
 constexpr double kNothing = 1e-12;    // a rest whose largest ball is smaller is no rest [scaled]
-constexpr double kNeeded = 1e-9;      // least violation that makes a half-space needed [scaled]
 constexpr std::size_t kPoints = 64;   // extreme points kept for each piece
 constexpr int kCuts = 3000;           // cells that a question may be cut into
 
@@ -131,12 +130,12 @@ bool PieceGeometry::holds(const RowList& rows, const double* point, double slack
                      [&](std::int32_t row) { return planes_.value(row, point) <= slack; });
 }
 
-RowList PieceGeometry::minimal(const Piece& piece) {
+RowList PieceGeometry::minimal(const Piece& piece, double tolerance) {
   work_.clear();
   for (const std::int32_t row : piece.rows) planes_.append(row, 0.0, work_);
   MinimalRows needed;
   const int count = static_cast<int>(piece.rows.size());
-  if (!solver_.minimal(work_.data(), count, piece.centre.data(), kNeeded, needed)) return piece.rows;
+  if (!solver_.minimal(work_.data(), count, piece.centre.data(), tolerance, needed)) return piece.rows;
   RowList result;
   for (const int i : needed.facets) result.push_back(piece.rows[static_cast<std::size_t>(i)]);
   return result;

@@ -38,6 +38,8 @@ struct Piece {
 /// refused (verify_reduction.hpp). One object serves one thread.
 class PieceGeometry {
  public:
+  static constexpr double kNeeded = 1e-9;  ///< least reach that makes a half-space needed [scaled]
+
   explicit PieceGeometry(const ScaledPlanes& planes);
 
   /// Fills centre and radius from the rows. A piece that the simplex fails on gets radius 0.
@@ -53,9 +55,9 @@ class PieceGeometry {
   /// Whether a point lies in all half-spaces moved outwards by `slack`.
   bool holds(const RowList& rows, const double* point, double slack) const;
 
-  /// The rows without which the piece would be larger. The piece must have been described, and be bounded by
-  /// its own rows.
-  RowList minimal(const Piece& piece);
+  /// The rows without which the piece would reach farther than `tolerance`. The piece must have been
+  /// described, and be bounded by its own rows.
+  RowList minimal(const Piece& piece, double tolerance = kNeeded);
 
   /// Whether the piece lies in the union of `cover`, their rows moved outwards by `slack`. Work is limited: a
   /// "no" may mean that the question was too long.

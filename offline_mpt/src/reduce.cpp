@@ -14,6 +14,7 @@
 #include "merge.hpp"
 #include "offline_mpt/partition.hpp"
 #include "offline_mpt/search_tree.hpp"
+#include "prune_tree.hpp"
 #include "region_maps/error.hpp"
 #include "separate.hpp"
 
@@ -24,6 +25,9 @@ constexpr double kSlackShare =
     0.125;                          // of the map's tolerance: how far regions may be off when they are joined
 constexpr double kThin = 1e-11;     // regions with a smaller inscribed ball are left as they are [scaled]
 constexpr double kConstant = 1e-6;  // greatest change of a constant input over the box, relative as laws
+// A sliver that the tree leaves to a neighbour must not be left to a fallback region, whose law may be
+// another.
+constexpr double kSharpSide = 0.1;
 constexpr std::size_t kMostFallbacks = 64;
 
 /// A region of the reduced map.
@@ -172,6 +176,11 @@ class Reducer {
       stats_.separation = "no law is constant at a bound of the input";
       return;
     }
+    const std::size_t kinds = (upper != nullptr ? 1 : 0) + (lower != nullptr ? 1 : 0);
+    if (regions <= kinds) {
+      stats_.separation = std::to_string(regions) + " saturated regions stay: as few as can be";
+      return;
+    }
     PieceGeometry geometry(planes_);
     const Piece domain = domainOf(geometry, pieces_, box_, slack_);
     const std::size_t limit = std::min(kMostFallbacks, regions - 1);
@@ -247,11 +256,15 @@ class Reducer {
     tree.p = planes_.p;
     addPlanes(content, tree);
     addRegions(content, tree);
-    SearchTree found = buildTree(tree);
-    for (const MapContent::Leaf& leaf : found.leaves) {
-      const auto first = found.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-      std::sort(first, first + static_cast<std::ptrdiff_t>(leaf.count));
-    }
+    TreeOptions tree_options;
+    tree_options.side_tolerance = options_.side_tolerance;
+    if (first_fallback_ != 0) tree_options.side_tolerance *= kSharpSide;
+    const ScaledPlanes planes{tree.p, tree.planes};
+    PieceGeometry geometry(planes);
+    PruneRegions regions{tree.rows, {}, content.regions.size()};
+    for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
+    if (first_fallback_ != 0) regions.first_fallback = first_fallback_;
+    SearchTree found = pruneTree(geometry, regions, slack_, buildTree(tree, tree_options));
     content.solver_notes = notes(found.depth);
     content.root = found.root;
     content.nodes = std::move(found.nodes);

@@ -9,7 +9,9 @@ namespace {
 constexpr double kMargin = 1e-6;    // least distance of the pieces from the plane between them [scaled]
 constexpr double kAccurate = 0.5;   // share of the margin that every piece must keep
 constexpr double kNothing = 1e-10;  // a part of a piece whose largest ball is smaller is left out [scaled]
-constexpr int kRounds = 400;        // of finding points that a plane must respect
+constexpr double kSharp =
+    1e-12;                    // fallback regions must not reach beyond the domain, even by little [scaled]
+constexpr int kRounds = 400;  // of finding points that a plane must respect
 
 using Pieces = std::vector<Piece>;
 
@@ -175,7 +177,7 @@ class Divider {
     part.piece.centre = domain_.centre;
     geometry_.describe(part.piece);
     if (part.piece.radius <= kNothing) return;
-    part.piece.rows = geometry_.minimal(part.piece);
+    part.piece.rows = geometry_.minimal(part.piece, kSharp);
     result_.fallbacks.push_back(std::move(part));
   }
 
@@ -219,7 +221,7 @@ Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowLis
   }
   domain.centre = pieces.front().centre;
   geometry.describe(domain);
-  domain.rows = geometry.minimal(domain);
+  domain.rows = geometry.minimal(domain, kSharp);
   return domain;
 }
 

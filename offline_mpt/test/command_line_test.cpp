@@ -220,6 +220,44 @@ TEST_F(CommandLine, VerifiesARightMapAndRefusesAWrongOne) {
                 {"ranges of map and problem differ"});
 }
 
+TEST_F(CommandLine, ReducesAMapAndProvesIt) {
+  // Two rows with the same bound: u = 1 in two regions, whose union is convex.
+  nlohmann::json problem = toy();
+  problem["A"] = {{1.0}, {1.0}, {-1.0}};
+  problem["b"] = {1.0, 1.0, 1.0};
+  problem["B"] = {{0.5, 0.0}, {-0.5, 0.0}, {0.0, 0.0}};
+  ASSERT_EQ(run({"solve", written("two.json", problem), "-o", path("two.map")}).exit_code, 0);
+  const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--separate", "--stats",
+                             path("saved.json"), "--threads", "2"});
+  ASSERT_EQ(small.exit_code, 0) << small.out << small.err;
+  EXPECT_NE(small.out.find("proven to answer as the original"), std::string::npos) << small.out;
+  const nlohmann::json saved = nlohmann::json::parse(readText(path("saved.json")));
+  EXPECT_TRUE(saved["proven"].get<bool>());
+  EXPECT_LE(saved["after"]["regions"], saved["before"]["regions"]);
+  EXPECT_EQ(saved["after"]["bytes"].get<std::uintmax_t>(), fs::file_size(path("small.map")));
+
+  const nlohmann::json before = nlohmann::json::parse(run({"info", path("two.map"), "--json"}).out);
+  const nlohmann::json after = nlohmann::json::parse(run({"info", path("small.map"), "--json"}).out);
+  EXPECT_EQ(after["reduced_from"], before["checksum"]);
+  EXPECT_EQ(before["reduced_from"], "");
+
+  const Outcome proof =
+      run({"verify", path("small.map"), "--reduced-from", path("two.map"), "--json", path("proof.json")});
+  EXPECT_EQ(proof.exit_code, 0) << proof.out << proof.err;
+  EXPECT_NE(proof.out.find("PROVEN"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::parse(readText(path("proof.json")))["proven"].get<bool>());
+  EXPECT_EQ(run({"verify", path("small.map"), "--samples", "300", "--quiet"}).exit_code, 0);
+
+  expectRefused({"verify", path("small.map"), "--reduced-from", solvedToy()},
+                {"was reduced from the map with"});
+  expectRefused({"verify", path("two.map"), "--reduced-from", path("two.map")}, {"was not reduced"});
+  expectRefused({"verify", path("small.map"), "--exact"}, {"is a reduced map"});
+  expectRefused({"reduce", path("small.map"), "-o", path("x.map")}, {"was reduced before"});
+  expectRefused({"reduce", path("two.map"), "-o", path("x.map"), "--merge", "best"}, {"--merge"});
+  expectRefused({"verify", path("small.map"), "--reduced-from", path("two.map"), "--samples", "5"},
+                {"--reduced-from"});
+}
+
 TEST_F(CommandLine, RefusesBadProblems) {
   const std::string map = path("none.map");
   expectRefused({"solve", path("missing.yaml"), "-o", map}, {"missing.yaml"});
@@ -325,10 +363,10 @@ TEST_F(CommandLine, StopsOnASignalAndSaysWhatItCovers) {
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   const Outcome general = run({"--help"});
   EXPECT_EQ(general.exit_code, 0);
-  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "plot", "Examples"}) {
+  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "plot", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"solve", "info", "eval", "verify", "plot"}) {
+  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "plot"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;

@@ -248,6 +248,7 @@ std::vector<Rule> treeRules() {
          patient.header.first_fallback = 2;
          patient.put(format::kLeaves, 1, 2u);
          patient.put(format::kCandidates, 0, 3u);
+         patient.put(format::kCandidates, 1, 1u);
        }},
       {"candidate", "candidate 2: region does not exist", put(format::kCandidates, 2, 4u)},
   };

@@ -1,0 +1,354 @@
+// Reduced maps against known optima, brute force, the original's answers and the exact proof.
+#include "offline_mpt/reduce.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "../src/minimum_cover.hpp"
+#include "exact_programs.hpp"
+#include "grid_map.hpp"
+#include "map_in_memory.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "offline_mpt/verify.hpp"
+#include "offline_mpt/verify_reduction.hpp"
+#include "random.hpp"
+#include "reference_data.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+ReduceOptions with(MergeMethod merge, bool separate = false) {
+  ReduceOptions options;
+  options.merge = merge;
+  options.separate = separate;
+  return options;
+}
+
+/// Reduces, and expects the exact proof.
+ReduceResult reduceAndProve(const MapInMemory& original, const ReduceOptions& options) {
+  ReduceResult result = reduce(original.map(), options);
+  const MapInMemory reduced(result.content);
+  const ReductionReport report = verifyReduction(reduced.map(), original.map());
+  EXPECT_TRUE(report.passed()) << reductionText(report);
+  return result;
+}
+
+/// Regions with the law of the letter a.
+std::size_t regionsOfA(const MapContent& content) {
+  return static_cast<std::size_t>(
+      std::count_if(content.regions.begin(), content.regions.end(),
+                    [&](const auto& region) { return content.laws[region.law * 3] == kGainOfA; }));
+}
+
+struct Shape {
+  const char* name;
+  std::vector<GridRectangle> rectangles;
+  int size;            // of the square
+  std::size_t fewest;  // convex unions for law a
+};
+
+std::vector<Shape> shapes() {
+  return {
+      {"L", cellsOf({"aa", "ab"}), 2, 2},
+      {"square", cellsOf({"aa", "aa"}), 2, 1},
+      {"plus", cellsOf({"bac", "aaa", "dae"}), 3, 2},
+      {"ring", cellsOf({"aaa", "aba", "aaa"}), 3, 4},
+      {"apart", cellsOf({"aba", "cdc", "aba"}), 3, 4},
+      {"stairs", cellsOf({"aaa", "aab", "abb"}), 3, 3},
+      // No two of them have a convex union, all five have.
+      {"pinwheel",
+       {{0, 2, 0, 1, 'a'}, {2, 3, 0, 2, 'a'}, {1, 3, 2, 3, 'a'}, {0, 1, 1, 3, 'a'}, {1, 2, 1, 2, 'a'}},
+       3,
+       1},
+  };
+}
+
+TEST(ReduceOptimally, FindsTheFewestUnionsOfKnownShapes) {
+  for (const Shape& shape : shapes()) {
+    const MapInMemory original(gridMap(shape.size, shape.size, shape.rectangles));
+    const ReduceResult result = reduceAndProve(original, with(MergeMethod::kOptimal));
+    EXPECT_EQ(regionsOfA(result.content), shape.fewest) << shape.name;
+    EXPECT_EQ(result.stats.greedy_laws, 0u) << shape.name;
+  }
+}
+
+/// Fewest rectangles of cells with one letter that cover all of these, by trying all choices of so many.
+std::size_t fewestRectangles(const std::vector<std::string>& rows, char law) {
+  const int height = static_cast<int>(rows.size()), width = static_cast<int>(rows[0].size());
+  unsigned wanted = 0;
+  const auto bit = [&](int x, int y) { return 1u << (y * width + x); };
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) wanted |= rows[y][x] == law ? bit(x, y) : 0u;
+  }
+  std::vector<unsigned> rectangles;
+  for (int x0 = 0; x0 < width; ++x0) {
+    for (int x1 = x0; x1 < width; ++x1) {
+      for (int y0 = 0; y0 < height; ++y0) {
+        for (int y1 = y0; y1 < height; ++y1) {
+          unsigned mask = 0;
+          for (int x = x0; x <= x1; ++x) {
+            for (int y = y0; y <= y1; ++y) mask |= bit(x, y);
+          }
+          if ((mask & ~wanted) == 0) rectangles.push_back(mask);
+        }
+      }
+    }
+  }
+  std::set<unsigned> reached = {0};
+  for (std::size_t count = 0;; ++count) {
+    if (reached.count(wanted) != 0) return count;
+    std::set<unsigned> next;
+    for (const unsigned cells : reached) {
+      for (const unsigned rectangle : rectangles) next.insert(cells | rectangle);
+    }
+    reached = std::move(next);
+  }
+}
+
+TEST(ReduceOptimally, AgreesWithBruteForceOnRandomGrids) {
+  Random random(11);
+  for (int trial = 0; trial < 12; ++trial) {
+    std::vector<std::string> rows(3, "aaaa");
+    for (std::string& row : rows) {
+      for (char& cell : row) cell = random.below(3) == 0 ? 'b' : random.below(8) == 0 ? '.' : 'a';
+    }
+    rows[0][0] = 'a';
+    const MapInMemory original(gridMap(4, 3, cellsOf(rows)));
+    const std::size_t fewest = fewestRectangles(rows, 'a') + fewestRectangles(rows, 'b');
+    EXPECT_EQ(reduceAndProve(original, with(MergeMethod::kOptimal)).content.regions.size(), fewest) << trial;
+    const std::size_t greedy = reduceAndProve(original, with(MergeMethod::kGreedy)).content.regions.size();
+    EXPECT_GE(greedy, fewest);
+    EXPECT_LT(greedy, original.map().regionCount());
+  }
+}
+
+TEST(MinimumCover, AgreesWithBruteForce) {
+  Random random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::size_t size = 1 + static_cast<std::size_t>(random.below(8));
+    const std::size_t count = 1 + static_cast<std::size_t>(random.below(8));
+    std::vector<BitSet> sets(count + 1, BitSet(size));
+    for (std::size_t s = 0; s < count; ++s) {
+      for (std::size_t i = 0; i < size; ++i) {
+        if (random.below(3) == 0) sets[s].set(i);
+      }
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      if (trial % 2 == 0 || random.below(2) == 0) sets[count].set(i);
+      sets[static_cast<std::size_t>(random.below(static_cast<int>(count)))].set(i);
+    }
+    std::size_t fewest = count + 1;
+    for (unsigned choice = 0; choice < 1u << (count + 1); ++choice) {
+      BitSet open(size);
+      for (std::size_t i = 0; i < size; ++i) open.set(i);
+      std::size_t used = 0;
+      for (std::size_t s = 0; s <= count; ++s) {
+        if ((choice >> s & 1) == 0) continue;
+        open.remove(sets[s]);
+        ++used;
+      }
+      if (open.empty()) fewest = std::min(fewest, used);
+    }
+    const MinimumCover cover = minimumCover(size, sets, 10'000);
+    EXPECT_TRUE(cover.proven);
+    EXPECT_EQ(cover.chosen.size(), fewest);
+    EXPECT_FALSE(minimumCover(size, sets, 0).proven);
+  }
+}
+
+/// u of both maps at places away from the planes of the grid.
+void expectSameAnswers(const RegionMap& a, const RegionMap& b, int steps) {
+  const Signal& x = a.parameters()[0];
+  const Signal& y = a.parameters()[1];
+  for (int i = 0; i < steps; ++i) {
+    for (int j = 0; j < steps; ++j) {
+      const double theta[] = {x.lower + (x.upper - x.lower) * (i + 0.4) / steps,
+                              y.lower + (y.upper - y.lower) * (j + 0.6) / steps};
+      double u = 0.0, v = 0.0;
+      const Lookup found = b.evaluate(theta, &v);
+      ASSERT_EQ(a.evaluate(theta, &u).status, found.status) << theta[0] << ", " << theta[1];
+      EXPECT_EQ(found.status, b.locateExhaustively(theta).status);
+      if (found.status == LookupStatus::kInside) {
+        EXPECT_NEAR(u, v, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Separate, OnePlaneStandsForManyRegions) {
+  // The domain is [0, 4] x [0, 3] of a box twice as wide: beyond it, nothing may answer.
+  const MapInMemory original(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."})));
+  const ReduceResult result = reduceAndProve(original, with(MergeMethod::kAuto, true));
+  EXPECT_TRUE(result.stats.separated) << result.stats.separation;
+  EXPECT_EQ(result.stats.fallback_regions, 2u);
+  EXPECT_EQ(result.stats.separating_planes, 1u);
+  const MapInMemory reduced(result.content);
+  EXPECT_EQ(reduced.map().regionCount() - reduced.map().firstFallback(), 2u);
+  expectSameAnswers(original.map(), reduced.map(), 40);
+}
+
+TEST(Separate, ListsOfPlanesCutOffOneKindAfterTheOther) {
+  const MapInMemory original(gridMap(6, 5, cellsOf({"LaUabL", "LbUbaL", "LaUUbL", "LcUabL", "LaUbcL"})));
+  const ReduceResult result = reduceAndProve(original, with(MergeMethod::kNone, true));
+  EXPECT_TRUE(result.stats.separated) << result.stats.separation;
+  EXPECT_EQ(result.stats.separating_planes, 2u);
+  EXPECT_EQ(result.stats.fallback_regions, 3u);
+  EXPECT_EQ(result.stats.saturated_regions, 16u);
+  const MapInMemory reduced(result.content);
+  expectSameAnswers(original.map(), reduced.map(), 40);
+}
+
+TEST(Separate, KeepsRegionsThatNoPlanesSeparate) {
+  const MapInMemory original(gridMap(4, 4, cellsOf({"ULUL", "LULU", "ULUL", "LULU"})));
+  const ReduceResult result = reduceAndProve(original, with(MergeMethod::kAuto, true));
+  EXPECT_FALSE(result.stats.separated);
+  EXPECT_NE(result.stats.separation.find("16 saturated regions stay"), std::string::npos)
+      << result.stats.separation;
+  EXPECT_EQ(result.content.first_fallback, 0u);
+}
+
+/// Every map that `change` makes of the reduced one must be refuted.
+void expectRefuted(const MapInMemory& original, const MapContent& changed, const std::string& what) {
+  const MapInMemory memory(changed);
+  const ReductionReport report = verifyReduction(memory.map(), original.map());
+  ASSERT_FALSE(report.passed()) << what;
+  for (const ReductionDefect& defect : report.defects) {
+    // The witness shows it: the maps do not answer alike there.
+    double u = 0.0, v = 0.0;
+    const Lookup here = original.map().evaluate(defect.witness.data(), &u);
+    const Lookup there = memory.map().evaluate(defect.witness.data(), &v);
+    EXPECT_TRUE(defect.kind == ReductionDefect::Kind::kClaim || here.status != there.status ||
+                std::abs(u - v) > 1e-9)
+        << what << ": " << defect.text;
+  }
+}
+
+TEST(ReductionProof, RefutesEveryMutation) {
+  const MapInMemory original(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."})));
+  for (const bool separate : {false, true}) {
+    const MapContent good = reduceAndProve(original, with(MergeMethod::kAuto, separate)).content;
+    for (std::size_t i = 0; i < good.laws.size(); ++i) {
+      MapContent changed = good;
+      changed.laws[i] += 1e-6;
+      expectRefuted(original, changed, "law entry " + std::to_string(i));
+    }
+    for (std::size_t i = 2; i < good.planes.size(); i += 3) {
+      for (const double shift : {1e-6, -1e-6}) {
+        MapContent changed = good;
+        changed.planes[i] += shift;
+        const bool is_separating = i / 3 + 1 == good.planes.size() / 3 && separate;
+        const bool is_box = good.planes[i] == 0.0 || good.planes[i] == 2.0;
+        if (!is_separating && !is_box) expectRefuted(original, changed, "plane " + std::to_string(i / 3));
+      }
+    }
+    for (std::size_t i = 0; i < good.leaves.size(); ++i) {
+      for (std::uint32_t k = 0; k < good.leaves[i].count; ++k) {
+        MapContent changed = good;
+        auto& leaf = changed.leaves[i];
+        changed.candidates.erase(changed.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first + k));
+        for (auto& other : changed.leaves) other.first -= other.first > leaf.first ? 1 : 0;
+        --leaf.count;
+        expectRefuted(original, changed, "candidate " + std::to_string(k) + " of leaf " + std::to_string(i));
+      }
+    }
+    for (std::size_t i = 0; i < good.regions.size(); ++i) {
+      MapContent changed = good;
+      changed.regions[i].law = (changed.regions[i].law + 1) % 4;
+      expectRefuted(original, changed, "law of region " + std::to_string(i));
+      changed = good;
+      changed.regions[i].row_count = 0;  // claims the whole box
+      expectRefuted(original, changed, "rows of region " + std::to_string(i));
+    }
+  }
+}
+
+TEST(ReductionProof, PriorityDecides) {
+  const MapInMemory original(gridMap(4, 3, cellsOf({"UUbL", "UbcL", "bcLL"})));
+  MapContent changed = reduceAndProve(original, with(MergeMethod::kAuto, true)).content;
+  ASSERT_NE(changed.first_fallback, 0u);
+  changed.first_fallback = 0;  // all regions are equal now
+  expectRefuted(original, changed, "no fallback");
+}
+
+TEST(ReductionProof, RefusesMapsThatDoNotBelongTogether) {
+  const MapInMemory original(gridMap(2, 2, cellsOf({"aa", "ab"})));
+  const MapInMemory other(gridMap(2, 2, cellsOf({"aa", "bb"})));
+  const MapInMemory reduced(reduce(original.map()).content);
+  EXPECT_THROW(verifyReduction(reduced.map(), other.map()), Error);
+  EXPECT_THROW(verifyReduction(original.map(), original.map()), Error);
+  EXPECT_THROW(verifyReduction(reduced.map(), reduced.map()), Error);
+  EXPECT_THROW(reduce(reduced.map()), Error);
+  MapContent changed = reduce(original.map()).content;
+  changed.solver_status = "limited";
+  EXPECT_THROW(verifyReduction(MapInMemory(changed).map(), original.map()), Error);
+}
+
+TEST(Reduce, RefusesToSeparateWhatItCannot) {
+  MapContent content = gridMap(2, 2, cellsOf({"aa", "ab"}));
+  content.solver_status = "limited";
+  EXPECT_THROW(reduce(MapInMemory(content).map(), with(MergeMethod::kAuto, true)), Error);
+  EXPECT_NO_THROW(reduce(MapInMemory(content).map(), with(MergeMethod::kAuto, false)));
+}
+
+TEST(Reduce, GivesTheSameBytesForAnyNumberOfThreads) {
+  const MapInMemory original(gridMap(7, 4, cellsOf({"LaULLbL", "LLbUabL", "LaUUUcL", "aLUbUUa"})));
+  for (const bool separate : {false, true}) {
+    ReduceOptions options = with(MergeMethod::kAuto, separate);
+    const std::vector<std::byte> bytes = layOut(reduce(original.map(), options).content);
+    options.threads = 3;
+    EXPECT_EQ(layOut(reduce(original.map(), options).content), bytes);
+  }
+}
+
+TEST(Reduce, KeepsWhatIsProvenOfAController) {
+  const ParametricProgram program = doubleIntegrator(5);
+  const MapInMemory original(encode(program, explore(program)));
+  const ReduceResult result = reduceAndProve(original, with(MergeMethod::kAuto, true));
+  EXPECT_LT(result.content.regions.size(), original.map().regionCount());
+  EXPECT_TRUE(result.stats.separated) << result.stats.separation;
+  const MapInMemory reduced(result.content);
+  VerifyOptions options;
+  options.samples = 1500;
+  const VerifyReport report = verify(reduced.map(), program, options);
+  EXPECT_TRUE(report.passed()) << verifyText(report);
+  EXPECT_THROW(certify(reduced.map(), program), Error);
+}
+
+struct Reference {
+  const char* name;
+  bool separate;
+  std::size_t most_regions;
+};
+
+// Distinct laws, by PEERS' count: 5 of multirotor_N10, 15 of di_N10.
+TEST(Reduce, ReferenceProblems) {
+  const std::filesystem::path folder = referenceProblems();
+  if (folder.empty())
+    GTEST_SKIP() << "The reference problems are not here: set POLYFLY_DATA to their folder.";
+  for (const Reference& reference :
+       {Reference{"multirotor_N10", true, 5}, Reference{"multirotor_N10", false, 7},
+        Reference{"di_N10", true, 15}, Reference{"di_N10", false, 23}, Reference{"invpend_N5", false, 3},
+        Reference{"bemporad2002", true, 5}}) {
+    const ParametricProgram program =
+        loadProgram((folder / (std::string(reference.name) + ".json")).string());
+    const MapInMemory original(encode(program, explore(program)));
+    const ReduceResult result = reduceAndProve(original, with(MergeMethod::kAuto, reference.separate));
+    EXPECT_LE(result.content.regions.size(), reference.most_regions) << reference.name;
+    VerifyOptions options;
+    options.samples = 600;
+    const VerifyReport report = verify(MapInMemory(result.content).map(), program, options);
+    EXPECT_TRUE(report.passed()) << reference.name << "\n" << verifyText(report);
+  }
+}
+
+}  // namespace
+}  // namespace polyfly
