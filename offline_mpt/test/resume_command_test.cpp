@@ -128,7 +128,8 @@ TEST_F(ResumeCommand, GoesOnToTheSameBytesAndCleansUp) {
 }
 
 TEST_F(ResumeCommand, MemoryLimitTakesSuffixes) {
-  const Outcome part = run("part.map", {"--memory-limit", "14k"});
+  writeBytes(path("small.json"), chainProblem(6, 3));
+  const Outcome part = run("part.map", {"--memory-limit", "24k"});
   EXPECT_EQ(part.exit_code, 3) << part.err;
   EXPECT_NE(part.err.find("--resume"), std::string::npos) << part.err;
   EXPECT_EQ(run("part.map", {"--memory-limit", "1G", "--resume"}).exit_code, 0);
