@@ -126,6 +126,7 @@ Partition exploreWithProgress(const ParametricProgram& program, const Options& o
     if (const double rate = forecast.regionsPerSecond(); rate > 0.0) {
       text += ", " + std::to_string(std::llround(rate)) + " regions/s";
     }
+    if (state.unsaved) text += ", CHECKPOINT NOT WRITTEN";
     progress.show(text, forecast.remaining(), forecast.atLeast());
   };
   return explore(program, explore_options);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "region_maps/error.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -100,7 +102,7 @@ void Dispatcher::merge(Chunk* chunk) {
 void Dispatcher::report(Lock& lock) {
   if (!options_.progress || std::this_thread::get_id() != owner_) return;
   const ExploreProgress progress{state_.regions.size(), state_.open(), state_.described,
-                                 state_.memory.bytes()};
+                                 state_.memory.bytes(), unsaved_};
   lock.unlock();
   options_.progress(progress);
 }
@@ -122,7 +124,12 @@ void Dispatcher::saveIfDue() {
   if (!save_ || options_.checkpoint_period <= 0.0) return;
   const Clock::time_point before = Clock::now();
   if (before < next_save_) return;
-  save_();
+  try {
+    save_();
+    unsaved_ = false;
+  } catch (const Error&) {  // a full disk must not cost the work: the next attempt, or the last, may succeed
+    unsaved_ = true;
+  }
   const std::chrono::duration<double> taken = Clock::now() - before;
   const double pause = std::max(options_.checkpoint_period, taken.count() / kSavingShare);
   next_save_ =

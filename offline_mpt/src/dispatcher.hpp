@@ -91,6 +91,7 @@ class Dispatcher : public Desk {
   std::uint64_t chunks_ = 0;
   std::deque<std::unique_ptr<Chunk>> out_;    // not merged yet, in the order of the queue
   std::vector<std::unique_ptr<Chunk>> idle_;  // to be used again
+  bool unsaved_ = false;
   bool ended_ = false;
   ExploreStatus status_ = ExploreStatus::kComplete;
   std::exception_ptr error_;

@@ -163,6 +163,15 @@ TEST_F(Checkpoint, SaysWhereItCannotBeWritten) {
   options_.checkpoint = folder_.path("no/such/folder");
   options_.region_limit = 3;
   EXPECT_NE(refusal(program_, options_).find(options_.checkpoint), std::string::npos);
+
+  // While it explores it goes on, and says so.
+  ExploreOptions options = options_;
+  options.region_limit = whole_.regions.size() + 1;
+  options.checkpoint_period = 1e-9;
+  bool unsaved = false;
+  options.progress = [&](const ExploreProgress& state) { unsaved = unsaved || state.unsaved; };
+  expectSameRegions(explore(program_, options), whole_);
+  EXPECT_TRUE(unsaved);
 }
 
 }  // namespace

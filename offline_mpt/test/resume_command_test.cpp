@@ -104,9 +104,18 @@ class ResumeCommand : public testing::Test {
   }
 
   static std::vector<std::string> underMpi(int processes, std::vector<std::string> command) {
-    std::vector<std::string> all = {
-        MPI_LAUNCHER, "--oversubscribe",        "--bind-to", "none", "--mca", "btl", "self,vader",
-        "-n",         std::to_string(processes)};
+    std::vector<std::string> all = {MPI_LAUNCHER,
+                                    "--oversubscribe",
+                                    "--bind-to",
+                                    "none",
+                                    "--mca",
+                                    "btl",
+                                    "self,vader",
+                                    "--mca",
+                                    "odls_base_sigkill_timeout",
+                                    "30",
+                                    "-n",
+                                    std::to_string(processes)};
     all.insert(all.end(), command.begin(), command.end());
     return all;
   }
@@ -128,7 +137,8 @@ TEST_F(ResumeCommand, GoesOnToTheSameBytesAndCleansUp) {
 }
 
 TEST_F(ResumeCommand, MemoryLimitTakesSuffixes) {
-  const Outcome part = run("part.map", {"--memory-limit", "14k"});
+  writeBytes(path("small.json"), chainProblem(6, 3));
+  const Outcome part = run("part.map", {"--memory-limit", "24k"});
   EXPECT_EQ(part.exit_code, 3) << part.err;
   EXPECT_NE(part.err.find("--resume"), std::string::npos) << part.err;
   EXPECT_EQ(run("part.map", {"--memory-limit", "1G", "--resume"}).exit_code, 0);

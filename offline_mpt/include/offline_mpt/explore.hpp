@@ -17,6 +17,7 @@ struct ExploreProgress {
   std::uint64_t open = 0;       ///< active sets found, not yet described
   std::uint64_t described = 0;  ///< active sets described, of which some are regions
   std::uint64_t memory = 0;     ///< accounted [bytes], see memory_limit
+  bool unsaved = false;         ///< the checkpoint could not be written when it was last due
 };
 
 struct ExploreOptions {
@@ -50,8 +51,8 @@ struct ExploreOptions {
 /// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the
 /// regions of one that was not. A limit on regions cuts at the same region each time. Throws Error when the
 /// checkpoint is damaged, belongs to another problem or other tolerances, or comes from another build of the
-/// solver; when it cannot be written; and when a process of the team cannot assist. A process of the team
-/// that is lost interrupts (ExploreStats::lost_process).
+/// solver; when it cannot be written at the end; and when a process of the team cannot assist. A process of
+/// the team that is lost interrupts (ExploreStats::lost_process).
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly
