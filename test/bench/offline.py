@@ -24,6 +24,8 @@ BASE_LIMIT = 60.0  # s
 CERTIFICATE_LIMIT = 600.0  # s
 LATERAL_MARK = 60.0  # s for the exact certificate of LATERAL
 LARGEST = 5  # base problems that are certified
+PRIOR = 60.0  # s: how long the expected times are trusted more than those seen
+OUR_RATE = 5000.0  # regions per second, to tell how long it takes
 PEER_NODES, PEER_DEPTH = 20689, 20  # the peer's tree of mass_spring4_N5
 
 
@@ -37,17 +39,15 @@ class Work:
         self.tasks.append((text, seconds, action))
 
     def run(self):
-        ratio = 1.0  # of the time taken to the time expected
         spent = expected = 0.0
         for i, (text, seconds, action) in enumerate(self.tasks):
+            ratio = (spent + PRIOR) / (expected + PRIOR)  # of the time taken to the time expected
             left = ratio * sum(task[1] for task in self.tasks[i:])
             print(f"[{i + 1}/{len(self.tasks)}] {text} (about {left:.0f} s left)", flush=True)
             start = time.monotonic()
             action()
             spent += time.monotonic() - start
             expected += seconds
-            if expected > 10.0:
-                ratio = min(1.0, spent / expected)  # what is expected of a task is about the most it can take
 
 
 def measure(*arguments):
@@ -66,6 +66,7 @@ class Bench:
         data = os.path.join(os.environ.get("POLYFLY_DATA", "../shared/data"), "mp_problems")
         self.folder = data if os.path.isdir(data) else None
         self.peer = offline_peer.findPeer(data, self.calibration) if self.folder else None
+        self.noted = offline_peer.Noted(data, self.calibration) if self.folder else None
 
     def problems(self, folder):
         if not self.folder:
@@ -82,7 +83,8 @@ class Bench:
     def solveBeside(self, path, limit, pairs):
         run = measure("solve", path, "--time-limit", limit)
         if self.done(run, f"solve {path}"):
-            pairs.append((run, self.peer.figures(run["problem"], path, limit) if self.peer else []))
+            peer = self.peer if path.endswith(".json") else None  # peers do not read the demo's problems
+            pairs.append((run, peer.figures(run["problem"], path, limit) if peer else []))
 
     def solveTwice(self, path, limit):
         run = measure("solve", path, "--time-limit", limit, "--threads", 2)
@@ -106,23 +108,39 @@ class Bench:
             print(f"    certifying {run['problem']}: {run['regions']} regions", flush=True)
             self.certify(os.path.join(self.folder, run["problem"] + ".json"), CERTIFICATE_LIMIT)
 
+    def expected(self, path, limit):
+        """Seconds for us and for the peer, going by the noted figures."""
+        name = os.path.splitext(os.path.basename(path))[0]
+        figures = self.noted.figures("cdc24_" + name if os.path.dirname(path).endswith("cdc24") else name, path, limit)
+        ours = max([1.0] + [figure["regions"] / OUR_RATE for figure in figures])
+        if not isinstance(self.peer, offline_peer.Measured):
+            return min(limit, ours), 0.0
+        peer = [limit if figure["limit_reached"] else figure["cpu_seconds"] for figure in figures]
+        return min(limit, ours), sum(1.0 + min(limit, seconds) for seconds in peer)
+
     def plan(self):
-        peer_share = 3 if isinstance(self.peer, offline_peer.Measured) else 1
         if "base" in self.parts:
             for path in DEMO + [LATERAL]:
                 self.work.add(f"solving {path}", 1, lambda p=path: self.solveBeside(p, BASE_LIMIT, self.demo))
             for path in self.problems(""):
-                self.work.add(f"solving {path}", 12 * peer_share,
+                self.work.add(f"solving {path}", sum(self.expected(path, BASE_LIMIT)),
                               lambda p=path: self.solveBeside(p, BASE_LIMIT, self.base))
         if "cdc24" in self.parts:
             for path in self.problems("cdc24"):
-                self.work.add(f"solving {path}, at most {self.limit:g} s", self.limit * peer_share,
+                ours, peer = self.expected(path, self.limit)
+                self.work.add(f"solving {path}, at most {self.limit:g} s", ours + peer,
                               lambda p=path: self.solveBeside(p, self.limit, self.set))
-                self.work.add(f"solving {path}, two threads", self.limit,
-                              lambda p=path: self.solveTwice(p, self.limit))
+                self.work.add(f"solving {path}, two threads", ours / 2, lambda p=path: self.solveTwice(p, self.limit))
+        self.planMaps()
+
+    def planMaps(self):
+        """Look-ups and certificates."""
         if "lookup" in self.parts:
+            for path in DEMO:
+                self.work.add(f"look-ups in {path}", 5,
+                              lambda p=path: self.look(p, lambda run: score.lookupRows(run, None, True)))
             self.work.add(f"look-ups in {LATERAL}", 5,
-                          lambda: self.look(LATERAL, lambda run: score.lookupRows(run, 150.0)))
+                          lambda: self.look(LATERAL, lambda run: score.lookupRows(run, 150.0, True)))
             if self.folder:
                 for name, rows_of in (("mass_spring4_N10", lambda run: score.lookupRows(run, 300.0)),
                                       ("mass_spring4_N5", lambda run: score.springRows(run, PEER_NODES, PEER_DEPTH))):
