@@ -85,6 +85,7 @@ class Bench:
         if self.done(run, f"solve {path}"):
             peer = self.peer if path.endswith(".json") else None  # peers do not read the demo's problems
             pairs.append((run, peer.figures(run["problem"], path, limit) if peer else []))
+            print("    " + "  ".join(offline_table.line(*pairs[-1])), flush=True)
 
     def solveTwice(self, path, limit):
         run = measure("solve", path, "--time-limit", limit, "--threads", 2)
