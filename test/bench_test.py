@@ -174,6 +174,21 @@ class Score(unittest.TestCase):
                        {"objective_error": 0.5}):
             self.assertFalse(score.right({**figure, **change}), change)
 
+    def test_a_variant_with_fewer_regions_than_the_other_loses_some(self):
+        default = {"problem": "p", "variant": "default", "tool": "t", "regions": 9, "cpu_seconds": 2.0}
+        unpruned = {**default, "variant": "unpruned", "regions": 10}
+        self.assertTrue(score.losesRegions(default, [default, unpruned]))
+        self.assertFalse(score.losesRegions(unpruned, [default, unpruned]))
+        self.assertFalse(score.losesRegions(default, [default, {**unpruned, "limit_reached": True}]))
+
+    def test_what_is_slower_is_named(self):
+        slow = {"problem": "p", "variant": "default", "tool": "t", "regions": 9, "cpu_seconds": 0.5}
+        rows = score.ratioRows([(self.RUN, [slow])], "default")
+        least = [row for row in rows if "least" in row["name"]]
+        self.assertEqual(len(least), 1)
+        self.assertIn("(p 0.50)", least[0]["name"])
+        self.assertFalse(least[0]["reached"])
+
     def test_marks_include_their_bound(self):
         self.assertTrue(score.row("a", 3.0, "", None, (">=", 3.0))["reached"])
         self.assertTrue(score.row("a", 3.0, "", None, ("<=", 3.0))["reached"])

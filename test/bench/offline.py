@@ -22,6 +22,7 @@ DEMO = [f"region_maps/problems/multirotor_{axis}.yaml" for axis in ("longitudina
 PARTS = ("base", "cdc24", "lookup", "certificates")
 BASE_LIMIT = 60.0  # s
 CERTIFICATE_LIMIT = 600.0  # s
+PATIENCE = 120.0  # s: for solving before, and for ending after the limit
 LATERAL_MARK = 60.0  # s for the exact certificate of LATERAL
 LARGEST = 5  # base problems that are certified
 PRIOR = 60.0  # s: how long the expected times are trusted more than those seen
@@ -50,9 +51,14 @@ class Work:
             expected += seconds
 
 
-def measure(*arguments):
-    """The answer of the measuring tool, or None where it failed; it says why itself."""
-    run = subprocess.run([TOOL, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=False)
+def measure(*arguments, timeout=None):
+    """The answer of the measuring tool, or None where it failed or took too long; it says why itself."""
+    try:
+        run = subprocess.run([TOOL, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=False,
+                             timeout=timeout)
+    except subprocess.TimeoutExpired:
+        print(f"    {' '.join(map(str, arguments))}: did not end after {timeout:g} s", flush=True)
+        return None
     return json.loads(run.stdout) if run.returncode == 0 else None
 
 
@@ -98,8 +104,11 @@ class Bench:
             self.rows["lookup"] += rows_of(run)
 
     def certify(self, path, mark):
-        run = measure("certify", path, "--threads", 2, "--time-limit", CERTIFICATE_LIMIT)
+        run = measure("certify", path, "--threads", 2, "--time-limit", CERTIFICATE_LIMIT,
+                      timeout=CERTIFICATE_LIMIT + PATIENCE)
         if self.done(run, f"certify {path}"):
+            if run["first_defect"]:
+                print(f"    first defect of {run['problem']}: {run['first_defect']}", flush=True)
             self.rows["certificates"] += score.certificateRows(run, mark)
 
     def certifyLargest(self):
