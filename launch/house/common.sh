@@ -82,11 +82,20 @@ planBuilding() {
   fi
 }
 
-# ownSecondsLeft NAME SPENT: of the running step, by ninja's count in its log, or else by what was planned.
+# doing NAME: the last line of a step's log that counts what it does, as "[3/40] ...".
+doing() {
+  tail -c 4000 "build/.run/log/$1.log" 2> /dev/null | tr '\r' '\n' | grep -E '^\[[0-9]+/[0-9]+\]' | tail -n 1 || true
+}
+
+# ownSecondsLeft NAME SPENT: of the running step, as its log says ("(about 40 s left)" ends the counting line), or by
+# the count there, or else by what was planned.
 ownSecondsLeft() {
-  local count
-  count=$(tail -c 4000 "build/.run/log/$1.log" 2> /dev/null | tr '\r' '\n' | grep -Eo '^\[[0-9]+/[0-9]+\]' | tail -n 1 | tr -d '[]') || true
-  if [ -n "$count" ] && [ "${count%/*}" -ge 3 ]; then
+  local line count
+  line=$(doing "$1")
+  count=$(grep -Eo '^\[[0-9]+/[0-9]+\]' <<< "$line" | tr -d '[]') || true
+  if [[ "$line" =~ \(about\ ([0-9]+)\ s\ left\)$ ]]; then
+    echo "${BASH_REMATCH[1]}"
+  elif [ -n "$count" ] && [ "${count%/*}" -ge 3 ]; then
     echo $(($2 * (${count#*/} - ${count%/*}) / ${count%/*}))
   elif [ "$2" -lt "${step_seconds[step_index]}" ]; then
     echo $((step_seconds[step_index] - $2))
@@ -125,7 +134,8 @@ step() {
   (
     trap 'kill $! 2> /dev/null; exit' TERM
     while sleep 15 & wait $!; do
-      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft "$name" $(($(date +%s) - started))) s left"
+      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft "$name" $(($(date +%s) - started))) s left" \
+        "  $(doing "$name" | sed 's/ (about.*//' | cut -c 1-80)"
     done
   ) 9>&- &
   ticker_pid=$!

@@ -15,6 +15,18 @@ runScript() {
 
 namesOrAll() { if [ -n "${2:-}" ]; then echo "$2"; else scriptNames "$1"; fi; }
 
+# showRows PATH: the rows of PATH.json, or the table that the script itself left for people in PATH.txt.
+showRows() {
+  local rows
+  rows=$(python3 launch/house/show_table.py "$1.json")
+  if [ -s "$1.txt" ]; then
+    cat "$1.txt"
+    say "  rows: $1.json"
+  else
+    say "$rows"
+  fi
+}
+
 benchCommand() {
   local name
   planInstall run
@@ -24,9 +36,9 @@ benchCommand() {
   buildAll tools tools
   own bench
   for name in $(namesOrAll bench "${1:-}"); do
-    rm -f "build/bench/$name.json"
+    rm -f "build/bench/$name.json" "build/bench/$name.txt"
     step "bench_$name" "measuring: $name" runScript bench "$name"
-    python3 launch/house/show_table.py "build/bench/$name.json"
+    showRows "build/bench/$name"
   done
 }
 

@@ -1,4 +1,4 @@
 # shellcheck shell=bash
-# The parametric solver alone, one thread, median CPU seconds of five runs: generated problems and, where they are at
-# hand, reference problems.
-build/bin/bench_offline > "$output"
+# The offline toolchain beside a peer: time, regions, samples, look-ups, trees, certificates, memory. README.md tells how
+# to measure the peer in the same run. Takes about half an hour with the reference problems and a peer, a minute without.
+python3 test/bench/offline.py "$output"

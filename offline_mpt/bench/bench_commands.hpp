@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace polyfly::bench {
+
+using Json = nlohmann::ordered_json;
+
+struct SolveArguments {
+  std::string problem;
+  int runs = 5;  // of problems that take less than a second each; longer ones get fewer
+  int threads = 1;
+  double time_limit = 60.0;  // [s] of one run
+};
+
+struct LookupArguments {
+  std::string problem;
+  std::uint64_t seed = 1;
+  std::size_t samples = 200000;
+};
+
+struct CertifyArguments {
+  std::string problem;
+  int threads = 1;
+  double time_limit = 600.0;  // [s]
+};
+
+// Each measures one thing in this process and returns one flat object; offline.py says what is in it.
+Json solveProblem(const SolveArguments& arguments);
+Json timeLookups(const LookupArguments& arguments);
+Json timeCertificate(const CertifyArguments& arguments);
+Json calibrate();
+
+}  // namespace polyfly::bench

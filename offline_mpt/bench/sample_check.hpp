@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "mpc_core/parametric_program.hpp"
+#include "offline_mpt/partition.hpp"
+
+namespace polyfly::bench {
+
+/// A partition against the solutions that come with a reference problem.
+struct SampleCheck {
+  int feasible = 0;      ///< samples with a solution that is accurate enough to count
+  int missed = 0;        ///< of them in no region
+  int infeasible = 0;    ///< samples without a solution
+  int false_inside = 0;  ///< of them in a region
+  double u_error = 0.0;  ///< greatest |u - reference| over all regions that hold a sample, relative to the
+                         ///< greatest |u| of the samples; where the optimum is not unique, of the objective
+  bool of_objective = false;
+};
+
+/// `samples`: the list of that name in the problem file. Samples nearer than 1e-6 to the edge of the feasible
+/// set, and those whose own KKT residual is above 1e-8, are left out.
+SampleCheck checkSamples(const ParametricProgram& program, const Partition& partition,
+                         const nlohmann::json& samples);
+
+}  // namespace polyfly::bench
