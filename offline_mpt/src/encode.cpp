@@ -11,15 +11,14 @@ namespace polyfly {
 namespace {
 
 constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-constexpr double kSameLaw = 1e-9;   // greatest difference of two laws that are written once, relative to the
-                                    // greater of the law itself and the outputs that occur [scaled]
+constexpr double kSameLaw = 1e-9;  // greatest difference of two laws that are written once, relative to the
+                                   // outputs that occur [scaled]
 constexpr double kMembership = 1e-8;  // how far outside a half-space still counts as inside [scaled]
 
-/// Groups equal vectors of `width` numbers, each of which has a tolerance of its own. Sorted by a fixed
-/// projection, equal vectors stand close together.
+/// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
 class Sharing {
  public:
-  Sharing(const std::vector<double>& vectors, std::size_t width, const std::vector<double>& tolerances)
+  Sharing(const std::vector<double>& vectors, std::size_t width, double tolerance)
       : index_(vectors.size() / width) {
     const std::size_t count = index_.size();
     std::vector<double> key(count, 0.0);
@@ -33,14 +32,14 @@ class Sharing {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
+    const double window = weight_sum * tolerance;
     std::vector<std::size_t> heads(count);  // representative of each vector
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = order[k];
       heads[i] = i;
-      const double window = weight_sum * tolerances[i];
       for (std::size_t back = k; back-- > 0 && key[i] - key[order[back]] <= window;) {
         const std::size_t other = heads[order[back]];
-        if (close(vectors, width, i, other, std::min(tolerances[i], tolerances[other]))) {
+        if (close(vectors, width, i, other, tolerance)) {
           heads[i] = other;
           break;
         }
@@ -121,7 +120,7 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
 void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& content, TreeRegions& tree) {
   const std::size_t p = scaling.half.size();
   const Planes all = collectPlanes(partition, scaling);
-  const Sharing sharing(all.planes, p + 1, std::vector<double>(all.planes.size() / (p + 1), kSamePlane));
+  const Sharing sharing(all.planes, p + 1, kSamePlane);
   for (const std::size_t i : sharing.representatives()) {
     double bound = all.planes[i * (p + 1) + p];
     for (std::size_t j = 0; j < p; ++j) {
@@ -186,14 +185,8 @@ Laws collectLaws(const Partition& partition, const Scaling& scaling, Eigen::Inde
 void addLaws(const Partition& partition, const Scaling& scaling, MapContent& content) {
   const std::size_t width = content.inputs.size() * (scaling.half.size() + 1);
   const Laws laws = collectLaws(partition, scaling, static_cast<Eigen::Index>(content.inputs.size()));
-  std::vector<double> tolerances;
-  for (std::size_t first = 0; first < laws.scaled.size(); first += width) {
-    double greatest = laws.output;  // not the steepest law of all: beside it a saturated one is not constant
-    for (std::size_t j = first; j < first + width; ++j)
-      greatest = std::max(greatest, std::abs(laws.scaled[j]));
-    tolerances.push_back(kSameLaw * greatest);
-  }
-  const Sharing sharing(laws.scaled, width, tolerances);
+  // not relative to the laws: beside the steepest of them, a saturated one would pass for constant
+  const Sharing sharing(laws.scaled, width, kSameLaw * laws.output);
   for (const std::size_t i : sharing.representatives()) {
     const auto first = laws.written.begin() + static_cast<std::ptrdiff_t>(i * width);
     content.laws.insert(content.laws.end(), first, first + static_cast<std::ptrdiff_t>(width));
