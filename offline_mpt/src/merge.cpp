@@ -64,9 +64,10 @@ class GreedyMerger {
 
   bool inUnion(const Piece& piece) {
     if (piece.radius <= 0.0) return false;
-    const std::vector<double>& foreign = *task_.foreign;
-    for (std::size_t k = 0; k < foreign.size(); k += p_) {
-      if (geometry_.holds(piece.rows, foreign.data() + k, -task_.slack)) return false;
+    for (std::size_t k = 0; k < task_.laws->size(); ++k) {
+      const bool is_foreign = (*task_.laws)[k] != task_.law;
+      if (is_foreign && geometry_.holds(piece.rows, task_.centres->data() + k * p_, -task_.slack))
+        return false;
     }
     std::vector<const RowList*> cover;
     for (const Piece& other : pieces_) cover.push_back(&other.rows);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "piece_geometry.hpp"
@@ -9,9 +10,12 @@ namespace polyfly {
 
 /// Regions of one law that are to be described by fewer.
 struct MergeTask {
-  std::vector<Piece> pieces;                     ///< with interiors
-  const std::vector<double>* foreign = nullptr;  ///< points inside regions of other laws, p numbers each
-  RowList box;                                   ///< rows of the box
+  std::vector<Piece> pieces;  ///< with interiors
+  // All regions of the map: a union holds the centre of none with another law.
+  const std::vector<double>* centres = nullptr;      ///< p numbers each
+  const std::vector<std::uint32_t>* laws = nullptr;  ///< one each
+  std::uint32_t law = 0;                             ///< of the pieces
+  RowList box;                                       ///< rows of the box
   double slack = 0.0;  ///< how far outside a half-space still counts as inside [scaled]
 };
 

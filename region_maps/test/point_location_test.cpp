@@ -319,7 +319,7 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
 // Two ordinary cells with a gap between them, and a fallback region over both and beyond.
 TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   MapContent content = makeGridMap(1, 4);  // cells [0, 1], [1, 2], [2, 3] and [3, 4]
-  constexpr double kTolerance = 1.0 / (1 << 10), kHandicap = kTolerance / 16.0;
+  constexpr double kTolerance = 1.0 / (1 << 10), kHandicap = kTolerance / 128.0;
   content.tolerance = kTolerance;
   content.nodes.clear();
   content.leaves = {{0, 3}};
