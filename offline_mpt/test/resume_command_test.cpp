@@ -184,7 +184,7 @@ TEST_F(ResumeCommand, MpirunGivesTheSameBytes) {
 
 TEST_F(ResumeCommand, MpirunSaysOnceWhatIsWrong) {
   if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
-  const Outcome result = wait(start(underMpi(2, solve("none.json", "x.map", {}))));
+  const Outcome result = wait(start(underMpi(2, solve("none.json", "x.map", {}), 4)));
   EXPECT_EQ(result.exit_code, 2) << result.err;
   const std::size_t first = result.err.find("offline_mpt: ");
   ASSERT_NE(first, std::string::npos) << result.err;
