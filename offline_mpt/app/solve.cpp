@@ -47,13 +47,12 @@ const char kFooter[] =
     "  offline_mpt solve big.json -o big.map --resume\n"
     "  mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2";
 
-constexpr std::size_t kLongTree = 1000;  // regions; more take a while
-
 struct Options {
   std::string problem;
   std::string map;
   std::string stats;
   ExploreOptions explore;
+  std::uint64_t tree_nodes = 0;
   bool quiet = false;
   bool force = false;
 };
@@ -263,6 +262,22 @@ void checkFiles(const Options& options) {
   }
 }
 
+MapContent encodeWithProgress(const ParametricProgram& program, const Partition& partition,
+                              const Options& options) {
+  Progress progress(options.quiet);
+  TreeOptions tree;
+  tree.threads = options.explore.threads;
+  tree.node_limit = options.tree_nodes;
+  tree.progress = [&](std::uint64_t done, std::uint64_t total) {
+    const auto share = static_cast<double>(done) / static_cast<double>(total);
+    progress.show("search tree of " + std::to_string(partition.regions.size()) + " regions",
+                  progress.elapsed() * (1.0 - share) / share);
+  };
+  MapContent content = encode(program, partition, tree);
+  progress.finish();
+  return content;
+}
+
 ExitCode lead(const Options& options, Session& session) {
   checkFiles(options);
   Stopwatch watch;
@@ -282,10 +297,7 @@ ExitCode lead(const Options& options, Session& session) {
   }
   if (!mayWrite(options, partition)) return exitCode(partition.status);
   endOnSignal();
-  if (!options.quiet && partition.regions.size() > kLongTree) {
-    std::fprintf(stderr, "building the search tree of %zu regions\n", partition.regions.size());
-  }
-  const MapContent content = encode(program, partition);
+  const MapContent content = encodeWithProgress(program, partition, options);
   seconds.encode = watch.lap();
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
@@ -347,6 +359,11 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,
                    "write MAP.checkpoint every so many seconds (default: 300; 0: at the end only)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--tree-nodes", options->tree_nodes,
+          "interior nodes that the search tree may have (default: 64 per region); each takes 12 bytes")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--force", options->force,
                     "let a partial result replace an existing map, and a new run an old checkpoint");

@@ -117,8 +117,24 @@ struct RegionMap::PointLocation {
     return best(tables, leaf.count, theta, [=](std::size_t i) noexcept { return candidates[i]; });
   }
 
+  static Lookup locateFrom(const Tables& tables, const double* theta, std::uint32_t last) noexcept {
+    if (last < tables.first_fallback && violation(tables, last, theta) <= 0.0 &&
+        testBox(tables, theta) == LookupStatus::kInside) {
+      return {LookupStatus::kInside, last, tables.regions[last].law};
+    }
+    return locate(tables, theta);
+  }
+
   static Lookup evaluate(const Tables& tables, const double* theta, double* u) noexcept {
-    const Lookup found = locate(tables, theta);
+    return apply(tables, locate(tables, theta), theta, u);
+  }
+
+  static Lookup evaluateFrom(const Tables& tables, const double* theta, std::uint32_t last,
+                             double* u) noexcept {
+    return apply(tables, locateFrom(tables, theta, last), theta, u);
+  }
+
+  static Lookup apply(const Tables& tables, const Lookup& found, const double* theta, double* u) noexcept {
     if (found.status != LookupStatus::kInside) return found;
     const std::size_t p = size(tables);
     const double* row = tables.laws + std::size_t{found.law} * tables.inputs * (p + 1);
@@ -136,7 +152,9 @@ struct RegionMap::PointLocation {
     return best(tables, regions, theta, [](std::size_t i) noexcept { return static_cast<std::uint32_t>(i); });
   }
 
-  static Functions functions() noexcept { return {locate, evaluate, locateExhaustively, contains}; }
+  static Functions functions() noexcept {
+    return {locate, locateFrom, evaluate, evaluateFrom, locateExhaustively, contains};
+  }
 };
 
 RegionMap::Functions RegionMap::functionsFor(std::uint32_t parameters) noexcept {

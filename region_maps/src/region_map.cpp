@@ -123,6 +123,14 @@ const double* RegionMap::law(std::size_t index) const noexcept {
 
 Lookup RegionMap::locate(const double* theta) const noexcept { return functions_.locate(tables_, theta); }
 
+Lookup RegionMap::locateFrom(const double* theta, std::uint32_t last) const noexcept {
+  return functions_.locate_from(tables_, theta, last);
+}
+
+Lookup RegionMap::evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept {
+  return functions_.evaluate_from(tables_, theta, last, u);
+}
+
 Lookup RegionMap::evaluate(const double* theta, double* u) const noexcept {
   return functions_.evaluate(tables_, theta, u);
 }

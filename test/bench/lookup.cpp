@@ -52,8 +52,27 @@ std::vector<double> drawParameters(const polyfly::RegionMap& map, std::size_t sa
   return thetas;
 }
 
-// Nanoseconds of one look-up, one number for each batch, sorted.
-std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector<double>& thetas) {
+// Parameters that move on by a thousandth of the range from one look-up to the next, as in flight.
+std::vector<double> walkParameters(const polyfly::RegionMap& map, std::size_t samples, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<double> thetas;
+  thetas.reserve(samples * map.parameters().size());
+  for (std::size_t i = 0; i < samples; ++i) {
+    for (const polyfly::Signal& signal : map.parameters()) {
+      const double half = 0.5 * (signal.upper - signal.lower);
+      const double before =
+          i == 0 ? 0.5 * (signal.lower + signal.upper) : thetas[thetas.size() - map.parameters().size()];
+      thetas.push_back(std::clamp(before + 1e-3 * half * unit(random), signal.lower, signal.upper));
+    }
+  }
+  return thetas;
+}
+
+// Nanoseconds of one look-up, one number for each batch, sorted. With `from_last`, each begins with the
+// region of the one before.
+std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector<double>& thetas,
+                                bool from_last = false) {
   const std::size_t size = map.parameters().size();
   const std::size_t batches = thetas.size() / size / kBatch;
   std::vector<double> input(map.inputs().size());
@@ -61,11 +80,13 @@ std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector
   times.reserve(batches);
   volatile double sink = 0.0;  // keeps the look-ups from being left out
   const double* theta = thetas.data();
+  std::uint32_t last = 0;
   for (std::size_t batch = 0; batch < batches; ++batch) {
     double sum = 0.0;
     const Clock::time_point start = Clock::now();
     for (std::size_t i = 0; i < kBatch; ++i, theta += size) {
-      map.evaluate(theta, input.data());
+      last = from_last ? map.evaluateFrom(theta, last, input.data()).region
+                       : map.evaluate(theta, input.data()).region;
       sum += input[0];
     }
     const std::chrono::duration<double, std::nano> spent = Clock::now() - start;
@@ -74,6 +95,10 @@ std::vector<double> timeLookups(const polyfly::RegionMap& map, const std::vector
   }
   std::sort(times.begin(), times.end());
   return times;
+}
+
+double percentile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
 void printRow(bool first, const std::string& name, double value, const char* unit) {
@@ -86,15 +111,18 @@ void measure(const std::string& path, const Arguments& arguments, bool first) {
   const std::vector<double> thetas = drawParameters(map, arguments.samples, arguments.seed);
   timeLookups(map, thetas);  // once to warm the caches
   const std::vector<double> times = timeLookups(map, thetas);
-  const auto percentile = [&](double share) {
-    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
-  };
+  const std::vector<double> walk = walkParameters(map, arguments.samples, arguments.seed);
+  const std::vector<double> walked = timeLookups(map, walk);
+  const std::vector<double> continued = timeLookups(map, walk, true);
   const std::string name(map.name());
   printRow(first, name + ": regions", static_cast<double>(map.regionCount()), "");
   printRow(false, name + ": file", static_cast<double>(map.bytes()), "B");
   printRow(false, name + ": tree depth", map.cost().depth, "");
-  printRow(false, name + ": look-up, random parameters, median", percentile(0.5), "ns");
-  printRow(false, name + ": look-up, random parameters, 99 %", percentile(0.99), "ns");
+  printRow(false, name + ": look-up, random parameters, median", percentile(times, 0.5), "ns");
+  printRow(false, name + ": look-up, random parameters, 99 %", percentile(times, 0.99), "ns");
+  printRow(false, name + ": look-up, consecutive parameters, median", percentile(walked, 0.5), "ns");
+  printRow(false, name + ": look-up, consecutive parameters from the last region, median",
+           percentile(continued, 0.5), "ns");
 }
 
 }  // namespace

@@ -103,6 +103,14 @@ class RegionMap {
   /// As locate, and writes u = K theta + k (m numbers) when the status is kInside; u is left alone otherwise.
   Lookup evaluate(const double* theta, double* u) const noexcept;
 
+  /// As `locate` and `evaluate`, beginning with the region that held the parameter before: consecutive
+  /// parameters mostly lie in one region, and testing that one is cheaper than the tree. `last` may be any
+  /// number. On a face, where several regions hold theta, the answer may be another region than the tree's;
+  /// their inputs agree there. Costs at most one region's half-spaces more than `cost()` says. Unlike
+  /// `locate`, the answer depends on what came before; the controllers therefore do not use it.
+  Lookup locateFrom(const double* theta, std::uint32_t last) const noexcept;
+  Lookup evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept;
+
   /// As `locate`, testing all regions in file order: its reference.
   Lookup locateExhaustively(const double* theta) const noexcept;
 
@@ -131,7 +139,10 @@ class RegionMap {
   /// The look-ups for one number of parameters; chosen when the map opens.
   struct Functions {
     Lookup (*locate)(const Tables&, const double* theta) noexcept = nullptr;
+    Lookup (*locate_from)(const Tables&, const double* theta, std::uint32_t last) noexcept = nullptr;
     Lookup (*evaluate)(const Tables&, const double* theta, double* u) noexcept = nullptr;
+    Lookup (*evaluate_from)(const Tables&, const double* theta, std::uint32_t last,
+                            double* u) noexcept = nullptr;
     Lookup (*locate_exhaustively)(const Tables&, std::size_t regions, const double* theta) noexcept = nullptr;
     bool (*contains)(const Tables&, std::size_t region, const double* theta) noexcept = nullptr;
   };
