@@ -100,7 +100,7 @@ TEST_F(Checkpoint, SavedNowAndThenServesToo) {
   options.checkpoint_period = 1e-9;
   ASSERT_EQ(explore(program_, options).status, ExploreStatus::kComplete);
   const Partition resumed = upTo(whole_.regions.size() + 1, true);
-  EXPECT_LT(resumed.stats.resumed_regions, whole_.regions.size());
+  EXPECT_GT(resumed.stats.resumed_regions, 0u);  // maybe all: sets may still be open when the last is found
   expectSameRegions(resumed, whole_);
   EXPECT_EQ(folder_.fileCount(), 1u);
 }
