@@ -1,76 +1,33 @@
 // Runs the program `offline_mpt` as a user would: what it prints, what it returns, what it leaves behind.
 #include <gtest/gtest.h>
 #include <sched.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "run_program.hpp"
 
 namespace polyfly {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-std::string readText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void writeText(const fs::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
-}
-
 class CommandLine : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "offline_mpt_test_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    writeText(path("toy.json"), kToy);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { writeBytes(path("toy.json"), kToy); }
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_.path(name); }
 
-  // Standard output and error go to files, so that neither can block.
   Outcome run(const std::vector<std::string>& arguments) const { return wait(start(arguments)); }
-
-  pid_t start(const std::vector<std::string>& arguments) const {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    std::vector<char*> argv = {const_cast<char*>(OFFLINE_MPT_PROGRAM)};
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-    argv.push_back(nullptr);
-    if (!std::freopen(path("stdout").c_str(), "w", stdout) ||
-        !std::freopen(path("stderr").c_str(), "w", stderr))
-      _exit(126);
-    execv(argv[0], argv.data());
-    _exit(127);
+  pid_t start(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), OFFLINE_MPT_PROGRAM);
+    return startProgram(std::move(arguments), path("."));
   }
-
-  Outcome wait(pid_t child) const {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), readText(path("stdout")),
-            readText(path("stderr"))};
-  }
+  Outcome wait(pid_t child) const { return waitForProgram(child, path(".")); }
 
   std::string solvedToy() const {
     const Outcome result = run({"solve", path("toy.json"), "-o", path("toy.map")});
@@ -95,7 +52,7 @@ class CommandLine : public testing::Test {
   // Files besides the captured output.
   std::size_t fileCount() const {
     std::size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(folder_)) {
+    for (const auto& entry : fs::directory_iterator(path("."))) {
       count += entry.path().filename() != "stdout" && entry.path().filename() != "stderr";
     }
     return count;
@@ -103,7 +60,7 @@ class CommandLine : public testing::Test {
 
   nlohmann::json toy() const { return nlohmann::json::parse(kToy); }
   std::string written(const std::string& name, const nlohmann::json& json) const {
-    writeText(path(name), json.dump());
+    writeBytes(path(name), json.dump());
     return path(name);
   }
 
@@ -112,7 +69,7 @@ class CommandLine : public testing::Test {
     "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
     "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
 
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(CommandLine, SolvesAndWritesStatistics) {
@@ -121,7 +78,7 @@ TEST_F(CommandLine, SolvesAndWritesStatistics) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("complete, 3 regions"), std::string::npos) << result.out;
   EXPECT_EQ(result.err, "");
-  const nlohmann::json stats = nlohmann::json::parse(readText(path("stats.json")));
+  const nlohmann::json stats = nlohmann::json::parse(readBytes(path("stats.json")));
   EXPECT_EQ(stats["status"], "complete");
   EXPECT_EQ(stats["regions"], 3);
   EXPECT_EQ(stats["parameters"], 2);
@@ -134,7 +91,7 @@ TEST_F(CommandLine, GivesTheSameBytesForAnyNumberOfThreads) {
         run({"solve", path("toy.json"), "-o", path(threads), "--threads", threads, "--quiet"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.out + result.err, "");
-    EXPECT_EQ(readText(path(threads)), readText(path("1")));
+    EXPECT_EQ(readBytes(path(threads)), readBytes(path("1")));
   }
 }
 
@@ -157,7 +114,7 @@ TEST_F(CommandLine, EvaluatesRows) {
   const std::string map = solvedToy();
   const nlohmann::json info = nlohmann::json::parse(run({"info", map, "--json"}).out);
   const std::string a = info["parameters"][0]["name"], b = info["parameters"][1]["name"];
-  writeText(path("plain.csv"), "# a, b\n0.25,0.5\r\n\n 2 , 1.5\n3,0\nnan,0\n");
+  writeBytes(path("plain.csv"), "# a, b\n0.25,0.5\r\n\n 2 , 1.5\n3,0\nnan,0\n");
   const Outcome plain = run({"eval", map, "--csv", path("plain.csv")});
   ASSERT_EQ(plain.exit_code, 0) << plain.err;
   std::istringstream lines(plain.out);
@@ -174,27 +131,27 @@ TEST_F(CommandLine, EvaluatesRows) {
   std::getline(lines, line);
   EXPECT_EQ(line, "not_finite,,");
 
-  writeText(path("named.csv"), b + "," + a + "\n3,0\n0.5,0.25\n");
+  writeBytes(path("named.csv"), b + "," + a + "\n3,0\n0.5,0.25\n");
   const Outcome named = run({"eval", map, "--csv", path("named.csv"), "-o", path("out.csv")});
   ASSERT_EQ(named.exit_code, 0) << named.err;
   EXPECT_EQ(named.out, "");
-  EXPECT_NE(readText(path("out.csv")).find("outside_box"), std::string::npos);
+  EXPECT_NE(readBytes(path("out.csv")).find("outside_box"), std::string::npos);
 }
 
 TEST_F(CommandLine, NamesTheCellThatIsWrong) {
   const std::string map = solvedToy();
   const std::string name = nlohmann::json::parse(run({"info", map, "--json"}).out)["parameters"][1]["name"];
   const std::string csv = path("bad.csv");
-  writeText(csv, "0,0\n0,1.5x\n");
+  writeBytes(csv, "0,0\n0,1.5x\n");
   expectRefused({"eval", map, "--csv", csv, "-o", path("out.csv")},
                 {"bad.csv:2:", "column 2", name, "'1.5x' is not a number"});
-  writeText(csv, "0,0\n\n0,0,0\n");
+  writeBytes(csv, "0,0\n\n0,0,0\n");
   expectRefused({"eval", map, "--csv", csv}, {"bad.csv:3:", "must have 2 columns, got 3"});
-  writeText(csv, name + ",wind\n0,0\n");
+  writeBytes(csv, name + ",wind\n0,0\n");
   expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "column 2", "'wind' is not a parameter"});
-  writeText(csv, name + "," + name + "\n0,0\n");
+  writeBytes(csv, name + "," + name + "\n0,0\n");
   expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "is given twice"});
-  writeText(csv, name + "\n0\n");
+  writeBytes(csv, name + "\n0\n");
   expectRefused({"eval", map, "--csv", csv}, {"bad.csv:1:", "no column for the parameter"});
   expectRefused({"eval", map, "--csv", path("none.csv")}, {"none.csv: cannot be read"});
 }
@@ -205,7 +162,7 @@ TEST_F(CommandLine, VerifiesARightMapAndRefusesAWrongOne) {
                              "--json", path("report.json")});
   EXPECT_EQ(right.exit_code, 0) << right.out << right.err;
   EXPECT_NE(right.out.find("PASSED"), std::string::npos);
-  EXPECT_TRUE(nlohmann::json::parse(readText(path("report.json")))["passed"].get<bool>());
+  EXPECT_TRUE(nlohmann::json::parse(readBytes(path("report.json")))["passed"].get<bool>());
   EXPECT_EQ(run({"verify", map, "--samples", "100"}).exit_code, 0)
       << "against the problem that the map carries";
 
@@ -231,7 +188,7 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
                              path("saved.json"), "--threads", "2"});
   ASSERT_EQ(small.exit_code, 0) << small.out << small.err;
   EXPECT_NE(small.out.find("proven to answer as the original"), std::string::npos) << small.out;
-  const nlohmann::json saved = nlohmann::json::parse(readText(path("saved.json")));
+  const nlohmann::json saved = nlohmann::json::parse(readBytes(path("saved.json")));
   EXPECT_TRUE(saved["proven"].get<bool>());
   EXPECT_LE(saved["after"]["regions"], saved["before"]["regions"]);
   EXPECT_EQ(saved["after"]["bytes"].get<std::uintmax_t>(), fs::file_size(path("small.map")));
@@ -245,7 +202,7 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
       run({"verify", path("small.map"), "--reduced-from", path("two.map"), "--json", path("proof.json")});
   EXPECT_EQ(proof.exit_code, 0) << proof.out << proof.err;
   EXPECT_NE(proof.out.find("PROVEN"), std::string::npos);
-  EXPECT_TRUE(nlohmann::json::parse(readText(path("proof.json")))["proven"].get<bool>());
+  EXPECT_TRUE(nlohmann::json::parse(readBytes(path("proof.json")))["proven"].get<bool>());
   EXPECT_EQ(run({"verify", path("small.map"), "--samples", "300", "--quiet"}).exit_code, 0);
 
   expectRefused({"verify", path("small.map"), "--reduced-from", solvedToy()},
@@ -262,11 +219,11 @@ TEST_F(CommandLine, RefusesBadProblems) {
   const std::string map = path("none.map");
   expectRefused({"solve", path("missing.yaml"), "-o", map}, {"missing.yaml"});
   expectRefused({"solve", path("missing.json"), "-o", map}, {"missing.json"});
-  writeText(path("problem.txt"), "x");
+  writeBytes(path("problem.txt"), "x");
   expectRefused({"solve", path("problem.txt"), "-o", map}, {"problem.txt"});
-  writeText(path("malformed.yaml"), "name: x\nstates: [a, b\nhorizon: }\n");
+  writeBytes(path("malformed.yaml"), "name: x\nstates: [a, b\nhorizon: }\n");
   expectRefused({"solve", path("malformed.yaml"), "-o", map}, {"malformed.yaml:"});
-  writeText(path("malformed.json"), "{\"H\": [[1.0]");
+  writeBytes(path("malformed.json"), "{\"H\": [[1.0]");
   expectRefused({"solve", path("malformed.json"), "-o", map}, {"malformed.json"});
 
   nlohmann::json problem = toy();
@@ -284,10 +241,10 @@ TEST_F(CommandLine, RefusesBadProblems) {
 }
 
 TEST_F(CommandLine, RefusesDamagedMaps) {
-  const std::string bytes = readText(solvedToy());
+  const std::string bytes = readBytes(solvedToy());
   const std::string map = path("damaged.map");
   const auto refuse = [&](const std::string& damaged, const std::vector<std::string>& words) {
-    writeText(map, damaged);
+    writeBytes(map, damaged);
     expectRefused({"info", map}, words);
     expectRefused({"verify", map, "--problem", path("toy.json")}, words);
   };
@@ -311,7 +268,7 @@ TEST_F(CommandLine, RefusesBadOptions) {
   expectRefused({"solve", path("toy.json"), "-o", path("x.map"), "--threads", "0"}, {"--threads"});
   expectRefused({"solve", path("toy.json"), "-o", path("x.map"), "--wings", "2"}, {"--wings"});
   expectRefused({"solve", path("toy.json"), "-o", path("no/such/folder.map")}, {"no/such"});
-  expectRefused({"solve", path("toy.json"), "-o", folder_.string()}, {"is a folder"});
+  expectRefused({"solve", path("toy.json"), "-o", path(".")}, {"is a folder"});
   expectRefused({"land"}, {"land"});
   expectRefused({}, {"subcommand"});
   expectRefused({"verify", map, "--samples", "0"}, {"--samples"});
@@ -329,18 +286,18 @@ TEST_F(CommandLine, KeepsAPartialResultAndSaysSo) {
             1);
 
   // A complete map is worth more than a part of one.
-  const std::string complete = solvedToy(), bytes = readText(complete);
+  const std::string complete = solvedToy(), bytes = readBytes(complete);
   const Outcome again = run({"solve", path("toy.json"), "-o", complete, "--region-limit", "1"});
   EXPECT_EQ(again.exit_code, 3);
   EXPECT_NE(again.err.find("the existing file stands"), std::string::npos) << again.err;
-  EXPECT_EQ(readText(complete), bytes);
+  EXPECT_EQ(readBytes(complete), bytes);
   EXPECT_EQ(run({"solve", path("toy.json"), "-o", complete, "--region-limit", "1", "--force"}).exit_code, 3);
-  EXPECT_NE(readText(complete), bytes);
+  EXPECT_NE(readBytes(complete), bytes);
 }
 
 // Whether the process has a handler for SIGINT (proc(5), SigCgt).
 bool catchesInterrupt(pid_t process) {
-  const std::string status = readText("/proc/" + std::to_string(process) + "/status");
+  const std::string status = readBytes("/proc/" + std::to_string(process) + "/status");
   const std::size_t line = status.find("SigCgt:");
   return line != std::string::npos &&
          (std::stoull(status.substr(line + 7), nullptr, 16) >> (SIGINT - 1) & 1u) != 0;

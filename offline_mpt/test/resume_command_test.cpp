@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "offline_mpt/explore.hpp"
+#include "run_program.hpp"
 #include "same_regions.hpp"
 #include "scratch_folder.hpp"
 
@@ -22,12 +21,6 @@ namespace polyfly {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
 
 // |z_i + a theta_i ...| <= 1 with a coupled cost: many regions, more with `n`.
 std::string chainProblem(int n, int p) {
@@ -69,29 +62,13 @@ class ResumeCommand : public testing::Test {
 
   std::string path(const std::string& name) const { return folder_.path(name); }
 
-  // Standard output and error go to files, so that neither can block.
   pid_t start(std::vector<std::string> command) const {
-    const pid_t child = fork();
-    if (child != 0) return child;
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);  // as continuous integration does
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     setenv("ASAN_OPTIONS", "detect_leaks=0", 0);  // Open MPI's own
-    std::vector<char*> argv;
-    for (std::string& word : command) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    if (!std::freopen(path("stdout").c_str(), "w", stdout) ||
-        !std::freopen(path("stderr").c_str(), "w", stderr))
-      _exit(126);
-    execv(argv[0], argv.data());
-    _exit(127);
+    return startProgram(std::move(command), path("."));
   }
-
-  Outcome wait(pid_t child) const {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), readBytes(path("stdout")),
-            readBytes(path("stderr"))};
-  }
+  Outcome wait(pid_t child) const { return waitForProgram(child, path(".")); }
 
   std::vector<std::string> solve(const std::string& problem, const std::string& map,
                                  const std::vector<std::string>& options) const {
