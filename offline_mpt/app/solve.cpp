@@ -13,6 +13,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/team.hpp"
+#include "offline_mpt/vector_text.hpp"
 #include "progress.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -182,16 +183,6 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
         std::vector<double>(partition.witness.data(), partition.witness.data() + partition.witness.size());
   }
   return json.dump(2) + "\n";
-}
-
-std::string vectorText(const Eigen::VectorXd& vector) {
-  std::string text = "(";
-  char number[32];
-  for (Eigen::Index i = 0; i < vector.size(); ++i) {
-    std::snprintf(number, sizeof number, "%s%.17g", i > 0 ? ", " : "", vector[i]);
-    text += number;
-  }
-  return text + ")";
 }
 
 // True when the result may be written; says why not otherwise.

@@ -1,23 +1,13 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "offline_mpt/vector_text.hpp"
 #include "offline_mpt/verify_reduction.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::size_t kShown = 10;  // defects in the text
-
-std::string vectorText(const Eigen::VectorXd& vector) {
-  std::string text = "(";
-  char number[32];
-  for (Eigen::Index i = 0; i < vector.size(); ++i) {
-    std::snprintf(number, sizeof number, "%s%.17g", i > 0 ? ", " : "", vector[i]);
-    text += number;
-  }
-  return text + ")";
-}
 
 const char* verdict(const ReductionReport& report) {
   if (report.interrupted) return "stopped before the end: nothing is proven";
