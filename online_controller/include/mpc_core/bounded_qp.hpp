@@ -1,0 +1,185 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "mpc_core/aligned_array.hpp"
+#include "mpc_core/qp_status.hpp"
+
+namespace polyfly {
+
+/// Where a constraint stands in a working set.
+enum class QpSide : std::int8_t {
+  kLowerRelaxed = -2,  ///< violated below, at the price of its penalty
+  kLower = -1,         ///< held at its lower bound
+  kInactive = 0,
+  kUpper = 1,         ///< held at its upper bound
+  kUpperRelaxed = 2,  ///< violated above, at the price of its penalty
+};
+
+/// The vectors of a quadratic program, read during the call only. Bounds may be infinite.
+struct QpVectors {
+  const double* g = nullptr;          ///< n
+  const double* lower = nullptr;      ///< n
+  const double* upper = nullptr;      ///< n; equal to `lower` where a variable is fixed
+  const double* row_lower = nullptr;  ///< m; may stay nullptr without rows
+  const double* row_upper = nullptr;  ///< m; equal to `row_lower` for an equality
+};
+
+/// Strictly convex quadratic program for control loops
+///
+///     min_x 1/2 x'Hx + g'x + sum_i p_i v_i   s.t.   lower <= x <= upper,
+///                                                   row_lower - v <= A x <= row_upper + v,  v >= 0.
+///
+/// A row with an infinite penalty p_i (the default) is hard. A finite one relaxes it in the l1 norm: the row
+/// holds exactly as long as its multiplier stays below p_i, and the problem always has a solution.
+///
+/// Two phases. First the active bounds are guessed all at once from the signs of slacks and multipliers
+/// (primal-dual active set; Kunisch and Rendl, 2003), which ends in a few rounds on most problems of control
+/// and, if it ends, at the optimum of the box. Then, for the rows and where the guess went astray, a dual
+/// active-set method (Goldfarb and Idnani, 1983) ends after finitely many steps. Each working set is
+/// factorised afresh, either the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
+/// constraints, whichever is less work; no rounding is carried from one working set to the next.
+///
+/// After construction nothing allocates, throws or reads a clock. One object serves one thread. The same
+/// calls give the same bits, with or without AVX2.
+class BoundedQp {
+ public:
+  /// n variables and m rows. Throws Error unless n >= 1 and m >= 0.
+  explicit BoundedQp(int variables, int rows = 0);
+
+  /// Takes H, n x n, column by column (only its lower triangle is read), and factorises it: n^3 / 6
+  /// multiplications. False, and kNotConvex from then on, when it is not positive definite or not finite.
+  bool setHessian(const double* H) noexcept;
+
+  /// As setHessian, and computes the inverse too: for an H that serves many solutions.
+  bool setConstantHessian(const double* H) noexcept;
+
+  /// Takes A, m x n, column by column.
+  void setRows(const double* A) noexcept;
+
+  /// Penalty p of a row, above 0; infinity makes it hard.
+  void setPenalty(int row, double penalty) noexcept;
+
+  /// Largest number of working sets that one solution may try, at least 1. Default: 10 (n + m) + 30.
+  void setIterationLimit(int limit) noexcept { iteration_limit_ = limit < 1 ? 1 : limit; }
+
+  /// Starts from the working set `start` (n + m sides, bounds first; it may be activeSet() itself), or with
+  /// nullptr from the empty one. At kIterationLimit and kInfeasible x() is the last point, moved into the
+  /// box: it keeps lower <= x <= upper, but neither the optimum nor hard rows.
+  QpStatus solve(const QpVectors& vectors, const QpSide* start = nullptr) noexcept;
+
+  int variableCount() const noexcept { return n_; }
+  int rowCount() const noexcept { return m_; }
+
+  const double* x() const noexcept { return x_.data(); }  ///< minimiser, n
+
+  /// Of the bounds (n), then of the rows (m): Hx + g + lambda_bounds + A' lambda_rows = 0, positive at an
+  /// upper bound, negative at a lower one.
+  const double* multipliers() const noexcept { return lambda_.data(); }
+
+  const QpSide* activeSet() const noexcept { return side_.data(); }  ///< n + m, bounds first
+  int iterations() const noexcept { return iterations_; }            ///< working sets tried
+
+  /// Greatest amount by which x() violates a row, 0 without rows.
+  double violation() const noexcept { return violation_; }
+
+ private:
+  enum class Pass { kAdvanced, kOptimal, kInfeasible, kIterationLimit };
+  struct Candidate {
+    int index = -1;
+    double direction = 0.0;  // in which its multiplier moves
+    double violation = 0.0;  // over its scale
+    QpSide reached = QpSide::kInactive;
+  };
+
+  QpStatus take(const QpVectors& vectors) noexcept;
+  void startFrom(const QpSide* start) noexcept;
+  QpStatus leave(QpStatus status) noexcept;
+
+  // The phases.
+  bool guessBounds() noexcept;
+  int correctGuess() noexcept;
+  int dropWrongSigns() noexcept;
+  double largestMultiplier() const noexcept;
+  bool makeDualFeasible() noexcept;
+  Pass ascend() noexcept;
+  Candidate mostViolated() const noexcept;
+  void considerSide(int index, double violation, double direction, QpSide reached,
+                    Candidate& worst) const noexcept;
+  double blockingStep(int* blocking) const noexcept;
+  void release(int index) noexcept;
+  void settle(const Candidate& candidate, bool was_relaxed) noexcept;
+
+  // A working set as equalities.
+  bool solveWorkingSet() noexcept;
+  void listWorkingSet() noexcept;
+  bool dualIsCheaper() const noexcept;
+  bool factoriseWorkingSet() noexcept;
+  bool factoriseDual() noexcept;
+  bool factorisePrimal() noexcept;
+  bool factoriseReduced() noexcept;
+  bool factoriseGram(int count, int first) noexcept;
+  void solveEquality() noexcept;
+  void startFromBase() noexcept;
+  void solveDirection(const Candidate& candidate) noexcept;
+  void solveDual(double* x, double* lambda, bool homogeneous) noexcept;
+  void solvePrimal(double* x, double* lambda, bool homogeneous) noexcept;
+  void refine() noexcept;
+
+  // Arithmetic with one constraint, or with the factors.
+  double along(int index, const double* x) const noexcept;
+  void addMultiple(int index, double factor, double* y) const noexcept;
+  void evaluateRows() noexcept;
+  const double* inverseColumn(int index) noexcept;
+  void solveHessian(double* x) const noexcept;
+  void solveGram(double* x) const noexcept;
+  void solveReduced(double* x, bool lower, bool upper) const noexcept;
+  void gatherFree(const double* from, double* to) const noexcept;
+  bool isEquality(int index) const noexcept { return lower_[index] == upper_[index]; }
+  double bound(int index) const noexcept {
+    return side_[static_cast<std::size_t>(index)] < QpSide::kInactive ? lower_[index] : upper_[index];
+  }
+  bool isFixedMultiplier(int index) const noexcept {
+    const QpSide side = side_[static_cast<std::size_t>(index)];
+    return index == partial_ || side == QpSide::kLowerRelaxed || side == QpSide::kUpperRelaxed;
+  }
+
+  int n_ = 0;
+  int m_ = 0;
+  int stride_ = 0;  // n in whole packs
+  int iterations_ = 0;
+  int iteration_limit_ = 0;
+  bool convex_ = false;
+  bool constant_ = false;  // the inverse of H is there
+  double violation_ = 0.0;
+  double gradient_scale_ = 0.0;
+
+  AlignedArray H_, factor_, factor_inverse_;            // stride x n
+  AlignedArray rows_;                                   // stride x m, row by row
+  AlignedArray inverse_;                                // stride x (n + m): H^-1 a_i
+  std::vector<char> has_inverse_;                       // n + m
+  AlignedArray lower_, upper_, penalty_, scale_;        // n + m
+  AlignedArray g_, base_;                               // n: gradient; -H^-1 g
+  AlignedArray x_, lambda_, row_value_, dx_, dlambda_;  // point, multipliers; their rates
+  bool has_base_ = false;
+
+  std::vector<QpSide> side_;         // n + m
+  std::vector<int> free_, working_;  // free variables; constraints held, bounds before rows
+  int free_count_ = 0;
+  int bound_count_ = 0;  // bounds among those held
+  int working_count_ = 0;
+  int partial_ = -1;    // constraint on its way into the working set
+  int dependent_ = -1;  // constraint that depends on the others of the working set
+  bool dual_ = false;   // which factor the working set has
+  bool whole_ = false;  // all variables are free: the reduced factor is that of H
+  int reduced_size_ = 0;
+  int gram_size_ = 0;
+  AlignedArray reduced_, reduced_inverse_;  // factor of the Hessian of the free variables
+  AlignedArray gram_, gram_inverse_;        // factor of the Gram matrix
+  AlignedArray range_;                      // active rows, by the inverse of the reduced factor
+  AlignedArray gradient_, work_, small_, multipliers_;
+};
+
+}  // namespace polyfly

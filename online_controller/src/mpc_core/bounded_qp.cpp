@@ -1,0 +1,173 @@
+// Set-up, the order of the phases, and what a solution leaves behind.
+#include "mpc_core/bounded_qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "qp_kernels.hpp"
+#include "qp_tolerances.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kIterationsPerConstraint = 10;
+constexpr int kIterationsAtLeast = 30;
+
+std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+
+}  // namespace
+
+BoundedQp::BoundedQp(int variables, int rows) : n_(variables), m_(rows) {
+  if (n_ < 1 || m_ < 0) {
+    throw Error("BoundedQp: needs at least 1 variable and 0 rows, got " + std::to_string(n_) + " and " +
+                std::to_string(m_));
+  }
+  stride_ = wholePacks(n_);
+  const int constraints = n_ + m_;
+  const std::size_t square = product(stride_, stride_);
+  const std::size_t blocks = product(stride_ / kPack, kBlockInverse);
+  for (AlignedArray* matrix : {&H_, &factor_, &reduced_, &gram_, &range_}) *matrix = AlignedArray(square);
+  for (AlignedArray* array : {&factor_inverse_, &reduced_inverse_, &gram_inverse_}) {
+    *array = AlignedArray(blocks);
+  }
+  rows_ = AlignedArray(product(stride_, m_));
+  inverse_ = AlignedArray(product(stride_, constraints));
+  for (AlignedArray* array : {&g_, &base_, &x_, &dx_, &gradient_, &work_, &small_, &multipliers_}) {
+    *array = AlignedArray(static_cast<std::size_t>(stride_));
+  }
+  for (AlignedArray* array : {&lower_, &upper_, &penalty_, &scale_, &lambda_, &dlambda_}) {
+    *array = AlignedArray(static_cast<std::size_t>(constraints));
+  }
+  row_value_ = AlignedArray(static_cast<std::size_t>(m_));
+  std::fill_n(penalty_.data(), constraints, std::numeric_limits<double>::infinity());
+  std::fill_n(scale_.data(), constraints, 1.0);
+  has_inverse_.assign(static_cast<std::size_t>(constraints), 0);
+  side_.assign(static_cast<std::size_t>(constraints), QpSide::kInactive);
+  free_.assign(static_cast<std::size_t>(n_), 0);
+  working_.assign(static_cast<std::size_t>(constraints), 0);
+  iteration_limit_ = kIterationsPerConstraint * constraints + kIterationsAtLeast;
+}
+
+bool BoundedQp::setHessian(const double* H) noexcept {
+  std::fill(has_inverse_.begin(), has_inverse_.end(), 0);
+  constant_ = false;
+  for (int j = 0; j < n_; ++j) {
+    const double* column = H + j * n_;
+    double* own = H_.data() + j * stride_;
+    std::copy(column + j, column + n_, own + j);
+    for (int i = j + 1; i < n_; ++i) H_[i * stride_ + j] = column[i];
+    std::copy(column + j, column + n_, factor_.data() + j * stride_ + j);
+  }
+  setIdentityTail(factor_.data(), n_, stride_);
+  convex_ =
+      qpKernels().factorise(factor_.data(), stride_, stride_, kPositive, factor_inverse_.data()) == stride_;
+  return convex_;
+}
+
+bool BoundedQp::setConstantHessian(const double* H) noexcept {
+  if (!setHessian(H)) return false;
+  for (int i = 0; i < n_; ++i) inverseColumn(i);
+  constant_ = true;
+  return true;
+}
+
+void BoundedQp::setRows(const double* A) noexcept {
+  for (int i = 0; i < m_; ++i) {
+    double largest = 0.0;
+    for (int j = 0; j < n_; ++j) {
+      const double entry = A[j * m_ + i];
+      rows_[i * stride_ + j] = entry;
+      largest = std::max(largest, std::abs(entry));
+    }
+    scale_[n_ + i] = largest > 0.0 ? largest : 1.0;
+    has_inverse_[static_cast<std::size_t>(n_ + i)] = 0;
+  }
+}
+
+void BoundedQp::setPenalty(int row, double penalty) noexcept { penalty_[n_ + row] = penalty; }
+
+QpStatus BoundedQp::solve(const QpVectors& vectors, const QpSide* start) noexcept {
+  iterations_ = 0;
+  partial_ = -1;
+  has_base_ = false;
+  if (!convex_) return QpStatus::kNotConvex;
+  const QpStatus given = take(vectors);
+  startFrom(start);
+  if (given != QpStatus::kOptimal) return leave(given);
+
+  if (!guessBounds()) return leave(QpStatus::kIterationLimit);
+  for (;;) {
+    switch (ascend()) {
+      case Pass::kAdvanced:
+        break;
+      case Pass::kOptimal:
+        refine();
+        return leave(QpStatus::kOptimal);
+      case Pass::kInfeasible:
+        return leave(QpStatus::kInfeasible);
+      case Pass::kIterationLimit:
+        return leave(QpStatus::kIterationLimit);
+    }
+  }
+}
+
+QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
+  std::copy_n(vectors.g, n_, g_.data());
+  std::copy_n(vectors.lower, n_, lower_.data());
+  std::copy_n(vectors.upper, n_, upper_.data());
+  if (m_ > 0) {
+    std::copy_n(vectors.row_lower, m_, lower_.data() + n_);
+    std::copy_n(vectors.row_upper, m_, upper_.data() + n_);
+  }
+  gradient_scale_ = 0.0;
+  bool finite = true;
+  for (int i = 0; i < n_; ++i) {
+    finite = finite && std::isfinite(g_[i]);
+    gradient_scale_ = std::max(gradient_scale_, std::abs(g_[i]));
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  bool ordered = true;
+  for (int i = 0; i < n_ + m_; ++i) {
+    finite = finite && lower_[i] < kInfinity && upper_[i] > -kInfinity;  // false for NaN
+    ordered = ordered && lower_[i] <= upper_[i];
+  }
+  if (!finite) return QpStatus::kNotFinite;
+  return ordered ? QpStatus::kOptimal : QpStatus::kInfeasible;
+}
+
+void BoundedQp::startFrom(const QpSide* start) noexcept {
+  for (int i = 0; i < n_ + m_; ++i) {
+    QpSide side = start != nullptr ? start[i] : QpSide::kInactive;
+    if (!std::isfinite(penalty_[i])) {  // hard constraints are not relaxed
+      if (side == QpSide::kLowerRelaxed) side = QpSide::kLower;
+      if (side == QpSide::kUpperRelaxed) side = QpSide::kUpper;
+    }
+    if (side < QpSide::kInactive && !std::isfinite(lower_[i])) side = QpSide::kInactive;
+    if (side > QpSide::kInactive && !std::isfinite(upper_[i])) side = QpSide::kInactive;
+    if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
+    side_[static_cast<std::size_t>(i)] = side;
+  }
+  std::fill_n(lambda_.data(), n_ + m_, 0.0);
+  std::fill_n(x_.data(), n_, 0.0);
+}
+
+QpStatus BoundedQp::leave(QpStatus status) noexcept {
+  if (status != QpStatus::kOptimal) {
+    partial_ = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (!std::isfinite(x_[i])) x_[i] = 0.0;
+    }
+  }
+  // Written so that contradictory bounds do no harm.
+  for (int i = 0; i < n_; ++i) x_[i] = std::max(lower_[i], std::min(upper_[i], x_[i]));
+  evaluateRows();
+  violation_ = 0.0;
+  for (int i = 0; i < m_; ++i) {
+    violation_ = std::max({violation_, lower_[n_ + i] - row_value_[i], row_value_[i] - upper_[n_ + i]});
+  }
+  return status;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,200 @@
+// The two phases: guessing the active bounds, and ascending the dual.
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/bounded_qp.hpp"
+#include "qp_kernels.hpp"
+#include "qp_tolerances.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kGuessRounds = 12;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+// Rounds of: solve with the guessed set as equalities, then correct every guess that its sign contradicts.
+// Leaves a working set whose multipliers have the right signs, and its solution; false at the limit of
+// iterations.
+bool BoundedQp::guessBounds() noexcept {
+  for (int round = 0; round < kGuessRounds; ++round) {
+    if (!solveWorkingSet()) return false;
+    if (correctGuess() == 0) return true;
+  }
+  return makeDualFeasible();
+}
+
+int BoundedQp::correctGuess() noexcept {
+  int changes = dropWrongSigns();
+  for (int i = 0; i < n_; ++i) {
+    QpSide& side = side_[static_cast<std::size_t>(i)];
+    if (side != QpSide::kInactive) continue;
+    if (x_[i] < lower_[i] - kFeasible * (1.0 + std::abs(lower_[i]))) {
+      side = QpSide::kLower;
+    } else if (x_[i] > upper_[i] + kFeasible * (1.0 + std::abs(upper_[i]))) {
+      side = QpSide::kUpper;
+    } else {
+      continue;
+    }
+    ++changes;
+  }
+  return changes;
+}
+
+// Takes out of the working set what its multiplier contradicts; how many constraints that were.
+int BoundedQp::dropWrongSigns() noexcept {
+  const double tolerance = kRounding * (gradient_scale_ + largestMultiplier());
+  int dropped = 0;
+  for (int j = 0; j < working_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    QpSide& side = side_[static_cast<std::size_t>(i)];
+    const double outward = side == QpSide::kUpper ? lambda_[i] : -lambda_[i];
+    if (std::abs(lambda_[i]) > penalty_[i]) {
+      side = lambda_[i] > 0.0 ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
+      lambda_[i] = lambda_[i] > 0.0 ? penalty_[i] : -penalty_[i];
+    } else if (outward < -tolerance && !isEquality(i)) {
+      side = QpSide::kInactive;
+      lambda_[i] = 0.0;
+    } else {
+      continue;
+    }
+    ++dropped;
+  }
+  return dropped;
+}
+
+double BoundedQp::largestMultiplier() const noexcept {
+  double largest = 0.0;
+  for (int j = 0; j < working_count_; ++j) {
+    largest = std::max(largest, std::abs(lambda_[working_[static_cast<std::size_t>(j)]]));
+  }
+  return largest;
+}
+
+// The working set only shrinks here, so this ends. False at the limit of iterations.
+bool BoundedQp::makeDualFeasible() noexcept {
+  do {
+    if (!solveWorkingSet()) return false;
+  } while (dropWrongSigns() > 0);
+  return true;
+}
+
+void BoundedQp::considerSide(int index, double violation, double direction, QpSide reached,
+                             Candidate& worst) const noexcept {
+  const double at = reached < QpSide::kInactive ? lower_[index] : upper_[index];
+  const double tolerance = kFeasible * (scale_[index] + std::abs(at));
+  if (!(violation > tolerance) || violation <= worst.violation * scale_[index]) return;
+  worst = {index, direction, violation / scale_[index], reached};
+}
+
+BoundedQp::Candidate BoundedQp::mostViolated() const noexcept {
+  Candidate worst;
+  for (int i = 0; i < n_ + m_; ++i) {
+    const double value = i < n_ ? x_[i] : row_value_[i - n_];
+    switch (side_[static_cast<std::size_t>(i)]) {
+      case QpSide::kInactive:
+        considerSide(i, lower_[i] - value, -1.0, QpSide::kLower, worst);
+        considerSide(i, value - upper_[i], 1.0, QpSide::kUpper, worst);
+        break;
+      case QpSide::kUpperRelaxed:
+        considerSide(i, upper_[i] - value, -1.0, QpSide::kUpper, worst);
+        break;
+      case QpSide::kLowerRelaxed:
+        considerSide(i, value - lower_[i], 1.0, QpSide::kLower, worst);
+        break;
+      case QpSide::kLower:
+      case QpSide::kUpper:
+        break;
+    }
+  }
+  return worst;
+}
+
+// How far the multipliers of the working set let that of the candidate move.
+double BoundedQp::blockingStep(int* blocking) const noexcept {
+  double least = kInfinity;
+  for (int j = 0; j < working_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    const double rate = dlambda_[i];
+    if (std::abs(rate) <= kNegative) continue;
+    const bool upper = side_[static_cast<std::size_t>(i)] == QpSide::kUpper;
+    const double ceiling = upper || isEquality(i) ? penalty_[i] : 0.0;
+    const double floor = upper && !isEquality(i) ? 0.0 : -penalty_[i];
+    const double room = rate > 0.0 ? ceiling - lambda_[i] : lambda_[i] - floor;
+    const double step = std::max(0.0, room) / std::abs(rate);
+    if (step < least) {
+      least = step;
+      *blocking = i;
+    }
+  }
+  return least;
+}
+
+// A constraint of the working set whose multiplier has come to one of its ends leaves it there.
+void BoundedQp::release(int index) noexcept {
+  QpSide& side = side_[static_cast<std::size_t>(index)];
+  const bool at_penalty = isEquality(index) || std::abs(lambda_[index]) > 0.5 * penalty_[index];
+  if (!at_penalty) {
+    side = QpSide::kInactive;
+    lambda_[index] = 0.0;
+    return;
+  }
+  side = lambda_[index] > 0.0 ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
+  lambda_[index] = lambda_[index] > 0.0 ? penalty_[index] : -penalty_[index];
+}
+
+// Moves the multiplier of the most violated constraint until the constraint holds or its penalty is reached;
+// constraints whose multipliers come to an end on the way leave the working set.
+BoundedQp::Pass BoundedQp::ascend() noexcept {
+  evaluateRows();
+  const Candidate candidate = mostViolated();
+  if (candidate.index < 0) return Pass::kOptimal;
+  const int p = candidate.index;
+  const bool relaxed = side_[static_cast<std::size_t>(p)] != QpSide::kInactive;
+  const double at = candidate.reached == QpSide::kLower ? lower_[p] : upper_[p];
+  const double self = along(p, inverseColumn(p));
+  side_[static_cast<std::size_t>(p)] = QpSide::kInactive;
+  partial_ = p;
+  for (;;) {
+    solveDirection(candidate);
+    const double curvature = -candidate.direction * along(p, dx_.data());
+    const double missing = candidate.direction * (along(p, x_.data()) - at);
+    const double primal = curvature > kDependent * self ? std::max(0.0, missing) / curvature : kInfinity;
+    const double own = relaxed ? std::abs(lambda_[p]) : penalty_[p] - std::abs(lambda_[p]);
+    int blocking = -1;
+    const double dual = blockingStep(&blocking);
+    const double step = std::min({primal, own, dual});
+    if (!std::isfinite(step)) return Pass::kInfeasible;
+    for (int j = 0; j < working_count_; ++j) {
+      const int i = working_[static_cast<std::size_t>(j)];
+      lambda_[i] += step * dlambda_[i];
+    }
+    lambda_[p] += step * candidate.direction;
+    if (step == primal) {
+      side_[static_cast<std::size_t>(p)] = candidate.reached;
+      partial_ = -1;
+    } else if (step == own) {
+      settle(candidate, relaxed);
+    } else {
+      release(blocking);
+    }
+    if (!solveWorkingSet()) return Pass::kIterationLimit;
+    if (partial_ < 0) return Pass::kAdvanced;
+  }
+}
+
+// The candidate's own multiplier has come to its end.
+void BoundedQp::settle(const Candidate& candidate, bool was_relaxed) noexcept {
+  const int p = candidate.index;
+  partial_ = -1;
+  if (was_relaxed) {
+    lambda_[p] = 0.0;
+    return;
+  }
+  const bool upper = candidate.direction > 0.0;
+  side_[static_cast<std::size_t>(p)] = upper ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
+  lambda_[p] = upper ? penalty_[p] : -penalty_[p];
+}
+
+}  // namespace polyfly

@@ -1,0 +1,304 @@
+// Solves with a working set as equalities, by one of two factors.
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/bounded_qp.hpp"
+#include "qp_kernels.hpp"
+#include "qp_tolerances.hpp"
+
+namespace polyfly {
+
+double BoundedQp::along(int index, const double* x) const noexcept {
+  return index < n_ ? x[index] : qpKernels().dot(stride_, rows_.data() + (index - n_) * stride_, x);
+}
+
+// y += factor a_index
+void BoundedQp::addMultiple(int index, double factor, double* y) const noexcept {
+  if (index < n_) {
+    y[index] += factor;
+  } else {
+    qpKernels().addMultiple(stride_, factor, rows_.data() + (index - n_) * stride_, y);
+  }
+}
+
+void BoundedQp::evaluateRows() noexcept {
+  for (int i = 0; i < m_; ++i) row_value_[i] = along(n_ + i, x_.data());
+}
+
+void BoundedQp::solveHessian(double* x) const noexcept {
+  qpKernels().solveLower(factor_.data(), factor_inverse_.data(), stride_, stride_, x);
+  qpKernels().solveUpper(factor_.data(), factor_inverse_.data(), stride_, stride_, x);
+}
+
+// H^-1 a_index, computed when it is first asked for.
+const double* BoundedQp::inverseColumn(int index) noexcept {
+  double* column = inverse_.data() + index * stride_;
+  if (!has_inverse_[static_cast<std::size_t>(index)]) {
+    std::fill_n(column, stride_, 0.0);
+    addMultiple(index, 1.0, column);
+    solveHessian(column);
+    has_inverse_[static_cast<std::size_t>(index)] = 1;
+  }
+  return column;
+}
+
+// Bounds first, then rows, so that a dependent row shows as such.
+void BoundedQp::listWorkingSet() noexcept {
+  free_count_ = 0;
+  working_count_ = 0;
+  for (int i = 0; i < n_ + m_; ++i) {
+    const QpSide side = side_[static_cast<std::size_t>(i)];
+    const bool held = side == QpSide::kLower || side == QpSide::kUpper;
+    if (held) {
+      working_[static_cast<std::size_t>(working_count_++)] = i;
+    } else {
+      if (i < n_) free_[static_cast<std::size_t>(free_count_++)] = i;
+      if (side == QpSide::kInactive && i != partial_) lambda_[i] = 0.0;
+    }
+    if (i == n_ - 1) bound_count_ = working_count_;
+  }
+}
+
+// Counts multiplications.
+bool BoundedQp::dualIsCheaper() const noexcept {
+  const double n = n_;
+  const double k = working_count_;
+  const double f = free_count_;
+  const double rows = working_count_ - bound_count_;
+  double missing = has_base_ || partial_ >= 0 ? 0.0 : 1.0;
+  for (int j = 0; j < working_count_; ++j) {
+    if (!has_inverse_[static_cast<std::size_t>(working_[static_cast<std::size_t>(j)])]) missing += 1.0;
+  }
+  const double dual = missing * n * n + k * k * k / 6.0 + k * k * (1.0 + rows) + k * n;
+  const double primal =
+      (bound_count_ == 0 ? 0.0 : f * f * f / 6.0 + f * f) + f * f * (1.0 + 0.5 * rows) + n * n;
+  return dual <= primal;
+}
+
+// Solves with the working set; rows that depend on the others leave it. False at the limit of iterations.
+bool BoundedQp::solveWorkingSet() noexcept {
+  for (;;) {
+    if (++iterations_ > iteration_limit_) return false;
+    listWorkingSet();
+    if (factoriseWorkingSet()) break;
+    if (dependent_ < 0) return false;
+    side_[static_cast<std::size_t>(dependent_)] = QpSide::kInactive;
+  }
+  solveEquality();
+  return true;
+}
+
+bool BoundedQp::factoriseWorkingSet() noexcept {
+  dependent_ = -1;
+  if (working_count_ > n_) {
+    dependent_ = working_[static_cast<std::size_t>(working_count_ - 1)];
+    return false;
+  }
+  dual_ = dualIsCheaper();
+  return dual_ ? factoriseDual() : factorisePrimal();
+}
+
+bool BoundedQp::factoriseDual() noexcept {
+  for (int j = 0; j < working_count_; ++j) {
+    const double* column = inverseColumn(working_[static_cast<std::size_t>(j)]);
+    double* gram = gram_.data() + j * stride_;
+    for (int i = j; i < bound_count_; ++i) gram[i] = column[working_[static_cast<std::size_t>(i)]];
+    for (int i = std::max(j, bound_count_); i < working_count_; ++i) {
+      gram[i] = along(working_[static_cast<std::size_t>(i)], column);
+    }
+  }
+  return factoriseGram(working_count_, 0);
+}
+
+// The Gram matrix of the `count` constraints of the working set from `first` on.
+bool BoundedQp::factoriseGram(int count, int first) noexcept {
+  gram_size_ = wholePacks(count);
+  setIdentityTail(gram_.data(), count, gram_size_, stride_);
+  const int done =
+      qpKernels().factorise(gram_.data(), gram_size_, stride_, kIndependent, gram_inverse_.data());
+  if (done == gram_size_) return true;
+  dependent_ = working_[static_cast<std::size_t>(first + done)];
+  return false;
+}
+
+bool BoundedQp::factorisePrimal() noexcept {
+  const int rows = working_count_ - bound_count_;
+  if (rows > free_count_) {
+    dependent_ = working_[static_cast<std::size_t>(working_count_ - 1)];
+    return false;
+  }
+  reduced_size_ = wholePacks(free_count_);
+  whole_ = bound_count_ == 0;
+  if (!whole_ && !factoriseReduced()) return false;
+  for (int r = 0; r < rows; ++r) {
+    const double* row = rows_.data() + (working_[static_cast<std::size_t>(bound_count_ + r)] - n_) * stride_;
+    double* range = range_.data() + r * stride_;
+    gatherFree(row, range);
+    solveReduced(range, true, false);
+    for (int s = 0; s <= r; ++s) {
+      gram_[s * stride_ + r] = qpKernels().dot(reduced_size_, range_.data() + s * stride_, range);
+    }
+  }
+  return factoriseGram(rows, bound_count_);
+}
+
+bool BoundedQp::factoriseReduced() noexcept {
+  for (int c = 0; c < free_count_; ++c) {
+    const double* column = H_.data() + free_[static_cast<std::size_t>(c)] * stride_;
+    double* reduced = reduced_.data() + c * stride_;
+    for (int r = c; r < free_count_; ++r) reduced[r] = column[free_[static_cast<std::size_t>(r)]];
+  }
+  setIdentityTail(reduced_.data(), free_count_, reduced_size_, stride_);
+  return qpKernels().factorise(reduced_.data(), reduced_size_, stride_, kPositive, reduced_inverse_.data()) ==
+         reduced_size_;
+}
+
+void BoundedQp::gatherFree(const double* from, double* to) const noexcept {
+  for (int i = 0; i < free_count_; ++i) to[i] = from[free_[static_cast<std::size_t>(i)]];
+  std::fill(to + free_count_, to + reduced_size_, 0.0);
+}
+
+void BoundedQp::solveReduced(double* x, bool lower, bool upper) const noexcept {
+  const double* factor = whole_ ? factor_.data() : reduced_.data();
+  const double* blocks = whole_ ? factor_inverse_.data() : reduced_inverse_.data();
+  if (lower) qpKernels().solveLower(factor, blocks, reduced_size_, stride_, x);
+  if (upper) qpKernels().solveUpper(factor, blocks, reduced_size_, stride_, x);
+}
+
+void BoundedQp::solveGram(double* x) const noexcept {
+  qpKernels().solveLower(gram_.data(), gram_inverse_.data(), gram_size_, stride_, x);
+  qpKernels().solveUpper(gram_.data(), gram_inverse_.data(), gram_size_, stride_, x);
+}
+
+// Fills x and the multipliers of the working set; those of relaxed and partial constraints are data.
+void BoundedQp::solveEquality() noexcept {
+  if (dual_) {
+    startFromBase();
+    solveDual(x_.data(), lambda_.data(), false);
+    return;
+  }
+  std::copy_n(g_.data(), stride_, gradient_.data());
+  for (int i = 0; i < n_ + m_; ++i) {
+    if (isFixedMultiplier(i)) addMultiple(i, lambda_[i], gradient_.data());
+  }
+  solvePrimal(x_.data(), lambda_.data(), false);
+}
+
+// x: the minimiser without the working set.
+void BoundedQp::startFromBase() noexcept {
+  if (!has_base_) {
+    std::fill_n(base_.data(), stride_, 0.0);
+    for (int i = 0; i < n_; ++i) gradient_[i] = -g_[i];
+    if (constant_) {
+      qpKernels().multiplyAdd(inverse_.data(), stride_, n_, stride_, gradient_.data(), base_.data());
+    } else {
+      std::copy_n(gradient_.data(), n_, base_.data());
+      solveHessian(base_.data());
+    }
+    has_base_ = true;
+  }
+  std::copy_n(base_.data(), stride_, x_.data());
+  for (int i = 0; i < n_ + m_; ++i) {
+    if (isFixedMultiplier(i)) qpKernels().addMultiple(stride_, -lambda_[i], inverseColumn(i), x_.data());
+  }
+}
+
+// The rates of x and of the multipliers as the candidate's multiplier grows along its direction.
+void BoundedQp::solveDirection(const Candidate& candidate) noexcept {
+  if (dual_) {
+    std::fill_n(dx_.data(), stride_, 0.0);
+    qpKernels().addMultiple(stride_, -candidate.direction, inverseColumn(candidate.index), dx_.data());
+    solveDual(dx_.data(), dlambda_.data(), true);
+    return;
+  }
+  std::fill_n(gradient_.data(), stride_, 0.0);
+  addMultiple(candidate.index, candidate.direction, gradient_.data());
+  solvePrimal(dx_.data(), dlambda_.data(), true);
+}
+
+// From the minimiser without the working set in x to the one with it.
+void BoundedQp::solveDual(double* x, double* lambda, bool homogeneous) noexcept {
+  const int k = working_count_;
+  for (int j = 0; j < k; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    multipliers_[j] = along(i, x) - (homogeneous ? 0.0 : bound(i));
+  }
+  std::fill(multipliers_.data() + k, multipliers_.data() + gram_size_, 0.0);
+  solveGram(multipliers_.data());
+  for (int j = 0; j < k; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    lambda[i] = multipliers_[j];
+    qpKernels().addMultiple(stride_, -multipliers_[j], inverseColumn(i), x);
+  }
+  for (int j = 0; j < bound_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    x[i] = homogeneous ? 0.0 : bound(i);
+  }
+}
+
+// Minimises 1/2 x'Hx + gradient'x with the working set as equalities.
+void BoundedQp::solvePrimal(double* x, double* lambda, bool homogeneous) noexcept {
+  const int rows = working_count_ - bound_count_;
+  const QpKernels& kernels = qpKernels();
+  std::copy_n(gradient_.data(), stride_, work_.data());
+  std::fill_n(x, stride_, 0.0);
+  for (int j = 0; j < bound_count_ && !homogeneous; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    x[i] = bound(i);
+    if (x[i] != 0.0) kernels.addMultiple(stride_, x[i], H_.data() + i * stride_, work_.data());
+  }
+  gatherFree(work_.data(), small_.data());
+  for (int i = 0; i < free_count_; ++i) small_[i] = -small_[i];
+  solveReduced(small_.data(), true, false);
+  for (int r = 0; r < rows; ++r) {
+    const int i = working_[static_cast<std::size_t>(bound_count_ + r)];
+    const double wanted = (homogeneous ? 0.0 : bound(i)) - along(i, x);
+    multipliers_[r] = kernels.dot(reduced_size_, range_.data() + r * stride_, small_.data()) - wanted;
+  }
+  std::fill(multipliers_.data() + rows, multipliers_.data() + gram_size_, 0.0);
+  solveGram(multipliers_.data());
+  for (int r = 0; r < rows; ++r) {
+    const int i = working_[static_cast<std::size_t>(bound_count_ + r)];
+    lambda[i] = multipliers_[r];
+    kernels.addMultiple(reduced_size_, -lambda[i], range_.data() + r * stride_, small_.data());
+    addMultiple(i, lambda[i], work_.data());
+  }
+  solveReduced(small_.data(), false, true);
+  for (int i = 0; i < free_count_; ++i) x[free_[static_cast<std::size_t>(i)]] = small_[i];
+  if (bound_count_ == 0) return;
+  for (int i = 0; i < free_count_; ++i) {
+    const int f = free_[static_cast<std::size_t>(i)];
+    kernels.addMultiple(stride_, x[f], H_.data() + f * stride_, work_.data());
+  }
+  for (int j = 0; j < bound_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    lambda[i] = -work_[i];
+  }
+}
+
+// One step of iterative refinement, where rounding has left something to refine.
+void BoundedQp::refine() noexcept {
+  const QpKernels& kernels = qpKernels();
+  std::copy_n(g_.data(), stride_, gradient_.data());
+  kernels.multiplyAdd(H_.data(), stride_, n_, stride_, x_.data(), gradient_.data());
+  for (int i = 0; i < n_ + m_; ++i) {
+    if (lambda_[i] != 0.0) addMultiple(i, lambda_[i], gradient_.data());
+  }
+  double worst = 0.0;
+  for (int i = 0; i < n_; ++i) worst = std::max(worst, std::abs(gradient_[i]));
+  if (worst <= kResidual * (gradient_scale_ + largestMultiplier())) return;
+  if (dual_) {
+    for (int i = 0; i < n_; ++i) dx_[i] = -gradient_[i];
+    solveHessian(dx_.data());
+    solveDual(dx_.data(), dlambda_.data(), true);
+  } else {
+    solvePrimal(dx_.data(), dlambda_.data(), true);
+  }
+  for (int i = 0; i < n_; ++i) x_[i] += dx_[i];
+  for (int j = 0; j < working_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    lambda_[i] += dlambda_[i];
+  }
+}
+
+}  // namespace polyfly

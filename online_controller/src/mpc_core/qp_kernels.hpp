@@ -1,0 +1,32 @@
+#pragma once
+
+namespace polyfly {
+
+/// Dense linear algebra of the size of a control problem, on columns that start `stride` numbers apart.
+/// Sizes `n` are multiples of kPack; what is added to a matrix to reach one is the identity, to a vector 0.
+struct QpKernels {
+  /// Overwrites the lower triangle of a symmetric matrix by its Cholesky factor L. `blocks` takes the
+  /// inverses of its diagonal blocks: for each block of kPack columns the inverse by columns, then by rows. A
+  /// pivot must exceed `relative` times the diagonal entry: returns the first one that does not, or n.
+  int (*factorise)(double* matrix, int n, int stride, double relative, double* blocks);
+
+  void (*solveLower)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L x = x
+  void (*solveUpper)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L' x = x
+
+  /// y += M x for a matrix of n rows.
+  void (*multiplyAdd)(const double* matrix, int n, int columns, int stride, const double* x, double* y);
+
+  void (*addMultiple)(int n, double factor, const double* x, double* y);  ///< y += factor x
+  double (*dot)(int n, const double* x, const double* y);
+};
+
+constexpr int kPack = 4;
+constexpr int kBlockInverse = 2 * kPack * kPack;  ///< numbers in `blocks` for each kPack columns
+
+constexpr int wholePacks(int n) { return (n + kPack - 1) / kPack * kPack; }
+
+/// The fastest version that this processor runs. All versions give the same bits: they do the same operations
+/// in the same order, and none fuses a product with a sum.
+const QpKernels& qpKernels() noexcept;
+
+}  // namespace polyfly
