@@ -101,6 +101,7 @@ class BoundedQp {
   // The phases.
   bool guessBounds() noexcept;
   int correctGuess() noexcept;
+  void sweepBounds() noexcept;
   int dropWrongSigns() noexcept;
   double largestMultiplier() const noexcept;
   bool makeDualFeasible() noexcept;
@@ -137,6 +138,7 @@ class BoundedQp {
   void solveGram(double* x) const noexcept;
   void solveReduced(double* x, bool lower, bool upper) const noexcept;
   void gatherFree(const double* from, double* to) const noexcept;
+  static bool isHeld(QpSide side) noexcept { return side == QpSide::kLower || side == QpSide::kUpper; }
   bool isEquality(int index) const noexcept { return lower_[index] == upper_[index]; }
   double bound(int index) const noexcept {
     return side_[static_cast<std::size_t>(index)] < QpSide::kInactive ? lower_[index] : upper_[index];
@@ -152,6 +154,7 @@ class BoundedQp {
   int iterations_ = 0;
   int iteration_limit_ = 0;
   bool convex_ = false;
+  bool well_conditioned_ = false;
   bool constant_ = false;  // the inverse of H is there
   double violation_ = 0.0;
   double gradient_scale_ = 0.0;
@@ -159,6 +162,7 @@ class BoundedQp {
   AlignedArray H_, factor_, factor_inverse_;            // stride x n
   AlignedArray rows_;                                   // stride x m, row by row
   AlignedArray inverse_;                                // stride x (n + m): H^-1 a_i
+  AlignedArray least_, greatest_;                       // n + m: what counts as within the bounds
   std::vector<char> has_inverse_;                       // n + m
   AlignedArray lower_, upper_, penalty_, scale_;        // n + m
   AlignedArray g_, base_;                               // n: gradient; -H^-1 g

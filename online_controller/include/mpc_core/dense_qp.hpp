@@ -19,7 +19,8 @@ class DenseQp {
   /// H n x n positive definite, A m x n. Throws Error when H is not positive definite or sizes disagree.
   DenseQp(const Eigen::MatrixXd& H, const Eigen::MatrixXd& A, std::vector<int> equalities = {});
 
-  /// At most 20 (m + n) + 100 changes of the active set. `g` n numbers, `b` m numbers. With `warm`, starts from the active set of the previous call.
+  /// At most 20 (m + n) + 100 changes of the active set. `g` n numbers, `b` m numbers. With `warm`, starts
+  /// from the active set of the previous call.
   QpStatus solve(const double* g, const double* b, bool warm = false) noexcept;
 
   const Eigen::VectorXd& z() const noexcept { return z_; }  ///< minimiser, n

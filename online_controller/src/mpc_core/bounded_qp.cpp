@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kIterationsPerConstraint = 10;
 constexpr int kIterationsAtLeast = 30;
+constexpr double kWellConditioned = 100.0;  // ratio of the factor's pivots: nothing to refine below
 
 std::size_t product(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
 
@@ -37,7 +38,8 @@ BoundedQp::BoundedQp(int variables, int rows) : n_(variables), m_(rows) {
   for (AlignedArray* array : {&g_, &base_, &x_, &dx_, &gradient_, &work_, &small_, &multipliers_}) {
     *array = AlignedArray(static_cast<std::size_t>(stride_));
   }
-  for (AlignedArray* array : {&lower_, &upper_, &penalty_, &scale_, &lambda_, &dlambda_}) {
+  for (AlignedArray* array :
+       {&lower_, &upper_, &least_, &greatest_, &penalty_, &scale_, &lambda_, &dlambda_}) {
     *array = AlignedArray(static_cast<std::size_t>(constraints));
   }
   row_value_ = AlignedArray(static_cast<std::size_t>(m_));
@@ -45,8 +47,9 @@ BoundedQp::BoundedQp(int variables, int rows) : n_(variables), m_(rows) {
   std::fill_n(scale_.data(), constraints, 1.0);
   has_inverse_.assign(static_cast<std::size_t>(constraints), 0);
   side_.assign(static_cast<std::size_t>(constraints), QpSide::kInactive);
-  free_.assign(static_cast<std::size_t>(n_), 0);
-  working_.assign(static_cast<std::size_t>(constraints), 0);
+  // One more than can be listed: entries are written before it is known that they count.
+  free_.assign(static_cast<std::size_t>(n_ + 1), 0);
+  working_.assign(static_cast<std::size_t>(constraints + 1), 0);
   iteration_limit_ = kIterationsPerConstraint * constraints + kIterationsAtLeast;
 }
 
@@ -91,6 +94,7 @@ void BoundedQp::setPenalty(int row, double penalty) noexcept { penalty_[n_ + row
 QpStatus BoundedQp::solve(const QpVectors& vectors, const QpSide* start) noexcept {
   iterations_ = 0;
   partial_ = -1;
+  working_count_ = 0;
   has_base_ = false;
   if (!convex_) return QpStatus::kNotConvex;
   const QpStatus given = take(vectors);
@@ -132,6 +136,8 @@ QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
   for (int i = 0; i < n_ + m_; ++i) {
     finite = finite && lower_[i] < kInfinity && upper_[i] > -kInfinity;  // false for NaN
     ordered = ordered && lower_[i] <= upper_[i];
+    least_[i] = lower_[i] - kFeasible * (scale_[i] + std::abs(lower_[i]));
+    greatest_[i] = upper_[i] + kFeasible * (scale_[i] + std::abs(upper_[i]));
   }
   if (!finite) return QpStatus::kNotFinite;
   return ordered ? QpStatus::kOptimal : QpStatus::kInfeasible;

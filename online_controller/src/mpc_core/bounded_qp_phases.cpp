@@ -10,6 +10,8 @@ namespace polyfly {
 namespace {
 
 constexpr int kGuessRounds = 12;
+constexpr int kManyChanges = 5;  // a fifth of the variables
+constexpr int kSweeps = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -18,11 +20,37 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Leaves a working set whose multipliers have the right signs, and its solution; false at the limit of
 // iterations.
 bool BoundedQp::guessBounds() noexcept {
+  int before = 0;
   for (int round = 0; round < kGuessRounds; ++round) {
     if (!solveWorkingSet()) return false;
-    if (correctGuess() == 0) return true;
+    const int changes = correctGuess();
+    if (changes == 0) return true;
+    if (kManyChanges * changes >= n_ && changes > before) sweepBounds();
+    before = changes;
   }
   return makeDualFeasible();
+}
+
+// A few sweeps of Gauss and Seidel from the last solution, moved into the box, tell the active bounds better
+// than signs do when many are in doubt. Held variables have the gradient -lambda, free ones 0.
+void BoundedQp::sweepBounds() noexcept {
+  for (int i = 0; i < n_; ++i) gradient_[i] = -lambda_[i];
+  for (int i = 0; i < n_; ++i) {
+    const double inside = std::max(lower_[i], std::min(upper_[i], x_[i]));
+    if (inside == x_[i]) continue;
+    qpKernels().addMultiple(stride_, inside - x_[i], H_.data() + i * stride_, gradient_.data());
+    x_[i] = inside;
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    qpKernels().sweep(H_.data(), n_, stride_, stride_, lower_.data(), upper_.data(), gradient_.data(),
+                      x_.data());
+  }
+  for (int i = 0; i < n_; ++i) {
+    if (isEquality(i)) continue;
+    side_[static_cast<std::size_t>(i)] = x_[i] <= lower_[i]   ? QpSide::kLower
+                                         : x_[i] >= upper_[i] ? QpSide::kUpper
+                                                              : QpSide::kInactive;
+  }
 }
 
 int BoundedQp::correctGuess() noexcept {
@@ -30,13 +58,8 @@ int BoundedQp::correctGuess() noexcept {
   for (int i = 0; i < n_; ++i) {
     QpSide& side = side_[static_cast<std::size_t>(i)];
     if (side != QpSide::kInactive) continue;
-    if (x_[i] < lower_[i] - kFeasible * (1.0 + std::abs(lower_[i]))) {
-      side = QpSide::kLower;
-    } else if (x_[i] > upper_[i] + kFeasible * (1.0 + std::abs(upper_[i]))) {
-      side = QpSide::kUpper;
-    } else {
-      continue;
-    }
+    if (x_[i] >= least_[i] && x_[i] <= greatest_[i]) continue;
+    side = x_[i] < least_[i] ? QpSide::kLower : QpSide::kUpper;
     ++changes;
   }
   return changes;
@@ -55,7 +78,6 @@ int BoundedQp::dropWrongSigns() noexcept {
       lambda_[i] = lambda_[i] > 0.0 ? penalty_[i] : -penalty_[i];
     } else if (outward < -tolerance && !isEquality(i)) {
       side = QpSide::kInactive;
-      lambda_[i] = 0.0;
     } else {
       continue;
     }
@@ -82,8 +104,8 @@ bool BoundedQp::makeDualFeasible() noexcept {
 
 void BoundedQp::considerSide(int index, double violation, double direction, QpSide reached,
                              Candidate& worst) const noexcept {
-  const double at = reached < QpSide::kInactive ? lower_[index] : upper_[index];
-  const double tolerance = kFeasible * (scale_[index] + std::abs(at));
+  const double tolerance =
+      reached < QpSide::kInactive ? lower_[index] - least_[index] : greatest_[index] - upper_[index];
   if (!(violation > tolerance) || violation <= worst.violation * scale_[index]) return;
   worst = {index, direction, violation / scale_[index], reached};
 }

@@ -44,19 +44,28 @@ const double* BoundedQp::inverseColumn(int index) noexcept {
 
 // Bounds first, then rows, so that a dependent row shows as such.
 void BoundedQp::listWorkingSet() noexcept {
-  free_count_ = 0;
-  working_count_ = 0;
-  for (int i = 0; i < n_ + m_; ++i) {
-    const QpSide side = side_[static_cast<std::size_t>(i)];
-    const bool held = side == QpSide::kLower || side == QpSide::kUpper;
-    if (held) {
-      working_[static_cast<std::size_t>(working_count_++)] = i;
-    } else {
-      if (i < n_) free_[static_cast<std::size_t>(free_count_++)] = i;
-      if (side == QpSide::kInactive && i != partial_) lambda_[i] = 0.0;
-    }
-    if (i == n_ - 1) bound_count_ = working_count_;
+  for (int j = 0; j < working_count_; ++j) {
+    const int i = working_[static_cast<std::size_t>(j)];
+    if (side_[static_cast<std::size_t>(i)] == QpSide::kInactive && i != partial_) lambda_[i] = 0.0;
   }
+  int free = 0;
+  int held = 0;
+  int* const frees = free_.data();
+  int* const working = working_.data();
+  const QpSide* const sides = side_.data();
+  for (int i = 0; i < n_; ++i) {  // without branches: which bounds are held is not to be foreseen
+    const bool holds = isHeld(sides[i]);
+    working[held] = i;
+    held += holds ? 1 : 0;
+    frees[free] = i;
+    free += holds ? 0 : 1;
+  }
+  bound_count_ = held;
+  free_count_ = free;
+  for (int i = n_; i < n_ + m_; ++i) {
+    if (isHeld(sides[i])) working[held++] = i;
+  }
+  working_count_ = held;
 }
 
 // Counts multiplications.
@@ -190,7 +199,7 @@ void BoundedQp::startFromBase() noexcept {
     std::fill_n(base_.data(), stride_, 0.0);
     for (int i = 0; i < n_; ++i) gradient_[i] = -g_[i];
     if (constant_) {
-      qpKernels().multiplyAdd(inverse_.data(), stride_, n_, stride_, gradient_.data(), base_.data());
+      qpKernels().addColumns(inverse_.data(), stride_, stride_, nullptr, n_, gradient_.data(), base_.data());
     } else {
       std::copy_n(gradient_.data(), n_, base_.data());
       solveHessian(base_.data());
@@ -228,8 +237,9 @@ void BoundedQp::solveDual(double* x, double* lambda, bool homogeneous) noexcept 
   for (int j = 0; j < k; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
     lambda[i] = multipliers_[j];
-    qpKernels().addMultiple(stride_, -multipliers_[j], inverseColumn(i), x);
+    multipliers_[j] = -multipliers_[j];
   }
+  qpKernels().addColumns(inverse_.data(), stride_, stride_, working_.data(), k, multipliers_.data(), x);
   for (int j = 0; j < bound_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
     x[i] = homogeneous ? 0.0 : bound(i);
@@ -242,10 +252,13 @@ void BoundedQp::solvePrimal(double* x, double* lambda, bool homogeneous) noexcep
   const QpKernels& kernels = qpKernels();
   std::copy_n(gradient_.data(), stride_, work_.data());
   std::fill_n(x, stride_, 0.0);
-  for (int j = 0; j < bound_count_ && !homogeneous; ++j) {
-    const int i = working_[static_cast<std::size_t>(j)];
-    x[i] = bound(i);
-    if (x[i] != 0.0) kernels.addMultiple(stride_, x[i], H_.data() + i * stride_, work_.data());
+  if (!homogeneous && bound_count_ > 0) {
+    for (int j = 0; j < bound_count_; ++j) {
+      const int i = working_[static_cast<std::size_t>(j)];
+      small_[j] = x[i] = bound(i);
+    }
+    kernels.addColumns(H_.data(), stride_, stride_, working_.data(), bound_count_, small_.data(),
+                       work_.data());
   }
   gatherFree(work_.data(), small_.data());
   for (int i = 0; i < free_count_; ++i) small_[i] = -small_[i];
@@ -266,21 +279,19 @@ void BoundedQp::solvePrimal(double* x, double* lambda, bool homogeneous) noexcep
   solveReduced(small_.data(), false, true);
   for (int i = 0; i < free_count_; ++i) x[free_[static_cast<std::size_t>(i)]] = small_[i];
   if (bound_count_ == 0) return;
-  for (int i = 0; i < free_count_; ++i) {
-    const int f = free_[static_cast<std::size_t>(i)];
-    kernels.addMultiple(stride_, x[f], H_.data() + f * stride_, work_.data());
-  }
+  kernels.addColumns(H_.data(), stride_, stride_, free_.data(), free_count_, small_.data(), work_.data());
   for (int j = 0; j < bound_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
     lambda[i] = -work_[i];
   }
 }
 
-// One step of iterative refinement, where rounding has left something to refine.
+// One step of iterative refinement, where rounding may have left something to refine.
 void BoundedQp::refine() noexcept {
+  if (well_conditioned_) return;
   const QpKernels& kernels = qpKernels();
   std::copy_n(g_.data(), stride_, gradient_.data());
-  kernels.multiplyAdd(H_.data(), stride_, n_, stride_, x_.data(), gradient_.data());
+  kernels.addColumns(H_.data(), stride_, stride_, nullptr, n_, x_.data(), gradient_.data());
   for (int i = 0; i < n_ + m_; ++i) {
     if (lambda_[i] != 0.0) addMultiple(i, lambda_[i], gradient_.data());
   }

@@ -13,8 +13,14 @@ struct QpKernels {
   void (*solveLower)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L x = x
   void (*solveUpper)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L' x = x
 
-  /// y += M x for a matrix of n rows.
-  void (*multiplyAdd)(const double* matrix, int n, int columns, int stride, const double* x, double* y);
+  /// y += sum_j x_j (column columns[j] of M), n rows; with `columns` nullptr the first `count` columns.
+  void (*addColumns)(const double* matrix, int n, int stride, const int* columns, int count, const double* x,
+                     double* y);
+
+  /// One sweep of Gauss and Seidel over the first n of `packed` variables, each moved to its minimum within
+  /// its bounds. `gradient` is that of 1/2 x'Mx + g'x at x and is kept so.
+  void (*sweep)(const double* matrix, int n, int packed, int stride, const double* lower, const double* upper,
+                double* gradient, double* x);
 
   void (*addMultiple)(int n, double factor, const double* x, double* y);  ///< y += factor x
   double (*dot)(int n, const double* x, const double* y);
