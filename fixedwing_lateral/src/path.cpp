@@ -35,9 +35,9 @@ ClosestPoint closest(const LineSegment& line, const Eigen::Vector2d& position) n
   assert(line_length > 0.0);
   const Eigen::Vector2d tangent = along / line_length;
   const double progress = tangent.dot(position - line.a);
-  if (progress < 0.0) return {{line.a, tangent}, Foot::kBeforeStart, line_length};
-  if (progress > line_length) return {{line.b, tangent}, Foot::kPastEnd, 0.0};
-  return {{line.a + progress * tangent, tangent}, Foot::kOnSegment, line_length - progress};
+  if (progress < 0.0) return {{line.a, tangent}, Foot::kBeforeStart, line_length, 0.0};
+  if (progress > line_length) return {{line.b, tangent}, Foot::kPastEnd, 0.0, 0.0};
+  return {{line.a + progress * tangent, tangent}, Foot::kOnSegment, line_length - progress, 0.0};
 }
 
 ClosestPoint closest(const ArcSegment& arc, const Eigen::Vector2d& position) noexcept {
@@ -53,7 +53,7 @@ ClosestPoint closest(const ArcSegment& arc, const Eigen::Vector2d& position) noe
     progress = end_is_nearer ? arc.sweep : 0.0;
   }
   return {pointOnCircle(arc.centre, arc.radius, arc.direction, arc.start_bearing + turn * progress), foot,
-          arc.radius * (arc.sweep - progress)};
+          arc.radius * (arc.sweep - progress), foot == Foot::kOnSegment ? turn / arc.radius : 0.0};
 }
 
 ClosestPoint closest(const LoiterCircle& loiter, const Eigen::Vector2d& position) noexcept {
@@ -61,7 +61,37 @@ ClosestPoint closest(const LoiterCircle& loiter, const Eigen::Vector2d& position
   const Eigen::Vector2d out = position - loiter.centre;
   const double bearing = out.norm() < kLeastCentreDistance ? 0.0 : bearingOf(out);
   return {pointOnCircle(loiter.centre, loiter.radius, loiter.direction, bearing), Foot::kOnSegment,
-          std::numeric_limits<double>::infinity()};
+          std::numeric_limits<double>::infinity(), sign(loiter.direction) / loiter.radius};
+}
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+ClosestPoint closestOnCircle(const Eigen::Vector2d& centre, double radius, TurnDirection direction,
+                             double start_bearing, const Eigen::Vector2d& position) noexcept {
+  const Eigen::Vector2d out = position - centre;
+  const double distance = out.norm();
+  const double turn = sign(direction);
+  if (distance < kLeastCentreDistance)
+    return {pointOnCircle(centre, radius, direction, start_bearing), Foot::kOnSegment, kEndless,
+            turn / radius};
+  const Eigen::Vector2d outward = out / distance;
+  return {{centre + radius * outward, turn * Eigen::Vector2d(-outward.y(), outward.x())},
+          Foot::kOnSegment,
+          kEndless,
+          turn / radius};
+}
+
+ClosestPoint carrier(const LineSegment& line, const Eigen::Vector2d& position) noexcept {
+  const Eigen::Vector2d tangent = (line.b - line.a).normalized();
+  return {{line.a + tangent.dot(position - line.a) * tangent, tangent}, Foot::kOnSegment, kEndless, 0.0};
+}
+
+ClosestPoint carrier(const ArcSegment& arc, const Eigen::Vector2d& position) noexcept {
+  return closestOnCircle(arc.centre, arc.radius, arc.direction, arc.start_bearing, position);
+}
+
+ClosestPoint carrier(const LoiterCircle& loiter, const Eigen::Vector2d& position) noexcept {
+  return closestOnCircle(loiter.centre, loiter.radius, loiter.direction, 0.0, position);
 }
 
 void checkPoint(const Eigen::Vector2d& point, const std::string& field) {
@@ -114,6 +144,10 @@ ClosestPoint closestPoint(const PathSegment& segment, const Eigen::Vector2d& pos
   return std::visit([&](const auto& kind) { return closest(kind, position); }, segment);
 }
 
+ClosestPoint closestOnCarrier(const PathSegment& segment, const Eigen::Vector2d& position) noexcept {
+  return std::visit([&](const auto& kind) { return carrier(kind, position); }, segment);
+}
+
 TrackError trackError(const PathPoint& nearest, const Eigen::Vector2d& position,
                       const Eigen::Vector2d& ground_velocity) noexcept {
   TrackError error;
@@ -122,6 +156,30 @@ TrackError trackError(const PathPoint& nearest, const Eigen::Vector2d& position,
   error.course_defined = ground_velocity.norm() >= kLeastGroundSpeed;
   if (error.course_defined)
     error.course = wrapCourse(bearingOf(nearest.tangent) - bearingOf(ground_velocity));
+  return error;
+}
+
+TrackError trackError(const ClosestPoint& nearest, const Eigen::Vector2d& position,
+                      const Eigen::Vector2d& ground_velocity, TrackErrorJacobian& jacobian) noexcept {
+  const Eigen::Vector2d& tangent = nearest.point.tangent;
+  const Eigen::Vector2d to_path = nearest.point.position - position;
+  TrackError error;
+  error.track = to_path.x() * tangent.y() - to_path.y() * tangent.x();
+  jacobian.track_by_position = {-tangent.y(), tangent.x()};
+  const double share = 1.0 - nearest.curvature * error.track;  // of the radius, from the centre of curvature
+  jacobian.course_by_position = nearest.curvature / std::max(share, kLeastCentreShare) * tangent;
+  const double speed_squared = ground_velocity.squaredNorm();
+  error.course_defined = speed_squared >= kLeastGroundSpeed * kLeastGroundSpeed;
+  if (!error.course_defined) {
+    jacobian.course_by_velocity.setZero();
+    jacobian.course_by_position.setZero();
+    return error;
+  }
+  const double along = ground_velocity.dot(tangent);
+  const double across = ground_velocity.x() * tangent.y() - ground_velocity.y() * tangent.x();
+  const double course = std::atan2(across, along);
+  error.course = course >= kPi ? -kPi : course;
+  jacobian.course_by_velocity = Eigen::Vector2d(ground_velocity.y(), -ground_velocity.x()) / speed_squared;
   return error;
 }
 

@@ -36,4 +36,10 @@ bool SwitchGate::isMet(const Eigen::Vector2d& position,
   return closestPoint(segment_, position).remaining <= kLongestRest * acceptance_radius_;
 }
 
+bool SwitchGate::isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept {
+  if (!can_open_) return true;
+  const double reach = acceptance_radius_ + distance;
+  return (position - end_.position).squaredNorm() >= reach * reach;
+}
+
 }  // namespace polyfly

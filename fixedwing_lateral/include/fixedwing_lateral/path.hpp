@@ -58,6 +58,7 @@ struct ClosestPoint {
   PathPoint point;
   Foot foot = Foot::kOnSegment;
   double remaining = 0.0;  ///< along the path, from the point to the segment's end; infinite on a loiter [m]
+  double curvature = 0.0;  ///< there, positive where the path turns right; 0 off the ends [1/m]
 };
 
 struct TrackError {
@@ -65,6 +66,18 @@ struct TrackError {
   double course = 0.0;          ///< e_chi of Eq. 49 [rad] in [-pi, pi), positive where the path bears right
   bool course_defined = false;  ///< false below kLeastGroundSpeed; e_chi is 0 then
 };
+
+/// Derivatives of a TrackError. Those by the position hold for any path: a foot that moves along the path
+/// turns the tangent, but does not change the distance to first order.
+struct TrackErrorJacobian {
+  Eigen::Vector2d track_by_position = Eigen::Vector2d::Zero();   ///< [-]
+  Eigen::Vector2d course_by_position = Eigen::Vector2d::Zero();  ///< [rad/m]
+  Eigen::Vector2d course_by_velocity = Eigen::Vector2d::Zero();  ///< by the ground velocity [rad s/m]
+};
+
+/// Nearer to the centre of curvature than this share of the radius, the course of the foot turns so fast that
+/// its derivative says nothing of the next metre: it is limited to its value there.
+constexpr double kLeastCentreShare = 0.1;
 
 /// The same angle in [-pi, pi).
 double wrapCourse(double angle) noexcept;
@@ -78,9 +91,17 @@ void checkSegment(const PathSegment& segment, const std::string& where);
 /// its centre the point north of it stands in.
 ClosestPoint closestPoint(const PathSegment& segment, const Eigen::Vector2d& position) noexcept;
 
+/// The nearest point of the line or circle that the segment is part of, as if it had no ends: e_t and e_chi
+/// are smooth past them, which an optimisation wants. `remaining` is infinite.
+ClosestPoint closestOnCarrier(const PathSegment& segment, const Eigen::Vector2d& position) noexcept;
+
 /// Eq. 48 and 49 for any path that can tell its nearest point and the tangent there.
 TrackError trackError(const PathPoint& nearest, const Eigen::Vector2d& position,
                       const Eigen::Vector2d& ground_velocity) noexcept;
+
+/// The same with its derivatives.
+TrackError trackError(const ClosestPoint& nearest, const Eigen::Vector2d& position,
+                      const Eigen::Vector2d& ground_velocity, TrackErrorJacobian& jacobian) noexcept;
 
 /// [m]; infinite for a loiter.
 double length(const PathSegment& segment) noexcept;

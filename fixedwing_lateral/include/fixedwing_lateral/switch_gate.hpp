@@ -32,6 +32,9 @@ class SwitchGate {
   /// False for a NaN, and below kLeastGroundSpeed.
   bool isMet(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) const noexcept;
 
+  /// The condition cannot be met within `distance` [m] of the position, whatever the velocity.
+  bool isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept;
+
  private:
   bool can_open_ = false;
   PathSegment segment_;

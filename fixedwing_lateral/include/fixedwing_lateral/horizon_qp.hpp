@@ -1,0 +1,150 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace polyfly {
+
+enum class HorizonQpStatus : std::uint8_t {
+  kOptimal,
+  kIterationLimit,  ///< the moves are those of the last iterate, clipped to their bounds
+  kNotFinite,       ///< NaN or infinity in the data; the moves are zero
+};
+
+/// The roll loop over one step, the same at every stage: (phi, p)' = [[phi_phi, phi_p], [p_phi, p_p]] (phi,
+/// p) + (phi_u, p_u) u.
+struct RollTransition {
+  double phi_phi = 1.0, phi_p = 0.0, phi_u = 0.0;
+  double p_phi = 0.0, p_p = 1.0, p_u = 0.0;
+};
+
+/// One stage of the linearised problem, in deviations from the nodes about which it was linearised. The
+/// states are (n, e, psi, phi, p); what is not listed is 1 on the diagonal and 0 elsewhere.
+struct HorizonStage {
+  // derivatives of the next n, e and psi
+  double n_psi = 0.0, n_phi = 0.0, n_p = 0.0, n_u = 0.0;
+  double e_psi = 0.0, e_phi = 0.0, e_p = 0.0, e_u = 0.0;
+  double psi_phi = 0.0, psi_p = 0.0, psi_u = 0.0;
+  double gap[5] = {0.0, 0.0, 0.0, 0.0, 0.0};  ///< end of the step from this node minus the next node
+  // 1/2 x'Qx + q'x with Q symmetric; phi and p have diagonal entries only
+  double Q_nn = 0.0, Q_ne = 0.0, Q_ee = 0.0, Q_npsi = 0.0, Q_epsi = 0.0, Q_psipsi = 0.0;
+  double Q_phi = 0.0, Q_p = 0.0;
+  double q[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+  double R = 1.0;  ///< 1/2 R u^2 + r u, R > 0; not used on the last stage
+  double r = 0.0;
+};
+
+/// Bounds on a deviation.
+struct Interval {
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// The quadratic program of the Gauss-Newton iteration over the moves u_0 .. u_{N-1}:
+///
+///     min  sum_k 1/2 x_k'Q_k x_k + q_k'x_k + 1/2 R_k u_k^2 + r_k u_k + rho sum_k (excess of phi_k)
+///     s.t. x_{k+1} = A_k x_k + B_k u_k + gap_k,  u_k within its bounds
+///
+/// The roll bounds are relaxed by an l1 term: with rho above the multipliers of the hard problem, the
+/// solution is that of the hard problem where one exists, and the least sum of excesses where none does. So
+/// the problem always has a solution.
+///
+/// The moves without bounds come from a Riccati recursion, linear in N. The bounds are met by a dual
+/// active-set method (Goldfarb and Idnani, 1983) with multipliers in [-rho, rho]; one response of the moves
+/// to a unit multiplier costs another O(N), and is made only for bounds that come into play. One object
+/// serves one thread.
+class HorizonQp {
+ public:
+  /// N >= 1 moves. Allocates here only; throws std::bad_alloc.
+  explicit HorizonQp(int horizon);
+
+  int horizon() const noexcept { return N_; }
+
+  // What the caller fills before `prepare`.
+  HorizonStage* stages() noexcept { return stages_.data(); }  ///< N + 1
+  Interval* moveBounds() noexcept { return bounds_.data(); }  ///< N, of u_k
+  Interval* rollBounds() noexcept { return &bounds_[N_]; }    ///< N, of phi_1 .. phi_N
+  RollTransition roll;                                        ///< of every stage
+  double rho = 1e3;                                           ///< > 0; weight of a radian of excess roll
+
+  /// All that does not need x_0: the recursion, and the responses of the bounds active in the last solution.
+  /// False where a number is not finite or the curvature is not positive.
+  bool prepare() noexcept;
+
+  /// The solution from the deviation x_0 = (n, e, psi, phi, p). After `prepare`.
+  HorizonQpStatus solve(const double* x_0) noexcept;
+
+  const double* moves() const noexcept { return value_.data(); }  ///< N
+  const double* states() const noexcept { return x_.data(); }     ///< 5 (N + 1), stage by stage
+  /// Of move k, or of phi_{k - N + 1} for k >= N; positive at the upper bound, negative at the lower.
+  const double* multipliers() const noexcept { return multiplier_.data(); }  ///< 2 N
+  int activeCount() const noexcept { return active_count_; }
+  int iterations() const noexcept { return iterations_; }
+
+  /// Forgets the active set, as after a jump.
+  void coldStart() noexcept;
+
+ private:
+  enum class Place : std::uint8_t { kFree, kActive, kRelaxed };
+  struct Gain {
+    double K[5];       // u = K x + feedforward
+    double inverse_D;  // of the curvature along u
+    double P_gap[5];   // P_{k+1} gap_k
+  };
+
+  bool recursion() noexcept;
+  void linearPass() noexcept;
+  void rollOut(const double* x_0) noexcept;
+  void followMoves(const double* x_0) noexcept;
+  void respond(int channel) noexcept;
+  void ensureResponse(int channel) noexcept;
+  double response(int of, int to) const noexcept {
+    return responses_[static_cast<std::size_t>(of) * channels_ + to];
+  }
+  double reach(int channel) const noexcept { return channel < N_ ? unbounded_ : rho; }
+  double boundOf(int channel, double side) const noexcept {
+    return side > 0.0 ? bounds_[channel].upper : bounds_[channel].lower;
+  }
+
+  void restart() noexcept;
+  void settle() noexcept;
+  void release(int position) noexcept;
+  bool isFeasible() const noexcept;
+  int mostViolated(double& direction) const noexcept;
+  bool drive(int channel, double direction) noexcept;
+  double blockingStep(double direction, int& blocking) const noexcept;
+  bool polish() noexcept;
+  void updateValues() noexcept;
+  void resolveMultipliers() noexcept;
+  void buildFactor() noexcept;
+  bool append(int channel) noexcept;
+  void drop(int position) noexcept;
+  void solveFactor(double* x) const noexcept;
+
+  int N_ = 0;
+  int channels_ = 0;  // 2 N: the moves, then phi_1 .. phi_N
+  double unbounded_ = 0.0;
+  std::vector<HorizonStage> stages_;
+  std::vector<Interval> bounds_;
+  std::vector<Gain> gains_;
+  std::vector<double> feedforward_;
+  std::vector<double> feedforward_response_;
+  std::vector<double> adjoint_;      // 5 (N + 1)
+  std::vector<double> x_;            // 5 (N + 1)
+  std::vector<double> free_value_;   // of the channels, without multipliers
+  std::vector<double> value_;        // of the channels
+  std::vector<double> multiplier_;   // of the channels
+  std::vector<double> responses_;    // column c: by how much a multiplier of channel c lowers each channel
+  std::vector<std::uint8_t> known_;  // the column is of this recursion
+  std::vector<Place> place_;
+  std::vector<double> side_;  // of a channel that is not free: 1 at the upper bound, -1 at the lower
+  std::vector<int> active_;
+  std::vector<double> factor_;     // Cholesky, rows of the active channels
+  std::vector<double> direction_;  // work space
+  int active_count_ = 0;
+  int iterations_ = 0;
+  bool is_relaxed_ = false;  // some bound is
+};
+
+}  // namespace polyfly

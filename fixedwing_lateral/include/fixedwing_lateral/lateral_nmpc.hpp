@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fixedwing_lateral/horizon_data.hpp"
+#include "fixedwing_lateral/horizon_qp.hpp"
+#include "fixedwing_lateral/model.hpp"
+#include "fixedwing_lateral/roll_shooting.hpp"
+#include "fixedwing_lateral/tuning.hpp"
+
+namespace polyfly {
+
+enum class NmpcStatus : std::uint8_t {
+  kOptimal,         ///< the quadratic program was solved (the iteration itself may not have converged)
+  kIterationLimit,  ///< its moves are feasible, not optimal
+  kNotFinite,       ///< NaN, infinity or no positive curvature: the nodes are as they were
+};
+
+struct NmpcReport {
+  NmpcStatus status = NmpcStatus::kOptimal;
+  double kkt = 0.0;   ///< before this iteration: largest of the projected gradient by a move and the gaps [-]
+  double cost = 0.0;  ///< before this iteration: the sum of Eq. 46 at the nodes [-]
+  int iterations = 0;     ///< Gauss-Newton iterations
+  int active_bounds = 0;  ///< in the last quadratic program
+};
+
+/// Eq. 46 by the Gauss-Newton real-time iteration: direct multiple shooting with one Runge-Kutta step an
+/// interval, one quadratic program an iteration (HorizonQp). Between iterations the nodes stay where they are
+/// (no shift).
+///
+///     nmpc.prepare(data);                 // before the state is in
+///     report = nmpc.feedback(state);      // when it is
+///
+/// All but the constructor is free of allocation and exceptions. One object serves one thread.
+class LateralNmpc {
+ public:
+  /// Throws polyfly::Error, beginning with `where`, on options out of range.
+  LateralNmpc(const LateralModel& model, const HorizonOptions& options, const std::string& where);
+
+  int horizon() const noexcept { return N_; }
+  double stepDuration() const noexcept { return step_; }
+  const LateralModel& model() const noexcept { return model_; }
+
+  /// Taken by the next `prepare`. They must pass checkTuning.
+  void setTuning(const LateralWeights& weights, const LateralLimits& limits) noexcept;
+  const LateralLimits& limits() const noexcept { return limits_; }
+
+  /// Begins anew: nodes from `state` with the roll reference held, which also becomes the previous horizon.
+  void reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept;
+
+  /// The previous horizon, from which slew is counted: the present moves, read `steps` later (between 0 and
+  /// N; moves between two are interpolated, those past the end are the last).
+  void keepAsPrevious(double steps) noexcept;
+
+  /// After the flown segment changed, so that no node counts as switched: x_sw of all nodes becomes 0.
+  void clearSwitch() noexcept;
+
+  /// Linearises about the nodes and factorises. False where something is not finite; then `feedback` says so.
+  bool prepare(const HorizonData& data) noexcept;
+
+  /// One iteration from the state, whose heading may be off by whole turns. Needs `prepare`.
+  NmpcReport feedback(const LateralState& state) noexcept;
+
+  /// Iterations until the KKT measure is below the tolerance, at most `most` (at least one).
+  NmpcReport iterate(const HorizonData& data, const LateralState& state, int most, double tolerance) noexcept;
+
+  /// Full sequential quadratic programming: single shooting, each step shortened until the cost falls enough.
+  NmpcReport optimise(const HorizonData& data, const LateralState& state, int most,
+                      double tolerance) noexcept;
+
+  double* moves() noexcept { return moves_.data(); }  ///< phi_r of the intervals, N [rad]
+  const double* moves() const noexcept { return moves_.data(); }
+  LateralState* nodes() noexcept { return nodes_.data(); }  ///< N + 1
+  const LateralState* nodes() const noexcept { return nodes_.data(); }
+  double* previousMoves() noexcept { return previous_.data(); }  ///< N [rad]
+
+  /// The quadratic program of the last `prepare`.
+  const HorizonQp& program() const noexcept { return qp_; }
+
+ private:
+  void linearise(const HorizonData& data) noexcept;
+  void setBounds() noexcept;
+  double stationarity() noexcept;
+  void takeStep() noexcept;
+  double costOf(const HorizonData& data, const std::vector<LateralState>& nodes,
+                const std::vector<double>& moves) const noexcept;
+  void simulate(const HorizonData& data, std::vector<LateralState>& nodes,
+                const std::vector<double>& moves) const noexcept;
+  bool searchLine(const HorizonData& data, double cost) noexcept;
+
+  LateralModel model_;
+  int N_ = 0;
+  double step_ = 0.0;
+  RollShooting shooting_;
+  LateralWeights weights_;
+  LateralLimits limits_;
+  std::vector<double> slew_;  // weights
+  HorizonQp qp_;
+  std::vector<LateralState> nodes_;
+  std::vector<double> moves_;
+  std::vector<double> previous_;
+  std::vector<double> switch_rise_;  // of x_sw over an interval
+  std::vector<LateralState> trial_nodes_;
+  std::vector<double> trial_moves_;
+  bool prepared_ = false;
+  double kkt_ = 0.0;
+  double cost_ = 0.0;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+
+#include "online_controller/options.hpp"
+
+namespace polyfly {
+
+/// Eq. 46, diagonal: Q_y = P over (e_t, e_chi, phi, p), and phi_r. As published.
+struct LateralWeights {
+  double track = 0.01;           ///< of e_t [1/m^2]
+  double course = 10.0;          ///< of e_chi [1/rad^2]
+  double roll = 0.1;             ///< of phi [1/rad^2]
+  double roll_rate = 0.01;       ///< of p [s^2/rad^2]
+  double roll_reference = 10.0;  ///< of phi_r [1/rad^2]
+  double slew = 100.0;           ///< of phi_r less the previous horizon's, falls with (1 - k/N)^2 [1/rad^2]
+};
+
+struct LateralLimits {
+  double roll_reference = 0.6108652381980153;  ///< |phi_r|, 35 degrees [rad]
+  double roll = 0.7853981633974483;            ///< |phi|, 45 degrees; relaxed where it cannot be held [rad]
+  double roll_penalty = 1e3;                   ///< of a radian beyond it, at each stage
+};
+
+/// What the horizon is over.
+struct HorizonOptions {
+  int horizon = 40;   ///< N
+  double step = 0.1;  ///< of the prediction [s]
+};
+
+/// The one list of these options, see online_controller/options.hpp.
+template <class Options, class Visit>
+void visitTuning(Options& weights, Visit&& visit) {
+  visit("weights/track", weights.track, "1/m^2", Range{0.0, 1e3});
+  visit("weights/course", weights.course, "1/rad^2", Range{0.0, 1e5});
+  visit("weights/roll", weights.roll, "1/rad^2", Range{0.0, 1e5});
+  visit("weights/roll_rate", weights.roll_rate, "s^2/rad^2", Range{0.0, 1e5});
+  visit("weights/roll_reference", weights.roll_reference, "1/rad^2", Range{1e-3, 1e5});
+  visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6});
+}
+
+template <class Limits, class Visit>
+void visitLimits(Limits& limits, Visit&& visit) {
+  visit("limits/roll_reference", limits.roll_reference, "rad", Range{0.05, 1.2});
+  visit("limits/roll", limits.roll, "rad", Range{0.05, 1.4});
+  visit("limits/roll_penalty", limits.roll_penalty, "1/rad", Range{1.0, 1e6});
+}
+
+template <class Options, class Visit>
+void visitHorizon(Options& options, Visit&& visit) {
+  visit("horizon/intervals", options.horizon, "", Range{2.0, 400.0});
+  visit("horizon/step", options.step, "s", Range{0.01, 1.0});
+}
+
+/// Throw Error naming the key, its range and its value, after `where`.
+void checkTuning(const LateralWeights& weights, const LateralLimits& limits, const std::string& where);
+void checkHorizon(const HorizonOptions& options, const std::string& where);
+
+}  // namespace polyfly

@@ -1,0 +1,268 @@
+#include "fixedwing_lateral/lateral_nmpc.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fixedwing_lateral/tracking_cost.hpp"
+
+namespace polyfly {
+namespace {
+
+using Index = LateralIndex;
+
+constexpr int kStates = 5;
+constexpr double kTurn = 2.0 * kPi;
+// Where each state of the quadratic program is in a LateralState.
+constexpr int kOrder[kStates] = {Index::kNorth, Index::kEast, Index::kHeading, Index::kRoll,
+                                 Index::kRollRate};
+
+NmpcStatus statusOf(HorizonQpStatus status) noexcept {
+  switch (status) {
+    case HorizonQpStatus::kOptimal:
+      return NmpcStatus::kOptimal;
+    case HorizonQpStatus::kIterationLimit:
+      return NmpcStatus::kIterationLimit;
+    case HorizonQpStatus::kNotFinite:
+      return NmpcStatus::kNotFinite;
+  }
+  return NmpcStatus::kNotFinite;
+}
+
+}  // namespace
+
+LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& options, const std::string& where)
+    : model_((checkModel(model, where), checkHorizon(options, where), model)),
+      N_(options.horizon),
+      step_(options.step),
+      shooting_(model, options.step),
+      slew_(N_),
+      qp_(N_),
+      nodes_(N_ + 1, LateralState::Zero()),
+      moves_(N_),
+      previous_(N_),
+      switch_rise_(N_),
+      trial_nodes_(N_ + 1, LateralState::Zero()),
+      trial_moves_(N_) {
+  qp_.roll = shooting_.transition();
+  setTuning(LateralWeights{}, LateralLimits{});
+}
+
+void LateralNmpc::setTuning(const LateralWeights& weights, const LateralLimits& limits) noexcept {
+  weights_ = weights;
+  limits_ = limits;
+  for (int k = 0; k < N_; ++k) {
+    const double left = 1.0 - static_cast<double>(k) / N_;
+    slew_[k] = weights.slew * left * left;
+  }
+}
+
+void LateralNmpc::reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept {
+  const double held = std::clamp(roll_reference, -limits_.roll_reference, limits_.roll_reference);
+  std::fill(moves_.begin(), moves_.end(), held);
+  std::fill(previous_.begin(), previous_.end(), held);
+  nodes_[0] = state;
+  simulate(data, nodes_, moves_);
+  qp_.coldStart();
+  prepared_ = false;
+}
+
+void LateralNmpc::keepAsPrevious(double steps) noexcept {
+  const double bounded = std::clamp(steps, 0.0, static_cast<double>(N_));
+  const int whole = static_cast<int>(bounded);
+  const double part = bounded - whole;
+  for (int k = 0; k < N_; ++k) {
+    const double before = moves_[std::min(k + whole, N_ - 1)];
+    const double after = moves_[std::min(k + whole + 1, N_ - 1)];
+    previous_[k] = before + part * (after - before);
+  }
+}
+
+void LateralNmpc::clearSwitch() noexcept {
+  for (LateralState& node : nodes_) node[Index::kSwitch] = 0.0;
+}
+
+bool LateralNmpc::prepare(const HorizonData& data) noexcept {
+  linearise(data);
+  setBounds();
+  kkt_ = stationarity();
+  prepared_ = std::isfinite(cost_) && qp_.prepare();
+  return prepared_;
+}
+
+void LateralNmpc::linearise(const HorizonData& data) noexcept {
+  const TrackingCost tracking(model_, data, weights_);
+  cost_ = 0.0;
+  HorizonStage* stages = qp_.stages();
+  for (int k = 0; k < N_; ++k) {
+    HorizonStage& stage = stages[k];
+    const ShootingResult shot = shooting_.shoot(data.conditions, nodes_[k], moves_[k], stage);
+    for (int i = 0; i < kStates; ++i) stage.gap[i] = shot.end[i] - nodes_[k + 1][kOrder[i]];
+    switch_rise_[k] = shot.switch_rise;
+    cost_ += tracking.linearise(nodes_[k], stage);
+    const double deviation = moves_[k] - previous_[k];
+    stage.R = weights_.roll_reference + slew_[k];
+    stage.r = weights_.roll_reference * moves_[k] + slew_[k] * deviation;
+    cost_ += weights_.roll_reference * moves_[k] * moves_[k] + slew_[k] * deviation * deviation;
+  }
+  cost_ += tracking.linearise(nodes_[N_], stages[N_]);
+}
+
+void LateralNmpc::setBounds() noexcept {
+  Interval* moves = qp_.moveBounds();
+  Interval* rolls = qp_.rollBounds();
+  for (int k = 0; k < N_; ++k) {
+    moves[k] = {-limits_.roll_reference - moves_[k], limits_.roll_reference - moves_[k]};
+    const double roll = nodes_[k + 1][Index::kRoll];
+    rolls[k] = {-limits_.roll - roll, limits_.roll - roll};
+  }
+  qp_.rho = limits_.roll_penalty;
+}
+
+// The gradient of the Lagrangian by the moves, at the nodes and with the roll bounds' last multipliers; where
+// a move is at its bound, the part that pushes outwards does not count.
+double LateralNmpc::stationarity() noexcept {
+  const HorizonStage* stages = qp_.stages();
+  const RollTransition& roll = qp_.roll;
+  const double* multipliers = qp_.multipliers();
+  double largest = 0.0;
+  double y[kStates];
+  for (int i = 0; i < kStates; ++i) y[i] = stages[N_].q[i];
+  for (int k = N_ - 1; k >= 0; --k) {
+    const HorizonStage& s = stages[k];
+    y[3] += multipliers[N_ + k];
+    double gradient =
+        s.r + s.n_u * y[0] + s.e_u * y[1] + s.psi_u * y[2] + roll.phi_u * y[3] + roll.p_u * y[4];
+    const Interval& bound = qp_.moveBounds()[k];
+    if (bound.upper <= 0.0) gradient = std::max(gradient, 0.0);
+    if (bound.lower >= 0.0) gradient = std::min(gradient, 0.0);
+    largest = std::max(largest, std::abs(gradient));
+    const double bank =
+        s.n_phi * y[0] + s.e_phi * y[1] + s.psi_phi * y[2] + roll.phi_phi * y[3] + roll.p_phi * y[4];
+    const double rate = s.n_p * y[0] + s.e_p * y[1] + s.psi_p * y[2] + roll.phi_p * y[3] + roll.p_p * y[4];
+    y[2] += s.n_psi * y[0] + s.e_psi * y[1] + s.q[2];
+    y[0] += s.q[0];
+    y[1] += s.q[1];
+    y[3] = bank + s.q[3];
+    y[4] = rate + s.q[4];
+    for (const double gap : s.gap) largest = std::max(largest, std::abs(gap));
+  }
+  return largest;
+}
+
+NmpcReport LateralNmpc::feedback(const LateralState& state) noexcept {
+  NmpcReport report;
+  report.status = NmpcStatus::kNotFinite;
+  report.kkt = kkt_;
+  report.cost = cost_;
+  if (!prepared_) return report;
+  prepared_ = false;
+  double deviation[kStates];
+  for (int i = 0; i < kStates; ++i) deviation[i] = state[kOrder[i]] - nodes_[0][kOrder[i]];
+  deviation[2] = std::remainder(deviation[2], kTurn);
+  report.status = statusOf(qp_.solve(deviation));
+  report.iterations = 1;
+  report.active_bounds = qp_.activeCount();
+  if (report.status == NmpcStatus::kNotFinite) return report;
+  nodes_[0][Index::kSwitch] = state[Index::kSwitch];
+  takeStep();
+  return report;
+}
+
+void LateralNmpc::takeStep() noexcept {
+  const double* moves = qp_.moves();
+  const double* states = qp_.states();
+  for (int k = 0; k <= N_; ++k) {
+    for (int i = 0; i < kStates; ++i) nodes_[k][kOrder[i]] += states[kStates * k + i];
+    if (k < N_) {
+      moves_[k] = std::clamp(moves_[k] + moves[k], -limits_.roll_reference, limits_.roll_reference);
+      nodes_[k + 1][Index::kSwitch] = nodes_[k][Index::kSwitch] + switch_rise_[k];
+    }
+  }
+}
+
+NmpcReport LateralNmpc::iterate(const HorizonData& data, const LateralState& state, int most,
+                                double tolerance) noexcept {
+  NmpcReport report;
+  for (int i = 0; i < std::max(most, 1); ++i) {
+    prepare(data);
+    if (i > 0 && kkt_ < tolerance) {
+      report.kkt = kkt_;
+      report.cost = cost_;
+      break;
+    }
+    report = feedback(state);
+    report.iterations = i + 1;
+    if (report.status == NmpcStatus::kNotFinite) break;
+  }
+  return report;
+}
+
+void LateralNmpc::simulate(const HorizonData& data, std::vector<LateralState>& nodes,
+                           const std::vector<double>& moves) const noexcept {
+  for (int k = 0; k < N_; ++k) nodes[k + 1] = integrate(model_, data.conditions, nodes[k], {moves[k], step_});
+}
+
+double LateralNmpc::costOf(const HorizonData& data, const std::vector<LateralState>& nodes,
+                           const std::vector<double>& moves) const noexcept {
+  const TrackingCost tracking(model_, data, weights_);
+  double cost = 0.0;
+  for (int k = 0; k <= N_; ++k) {
+    cost += tracking.cost(nodes[k]);
+    const double excess = std::abs(nodes[k][Index::kRoll]) - limits_.roll;
+    if (k > 0) cost += 2.0 * limits_.roll_penalty * std::max(excess, 0.0);
+    if (k == N_) break;
+    const double deviation = moves[k] - previous_[k];
+    cost += weights_.roll_reference * moves[k] * moves[k] + slew_[k] * deviation * deviation;
+  }
+  return cost;
+}
+
+NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& state, int most,
+                                 double tolerance) noexcept {
+  NmpcReport report;
+  nodes_[0] = state;
+  simulate(data, nodes_, moves_);
+  double cost = costOf(data, nodes_, moves_);
+  for (int i = 0; i < most; ++i) {
+    report.cost = cost;
+    if (!prepare(data)) {
+      report.status = NmpcStatus::kNotFinite;
+      return report;
+    }
+    report.kkt = kkt_;
+    if (kkt_ < tolerance) break;
+    const double zero[kStates] = {0.0, 0.0, 0.0, 0.0, 0.0};
+    report.status = statusOf(qp_.solve(zero));
+    report.iterations = i + 1;
+    report.active_bounds = qp_.activeCount();
+    if (report.status == NmpcStatus::kNotFinite || !searchLine(data, cost)) break;
+    cost = costOf(data, nodes_, moves_);
+    report.cost = cost;
+  }
+  prepared_ = false;
+  return report;
+}
+
+// Halves the step until the cost falls by a share of what the gradient promises. False when it never does.
+bool LateralNmpc::searchLine(const HorizonData& data, double cost) noexcept {
+  constexpr double kShare = 1e-4;
+  constexpr int kHalvings = 20;
+  double promised =
+      0.0;  // the step's length in the metric of the moves' weights: a lower bound of the descent
+  for (int k = 0; k < N_; ++k) promised += qp_.stages()[k].R * qp_.moves()[k] * qp_.moves()[k];
+  double length = 1.0;
+  for (int i = 0; i < kHalvings; ++i, length *= 0.5) {
+    for (int k = 0; k < N_; ++k)
+      trial_moves_[k] =
+          std::clamp(moves_[k] + length * qp_.moves()[k], -limits_.roll_reference, limits_.roll_reference);
+    trial_nodes_[0] = nodes_[0];
+    simulate(data, trial_nodes_, trial_moves_);
+    if (costOf(data, trial_nodes_, trial_moves_) > cost - kShare * length * promised) continue;
+    moves_.swap(trial_moves_);
+    nodes_.swap(trial_nodes_);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,67 @@
+#include "fixedwing_lateral/tracking_cost.hpp"
+
+#include <cmath>
+
+namespace polyfly {
+
+using Index = LateralIndex;
+
+const PathSegment& TrackingCost::segmentOf(const LateralState& state) const noexcept {
+  return segmentAt(state, groundVelocity(data_.conditions, state[Index::kHeading]));
+}
+
+const PathSegment& TrackingCost::segmentAt(const LateralState& state,
+                                           const Eigen::Vector2d& velocity) const noexcept {
+  const SwitchGate& gate = data_.conditions.gate;
+  const Eigen::Vector2d position = state.head<2>();
+  const bool switched =
+      hasSwitched(model_, state) || (!gate.isOutOfReach(position, 0.0) && gate.isMet(position, velocity));
+  return switched ? data_.next : data_.current;
+}
+
+double TrackingCost::cost(const LateralState& state) const noexcept {
+  const Eigen::Vector2d velocity = groundVelocity(data_.conditions, state[Index::kHeading]);
+  const ClosestPoint nearest = closestOnCarrier(segmentAt(state, velocity), state.head<2>());
+  const TrackError error = trackError(nearest.point, state.head<2>(), velocity);
+  const double roll = state[Index::kRoll];
+  const double rate = state[Index::kRollRate];
+  return weights_.track * error.track * error.track + weights_.course * error.course * error.course +
+         weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
+}
+
+double TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {
+  const double heading = state[Index::kHeading];
+  const Eigen::Vector2d air =
+      data_.conditions.airspeed * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+  const Eigen::Vector2d velocity = air + data_.conditions.wind;
+  const Eigen::Vector2d position = state.head<2>();
+  const ClosestPoint nearest = closestOnCarrier(segmentAt(state, velocity), position);
+  TrackErrorJacobian by;
+  const TrackError error = trackError(nearest, position, velocity, by);
+  const double t_n = by.track_by_position.x();
+  const double t_e = by.track_by_position.y();
+  const double c_n = by.course_by_position.x();
+  const double c_e = by.course_by_position.y();
+  const double c_h = by.course_by_velocity.y() * air.x() - by.course_by_velocity.x() * air.y();
+  const double w_t = weights_.track;
+  const double w_c = weights_.course;
+  stage.Q_nn = w_t * t_n * t_n + w_c * c_n * c_n;
+  stage.Q_ne = w_t * t_n * t_e + w_c * c_n * c_e;
+  stage.Q_ee = w_t * t_e * t_e + w_c * c_e * c_e;
+  stage.Q_npsi = w_c * c_n * c_h;
+  stage.Q_epsi = w_c * c_e * c_h;
+  stage.Q_psipsi = w_c * c_h * c_h;
+  stage.Q_phi = weights_.roll;
+  stage.Q_p = weights_.roll_rate;
+  const double roll = state[Index::kRoll];
+  const double rate = state[Index::kRollRate];
+  stage.q[0] = w_t * error.track * t_n + w_c * error.course * c_n;
+  stage.q[1] = w_t * error.track * t_e + w_c * error.course * c_e;
+  stage.q[2] = w_c * error.course * c_h;
+  stage.q[3] = weights_.roll * roll;
+  stage.q[4] = weights_.roll_rate * rate;
+  return w_t * error.track * error.track + w_c * error.course * error.course + weights_.roll * roll * roll +
+         weights_.roll_rate * rate * rate;
+}
+
+}  // namespace polyfly
