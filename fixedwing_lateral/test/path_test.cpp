@@ -279,4 +279,23 @@ TEST(Segments, AreRefusedWithTheFieldAndTheRule) {
   expectRefused(LoiterCircle{zero, 60.0, static_cast<TurnDirection>(5)}, "direction");
 }
 
+TEST(Carrier, GoesOnPastTheEnds) {
+  const ArcSegment arc{{10.0, 20.0}, 50.0, kRight, 0.3, 1.0};
+  const LoiterCircle circle{{10.0, 20.0}, 50.0, kRight};
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> any(-150.0, 150.0);
+  for (int i = 0; i < 200; ++i) {
+    const Vector2d position(any(random), any(random));
+    const ClosestPoint onward = closestOnCarrier(arc, position);
+    const ClosestPoint round = closestPoint(circle, position);
+    EXPECT_LT((onward.point.position - round.point.position).norm(), kExact);
+    EXPECT_LT((onward.point.tangent - round.point.tangent).norm(), kExact);
+    EXPECT_NEAR(onward.curvature, 1.0 / 50.0, kExact);
+    const ClosestPoint line = closestOnCarrier(kNorthward, position);
+    EXPECT_LT((line.point.position - Vector2d(position.x(), 0.0)).norm(), kExact);
+  }
+  const ClosestPoint centre = closestOnCarrier(arc, {10.0, 20.0});
+  EXPECT_LT((centre.point.position - pointAt(arc, 0.0).position).norm(), kExact);
+}
+
 }  // namespace
