@@ -1,0 +1,65 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "robust_mpc/robust_program.hpp"
+
+namespace polyfly {
+
+struct ProjectOptions {
+  /// Prove that every vertex has a prediction that meets all rows exactly, and repair the set where one has
+  /// not. Without it vertices are decided in floating point; facets and vertices are exact all the same.
+  bool exact = true;
+  int threads = 1;  ///< at least 1; the result does not depend on it
+  const std::atomic<bool>* stop = nullptr;
+  std::function<void(std::uint64_t facets, std::uint64_t vertices, std::uint64_t open)> progress;
+};
+
+/// {y = (theta, u~_0, tau) : some z meets all rows of the program}, exactly: the projection of the feasible
+/// set of Eq. 34 on what the first move needs.
+struct FeasibleSet {
+  /// One scenario of a program row (its terms with these signs) and its weight in a facet.
+  struct Part {
+    int row = 0;
+    std::vector<bool> negative;
+    Rational weight;  ///< > 0
+  };
+  struct Facet {
+    ExactHalfSpace half_space;  ///< in y, whole numbers without a common factor
+    bool of_box = false;        ///< it is a row of the box of theta alone
+    std::vector<Part> parts;    ///< their weighted sum, in which z cancels, is the half-space times a number
+  };
+  struct Vertex {
+    RationalVector y;
+    std::vector<int> facets;  ///< sorted: those it lies on
+  };
+  struct Stats {
+    std::uint64_t linear_programs = 0;  ///< in floating point
+    std::uint64_t pivots = 0;
+    std::uint64_t exact_programs = 0;  ///< vertices that no basis found in floating point could decide
+    std::uint64_t exact_cuts = 0;      ///< facets that only exact arithmetic found
+    std::uint64_t vertices_proven = 0;
+  };
+
+  int dimension = 0;
+  std::vector<Facet> facets;     ///< none redundant, sorted
+  std::vector<Vertex> vertices;  ///< sorted; besides, y may be moved towards greater tau without end
+  bool proven = false;           ///< every vertex was shown feasible in exact arithmetic
+  bool interrupted = false;
+  Stats stats;
+};
+
+/// By outer approximation: each vertex of the polyhedron so far is tested by a linear program (how far must it
+/// be moved towards an interior point), and its dual solution, solved again in fractions, is a facet that
+/// cuts it off; until every vertex is feasible. Throws Error when no theta in the box has a solution with
+/// room around it.
+FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options = {});
+
+/// Checks that each facet is the weighted sum of its parts, in which the predictions cancel: then no feasible
+/// y breaks it. Needs nothing that the projection computed but the parts.
+bool proveFacets(const RobustProgram& program, const FeasibleSet& set);
+
+}  // namespace polyfly

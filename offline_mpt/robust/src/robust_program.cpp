@@ -1,0 +1,295 @@
+#include "robust_mpc/robust_program.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+/// Coefficients of y, z and 1, in this order.
+using Affine = RationalVector;
+
+void addTo(Affine& sum, const Rational& factor, const Affine& other) {
+  if (factor == 0) return;
+  for (std::size_t j = 0; j < sum.size(); ++j) {
+    if (other[j] != 0) sum[j] += factor * other[j];
+  }
+}
+
+/// The worst case of a signal: its nominal part and its reaction to each disturbance so far.
+struct Signals {
+  std::vector<Affine> nominal;                   // by entry
+  std::vector<std::vector<Affine>> disturbance;  // by step and channel, then by entry
+};
+
+/// Predicts e_k and u~_k of Eq. 17 and 18 as affine functions of y and z.
+class Prediction {
+ public:
+  explicit Prediction(const RobustProblem& problem)
+      : problem_(problem),
+        last_input_(problem.stack == Stack::kPaper ? problem.horizon - 2 : problem.horizon - 1),
+        law_size_(problem.parameterCount() + 2) {
+    numberPredictions();
+    roll();
+  }
+
+  int lastInput() const { return last_input_; }
+  int predictionCount() const { return prediction_count_; }
+  const Signals& state(int k) const { return states_[at(k)]; }
+  const Signals& input(int k) const { return inputs_[at(k)]; }
+  int width() const { return law_size_ + prediction_count_ + 1; }
+
+ private:
+  void numberPredictions() {
+    const bool free = problem_.feedback == FeedbackPrediction::kFree;
+    prediction_count_ = last_input_;
+    feedback_offset_ = prediction_count_;
+    if (free) prediction_count_ += problem_.channelCount() * last_input_ * (last_input_ + 1) / 2;
+  }
+
+  Affine zero() const { return Affine(at(width())); }
+
+  /// Entry L_{ki} of channel c; fixed: K (A + B K)^(k-1-i) G.
+  Affine feedback(int k, int i, int channel) const {
+    Affine result = zero();
+    switch (problem_.feedback) {
+      case FeedbackPrediction::kZero:
+        break;
+      case FeedbackPrediction::kFree:
+        result[at(law_size_ + feedback_offset_ +
+                  (k * (k - 1) / 2 + i) * problem_.channelCount() + channel)] = 1;
+        break;
+      case FeedbackPrediction::kFixed:
+        result.back() = fixed_[at(k - 1 - i)](0, channel);
+        break;
+    }
+    return result;
+  }
+
+  // K (A + B K)^j G for j = 0 ..
+  void prepareFixed() {
+    const int nx = problem_.stateCount(), nw = problem_.channelCount();
+    RationalMatrix reaction = problem_.G;
+    for (int j = 0; j < problem_.horizon; ++j) {
+      RationalMatrix input(1, nw), next(nx, nw);
+      for (int c = 0; c < nw; ++c) {
+        for (int s = 0; s < nx; ++s) input(0, c) += problem_.feedback_gain(0, s) * reaction(s, c);
+        for (int r = 0; r < nx; ++r) {
+          next(r, c) = problem_.B(r, 0) * input(0, c);
+          for (int s = 0; s < nx; ++s) next(r, c) += problem_.A(r, s) * reaction(s, c);
+        }
+      }
+      fixed_.push_back(std::move(input));
+      reaction = std::move(next);
+    }
+  }
+
+  Signals initialState() const {
+    Signals first;
+    const std::vector<int> errors = problem_.errorParameters();
+    for (int i = 0; i < problem_.stateCount(); ++i) {
+      first.nominal.push_back(zero());
+      first.nominal.back()[at(errors[at(i)])] = 1;
+    }
+    return first;
+  }
+
+  Signals inputAt(int k) const {
+    Signals input;
+    input.nominal.push_back(zero());
+    input.nominal[0][at(k == 0 ? problem_.parameterCount() : law_size_ + k - 1)] = 1;
+    for (int i = 0; i < k; ++i) {
+      for (int c = 0; c < problem_.channelCount(); ++c) input.disturbance.push_back({feedback(k, i, c)});
+    }
+    return input;
+  }
+
+  // A x + B u
+  std::vector<Affine> step(const std::vector<Affine>& x, const Affine* u) const {
+    std::vector<Affine> next;
+    for (int r = 0; r < problem_.stateCount(); ++r) {
+      next.push_back(zero());
+      for (int s = 0; s < problem_.stateCount(); ++s) addTo(next.back(), problem_.A(r, s), x[at(s)]);
+      if (u != nullptr) addTo(next.back(), problem_.B(r, 0), *u);
+    }
+    return next;
+  }
+
+  void roll() {
+    if (problem_.feedback == FeedbackPrediction::kFixed) prepareFixed();
+    states_.push_back(initialState());
+    for (int k = 0; k <= last_input_; ++k) {
+      inputs_.push_back(inputAt(k));
+      const Signals &x = states_.back(), &u = inputs_.back();
+      Signals next;
+      next.nominal = step(x.nominal, &u.nominal[0]);
+      for (int r = 0; r < problem_.stateCount(); ++r) next.nominal[at(r)].back() += problem_.drift[at(r)];
+      for (std::size_t d = 0; d < x.disturbance.size(); ++d)
+        next.disturbance.push_back(step(x.disturbance[d], &u.disturbance[d][0]));
+      for (int c = 0; c < problem_.channelCount(); ++c) {
+        std::vector<Affine> fresh(at(problem_.stateCount()), zero());
+        for (int r = 0; r < problem_.stateCount(); ++r) fresh[at(r)].back() = problem_.G(r, c);
+        next.disturbance.push_back(std::move(fresh));
+      }
+      states_.push_back(std::move(next));
+    }
+  }
+
+  const RobustProblem& problem_;
+  int last_input_;
+  int law_size_;
+  int prediction_count_ = 0;
+  int feedback_offset_ = 0;
+  std::vector<RationalMatrix> fixed_;
+  std::vector<Signals> states_;
+  std::vector<Signals> inputs_;
+};
+
+class Builder {
+ public:
+  explicit Builder(const RobustProblem& problem) : problem_(problem), prediction_(problem) {
+    program_.parameter_count = problem.parameterCount();
+    program_.prediction_count = prediction_.predictionCount();
+  }
+
+  RobustProgram build() {
+    addBox();
+    addFloor();
+    const int first = problem_.stack == Stack::kPaper ? 0 : 1;
+    const int last = problem_.stack == Stack::kPaper ? problem_.horizon - 1 : problem_.horizon;
+    for (int k = first; k <= last; ++k) {
+      addPeaks(prediction_.state(k));
+      addStateBounds(prediction_.state(k));
+    }
+    for (int k = 0; k <= prediction_.lastInput(); ++k) addInputBounds(prediction_.input(k));
+    if (problem_.invariance == InvarianceRule::kFirstStep) addInvariance(prediction_.state(1));
+    if (problem_.invariance == InvarianceRule::kTerminal) addInvariance(prediction_.state(last));
+    return std::move(program_);
+  }
+
+ private:
+  using Kind = RobustProgram::Kind;
+
+  /// direction . entries + extra . y <= bound for all disturbances.
+  void add(Kind kind, const RationalVector& direction, const Signals& signals, const RationalVector& extra,
+           const Rational& bound) {
+    Affine sum(at(prediction_.width()));
+    for (std::size_t i = 0; i < direction.size(); ++i) addTo(sum, direction[i], signals.nominal[i]);
+    RobustProgram::Row row;
+    row.kind = kind;
+    row.bound = bound - sum.back();
+    const std::ptrdiff_t split = program_.lawSize();
+    row.y.assign(sum.begin(), sum.begin() + split);
+    row.z.assign(sum.begin() + split, sum.end() - 1);
+    for (std::size_t j = 0; j < extra.size(); ++j) row.y[j] += extra[j];
+    for (const std::vector<Affine>& reaction : signals.disturbance) {
+      Affine term(at(prediction_.width()));
+      for (std::size_t i = 0; i < direction.size(); ++i) addTo(term, direction[i], reaction[i]);
+      RationalVector z(term.begin() + split, term.end() - 1);
+      if (std::all_of(z.begin(), z.end(), [](const Rational& value) { return value == 0; })) {
+        row.bound -= abs(term.back());
+      } else {
+        row.terms.push_back({term.back(), std::move(z)});
+      }
+    }
+    program_.rows.push_back(std::move(row));
+  }
+
+  void addBox() {
+    for (int j = 0; j < problem_.parameterCount(); ++j) {
+      const RobustProblem::Range& range = problem_.parameters[at(j)].range;
+      for (const int sign : {1, -1}) {
+        RationalVector y(at(program_.lawSize()));
+        y[at(j)] = sign;
+        add(Kind::kBox, {}, {}, y, sign > 0 ? range.upper : Rational(-range.lower));
+      }
+    }
+  }
+
+  void addFloor() {
+    RationalVector y(at(program_.lawSize()));
+    y[at(program_.peakEntry())] = -1;
+    add(Kind::kFloor, {}, {}, y, -problem_.floor);
+  }
+
+  void addPeaks(const Signals& state) {
+    for (int i = 0; i < problem_.outputCount(); ++i) {
+      for (const int sign : {1, -1}) {
+        RationalVector direction, y(at(program_.lawSize()));
+        for (int s = 0; s < problem_.stateCount(); ++s) direction.emplace_back(sign * problem_.C(i, s));
+        y[at(program_.peakEntry())] = -1;
+        add(Kind::kPeak, direction, state, y, Rational(0));
+      }
+    }
+  }
+
+  // What the references add to entry `i` of x or u, as coefficients of y.
+  RationalVector shift(RationalVector RobustProblem::Parameter::* shifts, int i, int sign) const {
+    RationalVector y(at(program_.lawSize()));
+    for (int j = 0; j < problem_.parameterCount(); ++j) {
+      const RobustProblem::Parameter& parameter = problem_.parameters[at(j)];
+      if (parameter.state < 0) y[at(j)] = sign * (parameter.*shifts)[at(i)];
+    }
+    return y;
+  }
+
+  void addRange(Kind kind, const Signals& signals, int entry, const RobustProblem::Range& range,
+                RationalVector RobustProblem::Parameter::* shifts) {
+    for (const int sign : {1, -1}) {
+      RationalVector direction(signals.nominal.size());
+      direction[at(entry)] = sign;
+      add(kind, direction, signals, shift(shifts, entry, sign), sign > 0 ? range.upper : Rational(-range.lower));
+    }
+  }
+
+  void addStateBounds(const Signals& state) {
+    for (int i = 0; i < problem_.stateCount(); ++i) {
+      if (problem_.state_ranges[at(i)])
+        addRange(Kind::kState, state, i, *problem_.state_ranges[at(i)], &RobustProblem::Parameter::state_shift);
+    }
+  }
+
+  void addInputBounds(const Signals& input) {
+    for (int i = 0; i < problem_.inputCount(); ++i)
+      addRange(Kind::kInput, input, i, problem_.input_ranges[at(i)], &RobustProblem::Parameter::input_shift);
+  }
+
+  void addInvariance(const Signals& state) {
+    const std::vector<int> errors = problem_.errorParameters();
+    for (const ExactHalfSpace& half_space : invariantParameters(problem_).rows) {
+      RationalVector direction, y(at(program_.lawSize()));
+      for (const int error : errors) direction.push_back(half_space.a[at(error)]);
+      for (int j = 0; j < problem_.parameterCount(); ++j) {
+        if (problem_.parameters[at(j)].state < 0) y[at(j)] = half_space.a[at(j)];
+      }
+      add(Kind::kInvariance, direction, state, y, half_space.b);
+    }
+  }
+
+  const RobustProblem& problem_;
+  Prediction prediction_;
+  RobustProgram program_;
+};
+
+}  // namespace
+
+bool RobustProgram::Row::hasPredictions() const {
+  return !terms.empty() || std::any_of(z.begin(), z.end(), [](const Rational& value) { return value != 0; });
+}
+
+RobustProgram buildRobustProgram(const RobustProblem& problem) {
+  if (problem.inputCount() != 1) throw Error(problem.source + ": model.inputs: must have exactly one entry");
+  return Builder(problem).build();
+}
+
+Rational rowExcess(const RobustProgram::Row& row, const RationalVector& y, const RationalVector& z) {
+  Rational sum = dot(row.y, y) + dot(row.z, z) - row.bound;
+  for (const RobustProgram::Term& term : row.terms) sum += abs(term.constant + dot(term.z, z));
+  return sum;
+}
+
+}  // namespace polyfly

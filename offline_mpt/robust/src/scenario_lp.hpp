@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <vector>
+
+#include "dual_simplex.hpp"
+
+namespace polyfly {
+
+/// a . x + sum_t |ta_t . x + te_t . eta| <= e . eta
+struct ScenarioRow {
+  struct Term {
+    Eigen::VectorXd a;
+    Eigen::VectorXd e;
+  };
+  Eigen::VectorXd a;
+  Eigen::VectorXd e;
+  std::vector<Term> terms;
+};
+
+/// One linear piece of a row: the signs with which its terms count, as bits (set: minus).
+struct Scenario {
+  int row = 0;
+  std::vector<bool> negative;
+  bool operator<(const Scenario& other) const {
+    return row != other.row ? row < other.row : negative < other.negative;
+  }
+};
+
+/// min x_{n-1} as DualSimplex does, over rows with absolute values: each is a worst case, and only the
+/// scenarios that were violated on the way become rows of the simplex method.
+class ScenarioLp {
+ public:
+  /// Rows are scaled so that their greatest coefficient is 1.
+  ScenarioLp(int variables, int parameters, std::vector<ScenarioRow> rows);
+
+  DualSimplex::Status solve(const Eigen::VectorXd& eta);
+  Eigen::VectorXd x() const;
+  double objective() const { return simplex_.objective(); }
+
+  struct Tight {
+    Scenario scenario;
+    double multiplier;  ///< of the row as it was given
+  };
+  std::vector<Tight> tight() const;
+  std::uint64_t pivots() const { return simplex_.pivots(); }
+
+ private:
+  bool addViolated(const Eigen::VectorXd& eta);
+  void add(Scenario scenario);
+  void forget();
+
+  int n_;
+  int h_;
+  std::vector<ScenarioRow> rows_;
+  std::vector<double> scale_;
+  std::vector<Scenario> scenarios_;  // by tag
+  std::map<Scenario, int> tags_;     // of those that are rows now
+  DualSimplex simplex_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,207 @@
+#include "whole_program.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "offline_mpt/exact_lp.hpp"
+
+namespace polyfly {
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+class Scaler {
+ public:
+  void include(const Rational& value) {
+    mpz_lcm(scale_.get_mpz_t(), scale_.get_mpz_t(), value.get_den_mpz_t());
+  }
+  void include(const RationalVector& values) {
+    for (const Rational& value : values) include(value);
+  }
+  Integer whole(const Rational& value) const { return value.get_num() * (scale_ / value.get_den()); }
+  std::vector<Integer> whole(const RationalVector& values) const {
+    std::vector<Integer> result;
+    for (const Rational& value : values) result.push_back(whole(value));
+    return result;
+  }
+  const Integer& scale() const { return scale_; }
+
+ private:
+  Integer scale_{1};
+};
+
+WholeRow wholeRow(const RobustProgram::Row& row) {
+  Scaler scaler;
+  scaler.include(row.y);
+  scaler.include(row.z);
+  scaler.include(row.bound);
+  for (const RobustProgram::Term& term : row.terms) {
+    scaler.include(term.constant);
+    scaler.include(term.z);
+  }
+  WholeRow result{scaler.whole(row.y), scaler.whole(row.z), {}, scaler.whole(row.bound), scaler.scale()};
+  for (const RobustProgram::Term& term : row.terms)
+    result.terms.push_back({scaler.whole(term.constant), scaler.whole(term.z)});
+  return result;
+}
+
+// sum of row[j] * y[1 + j]
+Integer dotPoint(const std::vector<Integer>& row, const HomogeneousPoint& y) {
+  Integer sum;
+  for (std::size_t j = 0; j < row.size(); ++j)
+    mpz_addmul(sum.get_mpz_t(), row[j].get_mpz_t(), y[j + 1].get_mpz_t());
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Integer> coneRow(const ExactHalfSpace& half_space) {
+  RationalVector row{half_space.b};
+  for (const Rational& value : half_space.a) row.push_back(-value);
+  return wholeNumbers(row);
+}
+
+WholeProgram::WholeProgram(const RobustProgram& program)
+    : law_size_(program.lawSize()), prediction_count_(program.prediction_count) {
+  for (const RobustProgram::Row& row : program.rows) rows_.push_back(wholeRow(row));
+}
+
+WholeScenario WholeProgram::scenario(const Scenario& which) const {
+  const WholeRow& row = rows_[at(which.row)];
+  WholeScenario result{row.z, row.bound};
+  for (std::size_t t = 0; t < row.terms.size(); ++t) {
+    const WholeRow::Term& term = row.terms[t];
+    const bool negative = which.negative[t];
+    if (negative) {
+      result.bound += term.constant;
+    } else {
+      result.bound -= term.constant;
+    }
+    for (std::size_t j = 0; j < term.z.size(); ++j) {
+      if (negative) {
+        result.z[j] -= term.z[j];
+      } else {
+        result.z[j] += term.z[j];
+      }
+    }
+  }
+  return result;
+}
+
+std::optional<FeasibleSet::Facet> WholeProgram::combine(const std::vector<Scenario>& scenarios) const {
+  if (scenarios.empty()) return std::nullopt;
+  std::vector<WholeScenario> parts;
+  for (const Scenario& which : scenarios) parts.push_back(scenario(which));
+  // the first weight is 1; the others make the predictions cancel
+  const int unknowns = static_cast<int>(parts.size()) - 1;
+  std::vector<std::vector<Integer>> rows;
+  for (std::size_t j = 0; j < at(prediction_count_); ++j) {
+    std::vector<Integer> row;
+    for (std::size_t k = 1; k < parts.size(); ++k) row.push_back(parts[k].z[j]);
+    row.push_back(-parts[0].z[j]);
+    rows.push_back(std::move(row));
+  }
+  const ExactSolution solution = solveWhole(std::move(rows), unknowns);
+  if (!solution.consistent || !solution.unique) return std::nullopt;
+  RationalVector weights{Rational(solution.x.denominator)};
+  for (const Integer& value : solution.x.numerators) {
+    if (value < 0) return std::nullopt;
+    weights.emplace_back(value);
+  }
+  return facetOf(scenarios, weights);
+}
+
+FeasibleSet::Facet WholeProgram::facetOf(const std::vector<Scenario>& scenarios,
+                                         const RationalVector& weights) const {
+  FeasibleSet::Facet facet;
+  RationalVector sum(at(law_size_) + 1);
+  for (std::size_t k = 0; k < scenarios.size(); ++k) {
+    if (weights[k] == 0) continue;
+    const WholeRow& row = rows_[at(scenarios[k].row)];
+    for (std::size_t j = 0; j < at(law_size_); ++j) sum[j] += weights[k] * row.y[j];
+    sum.back() += weights[k] * scenario(scenarios[k]).bound;
+    facet.parts.push_back({scenarios[k].row, scenarios[k].negative, weights[k] * row.scale});
+  }
+  const std::vector<Integer> whole = wholeNumbers(sum);
+  facet.half_space.a.assign(whole.begin(), whole.end() - 1);
+  facet.half_space.b = whole.back();
+  return facet;
+}
+
+// Everything times y[0] * z.denominator.
+Integer WholeProgram::excess(const WholeRow& row, const HomogeneousPoint& y, const CommonFraction& z,
+                             std::vector<bool>* negative) const {
+  const Integer common = y[0] * z.denominator;
+  Integer sum = dotPoint(row.y, y) * z.denominator + dot(row.z, z.numerators) - row.bound * common;
+  for (const WholeRow::Term& term : row.terms) {
+    Integer value = term.constant * common + dot(term.z, z.numerators);
+    if (negative != nullptr) negative->push_back(value < 0);
+    sum += abs(value);
+  }
+  return sum;
+}
+
+bool WholeProgram::holds(const HomogeneousPoint& y, const CommonFraction& z) const {
+  return std::all_of(rows_.begin(), rows_.end(),
+                     [&](const WholeRow& row) { return excess(row, y, z, nullptr) <= 0; });
+}
+
+std::vector<Scenario> WholeProgram::broken(const HomogeneousPoint& y, const CommonFraction& z) const {
+  std::vector<Scenario> result;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Scenario scenario{static_cast<int>(i), {}};
+    if (excess(rows_[i], y, z, &scenario.negative) > 0) result.push_back(std::move(scenario));
+  }
+  return result;
+}
+
+CommonFraction WholeProgram::predictionAt(const HomogeneousPoint& y, const std::vector<Scenario>& tight) const {
+  std::vector<std::vector<Integer>> rows;
+  for (const Scenario& which : tight) {
+    WholeScenario part = scenario(which);
+    std::vector<Integer> row = std::move(part.z);
+    row.push_back(part.bound * y[0] - dotPoint(rows_[at(which.row)].y, y));
+    rows.push_back(std::move(row));
+  }
+  return solveWhole(std::move(rows), prediction_count_).x;
+}
+
+std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
+                                           const std::vector<Scenario>& start) {
+  ExactLp lp;
+  lp.addColumns(program.predictionCount());
+  for (int j = 0; j < program.predictionCount(); ++j)
+    lp.setColumnBounds(j, ExactLp::Bound::kFree, Rational(0), Rational(0));
+  std::vector<Scenario> scenarios;
+  const auto add = [&](const Scenario& which) {
+    const WholeScenario part = program.scenario(which);
+    const int row = lp.addRows(1);
+    for (int j = 0; j < program.predictionCount(); ++j) {
+      if (part.z[at(j)] != 0) lp.setCoefficient(row, j, Rational(part.z[at(j)]));
+    }
+    const Integer rest = part.bound * y[0] - dotPoint(program.rows()[at(which.row)].y, y);
+    lp.setRowBounds(row, ExactLp::Bound::kUpper, Rational(0), Rational(rest));
+    scenarios.push_back(which);
+  };
+  for (const Scenario& which : start) add(which);
+  while (true) {
+    if (lp.solve() == ExactLp::Status::kInfeasible) {
+      RationalVector weights;
+      for (int i = 0; i < lp.rowCount(); ++i) weights.emplace_back(-lp.rowRay(i));
+      return program.facetOf(scenarios, weights);
+    }
+    RationalVector values;
+    CommonFraction z;
+    z.denominator = 1;
+    for (int j = 0; j < program.predictionCount(); ++j) {
+      values.push_back(lp.primal(j));
+      mpz_lcm(z.denominator.get_mpz_t(), z.denominator.get_mpz_t(), values.back().get_den_mpz_t());
+    }
+    for (const Rational& value : values) z.numerators.emplace_back(value.get_num() * (z.denominator / value.get_den()));
+    const std::vector<Scenario> broken = program.broken(y, z);
+    if (broken.empty()) return std::nullopt;
+    for (const Scenario& which : broken) add(which);
+  }
+}
+
+}  // namespace polyfly

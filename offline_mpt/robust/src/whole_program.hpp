@@ -1,0 +1,73 @@
+#pragma once
+
+#include <vector>
+
+#include "exact_linear.hpp"
+#include "polytope_sets/double_description.hpp"
+#include "robust_mpc/feasible_set.hpp"
+#include "scenario_lp.hpp"
+
+namespace polyfly {
+
+/// A row of a RobustProgram in whole numbers: the row times `scale`.
+struct WholeRow {
+  struct Term {
+    Integer constant;
+    std::vector<Integer> z;
+  };
+  std::vector<Integer> y;
+  std::vector<Integer> z;
+  std::vector<Term> terms;
+  Integer bound;
+  Integer scale;
+};
+
+/// One scenario: y . y + z . z <= bound.
+struct WholeScenario {
+  std::vector<Integer> z;
+  Integer bound;
+};
+
+/// A vertex in homogeneous whole numbers: y = values[1..] / values[0].
+using HomogeneousPoint = std::vector<Integer>;
+
+class WholeProgram {
+ public:
+  explicit WholeProgram(const RobustProgram& program);
+
+  const std::vector<WholeRow>& rows() const { return rows_; }
+  int lawSize() const { return law_size_; }
+  int predictionCount() const { return prediction_count_; }
+  WholeScenario scenario(const Scenario& which) const;
+
+  /// The weights, unique up to a factor, with which the scenarios' predictions cancel, as a facet; none when
+  /// there are none, or they are not unique, or one is negative.
+  std::optional<FeasibleSet::Facet> combine(const std::vector<Scenario>& scenarios) const;
+  /// The facet that given weights (>= 0, of whole rows) make.
+  FeasibleSet::Facet facetOf(const std::vector<Scenario>& scenarios, const RationalVector& weights) const;
+
+  /// Whether y with this z meets every row. `z` is over the denominator z.denominator * y[0].
+  bool holds(const HomogeneousPoint& y, const CommonFraction& z) const;
+  /// The prediction at which the scenarios hold with equality.
+  CommonFraction predictionAt(const HomogeneousPoint& y, const std::vector<Scenario>& tight) const;
+
+  /// Scenarios that are broken, one of each broken row.
+  std::vector<Scenario> broken(const HomogeneousPoint& y, const CommonFraction& z) const;
+
+ private:
+  Integer excess(const WholeRow& row, const HomogeneousPoint& y, const CommonFraction& z,
+                 std::vector<bool>* negative) const;
+
+  int law_size_;
+  int prediction_count_;
+  std::vector<WholeRow> rows_;
+};
+
+/// Decides by exact linear programs whether y has a prediction; a facet that cuts y off where it has none.
+std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
+                                           const std::vector<Scenario>& start);
+
+/// a . y <= b as a row of the cone over (1, y).
+std::vector<Integer> coneRow(const ExactHalfSpace& half_space);
+
+}  // namespace polyfly
