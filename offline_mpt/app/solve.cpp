@@ -18,13 +18,16 @@
 #include "region_maps/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "solve_robust.hpp"
 
 namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "The problem is a tracking problem of one axis (.yaml, .yml) or a parametric program in the generic form "
-    "(.json).\n"
+    "The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a "
+    "parametric "
+    "program\n"
+    "in the generic form (.json). Of a robust MPC, neither limits nor checkpoints count: it takes seconds.\n"
     "The map does not depend on the number of threads: the same problem gives the same bytes.\n"
     "\n"
     "Stopped by Ctrl-C, SIGTERM or a limit, it leaves MAP.checkpoint, from which --resume goes on to the map "
@@ -271,6 +274,11 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
 
 ExitCode lead(const Options& options, Session& session) {
   checkFiles(options);
+  if (isRobustFile(options.problem)) {
+    session.leave();
+    return solveRobust({options.problem, options.map, options.stats, options.tree_nodes,
+                        options.explore.threads, options.quiet});
+  }
   Stopwatch watch;
   Seconds seconds;
   const ParametricProgram program = loadProgram(options.problem);
@@ -308,6 +316,7 @@ ExitCode assist(const Options& options, MpiTeam& team) {
   ignoreSignals();
   ParametricProgram program;
   try {
+    if (isRobustFile(options.problem)) return ExitCode::kDone;  // process 0 solves it alone
     program = loadProgram(options.problem);
   } catch (const Error& error) {
     declineExploration(error.what(), team);

@@ -8,9 +8,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFeasible = 1e-11;   // how far below zero a slack may lie
-constexpr double kPivot = 1e-10;      // least pivot
-constexpr double kDegenerate = 1e-12;  // reduced costs below this are alike in the ratio test
+constexpr double kFeasible = 1e-11;      // how far below zero a slack may lie
+constexpr double kPivot = 1e-10;         // least pivot
+constexpr double kDegenerate = 1e-12;    // reduced costs below this are alike in the ratio test
 constexpr std::uint64_t kRebuild = 400;  // pivots after which the dictionary is computed anew
 constexpr int kPatience = 2000;          // pivots before the slow rule that cannot cycle
 
@@ -102,11 +102,13 @@ int DualSimplex::enteringColumn(int leaving, bool by_index) const {
   if (best != kNone) return best;
   double bound = std::numeric_limits<double>::infinity();
   for (int j = 0; j < n_; ++j) {
-    if (entries[j] > kPivot) bound = std::min(bound, (cost_[at(j)] + (by_index ? 0.0 : kDegenerate)) / entries[j]);
+    if (entries[j] > kPivot)
+      bound = std::min(bound, (cost_[at(j)] + (by_index ? 0.0 : kDegenerate)) / entries[j]);
   }
   for (int j = 0; j < n_; ++j) {
     if (entries[j] <= kPivot || cost_[at(j)] / entries[j] > bound) continue;
-    const bool better = by_index ? best == kNone || nonbasic_[at(j)] < nonbasic_[at(best)] : entries[j] > largest;
+    const bool better =
+        by_index ? best == kNone || nonbasic_[at(j)] < nonbasic_[at(best)] : entries[j] > largest;
     if (!better) continue;
     largest = entries[j];
     best = j;

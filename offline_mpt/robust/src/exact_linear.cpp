@@ -40,7 +40,8 @@ ExactSolution solveWhole(std::vector<std::vector<Integer>> rows, int unknowns) {
     pivot_columns.push_back(column);
     ++rank;
   }
-  for (std::size_t i = rank; i < rows.size(); ++i) solution.consistent = solution.consistent && rows[i][n] == 0;
+  for (std::size_t i = rank; i < rows.size(); ++i)
+    solution.consistent = solution.consistent && rows[i][n] == 0;
   // after elimination above and below, every pivot is the same number
   solution.x.denominator = previous;
   solution.x.numerators.resize(n);

@@ -13,16 +13,17 @@
 namespace polyfly {
 namespace {
 
-constexpr double kInside = 1e-9;      // how far outside, of the way from the interior point, a vertex counts
-                                      // as feasible in floating point
-constexpr double kSupport = 1e-9;     // multipliers below this share of the greatest are none
-constexpr double kLeastRoom = 1e-9;   // of the interior point
+constexpr double kInside = 1e-9;     // how far outside, of the way from the interior point, a vertex counts
+                                     // as feasible in floating point
+constexpr double kSupport = 1e-9;    // multipliers below this share of the greatest are none
+constexpr double kLeastRoom = 1e-9;  // of the interior point
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 Eigen::VectorXd rounded(const RationalVector& values) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
-  for (std::size_t j = 0; j < values.size(); ++j) result[static_cast<Eigen::Index>(j)] = nearestDouble(values[j]);
+  for (std::size_t j = 0; j < values.size(); ++j)
+    result[static_cast<Eigen::Index>(j)] = nearestDouble(values[j]);
   return result;
 }
 

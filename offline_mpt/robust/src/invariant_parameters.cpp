@@ -114,13 +114,15 @@ SetModel modelOf(const RobustProblem& problem, const std::vector<int>& entries) 
 ExactPolytope invariantParameters(const RobustProblem& problem) {
   const std::set<int> states = boundedClosure(problem);
   if (states.empty())
-    throw Error(problem.source + ": invariance: must be none where no state has a range: nothing can be left");
+    throw Error(problem.source +
+                ": invariance: must be none where no state has a range: nothing can be left");
   const std::vector<int> entries = entriesOf(problem, states);
   SetModel model = modelOf(problem, entries);
   model.X = bounds(problem, entries, states);
   const InvariantSet invariant = maximalInvariantSet(model);
   if (invariant.status == InvariantSet::Status::kEmpty)
-    throw Error(problem.source + ": invariance: no state within the bounds can be kept there for all disturbances");
+    throw Error(problem.source +
+                ": invariance: no state within the bounds can be kept there for all disturbances");
   if (invariant.status != InvariantSet::Status::kMaximal)
     throw Error(problem.source + ": invariance: the maximal invariant set was not reached in " +
                 std::to_string(invariant.iterations) + " steps");

@@ -164,16 +164,16 @@ Value choice(const YamlField& root, const char* key, Value absent,
 }
 
 void readChoices(const YamlField& root, RobustProblem& problem, int bits) {
-  problem.stack = choice<Stack>(root, "stack", Stack::kPaper, {{"paper", Stack::kPaper}, {"shift", Stack::kShift}});
+  problem.stack =
+      choice<Stack>(root, "stack", Stack::kPaper, {{"paper", Stack::kPaper}, {"shift", Stack::kShift}});
   problem.feedback = choice<FeedbackPrediction>(root, "feedback_predictions", FeedbackPrediction::kFree,
                                                 {{"free", FeedbackPrediction::kFree},
                                                  {"zero", FeedbackPrediction::kZero},
                                                  {"fixed", FeedbackPrediction::kFixed}});
-  problem.invariance =
-      choice<InvarianceRule>(root, "invariance", InvarianceRule::kNone,
-                             {{"none", InvarianceRule::kNone},
-                              {"first_step", InvarianceRule::kFirstStep},
-                              {"terminal", InvarianceRule::kTerminal}});
+  problem.invariance = choice<InvarianceRule>(root, "invariance", InvarianceRule::kNone,
+                                              {{"none", InvarianceRule::kNone},
+                                               {"first_step", InvarianceRule::kFirstStep},
+                                               {"terminal", InvarianceRule::kTerminal}});
   problem.peak_in_map = choice<bool>(root, "peak_in_map", false, {{"true", true}, {"false", false}});
   problem.tie_gain = readGain(root.at("tie_break"), problem, bits);
   const bool fixed = problem.feedback == FeedbackPrediction::kFixed;
@@ -202,7 +202,8 @@ void readParameter(const YamlField& field, Names& taken, std::set<int>& errors, 
     parameter.state = static_cast<int>(found - problem.states.begin());
     if (!errors.insert(parameter.state).second)
       field.at("of").fail("another parameter has this role for '" + of + "'");
-    if (parameter.signal.unit != found->unit) field.at("unit").fail("must be " + found->unit + " as for '" + of + "'");
+    if (parameter.signal.unit != found->unit)
+      field.at("unit").fail("must be " + found->unit + " as for '" + of + "'");
   } else if (role == "reference") {
     if (field.has("of")) field.at("of").fail("goes with role error only");
     parameter.state_shift = exactVector(field.at("state"), problem.stateCount());
@@ -243,7 +244,8 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
   const YamlField root = YamlField::parse(text, source);
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "tie_break", "parameters"},
-      {"description", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance", "peak_in_map"});
+      {"description", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance",
+       "peak_in_map"});
   root.at("polyfly_problem").integer(1, 1);
   RobustProblem problem;
   problem.source = source;

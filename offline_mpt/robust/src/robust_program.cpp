@@ -60,8 +60,8 @@ class Prediction {
       case FeedbackPrediction::kZero:
         break;
       case FeedbackPrediction::kFree:
-        result[at(law_size_ + feedback_offset_ +
-                  (k * (k - 1) / 2 + i) * problem_.channelCount() + channel)] = 1;
+        result[at(law_size_ + feedback_offset_ + (k * (k - 1) / 2 + i) * problem_.channelCount() + channel)] =
+            1;
         break;
       case FeedbackPrediction::kFixed:
         result.back() = fixed_[at(k - 1 - i)](0, channel);
@@ -228,7 +228,7 @@ class Builder {
   }
 
   // What the references add to entry `i` of x or u, as coefficients of y.
-  RationalVector shift(RationalVector RobustProblem::Parameter::* shifts, int i, int sign) const {
+  RationalVector shift(RationalVector RobustProblem::Parameter::*shifts, int i, int sign) const {
     RationalVector y(at(program_.lawSize()));
     for (int j = 0; j < problem_.parameterCount(); ++j) {
       const RobustProblem::Parameter& parameter = problem_.parameters[at(j)];
@@ -238,18 +238,20 @@ class Builder {
   }
 
   void addRange(Kind kind, const Signals& signals, int entry, const RobustProblem::Range& range,
-                RationalVector RobustProblem::Parameter::* shifts) {
+                RationalVector RobustProblem::Parameter::*shifts) {
     for (const int sign : {1, -1}) {
       RationalVector direction(signals.nominal.size());
       direction[at(entry)] = sign;
-      add(kind, direction, signals, shift(shifts, entry, sign), sign > 0 ? range.upper : Rational(-range.lower));
+      add(kind, direction, signals, shift(shifts, entry, sign),
+          sign > 0 ? range.upper : Rational(-range.lower));
     }
   }
 
   void addStateBounds(const Signals& state) {
     for (int i = 0; i < problem_.stateCount(); ++i) {
       if (problem_.state_ranges[at(i)])
-        addRange(Kind::kState, state, i, *problem_.state_ranges[at(i)], &RobustProblem::Parameter::state_shift);
+        addRange(Kind::kState, state, i, *problem_.state_ranges[at(i)],
+                 &RobustProblem::Parameter::state_shift);
     }
   }
 

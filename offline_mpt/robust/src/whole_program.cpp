@@ -155,7 +155,8 @@ std::vector<Scenario> WholeProgram::broken(const HomogeneousPoint& y, const Comm
   return result;
 }
 
-CommonFraction WholeProgram::predictionAt(const HomogeneousPoint& y, const std::vector<Scenario>& tight) const {
+CommonFraction WholeProgram::predictionAt(const HomogeneousPoint& y,
+                                          const std::vector<Scenario>& tight) const {
   std::vector<std::vector<Integer>> rows;
   for (const Scenario& which : tight) {
     WholeScenario part = scenario(which);
@@ -197,7 +198,8 @@ std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const Ho
       values.push_back(lp.primal(j));
       mpz_lcm(z.denominator.get_mpz_t(), z.denominator.get_mpz_t(), values.back().get_den_mpz_t());
     }
-    for (const Rational& value : values) z.numerators.emplace_back(value.get_num() * (z.denominator / value.get_den()));
+    for (const Rational& value : values)
+      z.numerators.emplace_back(value.get_num() * (z.denominator / value.get_den()));
     const std::vector<Scenario> broken = program.broken(y, z);
     if (broken.empty()) return std::nullopt;
     for (const Scenario& which : broken) add(which);

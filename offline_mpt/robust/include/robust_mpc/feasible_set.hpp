@@ -52,8 +52,8 @@ struct FeasibleSet {
   Stats stats;
 };
 
-/// By outer approximation: each vertex of the polyhedron so far is tested by a linear program (how far must it
-/// be moved towards an interior point), and its dual solution, solved again in fractions, is a facet that
+/// By outer approximation: each vertex of the polyhedron so far is tested by a linear program (how far must
+/// it be moved towards an interior point), and its dual solution, solved again in fractions, is a facet that
 /// cuts it off; until every vertex is feasible. Throws Error when no theta in the box has a solution with
 /// room around it.
 FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options = {});

@@ -42,9 +42,9 @@ struct RobustProblem {
     Rational upper;
   };
   struct Parameter {
-    Signal signal;   ///< name, unit; bounds rounded
-    Range range;     ///< the box in which the law is computed
-    int state = -1;  ///< which error it is; -1: a reference
+    Signal signal;               ///< name, unit; bounds rounded
+    Range range;                 ///< the box in which the law is computed
+    int state = -1;              ///< which error it is; -1: a reference
     RationalVector state_shift;  ///< of a reference: nx
     RationalVector input_shift;  ///< of a reference: nu
   };
@@ -63,7 +63,7 @@ struct RobustProblem {
   RationalMatrix B;                  ///< nx x nu
   RationalMatrix G;                  ///< nx x nw, times half the width of each channel's range
   RationalVector drift;              ///< nx, effect of the middle of the ranges
-  RationalMatrix C;                  ///< ny x nx; several outputs: the greatest of them counts, weigh by scaling
+  RationalMatrix C;  ///< ny x nx; several outputs: the greatest of them counts, weigh by scaling
 
   double sampling_time = 0.0;  ///< [s]
   int horizon = 0;             ///< N

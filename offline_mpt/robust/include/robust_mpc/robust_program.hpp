@@ -9,7 +9,8 @@ namespace polyfly {
 
 /// Eq. 21 with structural zeros dropped, in fractions:
 ///
-///     min tau   s.t.   row.y . y + row.z . z + sum_t |term_t.constant + term_t.z . z| <= row.bound  for all rows
+///     min tau   s.t.   row.y . y + row.z . z + sum_t |term_t.constant + term_t.z . z| <= row.bound  for all
+///     rows
 ///
 /// y = (theta, u~_0, tau) is what the law is made of, z = (V_1 .., L) what is only predicted. A sum of
 /// absolute values is the worst case over the box of disturbances (Eq. 24); entries of L and Gamma that have
@@ -37,7 +38,7 @@ struct RobustProgram {
     bool hasPredictions() const;  ///< whether z takes part
   };
 
-  int parameter_count = 0;  ///< np
+  int parameter_count = 0;   ///< np
   int prediction_count = 0;  ///< size of z
   std::vector<Row> rows;
 

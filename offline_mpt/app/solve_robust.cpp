@@ -1,0 +1,107 @@
+#include "solve_robust.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "mpc_core/read_text.hpp"
+#include "offline_mpt/encode.hpp"
+#include "progress.hpp"
+#include "region_maps/region_map.hpp"
+#include "region_maps/write_map.hpp"
+#include "robust_mpc/robust_law.hpp"
+
+namespace polyfly {
+namespace {
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+class Clock {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+FeasibleSet projectWithProgress(const RobustProgram& program, const SolveRobustOptions& options) {
+  Progress progress(options.quiet);
+  ProjectOptions project;
+  project.threads = options.threads;
+  project.stop = &stopOnSignal();
+  project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
+    progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
+                      " vertices, " + std::to_string(open) + " to cut off",
+                  -1.0);
+  };
+  return projectFeasibleSet(program, project);
+}
+
+std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMap& map, double project,
+                    double regions, double encode) {
+  nlohmann::ordered_json json;
+  json["name"] = std::string(map.name());
+  json["status"] = std::string(map.solverStatus());
+  json["facets"] = set.facets.size();
+  json["vertices"] = set.vertices.size();
+  json["vertices_proven"] = set.stats.vertices_proven;
+  json["linear_programs"] = set.stats.linear_programs;
+  json["lp_pivots"] = set.stats.pivots;
+  json["exact_programs"] = set.stats.exact_programs;
+  json["exact_cuts"] = set.stats.exact_cuts;
+  json["regions"] = law.regions.size();
+  json["laws"] = map.lawCount();
+  json["depth"] = map.cost().depth;
+  json["bytes"] = map.bytes();
+  json["seconds"] = {{"project", project}, {"regions", regions}, {"encode", encode}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+bool isRobustFile(const std::string& path) {
+  if (!endsWith(path, ".yaml") && !endsWith(path, ".yml")) return false;
+  return isRobustProblem(readText(path), path);
+}
+
+ExitCode solveRobust(const SolveRobustOptions& options) {
+  checkWritable(options.map);
+  if (!options.stats.empty()) checkWritable(options.stats);
+  Clock clock;
+  const RobustProblem problem = loadRobustProblem(options.problem);
+  const RobustProgram program = buildRobustProgram(problem);
+  const FeasibleSet set = projectWithProgress(program, options);
+  if (set.interrupted) {
+    std::fprintf(stderr, "offline_mpt: %s: interrupted, nothing was written\n", options.map.c_str());
+    return ExitCode::kStopped;
+  }
+  const double project_time = clock.lap();
+  const RobustLaw law = explicitLaw(problem, set);
+  const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
+  const double region_time = clock.lap();
+  TreeOptions tree;
+  tree.threads = options.threads;
+  tree.node_limit = options.tree_nodes;
+  writeMap(encode(rounded.program, rounded.partition, tree), options.map);
+  const RegionMap map = RegionMap::open(options.map);
+  const double encode_time = clock.lap();
+  if (!options.stats.empty())
+    writeText(options.stats, statsOf(set, law, map, project_time, region_time, encode_time));
+  if (!options.quiet) {
+    std::printf(
+        "%s: complete, %zu regions, %zu laws, depth %u, %zu bytes; feasible set of %zu facets and %zu "
+        "vertices, each proven, in %.3g s, regions in %.3g s, tree in %.3g s\n",
+        options.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(),
+        set.facets.size(), set.vertices.size(), project_time, region_time, encode_time);
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace polyfly
