@@ -37,6 +37,7 @@ struct ExactProgram {
   int q = 0;
   bool linear = false;  ///< H = 0; `H` is then the identity: of several optima the shortest
   long shift = 0;
+  long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
   std::vector<Rational> centre;
   std::vector<Rational> half;
@@ -56,6 +57,12 @@ struct ExactProgram {
 
 /// How far below zero a dropped row's slack may be, relative to the row's greatest entry: 2^-kDroppedBits.
 constexpr int kDroppedBits = 30;
+
+/// H, symmetric, with the regularisation, by rows.
+std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment);
+
+/// What the solver adds to H: nothing, unless H is singular where the rows of Adjustment::basis leave z free.
+double solversRegularisation(const ParametricProgram& program, const Adjustment& adjustment);
 
 /// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
 /// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z

@@ -24,15 +24,6 @@ IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<in
   return system;
 }
 
-/// One solved system: unknown i as p + 1 whole numbers over the determinant.
-struct Solution {
-  const IntegerMatrix& system;
-  Integer determinant;
-  int first;  ///< column
-
-  const Integer& at(int unknown, int j) const { return system(unknown, first + j); }
-};
-
 bool isZero(const std::vector<Integer>& row) {
   return std::all_of(row.begin(), row.end(), [](const Integer& value) { return value == 0; });
 }
@@ -43,19 +34,6 @@ ExactRow makeRow(ExactOrigin origin, std::vector<Integer> value) {
   return row;
 }
 
-std::vector<Integer> slackOf(const ExactProgram& program, const Solution& z, int row) {
-  std::vector<Integer> slack;
-  for (int j = 0; j <= program.p; ++j) {
-    Integer value = z.determinant * program.bound(row, j);
-    for (int i = 0; i < program.n; ++i) {
-      if (program.A(row, i) != 0)
-        mpz_submul(value.get_mpz_t(), program.A(row, i).get_mpz_t(), z.at(i, j).get_mpz_t());
-    }
-    slack.push_back(std::move(value));
-  }
-  return slack;
-}
-
 // slack + determinant 2^shift 2^-kDroppedBits size >= 0
 std::vector<Integer> relax(const ExactProgram& program, std::vector<Integer> slack,
                            const Integer& determinant, int row) {
@@ -64,36 +42,21 @@ std::vector<Integer> relax(const ExactProgram& program, std::vector<Integer> sla
   return slack;
 }
 
-bool addSlacks(const ExactProgram& program, const Solution& z, const std::vector<char>& is_used,
+bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const std::vector<char>& is_used,
                ExactRegion& region) {
   for (int i = 0; i < program.m; ++i) {
     if (is_used[i]) continue;
-    std::vector<Integer> slack = slackOf(program, z, i);
+    std::vector<Integer> slack = solution.slack(program, i);
     if (program.is_equality[i]) {
       if (!isZero(slack)) return false;
     } else if (program.is_dropped[i]) {
-      slack = relax(program, std::move(slack), z.determinant, i);
+      slack = relax(program, std::move(slack), solution.denominator(), i);
       region.dropped.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
     } else {
       region.rows.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
     }
   }
   return true;
-}
-
-void setLaw(const ExactProgram& program, const Solution& z, ExactRegion& region) {
-  Rational inverse(Integer(1), z.determinant << static_cast<unsigned long>(program.shift));
-  region.law = program.offset;
-  for (int i = 0; i < program.q; ++i) {
-    for (int j = 0; j <= program.p; ++j) {
-      Rational sum;
-      for (int k = 0; k < program.n; ++k) {
-        const Rational& weight = program.E[static_cast<std::size_t>(i) * program.n + k];
-        if (weight != 0) sum += weight * z.at(k, j);
-      }
-      region.law[static_cast<std::size_t>(i) * (program.p + 1) + j] += sum * inverse;
-    }
-  }
 }
 
 }  // namespace
@@ -161,51 +124,85 @@ Integer valueAt(const ExactRow& row, const std::vector<Rational>& t) {
   return sum.get_num();
 }
 
+ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<int>& active) {
+  rows_ = program.basis;
+  for (const int row : active) {
+    if (!program.in_basis[row]) rows_.push_back(row);
+  }
+  if (static_cast<int>(rows_.size()) > program.n) return ExactStatus::kDependent;
+  system_ = optimalitySystem(program, rows_);
+  n_ = program.n;
+  first_ = system_.rows();
+  width_ = program.p + 1;
+  if (!solveExactly(system_, determinant_)) return ExactStatus::kDependent;
+  if (!program.linear) return ExactStatus::kRegion;
+  for (int i = 0; i < n_; ++i) {
+    for (int j = 0; j < width_; ++j) {
+      if (system_(i, first_ + width_ + j) != 0) return ExactStatus::kUnpaid;
+    }
+  }
+  return ExactStatus::kRegion;
+}
+
+std::vector<Integer> ExactSolution::slack(const ExactProgram& program, int row) const {
+  std::vector<Integer> slack;
+  for (int j = 0; j < width_; ++j) {
+    Integer value = determinant_ * program.bound(row, j);
+    for (int i = 0; i < n_; ++i) {
+      if (program.A(row, i) != 0)
+        mpz_submul(value.get_mpz_t(), program.A(row, i).get_mpz_t(), z(i, j).get_mpz_t());
+    }
+    slack.push_back(std::move(value));
+  }
+  return slack;
+}
+
+std::vector<Rational> ExactSolution::law(const ExactProgram& program) const {
+  const Rational inverse(Integer(1), determinant_ << static_cast<unsigned long>(program.shift));
+  std::vector<Rational> law = program.offset;
+  for (int i = 0; i < program.q; ++i) {
+    for (int j = 0; j < width_; ++j) {
+      Rational sum;
+      for (int k = 0; k < n_; ++k) {
+        const Rational& weight = program.E[static_cast<std::size_t>(i) * n_ + k];
+        if (weight != 0) sum += weight * z(k, j);
+      }
+      law[static_cast<std::size_t>(i) * width_ + j] += sum * inverse;
+    }
+  }
+  return law;
+}
+
 ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active,
                             ExactRegion& region) {
   region = {};
-  std::vector<int> rows = program.basis;
-  std::vector<char> is_used(static_cast<std::size_t>(program.m), 0);
-  for (const int row : program.basis) is_used[row] = 1;
-  for (const int row : active) {
-    if (is_used[row]) continue;
-    is_used[row] = 1;
-    rows.push_back(row);
-    region.active.push_back(row);
-  }
+  ExactSolution solution;
+  const ExactStatus status = solution.solve(program, active);
+  const std::vector<int>& rows = solution.rows();
+  region.active.assign(rows.begin() + static_cast<std::ptrdiff_t>(program.basis.size()), rows.end());
   std::sort(region.active.begin(), region.active.end());
-  if (static_cast<int>(rows.size()) > program.n) return ExactStatus::kDependent;
-  IntegerMatrix system = optimalitySystem(program, rows);
-  const int unknowns = system.rows();
-  Solution z{system, 0, unknowns};
-  if (!solveExactly(system, z.determinant)) return ExactStatus::kDependent;
-  const Solution prices{system, z.determinant, unknowns + program.p + 1};
-  if (program.linear) {
-    for (int i = 0; i < program.n; ++i) {
-      for (int j = 0; j <= program.p; ++j) {
-        if (prices.at(i, j) != 0) return ExactStatus::kUnpaid;
-      }
-    }
-  }
-  for (std::size_t r = program.basis.size(); r < rows.size(); ++r) {
-    const int unknown = program.n + static_cast<int>(r);
+  if (status != ExactStatus::kRegion) return status;
+  std::vector<char> is_used(static_cast<std::size_t>(program.m), 0);
+  for (const int row : rows) is_used[row] = 1;
+  for (std::size_t k = program.basis.size(); k < rows.size(); ++k) {
+    const int r = static_cast<int>(k);
     std::vector<Integer> multiplier, price;
     for (int j = 0; j <= program.p; ++j) {
-      multiplier.push_back(z.at(unknown, j));
-      if (program.linear) price.push_back(prices.at(unknown, j));
+      multiplier.push_back(solution.multiplier(r, j));
+      if (program.linear) price.push_back(solution.price(r, j));
     }
     const bool priced = program.linear && !isZero(price);
     region.rows.push_back(
-        makeRow({priced ? ExactOrigin::Kind::kPrice : ExactOrigin::Kind::kMultiplier, rows[r]},
+        makeRow({priced ? ExactOrigin::Kind::kPrice : ExactOrigin::Kind::kMultiplier, rows[k]},
                 priced ? std::move(price) : std::move(multiplier)));
   }
-  if (!addSlacks(program, z, is_used, region)) return ExactStatus::kInconsistent;
+  if (!addSlacks(program, solution, is_used, region)) return ExactStatus::kInconsistent;
   for (int i = 0; i < program.domain.rows(); ++i) {
     std::vector<Integer> value;
     for (int j = 0; j <= program.p; ++j) value.push_back(program.domain(i, j));
     region.rows.push_back(makeRow({ExactOrigin::Kind::kDomain, i}, std::move(value)));
   }
-  setLaw(program, z, region);
+  region.law = solution.law(program);
   return ExactStatus::kRegion;
 }
 

@@ -49,6 +49,33 @@ enum class ExactStatus : std::uint8_t {
   kInconsistent,  ///< an equality does not hold
 };
 
+/// The optimality conditions of one active set, solved: each unknown is an affine function of t, p + 1 whole
+/// numbers over one denominator that all share.
+class ExactSolution {
+ public:
+  /// The set may name equalities or not. Only after kRegion has the object an answer.
+  ExactStatus solve(const ExactProgram& program, const std::vector<int>& active);
+
+  /// Rows of the program in the system: the basis, then the active ones in the order given.
+  const std::vector<int>& rows() const { return rows_; }
+  const Integer& denominator() const { return determinant_; }  ///< > 0
+  const Integer& z(int i, int j) const { return system_(i, j + first_); }
+  /// Of rows()[r].
+  const Integer& multiplier(int r, int j) const { return system_(n_ + r, j + first_); }
+  /// Of rows()[r], in a linear program.
+  const Integer& price(int r, int j) const { return system_(n_ + r, j + first_ + width_); }
+  /// bound - A z of a row, over the denominator.
+  std::vector<Integer> slack(const ExactProgram& program, int row) const;
+  /// q x (p + 1), u = law (t, 1)
+  std::vector<Rational> law(const ExactProgram& program) const;
+
+ private:
+  std::vector<int> rows_;
+  IntegerMatrix system_;
+  Integer determinant_;
+  int n_ = 0, first_ = 0, width_ = 0;
+};
+
 /// Solves the optimality conditions for one active set, which may name equalities or not.
 ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
 

@@ -166,6 +166,7 @@ Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
 
 LeastDistance toLeastDistance(const ParametricProgram& program) {
   LeastDistance ld;
+  ld.source = program;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);
   ld.half.resize(ld.p);

@@ -43,6 +43,8 @@ struct LeastDistance {
   Eigen::VectorXd length;  ///< m, of the rows of A in the norm of H^-1
   Eigen::MatrixXd S;       ///< m x (p + 1), constant last
 
+  ParametricProgram source;  ///< what was reduced
+
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };
 

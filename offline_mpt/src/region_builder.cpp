@@ -1,6 +1,5 @@
 #include "region_builder.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,27 +7,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSafePivot = 1e-6;  // squared distance from others below which products of unit rows mislead
-constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
-constexpr double kConstant = 1e-11;    // relative slope below which a row does not depend on the parameters
-constexpr double kCoincident = 1e-9;   // difference below which two unit half-spaces are the same plane
-constexpr double kUnpaid = 1e-9;    // part of the cost that prices may leave, relative to its largest entry
-constexpr double kExchange = 1e-9;  // weight above which a row can leave in an exchange
+constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
 constexpr double kClear =
     1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
-constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
-
-ActiveSet with(const ActiveSet& active, int row) {
-  ActiveSet result = active;
-  result.insert(std::upper_bound(result.begin(), result.end(), row), static_cast<std::uint16_t>(row));
-  return result;
-}
-
-ActiveSet without(const ActiveSet& active, int row) {
-  ActiveSet result = active;
-  result.erase(std::remove(result.begin(), result.end(), row), result.end());
-  return result;
-}
+constexpr double kRounding = 0x1.0p-52;
+constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
+constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
 
 }  // namespace
 
@@ -39,6 +23,9 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       width_(program.p + 1),
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
+      exact_(program),
+      D_size_(program.m),
+      reach_((1.0 + kAccurate) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
       solver_(program.p) {
@@ -46,7 +33,9 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
     for (int j = 0; j < program.m; ++j)
       gram_[static_cast<std::size_t>(i) * program.m + j] = program.gram(i, j);
     for (int j = 0; j < width_; ++j) D_[static_cast<std::size_t>(i) * width_ + j] = program.D(i, j);
+    D_size_[i] = program.D.row(i).cwiseAbs().maxCoeff();
   }
+  for (int i = 0; i < program.U.rows(); ++i) U_size_.push_back(program.U.row(i).cwiseAbs().maxCoeff());
 }
 
 bool RegionBuilder::factorise(const ActiveSet& active) {
@@ -118,25 +107,36 @@ void RegionBuilder::solveFactor(double* x) const {
   }
 }
 
-// Adds affine (t, 1) >= 0 as a unit half-space. False: the set describes no region.
-bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale, BuildStatus& status) {
+// Adds affine (t, 1) >= 0, known but for `noise`, as a unit half-space. False: the set describes no region.
+bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale, double noise,
+                           BuildStatus& status) {
   double squared = 0.0;
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
+  if (is_exact_) noise = 0.0;
+  const double constant = affine[program_.p];
+  const double blurred = kErrorMargin * noise;
+  const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
+  if (meets_box && noise > kConstant * scale && length <= blurred) doubtful_ = true;
   if (length <= kConstant * scale) {
-    if (affine[program_.p] < -kConstant * scale) {
+    if (constant < -kConstant * scale) {
       status = BuildStatus::kThin;
       return false;
     }
-    if (origin.kind == RowOrigin::Kind::kMultiplier && affine[program_.p] <= kConstant * scale) {
+    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstant * scale) {
       status = BuildStatus::kWeak;
       return false;
     }
     return true;
   }
+  if (!meets_box) {  // such a row bounds nothing, or all is beyond it; far planes would cost accuracy
+    if (constant < 0.0) status = BuildStatus::kThin;
+    return constant > 0.0;
+  }
   const double inverse = 1.0 / length;
+  if (noise > kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
   for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
-  rows_.push_back(affine[program_.p] * inverse);
+  rows_.push_back(constant * inverse);
   origins_.push_back(origin);
   return true;
 }
@@ -146,6 +146,10 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
 bool RegionBuilder::priceOut(const ActiveSet& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
   prices_.resize(multipliers_.size());
+  if (is_exact_) {
+    for (std::size_t r = 0; r < active.size(); ++r) exact_.price(r, prices_.data() + r * width_);
+    return true;
+  }
   for (Eigen::Index r = 0; r < k; ++r) {
     for (int j = 0; j < width_; ++j)
       prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
@@ -163,6 +167,7 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
   const double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
+  const double growth = kRounding / pivot_;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear) {
       const double* price = prices_.data() + r * width_;
@@ -171,12 +176,14 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
       if (largest > kUnpaid * price_scale) {  // the multiplier's sign is the price's
         for (int j = 0; j < width_; ++j)
           scratch_[j] = std::abs(price[j]) > kUnpaid * price_scale ? price[j] : 0.0;
-        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, status))
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, growth * largest,
+                    status))
           return status;
         continue;
       }
     }
-    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale, status)) {
+    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale,
+                growth * size_, status)) {
       return status;
     }
   }
@@ -185,6 +192,7 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
 
 // Slack of an inactive row as a function of (t, 1), into scratch_.
 void RegionBuilder::slackRow(const ActiveSet& active, int row) {
+  if (is_exact_) return exact_.slack(row, scratch_.data());
   const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
   std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
   for (std::size_t r = 0; r < active.size(); ++r) {
@@ -202,7 +210,8 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
     if (is_active_[i]) continue;
     slackRow(active, i);
     const std::size_t before = origins_.size();
-    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, status);
+    const double noise = kRounding * (D_size_[i] + size_);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
     if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
       idle_.push_back(static_cast<std::uint16_t>(i));
     }
@@ -215,7 +224,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
 // where the rows are dependent.
 bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   multipliers_.resize(active.size() * width_);
-  if (!factorise(active)) return false;
+  if (!is_exact_ && !factorise(active)) return false;
   scale = 1.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     for (int j = 0; j < width_; ++j) {
@@ -224,12 +233,22 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
       scale = std::max(scale, std::abs(value));
     }
   }
+  if (is_exact_) {
+    for (std::size_t r = 0; r < active.size(); ++r) exact_.multiplier(r, multipliers_.data() + r * width_);
+    return true;
+  }
   solveFactor(multipliers_.data());
+  size_ = 0.0;
+  for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
+  pivot_ = 1.0;
+  for (std::size_t r = 0; r < active.size(); ++r) pivot_ = std::min(pivot_, factor_[r * active.size() + r]);
   return true;
 }
 
 BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   double scale = 1.0;
+  plane_error_ = 0.0;
+  doubtful_ = false;
   if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
   if (program_.linear && !priceOut(active)) return BuildStatus::kThin;
 
@@ -240,14 +259,38 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   return status == BuildStatus::kRegion ? addSlackRows(active, scale) : status;
 }
 
-BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
+// Rows, largest ball and law.
+BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) {
+  region.radius = -std::numeric_limits<double>::infinity();
   const BuildStatus status = assembleRows(active);
   if (status != BuildStatus::kRegion) return status;
-  const int count = static_cast<int>(origins_.size());
   region.centre.assign(program_.p, 0.0);
-  if (!solver_.chebyshev(rows_.data(), count, region.centre.data(), region.radius))
+  if (!solver_.chebyshev(rows_.data(), static_cast<int>(origins_.size()), region.centre.data(),
+                         region.radius))
     return BuildStatus::kFailed;
   if (region.radius <= radius_tolerance_) return BuildStatus::kThin;
+  law(active, region.law);
+  return status;
+}
+
+bool RegionBuilder::needsExactness(BuildStatus status, const RegionData& region) const {
+  if (status == BuildStatus::kDependent) return false;
+  if (doubtful_) return true;
+  if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
+  return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
+}
+
+bool RegionBuilder::describeExactly(const ActiveSet& active) {
+  is_exact_ = exact_.describe(active);
+  return is_exact_;
+}
+
+BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
+  is_exact_ = false;
+  BuildStatus status = measure(active, region);
+  if (needsExactness(status, region) && describeExactly(active)) status = measure(active, region);
+  if (status != BuildStatus::kRegion) return status;
+  const int count = static_cast<int>(origins_.size());
   // A facet of a thin region shows at the region's own scale.
   const double tolerance = std::min(facet_tolerance_, 0.1 * region.radius);
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
@@ -267,147 +310,42 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
     facet.beyond.assign(minimal_.beyond.begin() + f * program_.p,
                         minimal_.beyond.begin() + (f + 1) * program_.p);
   }
-  law(active, region.law);
   return BuildStatus::kRegion;
 }
 
-void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) const {
+void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
+  law_error_ = 0.0;
+  if (is_exact_) return exact_.law(out);
   const int q = static_cast<int>(program_.U.rows());
   out.resize(static_cast<std::size_t>(q) * width_);
   for (int i = 0; i < q; ++i) {
-    for (int j = 0; j < width_; ++j) {
-      double value = program_.U(i, j);
-      for (std::size_t r = 0; r < active.size(); ++r) {
-        value += program_.V(i, active[r]) * multipliers_[r * width_ + j];
-      }
-      out[static_cast<std::size_t>(i) * width_ + j] = value;
-    }
-  }
-}
-
-// Rows whose plane is the facet's.
-std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
-  std::vector<RowOrigin> result;
-  for (std::size_t i = 0; i < origins_.size(); ++i) {
-    double difference = 0.0;
-    for (int j = 0; j < width_; ++j)
-      difference = std::max(difference, std::abs(rows_[i * width_ + j] - facet.row[j]));
-    if (difference <= kCoincident) result.push_back(origins_[i]);
-  }
-  return result;
-}
-
-// Whether `row` lies in the span of the active rows, and its weights there.
-bool RegionBuilder::depends(const ActiveSet& active, int row, std::vector<double>& weights) const {
-  const int k = static_cast<int>(active.size());
-  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
-  weights.resize(k);
-  double squared = gram[row];
-  for (int r = 0; r < k; ++r) {
-    double value = gram[active[r]];
-    for (int c = 0; c < r; ++c) value -= factor_[static_cast<std::size_t>(r) * k + c] * weights[c];
-    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
-    squared -= weights[r] * weights[r];
-  }
-  for (int r = k - 1; r >= 0; --r) {
-    double value = weights[r];
-    for (int c = r + 1; c < k; ++c) value -= factor_[static_cast<std::size_t>(c) * k + r] * weights[c];
-    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
-  }
-  if (squared > kSafePivot) return false;
-  Eigen::VectorXd rest = program_.M.row(row);
-  for (int r = 0; r < k; ++r) rest -= weights[r] * program_.M.row(active[r]).transpose();
-  return rest.norm() <= kIndependent;
-}
-
-// `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
-// raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
-// facet. Constant prices tell which goes first: those of least price / w_j.
-void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
-  std::vector<double> weights;
-  if (!depends(active, row, weights)) return;
-  const bool constant_prices =
-      program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
-  double least = 0.0;
-  if (constant_prices) {
-    least = std::numeric_limits<double>::infinity();
+    double* row = out.data() + static_cast<std::size_t>(i) * width_;
+    double size = 1.0, weights = 0.0;
+    for (int j = 0; j < width_; ++j) row[j] = program_.U(i, j);
     for (std::size_t r = 0; r < active.size(); ++r) {
-      if (weights[r] > kExchange) least = std::min(least, prices_[r * width_ + program_.p] / weights[r]);
+      const double weight = program_.V(i, active[r]);
+      const double* multiplier = multipliers_.data() + r * width_;
+      weights = std::max(weights, std::abs(weight));
+      for (int j = 0; j < width_; ++j) row[j] += weight * multiplier[j];
     }
-    least += kUnpaid * (1.0 + std::abs(least));
-  }
-  for (std::size_t r = 0; r < active.size(); ++r) {
-    if (weights[r] <= kExchange) continue;
-    if (constant_prices && prices_[r * width_ + program_.p] / weights[r] > least) continue;
-    sets.push_back(with(without(active, active[r]), row));
-  }
-}
-
-// A price vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
-// one stops it. Which one depends on the parameter, so all rows ahead are candidates.
-void RegionBuilder::enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets) {
-  const ActiveSet kept = without(active, leaving);
-  Eigen::VectorXd direction = -program_.M.row(leaving);
-  Eigen::MatrixXd basis(program_.n, static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t r = 0; r < kept.size(); ++r)
-    basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
-  if (!kept.empty()) direction -= basis * basis.colPivHouseholderQr().solve(direction);
-  for (int i = 0; i < program_.m; ++i) {
-    if (program_.M.row(i).dot(direction) > kExchange) sets.push_back(with(kept, i));
-  }
-}
-
-Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
-                                   std::vector<ActiveSet>& sets) {
-  sets.clear();
-  if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
-  const std::vector<RowOrigin> changes = coincident(facet);
-  const bool at_border = std::any_of(changes.begin(), changes.end(), [](const RowOrigin& origin) {
-    return origin.kind == RowOrigin::Kind::kDomain;
-  });
-  if (at_border) return Crossing::kEdge;
-  if (facet.origin.kind == RowOrigin::Kind::kPrice) {
-    enter(active, facet.origin.index, sets);
-    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
-  }
-  if (changes.size() == 1) {
-    if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
-      sets.push_back(without(active, facet.origin.index));
-      return Crossing::kSingle;
-    }
-    std::vector<double> weights;
-    if (!depends(active, facet.origin.index, weights)) {
-      sets.push_back(with(active, facet.origin.index));
-      return Crossing::kSingle;
-    }
-    exchange(active, facet.origin.index, sets);
-    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
-  }
-  combine(active, changes, sets);
-  return Crossing::kDegenerate;
-}
-
-// Several rows change at once in the facet: every combination of the changes is a candidate, and every
-// exchange.
-void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
-                            std::vector<ActiveSet>& sets) const {
-  const std::size_t count = std::min(changes.size(), kCoincidentLimit);
-  for (std::size_t subset = 1; subset < (std::size_t{1} << count); ++subset) {
-    ActiveSet candidate = active;
-    for (std::size_t c = 0; c < count; ++c) {
-      if ((subset >> c & 1u) == 0) continue;
-      candidate = changes[c].kind == RowOrigin::Kind::kSlack ? with(candidate, changes[c].index)
-                                                             : without(candidate, changes[c].index);
-    }
-    sets.push_back(std::move(candidate));
-  }
-  for (std::size_t c = 0; c < count; ++c) {
-    if (changes[c].kind == RowOrigin::Kind::kSlack) exchange(active, changes[c].index, sets);
+    for (int j = 0; j < width_; ++j) size = std::max(size, std::abs(row[j]));
+    law_error_ = std::max(law_error_, kRounding * (U_size_[i] + weights * size_) / size);
   }
 }
 
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
+  is_exact_ = false;
+  const bool held = holdsAsDescribed(active, t, tolerance);
+  if (!doubtful_ && plane_error_ <= kAccurate) return held;
+  if (!held && !doubtful_ && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
+    return false;
+  return describeExactly(active) ? holdsAsDescribed(active, t, tolerance) : held;
+}
+
+bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance) {
   double scale = 1.0;
+  plane_error_ = 0.0;
+  doubtful_ = false;
   if (!findMultipliers(active, scale)) return false;
   if (program_.linear && !priceOut(active)) return false;
   rows_.clear();
@@ -445,9 +383,10 @@ bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double
     const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
     double slack = at(D_.data() + static_cast<std::size_t>(i) * width_);
     for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
-    if (slack > kClear * scale) continue;
+    const double noise = kRounding * (D_size_[i] + size_);
+    if (slack > kClear * scale + kErrorMargin * noise) continue;
     slackRow(active, i);
-    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, status);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
   }
   for (const int row : active) is_active_[row] = 0;
   return status == BuildStatus::kRegion && satisfied(t, tolerance);

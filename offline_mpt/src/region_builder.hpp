@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "exact_description.hpp"
 #include "least_distance.hpp"
 #include "offline_mpt/polytope.hpp"
 
@@ -50,8 +51,9 @@ enum class Crossing : std::uint8_t {
   kDegenerate,  ///< several candidates: which is optimal depends on the place, or rows coincide
 };
 
-/// Turns active sets into regions. Everything it computes for a set depends on that set alone. One object,
-/// one thread.
+/// Turns active sets into regions. Everything it computes for a set depends on that set alone: where its rows
+/// depend on each other so nearly that doubles would mislead, it is described in rational arithmetic, which
+/// is then rounded. One object, one thread.
 class RegionBuilder {
  public:
   RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
@@ -70,6 +72,10 @@ class RegionBuilder {
 
  private:
   bool findMultipliers(const ActiveSet& active, double& scale);
+  BuildStatus measure(const ActiveSet& active, RegionData& region);
+  bool needsExactness(BuildStatus status, const RegionData& region) const;
+  bool describeExactly(const ActiveSet& active);
+  bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
   void slackRow(const ActiveSet& active, int row);
   bool satisfied(const double* t, double tolerance) const;
   bool holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale);
@@ -77,8 +83,8 @@ class RegionBuilder {
   bool factoriseAccurately(const ActiveSet& active);
   void solveFactor(double* x) const;
   BuildStatus assembleRows(const ActiveSet& active);
-  bool addRow(const double* affine, RowOrigin origin, double scale, BuildStatus& status);
-  void law(const ActiveSet& active, std::vector<double>& out) const;
+  bool addRow(const double* affine, RowOrigin origin, double scale, double noise, BuildStatus& status);
+  void law(const ActiveSet& active, std::vector<double>& out);
   bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
   std::vector<RowOrigin> coincident(const Facet& facet) const;
   void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
@@ -89,6 +95,12 @@ class RegionBuilder {
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool priceOut(const ActiveSet& active);
 
+  static constexpr double kSafePivot =
+      1e-6;  // squared distance from others below which products of unit rows mislead
+  static constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
+  static constexpr double kUnpaid =
+      1e-9;  // part of the cost that prices may leave, relative to its largest entry
+
   const LeastDistance& program_;
   double facet_tolerance_;
   double radius_tolerance_;
@@ -98,6 +110,16 @@ class RegionBuilder {
   std::vector<double> factor_;       // lower triangle, k x k of stride n + 1
   std::vector<double> multipliers_;  // k x (p + 1)
   std::vector<double> prices_;       // as multipliers_, of a linear program
+  double size_ = 0.0;                // greatest of multipliers_
+  double pivot_ = 1.0;               // least of the factor's diagonal
+  ExactDescription exact_;
+  bool is_exact_ = false;            // the set is described by exact_
+  bool doubtful_ = false;            // rounding decided whether a row is constant
+  double plane_error_ = 0.0;         // about what rounding does to the half-spaces in the box [scaled]
+  double law_error_ = 0.0;           // the same for the law, relative to max(1, |u|)
+  std::vector<double> D_size_;       // greatest |entry| of each row of D
+  std::vector<double> U_size_;       // the same of U
+  double reach_;                     // distance of the box's corners
   std::vector<std::uint16_t> idle_;  // rows outside the set that are tight everywhere
   std::vector<double> rows_;         // (a, b)
   std::vector<RowOrigin> origins_;

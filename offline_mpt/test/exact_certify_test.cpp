@@ -1,6 +1,8 @@
 // Exact verification: right maps are proven, wrong ones refuted for the right reason.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "exact_programs.hpp"
 #include "map_in_memory.hpp"
 #include "mpc_core/dense_qp.hpp"
@@ -40,6 +42,28 @@ void expectProven(const ParametricProgram& program) {
 TEST(Certify, ProvesGeneratedPrograms) {
   for (const auto& [n, m, p] : {std::tuple{2, 8, 1}, {3, 12, 2}, {5, 20, 3}, {4, 14, 4}, {3, 10, 5}}) {
     for (unsigned seed = 1; seed <= 2; ++seed) expectProven(randomProgram(n, m, p, seed));
+  }
+}
+
+/// Rows that depend on others but for `distance`.
+ParametricProgram nearlyDependent(double distance, unsigned seed) {
+  ParametricProgram program = randomProgram(5, 12, 3, seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 6; i < 12; ++i) {
+    program.A.row(i) = uniform(random) * program.A.row(i - 6) + uniform(random) * program.A.row((i - 5) % 6);
+    for (int j = 0; j < 5; ++j) program.A(i, j) += distance * uniform(random);
+  }
+  return program;
+}
+
+TEST(Certify, ProvesProgramsWhoseRowsAreNearlyDependent) {
+  for (const double distance : {1e-3, 1e-4, 1e-5}) {
+    for (const unsigned seed : {1, 2, 4, 5}) {
+      const ParametricProgram program = nearlyDependent(distance, seed);
+      expectProven(program);
+      EXPECT_LT(certified(solved(program), program).law_error, 1e-9) << distance << " " << seed;
+    }
   }
 }
 

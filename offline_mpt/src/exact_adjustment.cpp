@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+
+#include "exact_numbers.hpp"
+#include "exact_program.hpp"
+#include "margin.hpp"
+#include "offline_mpt/exact_lp.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kRepeated = 1e-11;  // relative difference of two rows that are the same but for rounding
+constexpr int kPenalties = 40;       // powers of 4 that are tried as a penalty
+
+bool isConvex(const ParametricProgram& program, const Adjustment& adjustment) {
+  const int n = program.variableCount();
+  std::vector<Rational> H = hessian(program, adjustment);
+  const Rational penalty(adjustment.penalty);
+  if (penalty != 0) {
+    for (const int row : adjustment.basis) {
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j)
+          H[i * n + j] += penalty * Rational(program.A(row, i)) * Rational(program.A(row, j));
+      }
+    }
+  }
+  long least = kNoBit;
+  for (const Rational& value : H) include(least, value);
+  IntegerMatrix whole(n, n);
+  for (int i = 0; i < n && least != kNoBit; ++i) {
+    for (int j = 0; j < n; ++j) whole(i, j) = scaled(H[i * n + j], -least);
+  }
+  return positiveSemidefinite(std::move(whole));
+}
+
+bool isEquality(const ParametricProgram& program, int row) {
+  return std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end();
+}
+
+/// Weights that prove the inequalities among `rows` to be equalities; empty if there are none.
+ZeroCombination combineToZero(const ParametricProgram& program, const std::vector<int>& rows) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  ExactLp lp;
+  lp.addRows(n + p + 1);
+  for (int i = 0; i < n + p + 1; ++i) lp.setRowBounds(i, ExactLp::Bound::kFixed, 0, 0);
+  lp.addColumns(static_cast<int>(rows.size()));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const int column = static_cast<int>(k);
+    const auto type = isEquality(program, rows[k]) ? ExactLp::Bound::kFree : ExactLp::Bound::kLower;
+    lp.setColumnBounds(column, type, 1, 0);
+    for (int i = 0; i < n + p + 1; ++i) {
+      const double value = i < n       ? program.A(rows[k], i)
+                           : i < n + p ? program.S(rows[k], i - n)
+                                       : program.b(rows[k]);
+      if (value != 0.0) lp.setCoefficient(i, column, Rational(value));
+    }
+  }
+  if (lp.solve() != ExactLp::Status::kOptimal) return {};
+  Integer denominator(1);
+  for (int k = 0; k < lp.columnCount(); ++k) denominator = lcm(denominator, lp.primal(k).get_den());
+  ZeroCombination result;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Rational weight = lp.primal(static_cast<int>(k)) * denominator;
+    if (weight != 0) result.emplace_back(rows[k], weight.get_num());
+  }
+  return result;
+}
+
+void takeEqualities(const ParametricProgram& program, Adjustment& adjustment) {
+  ParametricProgram widened = program;
+  if (!findMargin(widened).feasible)
+    throw Error(program.name + ": no parameter of the box admits a solution; there is nothing to certify");
+  std::vector<int> rows = program.equalities;
+  if (widened.equalities.size() > program.equalities.size()) {
+    ZeroCombination proof = combineToZero(program, widened.equalities);
+    if (!proof.empty()) {
+      rows = widened.equalities;
+      adjustment.implied.push_back(std::move(proof));
+    }
+  }
+  std::vector<Rational> values;
+  for (const int row : rows) {
+    for (int j = 0; j < program.variableCount(); ++j) values.emplace_back(program.A(row, j));
+  }
+  if (rows.empty()) return;
+  for (const int k : independentRows(wholeRows(values, program.variableCount())))
+    adjustment.basis.push_back(rows[static_cast<std::size_t>(k)]);
+}
+void makeConvex(const ParametricProgram& program, Adjustment& adjustment) {
+  if (program.H.cwiseAbs().maxCoeff() == 0.0) return;
+  adjustment.regularisation = solversRegularisation(program, adjustment);
+  if (isConvex(program, adjustment)) return;
+  double penalty = std::ldexp(1.0, std::ilogb(program.H.cwiseAbs().maxCoeff()));
+  for (int k = 0; k < kPenalties && !adjustment.basis.empty(); ++k, penalty *= 4.0) {
+    adjustment.penalty = penalty;
+    if (isConvex(program, adjustment)) return;
+  }
+  throw Error(program.name + ": H: not positive semidefinite in exact arithmetic");
+}
+
+/// (A, S half, b + S centre) of a row, scaled to a greatest entry of one in A.
+Eigen::VectorXd unitRow(const ParametricProgram& program, int row) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  Eigen::VectorXd result(n + p + 1);
+  result.head(n) = program.A.row(row);
+  result(n + p) = program.b(row);
+  for (int j = 0; j < p; ++j) {
+    const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
+    result(n + j) = program.S(row, j) * 0.5 * (signal.upper - signal.lower);
+    result(n + p) += program.S(row, j) * 0.5 * (signal.upper + signal.lower);
+  }
+  const double largest = result.head(n).cwiseAbs().maxCoeff();
+  return largest > 0.0 ? Eigen::VectorXd(result / largest) : Eigen::VectorXd(0 * result);
+}
+
+bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
+  Eigen::Index pivot = 0;
+  program.A.row(k).cwiseAbs().maxCoeff(&pivot);
+  const Rational own(program.A(i, pivot)), other(program.A(k, pivot));
+  const auto same = [&](double a, double b) { return Rational(a) * other == Rational(b) * own; };
+  for (int j = 0; j < program.variableCount(); ++j) {
+    if (!same(program.A(i, j), program.A(k, j))) return false;
+  }
+  for (int j = 0; j < program.parameterCount(); ++j) {
+    if (!same(program.S(i, j), program.S(k, j))) return false;
+  }
+  return same(program.b(i), program.b(k));
+}
+
+void dropRepeated(const ParametricProgram& program, const std::vector<char>& may_drop,
+                  Adjustment& adjustment) {
+  std::vector<Eigen::VectorXd> rows;
+  for (int i = 0; i < program.rowCount(); ++i) rows.push_back(unitRow(program, i));
+  const int n = program.variableCount();
+  for (int i = 0; i < program.rowCount(); ++i) {
+    if (!may_drop[i] || isEquality(program, i) || rows[i].isZero(0.0)) continue;
+    for (int k = 0; k < program.rowCount(); ++k) {
+      const bool gone =
+          std::find(adjustment.dropped.begin(), adjustment.dropped.end(), k) != adjustment.dropped.end();
+      if (k == i || gone || rows[k].isZero(0.0)) continue;
+      const Eigen::VectorXd difference = rows[i] - rows[k];
+      const double gap =
+          difference.tail(1)(0) + difference.segment(n, program.parameterCount()).cwiseAbs().sum();
+      const double scale = 1.0 + rows[k].cwiseAbs().maxCoeff();
+      if (difference.head(n).cwiseAbs().maxCoeff() > kRepeated || std::abs(gap) > kRepeated * scale) continue;
+      if (exactlyRepeated(program, i, k)) continue;  // no harm: their slacks are multiples of each other
+      adjustment.dropped.push_back(i);
+      break;
+    }
+  }
+}
+
+}  // namespace
+Adjustment adjust(const ParametricProgram& program, const std::vector<char>& may_drop) {
+  Adjustment adjustment;
+  takeEqualities(program, adjustment);
+  makeConvex(program, adjustment);
+  dropRepeated(program, may_drop, adjustment);
+  return adjustment;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,150 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "region_builder.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kCoincident = 1e-9;         // difference below which two unit half-spaces are the same plane
+constexpr double kExchange = 1e-9;           // weight above which a row can leave in an exchange
+constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
+
+ActiveSet with(const ActiveSet& active, int row) {
+  ActiveSet result = active;
+  result.insert(std::upper_bound(result.begin(), result.end(), row), static_cast<std::uint16_t>(row));
+  return result;
+}
+
+ActiveSet without(const ActiveSet& active, int row) {
+  ActiveSet result = active;
+  result.erase(std::remove(result.begin(), result.end(), row), result.end());
+  return result;
+}
+
+}  // namespace
+
+// Rows whose plane is the facet's.
+std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
+  std::vector<RowOrigin> result;
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    double difference = 0.0;
+    for (int j = 0; j < width_; ++j)
+      difference = std::max(difference, std::abs(rows_[i * width_ + j] - facet.row[j]));
+    if (difference <= kCoincident) result.push_back(origins_[i]);
+  }
+  return result;
+}
+
+// Whether `row` lies in the span of the active rows, and its weights there.
+bool RegionBuilder::depends(const ActiveSet& active, int row, std::vector<double>& weights) const {
+  const int k = static_cast<int>(active.size());
+  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
+  weights.resize(k);
+  double squared = gram[row];
+  for (int r = 0; r < k; ++r) {
+    double value = gram[active[r]];
+    for (int c = 0; c < r; ++c) value -= factor_[static_cast<std::size_t>(r) * k + c] * weights[c];
+    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
+    squared -= weights[r] * weights[r];
+  }
+  for (int r = k - 1; r >= 0; --r) {
+    double value = weights[r];
+    for (int c = r + 1; c < k; ++c) value -= factor_[static_cast<std::size_t>(c) * k + r] * weights[c];
+    weights[r] = value / factor_[static_cast<std::size_t>(r) * k + r];
+  }
+  if (squared > kSafePivot) return false;
+  Eigen::VectorXd rest = program_.M.row(row);
+  for (int r = 0; r < k; ++r) rest -= weights[r] * program_.M.row(active[r]).transpose();
+  return rest.norm() <= kIndependent;
+}
+
+// `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
+// raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
+// facet. Constant prices tell which goes first: those of least price / w_j.
+void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
+  std::vector<double> weights;
+  if (!depends(active, row, weights)) return;
+  const bool constant_prices =
+      program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
+  double least = 0.0;
+  if (constant_prices) {
+    least = std::numeric_limits<double>::infinity();
+    for (std::size_t r = 0; r < active.size(); ++r) {
+      if (weights[r] > kExchange) least = std::min(least, prices_[r * width_ + program_.p] / weights[r]);
+    }
+    least += kUnpaid * (1.0 + std::abs(least));
+  }
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    if (weights[r] <= kExchange) continue;
+    if (constant_prices && prices_[r * width_ + program_.p] / weights[r] > least) continue;
+    sets.push_back(with(without(active, active[r]), row));
+  }
+}
+
+// A price vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
+// one stops it. Which one depends on the parameter, so all rows ahead are candidates.
+void RegionBuilder::enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets) {
+  const ActiveSet kept = without(active, leaving);
+  Eigen::VectorXd direction = -program_.M.row(leaving);
+  Eigen::MatrixXd basis(program_.n, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t r = 0; r < kept.size(); ++r)
+    basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
+  if (!kept.empty()) direction -= basis * basis.colPivHouseholderQr().solve(direction);
+  for (int i = 0; i < program_.m; ++i) {
+    if (program_.M.row(i).dot(direction) > kExchange) sets.push_back(with(kept, i));
+  }
+}
+
+Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
+                                   std::vector<ActiveSet>& sets) {
+  sets.clear();
+  if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
+  const std::vector<RowOrigin> changes = coincident(facet);
+  const bool at_border = std::any_of(changes.begin(), changes.end(), [](const RowOrigin& origin) {
+    return origin.kind == RowOrigin::Kind::kDomain;
+  });
+  if (at_border) return Crossing::kEdge;
+  if (facet.origin.kind == RowOrigin::Kind::kPrice) {
+    enter(active, facet.origin.index, sets);
+    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
+  }
+  if (changes.size() == 1) {
+    if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
+      sets.push_back(without(active, facet.origin.index));
+      return Crossing::kSingle;
+    }
+    std::vector<double> weights;
+    if (!depends(active, facet.origin.index, weights)) {
+      sets.push_back(with(active, facet.origin.index));
+      return Crossing::kSingle;
+    }
+    exchange(active, facet.origin.index, sets);
+    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
+  }
+  combine(active, changes, sets);
+  return Crossing::kDegenerate;
+}
+
+// Several rows change at once in the facet: every combination of the changes is a candidate, and every
+// exchange.
+void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
+                            std::vector<ActiveSet>& sets) const {
+  const std::size_t count = std::min(changes.size(), kCoincidentLimit);
+  for (std::size_t subset = 1; subset < (std::size_t{1} << count); ++subset) {
+    ActiveSet candidate = active;
+    for (std::size_t c = 0; c < count; ++c) {
+      if ((subset >> c & 1u) == 0) continue;
+      candidate = changes[c].kind == RowOrigin::Kind::kSlack ? with(candidate, changes[c].index)
+                                                             : without(candidate, changes[c].index);
+    }
+    sets.push_back(std::move(candidate));
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    if (changes[c].kind == RowOrigin::Kind::kSlack) exchange(active, changes[c].index, sets);
+  }
+}
+
+}  // namespace polyfly
