@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "qp_kernels.hpp"
+#include "mpc_core/qp_kernels.hpp"
 #include "qp_tolerances.hpp"
 #include "region_maps/error.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mpc_core/bounded_qp.hpp"
-#include "qp_kernels.hpp"
+#include "mpc_core/qp_kernels.hpp"
 #include "qp_tolerances.hpp"
 
 namespace polyfly {

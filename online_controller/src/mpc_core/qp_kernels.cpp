@@ -1,4 +1,4 @@
-#include "qp_kernels.hpp"
+#include "mpc_core/qp_kernels.hpp"
 
 #include <cmath>
 

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mpc_core/aligned_array.hpp"
+#include "mpc_core/bounded_qp.hpp"
+#include "nonlinear_mpc/multirotor_model.hpp"
+
+namespace polyfly {
+
+/// The optimal control problem of Eq. 43 in discrete time. The defaults are those of a Firefly.
+struct NonlinearMpcOptions {
+  MultirotorModel model;
+  int horizon = 20;     ///< N, stages, 1 .. 100
+  double period = 0.1;  ///< Ts [s]
+
+  Eigen::Vector3d position_weight{80.0, 80.0, 120.0};  ///< [1/m^2]
+  Eigen::Vector3d velocity_weight{80.0, 80.0, 100.0};  ///< [s^2/m^2]
+  double attitude_weight = 10.0;                       ///< of roll and of pitch [1/rad^2]
+  double command_weight = 50.0;                        ///< of their commands [1/rad^2]
+  double thrust_weight = 1.0;                          ///< of z_B T - g [s^4/m^2]
+
+  double angle_max = 0.4363323;  ///< of the commands [rad]
+  double thrust_min = 5.0;       ///< over mass [m/s^2]
+  double thrust_max = 20.0;      ///< over mass [m/s^2]
+
+  double speed_max = 0.0;         ///< of each component of the velocity [m/s]; 0: not limited
+  double speed_penalty = 1e5;  ///< of the l1 relaxation of that limit [s/m]
+};
+
+/// What one stage shall follow: entries of h in the chapter's order.
+struct StageReference {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
+  double roll = 0.0;                                   ///< [rad]
+  double pitch = 0.0;                                  ///< [rad]
+  double roll_command = 0.0;                           ///< [rad]
+  double pitch_command = 0.0;                          ///< [rad]
+  double lift = 9.8066;                                ///< z component of z_B T [m/s^2]
+};
+
+/// Nonlinear model predictive control by the real-time iteration (Diehl, Bock and Schloeder, 2005): per
+/// sample one step of Gauss and Newton from the last solution, moved on in time.
+///
+/// Multiple shooting with the analytic derivatives of integrateStage, condensing to the N x 3 inputs
+/// (Andersson, 2013), BoundedQp with the last active set. A step has two parts: prepare() linearises,
+/// condenses and factorises before the state is known; feedback() takes the state and solves. The terminal
+/// weight is the solution of the discrete Riccati equation of the model at hover, turned by the yaw at the
+/// end. A limit of the velocity is relaxed in the l1 norm, so that the problem always has a solution.
+///
+/// After construction nothing allocates, throws or reads a clock. One object serves one thread.
+class NonlinearMpc {
+ public:
+  /// Throws Error naming the option and its range.
+  explicit NonlinearMpc(const NonlinearMpcOptions& options);
+
+  /// Begins anew: the input `u` held over the horizon, states integrated from x.
+  void start(const MultirotorState& x, const MultirotorInput& u, const StageConditions* stages) noexcept;
+
+  /// Moves the solution on by `share` of a stage, 0 .. 1, between neighbouring stages linearly.
+  void shift(double share) noexcept;
+
+  /// Linearises about the solution. `stages` has N entries. False when the QP cannot be built.
+  bool prepare(const StageConditions* stages) noexcept;
+
+  /// Solves for the state x with N + 1 references (the last one's commands do not count). kOptimal, or why
+  /// not; then the solution is unchanged. Call prepare() before each call.
+  QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
+
+  int horizon() const noexcept { return options_.horizon; }
+  const NonlinearMpcOptions& options() const noexcept { return options_; }
+  const MultirotorInput& input(int k) const noexcept { return inputs_[static_cast<std::size_t>(k)]; }
+  const MultirotorState& state(int k) const noexcept { return states_[static_cast<std::size_t>(k)]; }
+
+  /// Length of the last step: greatest change of an input [rad, m/s^2].
+  double stepLength() const noexcept { return step_length_; }
+  int iterations() const noexcept { return qp_.iterations(); }        ///< working sets of the last QP
+  double speedViolation() const noexcept { return qp_.violation(); }  ///< of the linearised limit [m/s]
+
+ private:
+  using Block = Eigen::Matrix<double, kMultirotorStates, kMultirotorStates, Eigen::RowMajor>;
+  struct Stage {
+    StageStep step;
+    Block A_transposed;
+    Eigen::Matrix<double, kMultirotorInputs, kMultirotorStates, Eigen::RowMajor> B_transposed;
+    MultirotorState defect;      // f(x_k, u_k) - x_{k+1}
+    Eigen::Vector3d lift_slope;  // of z_B T by roll, pitch, T
+    double lift = 0.0;           // z_B T
+  };
+
+  void computeTerminalWeight();
+  void linearise(const StageConditions* stages) noexcept;
+  void condense(double end_yaw) noexcept;
+  void setSpeedRows() noexcept;
+  void propagate(const MultirotorState& deviation) noexcept;
+  void computeGradient(const StageReference* references) noexcept;
+  void expand() noexcept;
+  double* sensitivity(int k) noexcept { return sensitivities_.data() + k * kMultirotorStates * stride_; }
+
+  NonlinearMpcOptions options_;
+  int stride_ = 0;  // inputs in whole packs
+  BoundedQp qp_;
+  Block hover_weight_;     // terminal weight at yaw 0
+  Block terminal_weight_;  // turned
+  MultirotorState state_weight_;
+
+  std::vector<Stage> stages_;            // N
+  std::vector<MultirotorState> states_;  // N + 1
+  std::vector<MultirotorState> deviations_;
+  std::vector<MultirotorInput> inputs_;  // N
+  AlignedArray sensitivities_;           // (N + 1) x states x inputs: d x_k / d u, by rows
+  AlignedArray adjoint_, adjoint_next_;  // states x inputs
+  AlignedArray H_, g_, lower_, upper_, rows_, row_lower_, row_upper_, row_;
+  double step_length_ = 0.0;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,290 @@
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "mpc_core/qp_kernels.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kNx = kMultirotorStates;
+constexpr int kNu = kMultirotorInputs;
+
+void require(bool holds, const std::string& field, const std::string& rule) {
+  if (!holds) throw Error("nonlinear MPC: " + field + ": " + rule);
+}
+
+const NonlinearMpcOptions& checked(const NonlinearMpcOptions& options) {
+  const MultirotorModel& model = options.model;
+  require(options.horizon >= 1 && options.horizon <= 100, "horizon", "must be from 1 to 100");
+  require(options.period > 0.0 && options.period <= 1.0, "period", "must be above 0 and at most 1 s");
+  require(model.gravity > 0.0 && model.gravity < 100.0, "gravity", "must be above 0 and below 100 m/s^2");
+  require(model.roll_time > 1e-3 && model.pitch_time > 1e-3, "roll_time, pitch_time", "must be above 1 ms");
+  require(model.roll_gain > 0.0 && model.pitch_gain > 0.0, "roll_gain, pitch_gain", "must be above 0");
+  require((model.drag.array() >= 0.0).all() && model.drag.allFinite(), "drag", "must be 0 or more");
+  require((options.position_weight.array() >= 0.0).all() && (options.velocity_weight.array() >= 0.0).all() &&
+              options.attitude_weight >= 0.0,
+          "position_weight, velocity_weight, attitude_weight", "must be 0 or more");
+  require(options.command_weight > 0.0 && options.thrust_weight > 0.0, "command_weight, thrust_weight",
+          "must be above 0");
+  require(options.angle_max > 0.0 && options.angle_max < 1.4, "angle_max",
+          "must be above 0 and below 1.4 rad");
+  require(options.thrust_min > 0.0 && options.thrust_min < options.thrust_max, "thrust_min, thrust_max",
+          "must increase and be above 0");
+  require(options.speed_max >= 0.0 && options.speed_penalty > 0.0, "speed_max, speed_penalty",
+          "must be 0 or more, and above 0");
+  return options;
+}
+
+std::size_t size(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+
+int rowCount(const NonlinearMpcOptions& options) { return options.speed_max > 0.0 ? 3 * options.horizon : 0; }
+
+}  // namespace
+
+NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
+    : options_(checked(options)),
+      stride_(wholePacks(kNu * options.horizon)),
+      qp_(kNu * options.horizon, rowCount(options)) {
+  const int N = options_.horizon;
+  const int n = kNu * N;
+  const int m = rowCount(options_);
+  state_weight_ << options_.position_weight, options_.velocity_weight, options_.attitude_weight,
+      options_.attitude_weight;
+  stages_.resize(static_cast<std::size_t>(N));
+  inputs_.assign(static_cast<std::size_t>(N), MultirotorInput(0.0, 0.0, options_.model.gravity));
+  states_.assign(static_cast<std::size_t>(N + 1), MultirotorState::Zero());
+  deviations_ = states_;
+  sensitivities_ = AlignedArray(size((N + 1) * kNx, stride_));
+  adjoint_ = AlignedArray(size(kNx, stride_));
+  adjoint_next_ = AlignedArray(size(kNx, stride_));
+  H_ = AlignedArray(size(n, n));
+  row_ = AlignedArray(static_cast<std::size_t>(stride_));
+  for (AlignedArray* array : {&g_, &lower_, &upper_}) *array = AlignedArray(static_cast<std::size_t>(n));
+  rows_ = AlignedArray(size(m, n));
+  for (AlignedArray* array : {&row_lower_, &row_upper_}) *array = AlignedArray(static_cast<std::size_t>(m));
+  for (int i = 0; i < m; ++i) qp_.setPenalty(i, options_.speed_penalty);
+  computeTerminalWeight();
+}
+
+void NonlinearMpc::computeTerminalWeight() {
+  StageStep hover;
+  const double gravity = options_.model.gravity;
+  integrateStage(options_.model, options_.period, {}, MultirotorState::Zero(), {0.0, 0.0, gravity}, hover);
+  const Eigen::MatrixXd Q = state_weight_.asDiagonal();
+  const Eigen::Vector3d R(options_.command_weight, options_.command_weight, options_.thrust_weight);
+  hover_weight_ = solveRiccati(hover.A, hover.B, Q, R.asDiagonal());
+  terminal_weight_ = hover_weight_;
+}
+
+void NonlinearMpc::start(const MultirotorState& x, const MultirotorInput& u,
+                         const StageConditions* stages) noexcept {
+  StageStep step;
+  states_[0] = x;
+  for (int k = 0; k < options_.horizon; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    inputs_[i] = u;
+    integrateStage(options_.model, options_.period, stages[k], states_[i], u, step);
+    states_[i + 1] = step.next;
+  }
+}
+
+void NonlinearMpc::shift(double share) noexcept {
+  const std::size_t N = stages_.size();
+  for (std::size_t k = 0; k + 1 < N; ++k) inputs_[k] += share * (inputs_[k + 1] - inputs_[k]);
+  const MultirotorState beyond = states_[N] + (states_[N] - states_[N - 1]);
+  for (std::size_t k = 0; k <= N; ++k) {
+    states_[k] += share * ((k < N ? states_[k + 1] : beyond) - states_[k]);
+  }
+}
+
+bool NonlinearMpc::prepare(const StageConditions* stages) noexcept {
+  linearise(stages);
+  const StageConditions& last = stages[options_.horizon - 1];
+  condense(last.yaw + options_.period * last.yaw_rate);
+  if (options_.speed_max > 0.0) setSpeedRows();
+  return qp_.setHessian(H_.data());
+}
+
+void NonlinearMpc::linearise(const StageConditions* stages) noexcept {
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    Stage& stage = stages_[k];
+    const MultirotorState& x = states_[k];
+    const MultirotorInput& u = inputs_[k];
+    integrateStage(options_.model, options_.period, stages[k], x, u, stage.step);
+    stage.A_transposed = stage.step.A.transpose();
+    stage.B_transposed = stage.step.B.transpose();
+    stage.defect = stage.step.next - states_[k + 1];
+    const double sr = std::sin(x(6)), cr = std::cos(x(6));
+    const double sp = std::sin(x(7)), cp = std::cos(x(7));
+    stage.lift = cp * cr * u(2);
+    stage.lift_slope = {-cp * sr * u(2), -sp * cr * u(2), cp * cr};
+  }
+}
+
+// The state k depends on the inputs before k: d x_{k+1} = A_k d x_k + B_k d u_k gives the sensitivities
+// forwards, and their weighted sum goes backwards, so that the Hessian costs O(N^2) products.
+void NonlinearMpc::condense(double end_yaw) noexcept {
+  const QpKernels& kernels = qpKernels();
+  const int N = options_.horizon;
+  const int n = kNu * N;
+  for (int k = 0; k < N; ++k) {
+    const Stage& stage = stages_[static_cast<std::size_t>(k)];
+    double* next = sensitivity(k + 1);
+    for (int i = 0; i < kNx; ++i) {
+      double* row = next + i * stride_;
+      std::fill_n(row, wholePacks(kNu * (k + 1)), 0.0);
+      if (k > 0) {
+        kernels.addColumns(sensitivity(k), wholePacks(kNu * k), stride_, nullptr, kNx,
+                           stage.step.A.row(i).data(), row);
+      }
+      for (int j = 0; j < kNu; ++j) row[kNu * k + j] = stage.step.B(i, j);
+    }
+  }
+
+  Block turn = Block::Identity();
+  const double cosine = std::cos(end_yaw), sine = std::sin(end_yaw);
+  for (const int i : {0, 3}) turn.block<2, 2>(i, i) << cosine, sine, -sine, cosine;
+  terminal_weight_.noalias() = turn.transpose() * (hover_weight_ * turn).eval();
+
+  for (int i = 0; i < kNx; ++i) {
+    std::fill_n(adjoint_.data() + i * stride_, stride_, 0.0);
+    kernels.addColumns(sensitivity(N), stride_, stride_, nullptr, kNx, terminal_weight_.row(i).data(),
+                       adjoint_.data() + i * stride_);
+  }
+  const Eigen::Vector3d R(options_.command_weight, options_.command_weight, 0.0);
+  for (int k = N - 1; k >= 0; --k) {
+    const Stage& stage = stages_[static_cast<std::size_t>(k)];
+    const int width = wholePacks(kNu * (k + 1));
+    const Eigen::Vector3d weighted_slope = options_.thrust_weight * stage.lift_slope;
+    for (int i = 0; i < kNu; ++i) {
+      std::fill_n(row_.data(), width, 0.0);
+      kernels.addColumns(adjoint_.data(), width, stride_, nullptr, kNx, stage.B_transposed.row(i).data(),
+                         row_.data());
+      if (i == 2 && k > 0) {  // the lift depends on the tilt and on the thrust
+        const double slope = stage.lift_slope(2);
+        kernels.addMultiple(wholePacks(kNu * k), slope * weighted_slope(0), sensitivity(k) + 6 * stride_,
+                            row_.data());
+        kernels.addMultiple(wholePacks(kNu * k), slope * weighted_slope(1), sensitivity(k) + 7 * stride_,
+                            row_.data());
+      }
+      const int row = kNu * k + i;
+      row_[row] += i == 2 ? weighted_slope(2) * stage.lift_slope(2) : R(i);
+      for (int j = 0; j <= row; ++j) H_[j * n + row] = row_[j];
+    }
+    if (k == 0) break;
+    const double* sensitivities = sensitivity(k);
+    const int before = wholePacks(kNu * k);
+    for (int i = 0; i < kNx; ++i) {
+      double* out = adjoint_next_.data() + i * stride_;
+      std::fill_n(out, before, 0.0);
+      kernels.addColumns(adjoint_.data(), before, stride_, nullptr, kNx, stage.A_transposed.row(i).data(),
+                         out);
+      kernels.addMultiple(before, state_weight_(i), sensitivities + i * stride_, out);
+      if (i >= 6) {
+        const double slope = stage.lift_slope(i - 6);
+        kernels.addMultiple(before, slope * weighted_slope(0), sensitivities + 6 * stride_, out);
+        kernels.addMultiple(before, slope * weighted_slope(1), sensitivities + 7 * stride_, out);
+      }
+    }
+    std::swap(adjoint_, adjoint_next_);
+  }
+}
+
+void NonlinearMpc::setSpeedRows() noexcept {
+  const int N = options_.horizon;
+  const int m = 3 * N;
+  for (int k = 0; k < N; ++k) {
+    for (int i = 0; i < 3; ++i) {
+      const double* row = sensitivity(k + 1) + (3 + i) * stride_;
+      const int width = kNu * (k + 1);
+      for (int j = 0; j < kNu * N; ++j) rows_[j * m + 3 * k + i] = j < width ? row[j] : 0.0;
+    }
+  }
+  qp_.setRows(rows_.data());
+}
+
+QpStatus NonlinearMpc::feedback(const MultirotorState& x, const StageReference* references) noexcept {
+  propagate(x - states_[0]);
+  computeGradient(references);
+  for (int k = 0; k < options_.horizon; ++k) {
+    const MultirotorInput& u = input(k);
+    for (int i = 0; i < 2; ++i) {
+      lower_[kNu * k + i] = -options_.angle_max - u(i);
+      upper_[kNu * k + i] = options_.angle_max - u(i);
+    }
+    lower_[kNu * k + 2] = options_.thrust_min - u(2);
+    upper_[kNu * k + 2] = options_.thrust_max - u(2);
+  }
+  const QpStatus status = qp_.solve(
+      {g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()}, qp_.activeSet());
+  if (status == QpStatus::kOptimal) expand();
+  return status;
+}
+
+// How the states deviate from the solution when the inputs stay.
+void NonlinearMpc::propagate(const MultirotorState& deviation) noexcept {
+  deviations_[0] = deviation;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    deviations_[k + 1].noalias() = stages_[k].step.A * deviations_[k];
+    deviations_[k + 1] += stages_[k].defect;
+  }
+  if (options_.speed_max <= 0.0) return;
+  for (int k = 0; k < options_.horizon; ++k) {
+    const auto next = static_cast<std::size_t>(k + 1);
+    for (int i = 0; i < 3; ++i) {
+      const double speed = states_[next](3 + i) + deviations_[next](3 + i);
+      row_lower_[3 * k + i] = -options_.speed_max - speed;
+      row_upper_[3 * k + i] = options_.speed_max - speed;
+    }
+  }
+}
+
+void NonlinearMpc::computeGradient(const StageReference* references) noexcept {
+  const int N = options_.horizon;
+  const auto error = [&](int k) {
+    const StageReference& reference = references[k];
+    MultirotorState target;
+    target << reference.position, reference.velocity, reference.roll, reference.pitch;
+    return MultirotorState(states_[static_cast<std::size_t>(k)] + deviations_[static_cast<std::size_t>(k)] -
+                           target);
+  };
+  MultirotorState adjoint = terminal_weight_ * error(N);
+  for (int k = N - 1; k >= 0; --k) {
+    const Stage& stage = stages_[static_cast<std::size_t>(k)];
+    const MultirotorInput& u = inputs_[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d tilt = deviations_[static_cast<std::size_t>(k)].tail<2>();
+    const double lift =
+        options_.thrust_weight * (stage.lift + stage.lift_slope.head<2>().dot(tilt) - references[k].lift);
+    Eigen::Map<Eigen::Vector3d> g(g_.data() + kNu * k);
+    g.noalias() = stage.B_transposed * adjoint;
+    g(0) += options_.command_weight * (u(0) - references[k].roll_command);
+    g(1) += options_.command_weight * (u(1) - references[k].pitch_command);
+    g(2) += lift * stage.lift_slope(2);
+    const MultirotorState next = stage.A_transposed * adjoint;
+    adjoint = next + state_weight_.cwiseProduct(error(k));
+    adjoint.tail<2>() += lift * stage.lift_slope.head<2>();
+  }
+}
+
+// The QP's step, on inputs and states.
+void NonlinearMpc::expand() noexcept {
+  step_length_ = 0.0;
+  MultirotorState change = deviations_[0];
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const Eigen::Map<const Eigen::Vector3d> du(qp_.x() + kNu * k);
+    step_length_ = std::max(step_length_, du.cwiseAbs().maxCoeff());
+    const MultirotorState next = stages_[k].step.A * change + stages_[k].step.B * du + stages_[k].defect;
+    states_[k] += change;
+    inputs_[k] += du;
+    change = next;
+  }
+  states_.back() += change;
+}
+
+}  // namespace polyfly
