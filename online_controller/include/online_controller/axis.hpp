@@ -6,6 +6,7 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/observer.hpp"
+#include "online_controller/axis_law.hpp"
 #include "online_controller/options.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/region_map.hpp"
@@ -52,14 +53,17 @@ struct AxisTarget {
   double input = 0.0;  ///< u_ref, not limited [rad or m/s^2]
 };
 
-/// One axis of the explicit controller: signals bound by name, observer, target, look-up.
+/// One axis of the linear controllers: signals bound by name, observer, target, law.
 ///
 /// The axis is a chain p' = v, v' = -drag v + G s + B_d d, where s is the input itself (vertical) or a tilt
-/// angle that follows the input with a first-order lag, s' = a s + b u. The numbers are read off the problem
-/// in the map.
+/// angle that follows the input with a first-order lag, s' = a s + b u. The numbers are read off the law's
+/// problem.
 class Axis {
  public:
-  /// Keeps a reference to `map`. Throws Error naming the map, the signal or field, and the rule.
+  /// Throws Error naming the map or problem, the signal or field, and the rule.
+  Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options);
+
+  /// Keeps a reference to `map`. Throws Error.
   Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options);
 
   /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
@@ -72,9 +76,9 @@ class Axis {
   /// `applied_input` was held.
   void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
 
-  void reset() noexcept { observer_.reset(); }
+  void reset() noexcept;
 
-  /// Assembles the parameters and evaluates the map; fills the report. Without an answer (kHoldLast) its
+  /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
   /// input is left alone.
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                          AxisReport& report) const noexcept;
@@ -87,12 +91,10 @@ class Axis {
  private:
   enum class Entry { kPositionError, kVelocityError, kAngleError, kPreviousInput, kInputReference };
 
-  Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options,
-       const MpcProblem& problem);
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
 
-  const RegionMap* map_;  // not owned
+  std::unique_ptr<AxisLaw> law_;
   std::array<Entry, kMaxParameters> entries_{};
   std::array<double, kMaxParameters> lower_{};
   std::array<double, kMaxParameters> upper_{};

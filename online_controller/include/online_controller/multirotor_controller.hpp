@@ -4,18 +4,19 @@
 
 #include "online_controller/attitude.hpp"
 #include "online_controller/axis.hpp"
+#include "online_controller/control_law.hpp"
 #include "online_controller/options.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
 
-/// Explicit linear MPC of a multirotor: three region maps (longitudinal, lateral, vertical), observer of Eq.
-/// 5, targets of Eq. 6 in the frame that moves with the reference, world-to-body rotation of Eq. 40,
-/// compensation of Eq. 41. Used alike by the nodelet and by the replay of a bag, so that both assemble the
-/// same parameters.
+/// Linear MPC of a multirotor, a law for each axis (longitudinal, lateral, vertical): looked up in region
+/// maps, or the same problems solved online (Eq. 38). Observer of Eq. 5, targets of Eq. 6 in the frame that
+/// moves with the reference, world-to-body rotation of Eq. 40, compensation of Eq. 41. Used alike by the
+/// nodelet and by the replay of a bag, so that both assemble the same parameters.
 ///
-/// Each step answers with a finite command within the limits. Where the maps have no answer:
+/// Each step answers with a finite command within the limits. Where the laws have no answer:
 /// - a parameter out of its range is clipped to it and the law evaluated there (kClipped);
 /// - no region, or NaN or absurd numbers in odometry or reference: the last command is repeated (kHoldLast)
 /// for at
@@ -24,30 +25,40 @@ namespace polyfly {
 /// - the next sample that has an answer ends it. Bad numbers never reach the observer.
 ///
 /// The same calls after construction or reset give the same bits.
-class MultirotorController {
+class MultirotorController : public ControlLaw {
  public:
   /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem
   /// text in each map. Throws Error naming map, signal and rule when a map's signals are not those of its
   /// axis.
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
 
+  /// The same problems solved online, in the same order. Throws Error.
+  MultirotorController(const std::array<MpcProblem, 3>& problems, const MultirotorOptions& options);
+
   /// One control period. Never throws, allocates, locks, logs or reads a clock.
   const ControlReport& step(const VehicleState& state, const Reference& reference) noexcept;
 
-  /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
-  const ControlReport& stepWithoutReference(double stamp) noexcept;
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
+    return step(state, *preview);
+  }
+  const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& onSilence(double now) noexcept override;
+  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void reset() noexcept override;
 
-  /// When odometry is silent at time `now` [s]: level attitude, hover thrust (kLevel), with the reason
-  /// kStale. That the silence is long enough is for the caller to judge.
-  const ControlReport& onSilence(double now) noexcept;
-
-  /// As after construction.
-  void reset() noexcept;
-
-  const ControlReport& report() const noexcept { return report_; }  ///< of the last call
+  const ControlReport& report() const noexcept override { return report_; }
   const MultirotorOptions& options() const noexcept { return options_; }
 
  private:
+  /// A sample in the world-aligned frame.
+  struct Measured {
+    TiltAngles tilt;  // in the body
+    double yaw = 0.0;
+    std::array<AxisSample, 3> axes;
+  };
+
+  MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
+  static Measured measure(const VehicleState& state) noexcept;
   void observe(const VehicleState& state, const std::array<AxisSample, 3>& samples) noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
   void withoutAnswer(ControlReason reason) noexcept;

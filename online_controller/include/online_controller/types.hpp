@@ -38,7 +38,7 @@ struct AttitudeCommand {
 
 /// Why the command is what it is. Worse states have greater numbers; the step reports the worst of the axes.
 enum class ControlStatus : std::uint8_t {
-  kOptimal = 0,   ///< the explicit law's answer
+  kOptimal = 0,   ///< the law's answer
   kClipped = 1,   ///< a parameter left the map's box; it was clipped to the box and the law evaluated there
   kHoldLast = 2,  ///< no answer for this sample: the last command is repeated
   kLevel = 3,     ///< no answer for longer: level attitude, hover thrust
@@ -49,7 +49,7 @@ enum class ControlStatus : std::uint8_t {
 enum class ControlReason : std::uint8_t {
   kNone = 0,
   kOutsideBox = 1,        ///< parameter out of range
-  kOutsidePartition = 2,  ///< no region at the parameter: infeasible
+  kOutsidePartition = 2,  ///< no region at the parameter or no solution: infeasible
   kNotFinite = 3,         ///< NaN or infinity in the odometry or reference
   kStale = 4,             ///< odometry silent
   kNoReference = 5,
@@ -76,6 +76,8 @@ struct ControlReport {
   ControlReason reason = ControlReason::kNoReference;
   AttitudeCommand command;
   std::array<AxisReport, 3> axis;  ///< longitudinal (x), lateral (y), vertical (z)
+  int iterations = 0;              ///< of the nonlinear law: working sets of its QP
+  double step_length = 0.0;        ///< of the nonlinear law: greatest change of an input [rad, m/s^2]
 };
 
 }  // namespace polyfly

@@ -2,35 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
 
-std::string place(const RegionMap& map, const AxisNames& names) {
-  return map.path() + ": as the " + names.axis + " map: ";
-}
-
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-/// The problem that the map was made from, after what every map must be has been checked.
-MpcProblem problemOf(const RegionMap& map, const AxisNames& names) {
-  if (map.solverStatus() != "complete") {
-    throw Error(place(map, names) + "solver status: must be 'complete', got " +
-                quoted(std::string(map.solverStatus())));
-  }
-  if (map.problemKind() != "yaml") {
-    throw Error(place(map, names) + "problem: must be a tracking problem (yaml), got " +
-                quoted(std::string(map.problemKind())));
-  }
-  return parseProblem(std::string(map.problemText()), map.path() + ": problem");
-}
-
-void requireUnit(const RegionMap& map, const AxisNames& names, const Signal& signal,
-                 const std::string& unit) {
+void requireUnit(const AxisLaw& law, const AxisNames& names, const Signal& signal, const std::string& unit) {
   if (signal.unit == unit) return;
-  throw Error(place(map, names) + "signal " + quoted(signal.name) + ": unit must be " + quoted(unit) +
+  throw Error(law.place(names.axis) + "signal " + quoted(signal.name) + ": unit must be " + quoted(unit) +
               ", got " + quoted(signal.unit));
 }
 
@@ -44,16 +27,20 @@ ObserverOptions observerOptions(const MultirotorOptions& options) {
 }  // namespace
 
 Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options)
-    : Axis(map, names, options, problemOf(map, names)) {}
+    : Axis(explicitAxisLaw(map, names.axis), names, options) {}
 
-Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options,
-           const MpcProblem& problem)
-    : map_(&map),
+Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options)
+    : law_(std::move(law)),
       has_lag_(names.angle_error != nullptr),
       offset_free_(options.offset_free),
-      observer_(problem, observerOptions(options)) {
+      observer_(law_->problem(), observerOptions(options)) {
   bindSignals(names);
-  readModel(problem, names);
+  readModel(law_->problem(), names);
+}
+
+void Axis::reset() noexcept {
+  observer_.reset();
+  law_->reset();
 }
 
 void Axis::bindSignals(const AxisNames& names) {
@@ -71,33 +58,34 @@ void Axis::bindSignals(const AxisNames& names) {
 
   std::vector<bool> found(wanted.size(), false);
   size_ = 0;
-  for (const Signal& signal : map_->parameters()) {
+  for (const Signal& signal : law_->parameters()) {
     const auto match = std::find_if(wanted.begin(), wanted.end(),
                                     [&](const Wanted& entry) { return signal.name == entry.name; });
     if (match == wanted.end()) {
-      throw Error(place(*map_, names) + "parameter " + quoted(signal.name) + ": not a signal of this axis");
+      throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) +
+                  ": not a signal of this axis");
     }
     const auto which = static_cast<std::size_t>(match - wanted.begin());
     if (found[which])
-      throw Error(place(*map_, names) + "parameter " + quoted(signal.name) + ": listed twice");
+      throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) + ": listed twice");
     found[which] = true;
-    requireUnit(*map_, names, signal, match->unit);
+    requireUnit(*law_, names, signal, match->unit);
     const auto slot = static_cast<std::size_t>(size_++);
     entries_[slot] = match->entry;
     lower_[slot] = signal.lower;
     upper_[slot] = signal.upper;
   }
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!found[i]) throw Error(place(*map_, names) + "parameter " + quoted(wanted[i].name) + ": missing");
+    if (!found[i]) throw Error(law_->place(names.axis) + "parameter " + quoted(wanted[i].name) + ": missing");
   }
 
-  if (map_->inputs().size() != 1 || map_->inputs().front().name != names.input) {
+  if (law_->inputs().size() != 1 || law_->inputs().front().name != names.input) {
     std::string got;
-    for (const Signal& signal : map_->inputs()) got += (got.empty() ? "" : ", ") + quoted(signal.name);
-    throw Error(place(*map_, names) + "inputs: must be " + quoted(names.input) + " alone, got " + got);
+    for (const Signal& signal : law_->inputs()) got += (got.empty() ? "" : ", ") + quoted(signal.name);
+    throw Error(law_->place(names.axis) + "inputs: must be " + quoted(names.input) + " alone, got " + got);
   }
-  const Signal& input = map_->inputs().front();
-  requireUnit(*map_, names, input, names.input_unit);
+  const Signal& input = law_->inputs().front();
+  requireUnit(*law_, names, input, names.input_unit);
   input_lower_ = input.lower;
   input_upper_ = input.upper;
 }
@@ -105,7 +93,7 @@ void Axis::bindSignals(const AxisNames& names) {
 void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
   const int states = has_lag_ ? 3 : 2;
   const auto require = [&](bool holds, const std::string& rule) {
-    if (!holds) throw Error(place(*map_, names) + "model: " + rule);
+    if (!holds) throw Error(law_->place(names.axis) + "model: " + rule);
   };
   require(problem.stateCount() == states && problem.inputCount() == 1 && problem.Bd_c.cols() == 1,
           "must have " + std::to_string(states) + " states, one input and one disturbance");
@@ -115,7 +103,7 @@ void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
     for (const MpcProblem::Parameter& parameter : problem.parameters) {
       if (parameter.signal.name == name && parameter.role == ParameterRole::kError) return parameter.index;
     }
-    throw Error(place(*map_, names) + "parameter " + quoted(name) + ": must be the error of a state");
+    throw Error(law_->place(names.axis) + "parameter " + quoted(name) + ": must be the error of a state");
   };
   const int p = state_of(names.position_error);
   const int v = state_of(names.velocity_error);
@@ -195,7 +183,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   report.region = -1;
 
   double input = 0.0;
-  Lookup lookup = map_->evaluate(report.theta.data(), &input);
+  Lookup lookup = law_->evaluate(report.theta.data(), &input);
   report.lookup = lookup.status;
   ControlStatus status = ControlStatus::kOptimal;
   if (lookup.status == LookupStatus::kOutsideBox) {
@@ -205,7 +193,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
       if (clipped[i] != report.theta[i] && report.outside_parameter < 0)
         report.outside_parameter = static_cast<int>(i);
     }
-    lookup = map_->evaluate(clipped.data(), &input);
+    lookup = law_->evaluate(clipped.data(), &input);
     status = ControlStatus::kClipped;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;

@@ -2,35 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "online_controller/sane.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
-
-/// Positions, velocities and so on beyond this are taken for corrupt data [SI]: large finite numbers would
-/// poison the observer as surely as NaN does.
-constexpr double kLargestSaneNumber = 1e6;
-
-/// Odometry whose quaternion is farther than this from unit length has no attitude.
-constexpr double kUnitTolerance = 0.05;
-
-bool sane(double value) noexcept { return std::abs(value) <= kLargestSaneNumber; }  // false for NaN
-
-bool sane(const Eigen::Vector3d& vector) noexcept {
-  return sane(vector.x()) && sane(vector.y()) && sane(vector.z());
-}
-
-bool sane(const VehicleState& state) noexcept {
-  const double squared_norm = state.attitude.squaredNorm();
-  return std::isfinite(state.stamp) && sane(state.position) && sane(state.velocity) &&
-         std::abs(squared_norm - 1.0) <= 2.0 * kUnitTolerance;
-}
-
-bool sane(const Reference& reference) noexcept {
-  return sane(reference.position) && sane(reference.velocity) && sane(reference.acceleration) &&
-         sane(reference.jerk) && sane(reference.yaw) && sane(reference.yaw_rate);
-}
 
 /// A silent exchange of two maps would be noticed by their signals; a missing one here.
 const RegionMap& given(const RegionMap* map, const AxisNames& names) {
@@ -57,8 +35,19 @@ AxisReference along(const Reference& reference, int axis) noexcept {
 
 MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
                                            const MultirotorOptions& options)
-    : options_(checked(options)),
-      axes_{makeAxis(maps, 0, options), makeAxis(maps, 1, options), makeAxis(maps, 2, options)} {
+    : MultirotorController(
+          {makeAxis(maps, 0, checked(options)), makeAxis(maps, 1, options), makeAxis(maps, 2, options)},
+          options) {}
+
+MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& problems,
+                                           const MultirotorOptions& options)
+    : MultirotorController({Axis(onlineAxisLaw(problems[0]), kAxisNames[0], checked(options)),
+                            Axis(onlineAxisLaw(problems[1]), kAxisNames[1], options),
+                            Axis(onlineAxisLaw(problems[2]), kAxisNames[2], options)},
+                           options) {}
+
+MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
+    : options_(options), axes_(std::move(axes)) {
   reset();
 }
 
@@ -74,18 +63,13 @@ void MultirotorController::reset() noexcept {
 const ControlReport& MultirotorController::step(const VehicleState& state,
                                                 const Reference& reference) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!sane(state)) {
+  if (!isSane(state)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
-  const EulerAngles angles = eulerAngles(state.attitude.normalized());
-  const TiltAngles tilt{angles.roll, angles.pitch};
-  const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
-  const std::array<AxisSample, 3> samples{{{state.position.x(), state.velocity.x(), world.pitch},
-                                           {state.position.y(), state.velocity.y(), world.roll},
-                                           {state.position.z(), state.velocity.z(), 0.0}}};
-  observe(state, samples);
-  if (!sane(reference)) {
+  const Measured measured = measure(state);
+  observe(state, measured.axes);
+  if (!isSane(reference)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
@@ -95,7 +79,7 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   std::array<AxisReport, 3>& reports = report_.axis;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const ControlStatus status =
-        axes_[i].evaluate(samples[i], along(reference, static_cast<int>(i)), inputs_[i], reports[i]);
+        axes_[i].evaluate(measured.axes[i], along(reference, static_cast<int>(i)), inputs_[i], reports[i]);
     if (status > worst) {
       worst = status;
       reason =
@@ -107,12 +91,40 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     return report_;
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input;
-  send(tilt, angles.yaw, reference);
+  send(measured.tilt, measured.yaw, reference);
   report_.status = worst;
   report_.reason = reason;
   has_command_ = true;
   unanswered_ = 0;
   return report_;
+}
+
+MultirotorController::Measured MultirotorController::measure(const VehicleState& state) noexcept {
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  const TiltAngles tilt{angles.roll, angles.pitch};
+  const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
+  return {tilt,
+          angles.yaw,
+          {{{state.position.x(), state.velocity.x(), world.pitch},
+            {state.position.y(), state.velocity.y(), world.roll},
+            {state.position.z(), state.velocity.z(), 0.0}}}};
+}
+
+void MultirotorController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  if (!isSane(state)) return;
+  const Measured measured = measure(state);
+  observe(state, measured.axes);
+  // Eq. 41 and 40 backwards.
+  const double thrust = sent.thrust / options_.mass;
+  const double scale = thrust / options_.gravity;
+  const TiltAngles world = bodyToWorldTilt({sent.roll * scale, sent.pitch * scale}, measured.yaw);
+  applied_ = {world.pitch, world.roll, thrust * tiltCosine(measured.tilt) - options_.gravity};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
+  }
+  report_.command = sent;
+  has_command_ = true;
+  unanswered_ = 0;
 }
 
 void MultirotorController::observe(const VehicleState& state,

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mpc_core/bounded_qp.hpp"
+#include "mpc_core/parametric_program.hpp"
+
+namespace polyfly {
+
+/// A parametric program solved at one parameter after the other, as in flight: rows with a single entry are
+/// bounds of that variable, the others stay rows. Each solution starts from the active set of the one before.
+///
+/// After construction nothing allocates, throws or reads a clock. One object serves one thread.
+class OnlineProgram {
+ public:
+  /// H must be positive definite. Throws Error naming the program.
+  explicit OnlineProgram(ParametricProgram program);
+
+  /// Outputs u (program().inputCount() numbers) at theta. Unless kOptimal, u is left alone.
+  QpStatus solve(const double* theta, double* u) noexcept;
+
+  /// Forgets the active set.
+  void reset() noexcept { warm_ = false; }
+
+  const ParametricProgram& program() const noexcept { return program_; }
+  const BoundedQp& solver() const noexcept { return qp_; }
+
+ private:
+  struct Bound {
+    int row = 0;  // of the program
+    int variable = 0;
+    double entry = 0.0;  // the row's single entry
+  };
+
+  void sortRows();
+  void setBounds(const double* theta) noexcept;
+
+  ParametricProgram program_;
+  std::vector<Bound> bounds_;
+  std::vector<int> rows_;  // of the program, those that are no bounds
+  std::vector<char> is_equality_;
+  BoundedQp qp_;
+  Eigen::VectorXd g_, b_, lower_, upper_, row_lower_, row_upper_;
+  bool warm_ = false;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "region_maps/region_map.hpp"
+#include "region_maps/signal.hpp"
+
+namespace polyfly {
+
+/// What answers for one axis: parameters in, input out. The explicit law looks the answer up in a map, the
+/// online law solves the same problem (Eq. 38).
+class AxisLaw {
+ public:
+  virtual ~AxisLaw() = default;
+
+  virtual const MpcProblem& problem() const noexcept = 0;
+  virtual const std::vector<Signal>& parameters() const noexcept = 0;
+  virtual const std::vector<Signal>& inputs() const noexcept = 0;
+
+  /// What it is made from, for messages: `PATH: as the lateral map: `.
+  virtual std::string place(const std::string& axis) const = 0;
+
+  /// The input at theta. kOutsideBox only where answers end at the box of the parameters; a problem without
+  /// solution is kOutsidePartition. Unless kInside, `input` is left alone.
+  virtual Lookup evaluate(const double* theta, double* input) noexcept = 0;
+
+  virtual void reset() noexcept = 0;
+};
+
+/// Keeps a reference to `map`. Throws Error unless the map is complete and was made from a tracking problem.
+std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, const std::string& axis);
+
+/// Solves `problem` at each parameter; the box of the parameters does not limit it. Throws Error.
+std::unique_ptr<AxisLaw> onlineAxisLaw(const MpcProblem& problem);
+
+}  // namespace polyfly

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <vector>
+
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/control_law.hpp"
+#include "online_controller/force_observer.hpp"
+#include "online_controller/options.hpp"
+
+namespace polyfly {
+
+/// Nonlinear MPC of a multirotor (Eq. 43): force observer, references made consistent with the model, one
+/// real-time iteration in each step.
+///
+/// Yaw is predicted over the horizon with the rate that the yaw controller will command, and enters the model
+/// as a function of time. The references of attitude, commands and lift are those which follow position,
+/// velocity and acceleration of the preview exactly under the estimated disturbance (the model is flat), so
+/// nothing that is weighted contradicts the path, and no offset is left.
+///
+/// Each step answers with a finite command within the limits. Without an answer the last command is repeated
+/// (kHoldLast) for at most options.hold_periods samples, then level attitude and hover thrust (kLevel); the
+/// next sample that has an answer ends it. A state far from the predicted one starts the iteration anew.
+class NonlinearController : public ControlLaw {
+ public:
+  /// `mpc` without gravity and limits, which come from `options`. Throws Error naming an option.
+  NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc);
+
+  int previewLength() const noexcept override { return mpc_.horizon() + 1; }
+  double previewPeriod() const noexcept override { return mpc_.options().period; }
+
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
+  void prepare() noexcept override;
+  const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& onSilence(double now) noexcept override;
+  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void reset() noexcept override;
+  const ControlReport& report() const noexcept override { return report_; }
+
+  const NonlinearMpc& mpc() const noexcept { return mpc_; }
+  const ForceObserver& observer() const noexcept { return observer_; }
+
+ private:
+  int observe(const VehicleState& state) noexcept;
+  void predictYaw(double yaw, const Reference* preview) noexcept;
+  void makeReferences(const Reference* preview) noexcept;
+  bool solve(const MultirotorState& x, int periods) noexcept;
+  bool isFar(const MultirotorState& x) const noexcept;
+  void startIteration(const MultirotorState& x) noexcept;
+  double yawRate(const Reference& reference, double yaw) const noexcept;
+  void send(double yaw, const Reference& reference) noexcept;
+  void withoutAnswer(ControlReason reason) noexcept;
+  void level() noexcept;
+
+  MultirotorOptions options_;
+  NonlinearMpc mpc_;
+  ForceObserver observer_;
+  ControlReport report_;
+
+  std::vector<StageConditions> stages_;     // N + 1: the last one has the yaw at the end
+  std::vector<StageReference> references_;  // N + 1
+  std::vector<Reference> preview_;          // of the last step, for the preparation of the next
+  double yaw_ = 0.0;                        // of the last sample [rad]
+  double observed_until_ = 0.0;             // time up to which the observer has advanced [s]
+  bool observing_ = false;
+  bool iterating_ = false;  // there is a solution to go on from
+  bool prepared_ = false;   // for the next sample
+  bool has_command_ = false;
+  int unanswered_ = 0;  // samples in a row without an answer
+};
+
+}  // namespace polyfly

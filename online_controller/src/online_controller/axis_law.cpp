@@ -1,0 +1,92 @@
+#include "online_controller/axis_law.hpp"
+
+#include <cmath>
+
+#include "mpc_core/online_program.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string mapPlace(const RegionMap& map, const std::string& axis) {
+  return map.path() + ": as the " + axis + " map: ";
+}
+
+/// The problem that the map was made from, after what every map must be has been checked.
+MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
+  if (map.solverStatus() != "complete") {
+    throw Error(mapPlace(map, axis) + "solver status: must be 'complete', got '" +
+                std::string(map.solverStatus()) + "'");
+  }
+  if (map.problemKind() != "yaml") {
+    throw Error(mapPlace(map, axis) + "problem: must be a tracking problem (yaml), got '" +
+                std::string(map.problemKind()) + "'");
+  }
+  return parseProblem(std::string(map.problemText()), map.path() + ": problem");
+}
+
+class ExplicitAxisLaw final : public AxisLaw {
+ public:
+  ExplicitAxisLaw(const RegionMap& map, const std::string& axis)
+      : map_(&map), problem_(problemOf(map, axis)) {}
+
+  const MpcProblem& problem() const noexcept override { return problem_; }
+  const std::vector<Signal>& parameters() const noexcept override { return map_->parameters(); }
+  const std::vector<Signal>& inputs() const noexcept override { return map_->inputs(); }
+  std::string place(const std::string& axis) const override { return mapPlace(*map_, axis); }
+  Lookup evaluate(const double* theta, double* input) noexcept override {
+    return map_->evaluate(theta, input);
+  }
+  void reset() noexcept override {}
+
+ private:
+  const RegionMap* map_;  // not owned
+  MpcProblem problem_;
+};
+
+class OnlineAxisLaw final : public AxisLaw {
+ public:
+  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem)) {}
+
+  const MpcProblem& problem() const noexcept override { return problem_; }
+  const std::vector<Signal>& parameters() const noexcept override { return program_.program().parameters; }
+  const std::vector<Signal>& inputs() const noexcept override { return program_.program().inputs; }
+  std::string place(const std::string& axis) const override {
+    return problem_.source + ": as the " + axis + " problem: ";
+  }
+
+  Lookup evaluate(const double* theta, double* input) noexcept override {
+    Lookup lookup;
+    switch (program_.solve(theta, input)) {
+      case QpStatus::kOptimal:
+        lookup.status = LookupStatus::kInside;
+        break;
+      case QpStatus::kNotFinite:
+        lookup.status = LookupStatus::kNotFinite;
+        break;
+      case QpStatus::kInfeasible:
+      case QpStatus::kIterationLimit:
+      case QpStatus::kNotConvex:
+        lookup.status = LookupStatus::kOutsidePartition;
+        break;
+    }
+    return lookup;
+  }
+  void reset() noexcept override { program_.reset(); }
+
+ private:
+  MpcProblem problem_;
+  OnlineProgram program_;
+};
+
+}  // namespace
+
+std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, const std::string& axis) {
+  return std::make_unique<ExplicitAxisLaw>(map, axis);
+}
+
+std::unique_ptr<AxisLaw> onlineAxisLaw(const MpcProblem& problem) {
+  return std::make_unique<OnlineAxisLaw>(problem);
+}
+
+}  // namespace polyfly

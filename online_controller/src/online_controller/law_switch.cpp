@@ -1,0 +1,75 @@
+#include "online_controller/law_switch.hpp"
+
+#include <utility>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::array<const char*, kLawCount> kNames{"explicit_linear", "linear", "nonlinear"};
+
+}  // namespace
+
+const char* lawName(Law law) noexcept { return kNames[static_cast<std::size_t>(law)]; }
+
+Law lawOfName(const std::string& name) {
+  std::string known;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) return static_cast<Law>(i);
+    known += (i == 0 ? "" : ", ") + std::string(kNames[i]);
+  }
+  throw Error("law: must be one of " + known + ", got '" + name + "'");
+}
+
+LawSwitch::LawSwitch(std::array<std::unique_ptr<ControlLaw>, kLawCount> laws, Law first)
+    : laws_(std::move(laws)), active_(first) {
+  if (!has(first)) throw Error(std::string("law: ") + lawName(first) + " is not there to fly with");
+  for (const auto& law : laws_) {
+    if (law == nullptr || law->previewLength() <= preview_length_) continue;
+    preview_length_ = law->previewLength();
+    preview_period_ = law->previewPeriod();
+  }
+}
+
+bool LawSwitch::select(Law law) noexcept {
+  if (!has(law)) return false;
+  active_ = law;
+  return true;
+}
+
+const ControlReport& LawSwitch::step(const VehicleState& state, const Reference* preview) noexcept {
+  const ControlReport& report = current().step(state, preview);
+  for (const auto& law : laws_) {
+    if (law != nullptr && law.get() != &current()) law->follow(state, report.command);
+  }
+  return report;
+}
+
+const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->stepWithoutReference(stamp);
+  }
+  return report();
+}
+
+const ControlReport& LawSwitch::onSilence(double now) noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->onSilence(now);
+  }
+  return report();
+}
+
+void LawSwitch::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->follow(state, sent);
+  }
+}
+
+void LawSwitch::reset() noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->reset();
+  }
+}
+
+}  // namespace polyfly

@@ -1,0 +1,270 @@
+#include "online_controller/nonlinear_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online_controller/attitude.hpp"
+#include "online_controller/sane.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kFirstIterations = 4;  // from a cold start
+// A state this far from the predicted one is none that the last solution can be continued to.
+constexpr double kFarPosition = 1.0;   // [m]
+constexpr double kFarVelocity = 2.0;   // [m/s]
+constexpr double kFarTilt = 0.5;       // [rad]
+constexpr double kLeastSupport = 1.0;  // least vertical specific force of a reference [m/s^2]
+
+const MultirotorOptions& checked(const MultirotorOptions& options) {
+  checkOptions(options);
+  return options;
+}
+
+NonlinearMpcOptions completed(const NonlinearMpcOptions& mpc, const MultirotorOptions& options) {
+  NonlinearMpcOptions result = mpc;
+  result.model.gravity = options.gravity;
+  result.angle_max = options.angle_max;
+  result.thrust_min = options.thrust_min;
+  result.thrust_max = options.thrust_max;
+  return result;
+}
+
+MultirotorState stateOf(const VehicleState& vehicle, const EulerAngles& angles) noexcept {
+  MultirotorState x;
+  x << vehicle.position, vehicle.velocity, angles.roll, angles.pitch;
+  return x;
+}
+
+/// The command that moves a first-order lag from one angle to the next within a stage.
+double leadingCommand(double from, double to, double gain, double time, double period) noexcept {
+  const double decay = std::exp(-period / time);
+  return (to - decay * from) / (gain * (1.0 - decay));
+}
+
+}  // namespace
+
+NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
+    : options_(checked(options)),
+      mpc_(completed(mpc, options)),
+      observer_(mpc_.options().model, options.control_period, options.disturbance_drift) {
+  const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
+  stages_.resize(points);
+  references_.resize(points);
+  preview_.resize(points);
+  reset();
+}
+
+void NonlinearController::reset() noexcept {
+  observer_.reset();
+  observing_ = false;
+  observed_until_ = 0.0;
+  unanswered_ = 0;
+  report_ = ControlReport{};
+  level();
+}
+
+const ControlReport& NonlinearController::step(const VehicleState& state, const Reference* preview) noexcept {
+  if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
+  if (!isSane(state)) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+  const int periods = observe(state);
+  if (!std::all_of(preview, preview + previewLength(), [](const Reference& r) { return isSane(r); })) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+  std::copy_n(preview, preview_.size(), preview_.begin());
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  yaw_ = angles.yaw;
+  predictYaw(yaw_, preview);
+  makeReferences(preview);
+  if (!solve(stateOf(state, angles), periods)) {
+    iterating_ = false;
+    withoutAnswer(ControlReason::kOutsidePartition);
+    return report_;
+  }
+  send(yaw_, *preview);
+  return report_;
+}
+
+// Number of control periods since the last sample, at most kMaxPeriods + 1.
+int NonlinearController::observe(const VehicleState& state) noexcept {
+  const double late = (state.stamp - observed_until_) / options_.control_period;
+  int periods = ForceObserver::kMaxPeriods + 1;  // starts on the sample
+  if (observing_ && late < -0.5) {
+    observer_.reset();  // time went back: another flight
+  } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
+    periods = static_cast<int>(std::lround(late));
+  }
+  if (periods == 0) return 0;
+  observed_until_ = periods > ForceObserver::kMaxPeriods
+                        ? state.stamp
+                        : observed_until_ + periods * options_.control_period;
+  observing_ = true;
+  observer_.update(state, report_.command.thrust / options_.mass, periods);
+  return periods;
+}
+
+double NonlinearController::yawRate(const Reference& reference, double yaw) const noexcept {
+  const double rate = options_.yaw_gain * wrapAngle(reference.yaw - yaw) + reference.yaw_rate;
+  return std::clamp(rate, -options_.yaw_rate_max, options_.yaw_rate_max);
+}
+
+void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
+  const Eigen::Vector3d disturbance =
+      options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const double rate = yawRate(preview[k], yaw);
+    stages_[k] = {yaw, rate, disturbance};
+    yaw += mpc_.options().period * rate;
+  }
+}
+
+// Attitude and lift from the specific force that the path needs (the model is flat), then the commands that
+// lead the attitude through them.
+void NonlinearController::makeReferences(const Reference* preview) noexcept {
+  const MultirotorModel& model = mpc_.options().model;
+  for (std::size_t k = 0; k < references_.size(); ++k) {
+    StageReference& reference = references_[k];
+    const double sine = std::sin(stages_[k].yaw), cosine = std::cos(stages_[k].yaw);
+    const auto heading = [&](const Eigen::Vector3d& world) {
+      return Eigen::Vector3d(cosine * world.x() + sine * world.y(), cosine * world.y() - sine * world.x(),
+                             world.z());
+    };
+    Eigen::Vector3d force = heading(preview[k].acceleration - stages_[k].disturbance) +
+                            model.drag.cwiseProduct(heading(preview[k].velocity));
+    force.z() = std::max(force.z() + model.gravity, kLeastSupport);
+    reference.position = preview[k].position;
+    reference.velocity = preview[k].velocity;
+    reference.roll = -std::asin(force.y() / force.norm());
+    reference.pitch = std::atan2(force.x(), force.z());
+    reference.lift = force.z();
+  }
+  const double period = mpc_.options().period;
+  for (std::size_t k = 0; k + 1 < references_.size(); ++k) {
+    StageReference& from = references_[k];
+    const StageReference& to = references_[k + 1];
+    from.roll_command = leadingCommand(from.roll, to.roll, model.roll_gain, model.roll_time, period);
+    from.pitch_command = leadingCommand(from.pitch, to.pitch, model.pitch_gain, model.pitch_time, period);
+  }
+}
+
+bool NonlinearController::isFar(const MultirotorState& x) const noexcept {
+  const MultirotorState gap = (x - mpc_.state(0)).cwiseAbs();
+  return gap.head<3>().maxCoeff() > kFarPosition || gap.segment<3>(3).maxCoeff() > kFarVelocity ||
+         gap.tail<2>().maxCoeff() > kFarTilt;
+}
+
+void NonlinearController::startIteration(const MultirotorState& x) noexcept {
+  const MultirotorInput hover(0.0, 0.0, options_.gravity);
+  MultirotorInput u = hover;
+  if (has_command_) {
+    const AttitudeCommand& command = report_.command;
+    u << command.roll, command.pitch, command.thrust / options_.mass;
+  }
+  mpc_.start(x, u, stages_.data());
+  for (int i = 1; i < kFirstIterations; ++i) {
+    if (!mpc_.prepare(stages_.data()) || mpc_.feedback(x, references_.data()) != QpStatus::kOptimal) {
+      mpc_.start(x, hover, stages_.data());
+      break;
+    }
+  }
+}
+
+bool NonlinearController::solve(const MultirotorState& x, int periods) noexcept {
+  const double share = options_.control_period / mpc_.options().period;
+  if (!iterating_ || isFar(x)) {
+    startIteration(x);
+    prepared_ = false;
+  } else if (periods != 1 || !prepared_) {  // the preparation, if any, was for one period
+    const int more = periods - (prepared_ ? 1 : 0);
+    mpc_.shift(std::clamp(more * share, 0.0, 1.0));
+    prepared_ = false;
+  }
+  iterating_ = true;
+  if (!prepared_ && !mpc_.prepare(stages_.data())) return false;
+  prepared_ = false;
+  const QpStatus status = mpc_.feedback(x, references_.data());
+  report_.iterations = mpc_.iterations();
+  report_.step_length = mpc_.stepLength();
+  return status == QpStatus::kOptimal;
+}
+
+void NonlinearController::prepare() noexcept {
+  if (!iterating_ || prepared_) return;
+  mpc_.shift(std::min(1.0, options_.control_period / mpc_.options().period));
+  // The references move on by one period; their difference to those of the last step does not matter to yaw.
+  predictYaw(yaw_ + options_.control_period * report_.command.yaw_rate, preview_.data());
+  prepared_ = mpc_.prepare(stages_.data());
+  if (!prepared_) iterating_ = false;
+}
+
+void NonlinearController::send(double yaw, const Reference& reference) noexcept {
+  const MultirotorInput& u = mpc_.input(0);
+  AttitudeCommand& command = report_.command;
+  // The QP meets the bounds up to rounding; what is sent meets them exactly.
+  command.roll = std::clamp(u(0), -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(u(1), -options_.angle_max, options_.angle_max);
+  command.thrust = options_.mass * std::clamp(u(2), options_.thrust_min, options_.thrust_max);
+  command.yaw_rate = yawRate(reference, yaw);
+  const Eigen::Vector3d disturbance = stages_.front().disturbance;
+  for (std::size_t i = 0; i < report_.axis.size(); ++i) {
+    report_.axis[i].disturbance = disturbance(static_cast<Eigen::Index>(i));
+  }
+  report_.axis[0].input = command.pitch;
+  report_.axis[1].input = command.roll;
+  report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
+  report_.status = ControlStatus::kOptimal;
+  report_.reason = ControlReason::kNone;
+  has_command_ = true;
+  unanswered_ = 0;
+}
+
+void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
+  unanswered_ = std::min(unanswered_ + 1, options_.hold_periods + 1);
+  report_.reason = reason;
+  report_.status = ControlStatus::kHoldLast;
+  if (!has_command_ || unanswered_ > options_.hold_periods) {
+    level();
+    report_.status = ControlStatus::kLevel;
+  }
+}
+
+void NonlinearController::level() noexcept {
+  report_.command = AttitudeCommand{};
+  report_.command.thrust = options_.mass * options_.gravity;
+  report_.axis.fill(AxisReport{});
+  has_command_ = false;
+  iterating_ = false;
+  prepared_ = false;
+}
+
+const ControlReport& NonlinearController::stepWithoutReference(double stamp) noexcept {
+  level();
+  report_.stamp = stamp;
+  report_.status = ControlStatus::kNoReference;
+  report_.reason = ControlReason::kNoReference;
+  return report_;
+}
+
+const ControlReport& NonlinearController::onSilence(double now) noexcept {
+  level();
+  report_.stamp = now;
+  report_.status = ControlStatus::kLevel;
+  report_.reason = ControlReason::kStale;
+  return report_;
+}
+
+void NonlinearController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  if (!isSane(state)) return;
+  observe(state);
+  report_.command = sent;
+  has_command_ = true;
+  unanswered_ = 0;
+  iterating_ = false;
+  prepared_ = false;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,116 @@
+// The laws that solve online: against the dense solver, and without a single allocation.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "mpc_core/dense_qp.hpp"
+#include "mpc_core/online_program.hpp"
+#include "mpc_core_allocations.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "online_support.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::array<MpcProblem, 3> problems() {
+  std::array<MpcProblem, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = parseProblem(polyfly_test::axisProblem(i), "problem");
+  return result;
+}
+
+/// Largest difference of the first input to DenseQp's over random parameters, twice as wide as the box.
+double differenceToDense(const ParametricProgram& program, int* infeasible) {
+  OnlineProgram online(program);
+  DenseQp dense(program.H, program.A, program.equalities);
+  std::mt19937_64 random(21);
+  double worst = 0.0;
+  for (int round = 0; round < 400; ++round) {
+    Eigen::VectorXd theta(program.parameterCount());
+    for (int i = 0; i < program.parameterCount(); ++i) {
+      const Signal& signal = program.parameters[static_cast<std::size_t>(i)];
+      theta(i) = 2.0 * std::uniform_real_distribution<double>(signal.lower, signal.upper)(random);
+    }
+    const Eigen::VectorXd g = program.f + program.F * theta;
+    const Eigen::VectorXd b = program.b + program.S * theta;
+    const QpStatus expected = dense.solve(g.data(), b.data());
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(program.inputCount());
+    EXPECT_EQ(online.solve(theta.data(), u.data()), expected) << "round " << round;
+    if (expected != QpStatus::kOptimal) {
+      ++*infeasible;
+      continue;
+    }
+    const Eigen::VectorXd other = program.E * dense.z() + program.C * theta + program.c;
+    worst = std::max(worst, (u - other).cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+TEST(OnlineProgram, AgreesWithTheDenseSolverOnTheAxes) {
+  for (const MpcProblem& problem : problems()) {
+    int infeasible = 0;
+    EXPECT_LT(differenceToDense(condense(problem), &infeasible), 1e-9) << problem.name;
+    EXPECT_EQ(infeasible, 0);
+  }
+}
+
+TEST(OnlineProgram, AgreesWithTheDenseSolverWithBoundedStates) {
+  MpcProblem problem = problems()[1];
+  problem.states[1].lower = -2.5;
+  problem.states[1].upper = 2.5;
+  problem.states[2].lower = -0.5;
+  problem.states[2].upper = 0.5;
+  int infeasible = 0;
+  EXPECT_LT(differenceToDense(condense(problem), &infeasible), 1e-8);
+  EXPECT_GT(infeasible, 50);
+  EXPECT_LT(infeasible, 350);
+}
+
+TEST(OnlineProgram, RefusesWhatIsNotConvex) {
+  ParametricProgram program = condense(problems()[2]);
+  program.H.setZero();
+  EXPECT_THROW(OnlineProgram{program}, Error);
+}
+
+TEST(OnlineLaws, NeverAllocate) {
+  const std::array<MpcProblem, 3> axes = problems();
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{
+      nullptr, std::make_unique<MultirotorController>(axes, MultirotorOptions()),
+      std::make_unique<NonlinearController>(MultirotorOptions(), NonlinearMpcOptions())};
+  LawSwitch flight(std::move(laws), Law::kLinear);
+  std::vector<Reference> preview(static_cast<std::size_t>(flight.previewLength()));
+  for (Reference& reference : preview) reference.position = {2.5, -2.0, 1.0};
+  VehicleState state;
+  const long before = polyfly_test::allocationCount();
+  int optimal = 0;
+  for (int i = 0; i < 300; ++i) {
+    state.stamp = 0.01 * i;
+    state.position.x() = 0.005 * i;
+    if (i % 50 == 49) flight.select(flight.active() == Law::kLinear ? Law::kNonlinear : Law::kLinear);
+    optimal += flight.step(state, preview.data()).status == ControlStatus::kOptimal ? 1 : 0;
+    flight.prepare();
+  }
+  flight.onSilence(4.0);
+  flight.stepWithoutReference(5.0);
+  flight.reset();
+  EXPECT_EQ(polyfly_test::allocationCount(), before);
+  EXPECT_EQ(optimal, 300);
+}
+
+TEST(OnlineLaws, AProblemThatIsNotOfTheAxisIsRefused) {
+  std::array<MpcProblem, 3> axes = problems();
+  std::swap(axes[0], axes[1]);
+  try {
+    MultirotorController refused(axes, MultirotorOptions());
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("problem: as the longitudinal problem: parameter 'e_p_y'"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace polyfly

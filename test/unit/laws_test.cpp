@@ -1,0 +1,336 @@
+// The laws in flight on the plant: equal where they solve the same problem, better where they should be, and
+// switched without a bump.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "polyfly_test/flight_figure.hpp"
+#include "polyfly_test/multirotor_plant.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMass = 1.52;  // of plant and controllers [kg]
+
+std::array<MpcProblem, 3> problems() {
+  const char* root = std::getenv("POLYFLY_ROOT");
+  const std::string folder = std::string(root != nullptr ? root : ".") + "/region_maps/problems/multirotor_";
+  return {loadProblem(folder + "longitudinal.yaml"), loadProblem(folder + "lateral.yaml"),
+          loadProblem(folder + "vertical.yaml")};
+}
+
+/// Solved once for all tests.
+const std::array<const RegionMap*, 3>& maps() {
+  static const std::vector<RegionMap> opened = [] {
+    std::vector<RegionMap> result;
+    for (const MpcProblem& problem : problems()) {
+      const ParametricProgram program = condense(problem);
+      const std::string path = testing::TempDir() + "laws_test_" + program.name + ".map";
+      writeMap(encode(program, explore(program)), path);
+      result.push_back(RegionMap::open(path));
+    }
+    return result;
+  }();
+  static const std::array<const RegionMap*, 3> pointers{&opened[0], &opened[1], &opened[2]};
+  return pointers;
+}
+
+std::unique_ptr<ControlLaw> explicitLaw() {
+  return std::make_unique<MultirotorController>(maps(), MultirotorOptions());
+}
+std::unique_ptr<ControlLaw> linearLaw() {
+  return std::make_unique<MultirotorController>(problems(), MultirotorOptions());
+}
+std::unique_ptr<ControlLaw> nonlinearLaw() {
+  return std::make_unique<NonlinearController>(MultirotorOptions(), NonlinearMpcOptions());
+}
+
+struct Flight {
+  double rms = 0.0;       ///< position error [m]
+  double greatest = 0.0;  ///< position error [m]
+  int not_optimal = 0;    ///< samples
+  std::vector<AttitudeCommand> commands;
+};
+
+struct Course {
+  FigureOptions figure;
+  PlantOptions plant;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< of the start from the figure's [m]
+  double from = 0.0;                                 ///< errors count from here on [s]
+  double until = 1e9;
+};
+
+using OnSample = std::function<void(int sample, const VehicleState&, const Reference*, const ControlReport&)>;
+
+Flight fly(ControlLaw& law, const Course& course, const OnSample& on_sample = {}) {
+  const FlightFigure figure(course.figure);
+  PlantState start;
+  start.position = figure.at(0.0).position + course.offset;
+  start.yaw = figure.at(0.0).yaw;
+  start.thrust = course.plant.gravity;
+  MultirotorPlant plant(course.plant, start);
+  std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
+  Flight flight;
+  double sum = 0.0;
+  int counted = 0;
+  const double end = std::min(course.until, figure.duration());
+  for (int sample = 0; plant.time() < end - 1e-9; ++sample) {
+    const VehicleState state = plant.measure();
+    for (std::size_t k = 0; k < preview.size(); ++k) {
+      preview[k] = figure.at(state.stamp + static_cast<double>(k) * law.previewPeriod());
+    }
+    const ControlReport& report = law.step(state, preview.data());
+    flight.commands.push_back(report.command);
+    flight.not_optimal += report.status == ControlStatus::kOptimal ? 0 : 1;
+    if (on_sample) on_sample(sample, state, preview.data(), report);
+    law.prepare();
+    plant.advance(flight.commands.back());
+    const double error = (plant.state().position - figure.at(plant.time()).position).norm();
+    if (plant.time() < course.from) continue;
+    sum += error * error;
+    ++counted;
+    flight.greatest = std::max(flight.greatest, error);
+  }
+  flight.rms = std::sqrt(sum / counted);
+  return flight;
+}
+
+double difference(const AttitudeCommand& a, const AttitudeCommand& b) {
+  return std::max({std::abs(a.roll - b.roll), std::abs(a.pitch - b.pitch), std::abs(a.yaw_rate - b.yaw_rate),
+                   std::abs(a.thrust - b.thrust)});
+}
+
+PlantOptions noisy() {
+  PlantOptions plant;
+  plant.wind = {0.4, -0.3, 0.2};
+  plant.gust_sigma = {0.2, 0.2, 0.1};
+  plant.position_noise = 0.003;
+  plant.velocity_noise = 0.01;
+  plant.attitude_noise = 0.003;
+  return plant;
+}
+
+TEST(Laws, LinearGivesTheCommandsOfTheMaps) {
+  int at_limit = 0;
+  for (const Eigen::Vector3d& offset : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(2.5, -2.5, -2.0)}) {
+    Course course;
+    course.plant = noisy();
+    course.offset = offset;  // bounds are active on the way back
+    const std::unique_ptr<ControlLaw> in_flight = linearLaw();
+    const std::unique_ptr<ControlLaw> beside = explicitLaw();
+    double greatest = 0.0;
+    int outside = 0;
+    const Flight flight =
+        fly(*in_flight, course,
+            [&](int, const VehicleState& state, const Reference* preview, const ControlReport& report) {
+              const ControlReport& other = beside->step(state, preview);
+              outside += other.status == ControlStatus::kOptimal ? 0 : 1;
+              greatest = std::max(greatest, difference(report.command, other.command));
+              at_limit += std::abs(report.axis[0].input) > 0.4363 || report.axis[2].input > 10.19 ? 1 : 0;
+            });
+    EXPECT_GT(flight.commands.size(), 3000U);
+    EXPECT_EQ(flight.not_optimal, 0);
+    EXPECT_EQ(outside, 0);
+    EXPECT_LT(greatest, 1e-6);
+  }
+  EXPECT_GT(at_limit, 20);
+}
+
+TEST(Laws, LinearAnswersBeyondTheBoxOfTheMaps) {
+  const std::unique_ptr<ControlLaw> online = linearLaw();
+  const std::unique_ptr<ControlLaw> mapped = explicitLaw();
+  VehicleState state;
+  Reference reference;
+  reference.position.x() = 8.0;
+  EXPECT_EQ(mapped->step(state, &reference).status, ControlStatus::kClipped);
+  const ControlReport& report = online->step(state, &reference);
+  EXPECT_EQ(report.status, ControlStatus::kOptimal);
+  EXPECT_GT(report.command.pitch, 0.3);
+}
+
+TEST(Laws, NonlinearTracksAtLeastAsWellAsLinearAndMuchBetterWhenPushed) {
+  for (const double rate : {0.4, 0.53, 0.7, 0.9}) {
+    Course course;
+    course.figure.rate = rate;
+    const Flight linear = fly(*linearLaw(), course);
+    const Flight nonlinear = fly(*nonlinearLaw(), course);
+    EXPECT_EQ(nonlinear.not_optimal, 0);
+    EXPECT_LE(nonlinear.rms, linear.rms) << "rate " << rate;
+    EXPECT_LT(nonlinear.greatest, 0.05) << "rate " << rate;
+    if (rate == 0.9) {
+      EXPECT_LT(nonlinear.rms, 0.7 * linear.rms);
+    }
+  }
+}
+
+TEST(Laws, NonlinearTracksNoWorseInGustsAndNoise) {
+  Course course;
+  course.plant = noisy();
+  for (const int seed : {1, 2, 3}) {
+    course.plant.seed = seed;
+    EXPECT_LT(fly(*nonlinearLaw(), course).rms, fly(*linearLaw(), course).rms) << "seed " << seed;
+  }
+}
+
+TEST(Laws, ConstantWindLeavesNoOffset) {
+  Course course;
+  course.figure.settle_time = 30.0;
+  course.from = 15.0;
+  course.until = 20.0;
+  course.plant.wind = Eigen::Vector3d(2.0, -1.5, 0.0) / kMass;  // what the maps' box allows
+  EXPECT_LT(fly(*explicitLaw(), course).greatest, 0.01);
+  for (const Eigen::Vector3d& force : {Eigen::Vector3d(3.0, 0.0, 0.0), Eigen::Vector3d(0.0, -3.0, 0.0)}) {
+    course.plant.wind = force / kMass;
+    EXPECT_LT(fly(*linearLaw(), course).greatest, 0.01);
+  }
+  for (const Eigen::Vector3d& force : {Eigen::Vector3d(3.0, 0.0, 0.0), Eigen::Vector3d(-2.0, 2.0, 1.0)}) {
+    course.plant.wind = force / kMass;
+    NonlinearController nonlinear(MultirotorOptions{}, NonlinearMpcOptions{});
+    EXPECT_LT(fly(nonlinear, course).greatest, 0.001);
+    EXPECT_LT((kMass * nonlinear.observer().disturbance() - force).norm(), 0.02);
+  }
+}
+
+std::unique_ptr<LawSwitch> allLaws(Law first) {
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{explicitLaw(), linearLaw(), nonlinearLaw()};
+  return std::make_unique<LawSwitch>(std::move(laws), first);
+}
+
+TEST(Laws, SwitchingInAHoverInWindDoesNotShow) {
+  Course course;
+  course.figure.settle_time = 40.0;
+  course.from = 8.0;
+  course.until = 20.0;
+  course.plant.wind = Eigen::Vector3d(1.0, -1.5, 0.5) / kMass;
+  const std::unique_ptr<LawSwitch> laws = allLaws(Law::kLinear);
+  const Law order[] = {Law::kNonlinear, Law::kExplicitLinear, Law::kNonlinear, Law::kLinear};
+  const Flight flight = fly(*laws, course, [&](int sample, const auto&...) {
+    if (sample >= 1000 && sample % 200 == 0) laws->select(order[(sample - 1000) / 200 % 4]);
+  });
+  double greatest = 0.0;
+  for (std::size_t i = 1000; i < flight.commands.size(); ++i) {
+    greatest = std::max(greatest, difference(flight.commands[i], flight.commands[i - 1]));
+  }
+  EXPECT_EQ(flight.not_optimal, 0);
+  EXPECT_LT(greatest, 0.01);  // rad, rad/s, N
+  EXPECT_LT(flight.greatest, 0.01);
+}
+
+TEST(Laws, SwitchingOnTheWayKeepsTheTrack) {
+  const Course course;
+  const std::unique_ptr<LawSwitch> laws = allLaws(Law::kExplicitLinear);
+  const Flight steady = fly(*explicitLaw(), course);
+  const Flight switched = fly(*laws, course, [&](int sample, const auto&...) {
+    if (sample % 150 == 149) laws->select(static_cast<Law>(sample / 150 % kLawCount));
+  });
+  EXPECT_EQ(switched.not_optimal, 0);
+  EXPECT_LT(switched.greatest, 1.5 * steady.greatest);
+}
+
+TEST(Laws, TheirNamesAreKnown) {
+  for (const Law law : {Law::kExplicitLinear, Law::kLinear, Law::kNonlinear}) {
+    EXPECT_EQ(lawOfName(lawName(law)), law);
+  }
+  EXPECT_THROW(lawOfName("robust"), Error);
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> only{nullptr, linearLaw(), nullptr};
+  LawSwitch laws(std::move(only), Law::kLinear);
+  EXPECT_FALSE(laws.select(Law::kNonlinear));
+  EXPECT_EQ(laws.active(), Law::kLinear);
+  EXPECT_THROW(LawSwitch({nullptr, nullptr, nullptr}, Law::kLinear), Error);
+}
+
+TEST(Laws, NonlinearHoldsLevelsAndRecovers) {
+  Course course;
+  const std::unique_ptr<ControlLaw> law = nonlinearLaw();
+  const FlightFigure figure(course.figure);
+  PlantState start;
+  start.position = figure.at(0.0).position;
+  start.thrust = course.plant.gravity;
+  MultirotorPlant plant(course.plant, start);
+  std::vector<Reference> preview(static_cast<std::size_t>(law->previewLength()));
+  double worst = 0.0;
+  for (int sample = 0; sample < 2500; ++sample) {
+    VehicleState state = plant.measure();
+    for (std::size_t k = 0; k < preview.size(); ++k) {
+      preview[k] = figure.at(state.stamp + static_cast<double>(k) * law->previewPeriod());
+    }
+    const bool broken = sample % 500 >= 400 && sample % 500 < 415;
+    if (broken) state.velocity.x() = sample % 2 == 0 ? std::nan("") : 1e9;
+    const AttitudeCommand before = law->report().command;
+    const ControlReport& report = law->step(state, preview.data());
+    const int fault = sample % 500 - 400;
+    const ControlStatus expected = !broken      ? ControlStatus::kOptimal
+                                   : fault < 10 ? ControlStatus::kHoldLast
+                                                : ControlStatus::kLevel;
+    ASSERT_EQ(report.status, expected) << "sample " << sample;
+    if (broken) {
+      EXPECT_EQ(report.reason, ControlReason::kNotFinite);
+      if (expected == ControlStatus::kHoldLast) {
+        EXPECT_EQ(difference(before, report.command), 0.0);
+      }
+    }
+    EXPECT_LE(std::abs(report.command.roll), 0.4363323);
+    EXPECT_LE(std::abs(report.command.pitch), 0.4363323);
+    EXPECT_GE(report.command.thrust, 5.0 * kMass);
+    EXPECT_LE(report.command.thrust, 20.0 * kMass);
+    law->prepare();
+    plant.advance(report.command);
+    worst = std::max(worst, (plant.state().position - figure.at(plant.time()).position).norm());
+  }
+  EXPECT_LT(worst, 0.1);
+  EXPECT_EQ(law->onSilence(30.0).status, ControlStatus::kLevel);
+  EXPECT_EQ(law->stepWithoutReference(31.0).status, ControlStatus::kNoReference);
+}
+
+TEST(Laws, NonlinearTakesJumpsAndGapsAndAnotherFlight) {
+  const std::unique_ptr<ControlLaw> law = nonlinearLaw();
+  std::vector<Reference> preview(static_cast<std::size_t>(law->previewLength()));
+  VehicleState state;
+  const auto step = [&](double stamp, double x) {
+    state.stamp = stamp;
+    state.position.x() = x;
+    const ControlReport& report = law->step(state, preview.data());
+    law->prepare();
+    return report;
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(step(0.01 * i, 0.0).status, ControlStatus::kOptimal);
+  EXPECT_LT(step(0.5, 20.0).command.pitch, -0.4);  // far away: back as fast as allowed
+  EXPECT_EQ(step(0.51, 0.0).status, ControlStatus::kOptimal);
+  EXPECT_EQ(step(0.58, 0.0).status, ControlStatus::kOptimal);  // samples lost
+  EXPECT_EQ(step(90.0, 0.0).status, ControlStatus::kOptimal);  // a minute lost
+  const ControlReport report = step(1.0, 0.0);                 // time went back
+  EXPECT_EQ(report.status, ControlStatus::kOptimal);
+  EXPECT_LT(std::abs(report.command.pitch), 0.01);
+}
+
+TEST(Laws, SameFlightSameBits) {
+  Course course;
+  course.until = 8.0;
+  course.plant = noisy();
+  for (const auto& make : {linearLaw, nonlinearLaw}) {
+    const std::unique_ptr<ControlLaw> law = make();
+    const Flight first = fly(*law, course);
+    law->reset();
+    const Flight second = fly(*law, course);
+    ASSERT_EQ(first.commands.size(), second.commands.size());
+    for (std::size_t i = 0; i < first.commands.size(); ++i) {
+      ASSERT_EQ(difference(first.commands[i], second.commands[i]), 0.0) << "sample " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace polyfly
