@@ -41,6 +41,7 @@ LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& option
       moves_(N_),
       previous_(N_),
       switch_rise_(N_),
+      roll_along_(N_ + 1),
       trial_nodes_(N_ + 1, LateralState::Zero()),
       trial_moves_(N_) {
   qp_.roll = shooting_.transition();
@@ -98,13 +99,23 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
     const ShootingResult shot = shooting_.shoot(data.conditions, nodes_[k], moves_[k], stage);
     for (int i = 0; i < kStates; ++i) stage.gap[i] = shot.end[i] - nodes_[k + 1][kOrder[i]];
     switch_rise_[k] = shot.switch_rise;
-    cost_ += tracking.linearise(nodes_[k], stage);
+    addRoll(k, tracking.linearise(nodes_[k], stage));
     const double deviation = moves_[k] - previous_[k];
+    const double turning = moves_[k] - roll_along_[k];
     stage.R = weights_.roll_reference + slew_[k];
-    stage.r = weights_.roll_reference * moves_[k] + slew_[k] * deviation;
-    cost_ += weights_.roll_reference * moves_[k] * moves_[k] + slew_[k] * deviation * deviation;
+    stage.r = weights_.roll_reference * turning + slew_[k] * deviation;
+    cost_ += weights_.roll_reference * turning * turning + slew_[k] * deviation * deviation;
   }
-  cost_ += tracking.linearise(nodes_[N_], stages[N_]);
+  addRoll(N_, tracking.linearise(nodes_[N_], stages[N_]));
+}
+
+// The cost of a stage and its part in phi, which is counted from roll_along_.
+void LateralNmpc::addRoll(int k, const StageTerms& terms) noexcept {
+  if (!keep_roll_along_)
+    roll_along_[k] = std::clamp(terms.roll_along, -limits_.roll_reference, limits_.roll_reference);
+  const double roll = nodes_[k][Index::kRoll] - roll_along_[k];
+  qp_.stages()[k].q[3] = weights_.roll * roll;
+  cost_ += terms.cost + weights_.roll * roll * roll;
 }
 
 void LateralNmpc::setBounds() noexcept {
@@ -207,12 +218,13 @@ double LateralNmpc::costOf(const HorizonData& data, const std::vector<LateralSta
   const TrackingCost tracking(model_, data, weights_);
   double cost = 0.0;
   for (int k = 0; k <= N_; ++k) {
-    cost += tracking.cost(nodes[k]);
+    cost += tracking.cost(nodes[k], roll_along_[k]);
     const double excess = std::abs(nodes[k][Index::kRoll]) - limits_.roll;
     if (k > 0) cost += 2.0 * limits_.roll_penalty * std::max(excess, 0.0);
     if (k == N_) break;
     const double deviation = moves[k] - previous_[k];
-    cost += weights_.roll_reference * moves[k] * moves[k] + slew_[k] * deviation * deviation;
+    const double turning = moves[k] - roll_along_[k];
+    cost += weights_.roll_reference * turning * turning + slew_[k] * deviation * deviation;
   }
   return cost;
 }
@@ -222,12 +234,14 @@ NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& st
   NmpcReport report;
   nodes_[0] = state;
   simulate(data, nodes_, moves_);
+  linearise(data);
+  keep_roll_along_ = true;  // one problem, not another one at each iteration
   double cost = costOf(data, nodes_, moves_);
   for (int i = 0; i < most; ++i) {
     report.cost = cost;
     if (!prepare(data)) {
       report.status = NmpcStatus::kNotFinite;
-      return report;
+      break;
     }
     report.kkt = kkt_;
     if (kkt_ < tolerance) break;
@@ -239,6 +253,7 @@ NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& st
     cost = costOf(data, nodes_, moves_);
     report.cost = cost;
   }
+  keep_roll_along_ = false;
   prepared_ = false;
   return report;
 }

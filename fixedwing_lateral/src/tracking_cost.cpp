@@ -1,10 +1,17 @@
 #include "fixedwing_lateral/tracking_cost.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace polyfly {
 
 using Index = LateralIndex;
+
+namespace {
+
+constexpr double kLeastCrabCosine = 0.2;  // of the angle between course and heading
+
+}  // namespace
 
 const PathSegment& TrackingCost::segmentOf(const LateralState& state) const noexcept {
   return segmentAt(state, groundVelocity(data_.conditions, state[Index::kHeading]));
@@ -19,17 +26,29 @@ const PathSegment& TrackingCost::segmentAt(const LateralState& state,
   return switched ? data_.next : data_.current;
 }
 
-double TrackingCost::cost(const LateralState& state) const noexcept {
+double TrackingCost::cost(const LateralState& state, double roll_reference) const noexcept {
   const Eigen::Vector2d velocity = groundVelocity(data_.conditions, state[Index::kHeading]);
   const ClosestPoint nearest = closestOnCarrier(segmentAt(state, velocity), state.head<2>());
   const TrackError error = trackError(nearest.point, state.head<2>(), velocity);
-  const double roll = state[Index::kRoll];
+  const double roll = state[Index::kRoll] - roll_reference;
   const double rate = state[Index::kRollRate];
   return weights_.track * error.track * error.track + weights_.course * error.course * error.course +
          weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
 }
 
-double TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {
+// With a course rate of v_g / (distance to the centre of curvature), and psi' = chi' v_g / (V cos(chi -
+// psi)).
+double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
+                               const Eigen::Vector2d& velocity) const noexcept {
+  if (nearest.curvature == 0.0) return 0.0;
+  const double curvature = nearest.curvature / std::max(1.0 - nearest.curvature * track, kLeastCentreShare);
+  const double speed = velocity.norm();
+  const double crab =
+      speed > kLeastGroundSpeed ? velocity.dot(air) / (speed * data_.conditions.airspeed) : 1.0;
+  return std::atan(speed * speed * curvature / (model_.gravity * std::max(crab, kLeastCrabCosine)));
+}
+
+StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {
   const double heading = state[Index::kHeading];
   const Eigen::Vector2d air =
       data_.conditions.airspeed * Eigen::Vector2d(std::cos(heading), std::sin(heading));
@@ -53,15 +72,18 @@ double TrackingCost::linearise(const LateralState& state, HorizonStage& stage) c
   stage.Q_psipsi = w_c * c_h * c_h;
   stage.Q_phi = weights_.roll;
   stage.Q_p = weights_.roll_rate;
-  const double roll = state[Index::kRoll];
   const double rate = state[Index::kRollRate];
   stage.q[0] = w_t * error.track * t_n + w_c * error.course * c_n;
   stage.q[1] = w_t * error.track * t_e + w_c * error.course * c_e;
   stage.q[2] = w_c * error.course * c_h;
-  stage.q[3] = weights_.roll * roll;
+  stage.q[3] = 0.0;
   stage.q[4] = weights_.roll_rate * rate;
-  return w_t * error.track * error.track + w_c * error.course * error.course + weights_.roll * roll * roll +
-         weights_.roll_rate * rate * rate;
+  StageTerms terms;
+  terms.cost =
+      w_t * error.track * error.track + w_c * error.course * error.course + weights_.roll_rate * rate * rate;
+  if (weights_.feedforward > 0.0)
+    terms.roll_along = weights_.feedforward * rollAlong(nearest, error.track, air, velocity);
+  return terms;
 }
 
 }  // namespace polyfly

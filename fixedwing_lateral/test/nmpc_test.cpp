@@ -121,7 +121,9 @@ TEST(TrackingCost, HasTheGradientOfItsCost) {
     const Scene scene = drawScene(random);
     const TrackingCost tracking(model, scene.data, weights);
     HorizonStage stage;
-    EXPECT_NEAR(tracking.linearise(scene.state, stage), tracking.cost(scene.state), 1e-9);
+    const double roll = scene.state[Index::kRoll];
+    EXPECT_NEAR(tracking.linearise(scene.state, stage).cost, tracking.cost(scene.state, roll), 1e-9);
+    stage.q[3] = weights.roll * (roll - 0.1);
     const PathSegment* here = &tracking.segmentOf(scene.state);
     switched += here == &scene.data.next ? 1 : 0;
     for (int row = 0; row < 5; ++row) {
@@ -130,7 +132,7 @@ TEST(TrackingCost, HasTheGradientOfItsCost) {
       more[order[row]] += kDifference;
       less[order[row]] -= kDifference;
       if (&tracking.segmentOf(more) != here || &tracking.segmentOf(less) != here) continue;
-      const double slope = (tracking.cost(more) - tracking.cost(less)) / (2.0 * kDifference);
+      const double slope = (tracking.cost(more, 0.1) - tracking.cost(less, 0.1)) / (2.0 * kDifference);
       if (std::abs(slope) > 1e4) continue;  // across the half turn of the course error
       EXPECT_NEAR(2.0 * stage.q[row], slope, 1e-4 * (1.0 + std::abs(slope))) << i << ": " << row;
     }
@@ -157,7 +159,7 @@ double costOfMoves(const LateralNmpc& nmpc, const Scene& scene, const LateralWei
   double cost = 0.0;
   const int count = static_cast<int>(moves.size());
   for (int k = 0; k <= count; ++k) {
-    cost += tracking.cost(state);
+    cost += tracking.cost(state, 0.0);
     if (k == count) break;
     const double left = 1.0 - static_cast<double>(k) / count;
     const double deviation = moves[k] - previous[k];

@@ -8,6 +8,7 @@
 #include "fixedwing_lateral/horizon_qp.hpp"
 #include "fixedwing_lateral/model.hpp"
 #include "fixedwing_lateral/roll_shooting.hpp"
+#include "fixedwing_lateral/tracking_cost.hpp"
 #include "fixedwing_lateral/tuning.hpp"
 
 namespace polyfly {
@@ -81,6 +82,7 @@ class LateralNmpc {
 
  private:
   void linearise(const HorizonData& data) noexcept;
+  void addRoll(int k, const StageTerms& terms) noexcept;
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;
@@ -102,8 +104,10 @@ class LateralNmpc {
   std::vector<double> moves_;
   std::vector<double> previous_;
   std::vector<double> switch_rise_;  // of x_sw over an interval
+  std::vector<double> roll_along_;   // from which phi and phi_r are counted
   std::vector<LateralState> trial_nodes_;
   std::vector<double> trial_moves_;
+  bool keep_roll_along_ = false;
   bool prepared_ = false;
   double kkt_ = 0.0;
   double cost_ = 0.0;

@@ -6,6 +6,12 @@
 
 namespace polyfly {
 
+/// What a stage costs and asks for.
+struct StageTerms {
+  double cost = 0.0;        ///< of e_t, e_chi and p
+  double roll_along = 0.0;  ///< roll that stays on the path's curvature, times the feed-forward share [rad]
+};
+
 /// The stage cost of Eq. 46 without its moves: |(e_t, e_chi, phi, p)|^2 in the weights, towards the segment
 /// that the state belongs to: the next one where x_sw is past its threshold or the switch condition is met,
 /// else the current. A view of what it is made from.
@@ -16,13 +22,16 @@ class TrackingCost {
 
   const PathSegment& segmentOf(const LateralState& state) const noexcept;
 
-  double cost(const LateralState& state) const noexcept;
+  /// `roll_reference` [rad] is what phi is counted from.
+  double cost(const LateralState& state, double roll_reference) const noexcept;
 
-  /// Fills the Gauss-Newton terms (Q, q) of `stage` and gives the cost. q is half of its gradient, as the
-  /// quadratic program has half of the cost.
-  double linearise(const LateralState& state, HorizonStage& stage) const noexcept;
+  /// Fills the Gauss-Newton terms (Q, q) of `stage`, but for the q of phi, which depends on its reference. q
+  /// is half of the cost's gradient, as the quadratic program has half of the cost.
+  StageTerms linearise(const LateralState& state, HorizonStage& stage) const noexcept;
 
  private:
+  double rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
+                   const Eigen::Vector2d& velocity) const noexcept;
   const PathSegment& segmentAt(const LateralState& state, const Eigen::Vector2d& velocity) const noexcept;
 
   const LateralModel& model_;

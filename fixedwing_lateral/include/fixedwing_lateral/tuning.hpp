@@ -14,6 +14,9 @@ struct LateralWeights {
   double roll_rate = 0.01;       ///< of p [s^2/rad^2]
   double roll_reference = 10.0;  ///< of phi_r [1/rad^2]
   double slew = 100.0;           ///< of phi_r less the previous horizon's, falls with (1 - k/N)^2 [1/rad^2]
+  /// Share of the roll that the path's curvature asks for in this wind, from which phi and phi_r are counted,
+  /// taken at the nodes. 0 as published: then a circle is flown a little outside, for the roll's sake.
+  double feedforward = 0.0;
 };
 
 struct LateralLimits {
@@ -37,6 +40,7 @@ void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/roll_rate", weights.roll_rate, "s^2/rad^2", Range{0.0, 1e5});
   visit("weights/roll_reference", weights.roll_reference, "1/rad^2", Range{1e-3, 1e5});
   visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6});
+  visit("weights/feedforward", weights.feedforward, "", Range{0.0, 1.0});
 }
 
 template <class Limits, class Visit>

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fixedwing_lateral/guidance_options.hpp"
+
+namespace polyfly {
+
+/// A measurement, or none yet.
+template <class Value>
+struct Stamped {
+  Value value{};
+  double stamp = -1e300;  ///< [s]
+};
+
+/// Airspeed and wind that can be flown by, whatever comes in.
+class AirData {
+ public:
+  explicit AirData(const GuidanceOptions& options);
+
+  void setSafety(const SafetyOptions& safety) noexcept { safety_ = safety; }
+
+  /// `ground_velocity` (north, east) [m/s] and `heading` [rad] must be finite; the stamped values may be
+  /// anything.
+  void update(double time, const Stamped<double>& airspeed, const Stamped<Eigen::Vector2d>& wind,
+              const Eigen::Vector2d& ground_velocity, double heading) noexcept;
+
+  double airspeed() const noexcept { return airspeed_; }          ///< [m/s], positive
+  const Eigen::Vector2d& wind() const noexcept { return wind_; }  ///< [m/s], finite
+  bool airspeedAssumed() const noexcept { return airspeed_assumed_; }
+  bool windAssumed() const noexcept { return wind_assumed_; }
+  bool isSlow() const noexcept { return slow_; }    ///< below the least airspeed
+  bool isWindy() const noexcept { return windy_; }  ///< wind near or above the airspeed
+
+ private:
+  SafetyOptions safety_;
+  double nominal_ = 0.0;
+  double airspeed_ = 0.0;
+  Eigen::Vector2d wind_ = Eigen::Vector2d::Zero();
+  double last_time_ = -1e300;
+  bool airspeed_assumed_ = true;
+  bool wind_assumed_ = true;
+  bool slow_ = false;
+  bool windy_ = false;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <string>
+
+#include "fixedwing_lateral/mission.hpp"
+#include "fixedwing_lateral/model.hpp"
+#include "fixedwing_lateral/tuning.hpp"
+
+namespace polyfly {
+
+/// When data are too old or too odd to fly by, and what then.
+struct SafetyOptions {
+  double state_timeout = 0.3;     ///< age of the state [s]
+  double airspeed_timeout = 1.0;  ///< age of the airspeed, after which the nominal one is assumed [s]
+  double wind_timeout = 5.0;      ///< age of the wind, after which ground velocity less air velocity is [s]
+  double airspeed_min = 8.0;      ///< below it, wings level [m/s]
+  double wind_share_max = 0.85;   ///< of the airspeed; above it, into the wind [-]
+  double hysteresis = 0.05;       ///< share by which a limit must be left again [-]
+  double jump_distance = 15.0;    ///< of a position from where it was expected [m]
+  double jump_patience = 0.5;     ///< after which a new place is believed [s]
+  double hold_time = 2.0;         ///< how long the last horizon is flown without a new one [s]
+  double upwind_gain = 0.6;       ///< heading rate per heading error, into the wind [1/s]
+};
+
+/// As published, but counting roll from what the path's curvature asks for.
+inline LateralWeights withFeedforward() {
+  LateralWeights weights;
+  weights.feedforward = 1.0;
+  return weights;
+}
+
+struct GuidanceOptions {
+  HorizonOptions horizon;
+  LateralWeights weights = withFeedforward();
+  LateralLimits limits;
+  LateralModel model;
+  SwitchCriterion criterion;
+  LoiterOptions loiter;
+  SafetyOptions safety;
+  double period = 0.05;            ///< between two calls [s]
+  double airspeed_nominal = 14.0;  ///< [m/s]
+  int applied_move = 1;            ///< of the horizon: 1 as published, or 0 with `delay`
+  double delay = 0.0;              ///< from the state to the effect of the command, predicted over [s]
+  int iterations = 1;              ///< at most, in one call
+  double kkt_tolerance = 1e-3;     ///< at which iterations stop
+};
+
+/// The one list of what a running guidance may change.
+template <class Options, class Visit>
+void visitSafety(Options& safety, Visit&& visit) {
+  visit("safety/state_timeout", safety.state_timeout, "s", Range{0.01, 10.0});
+  visit("safety/airspeed_timeout", safety.airspeed_timeout, "s", Range{0.01, 60.0});
+  visit("safety/wind_timeout", safety.wind_timeout, "s", Range{0.01, 600.0});
+  visit("safety/airspeed_min", safety.airspeed_min, "m/s", Range{1.0, 100.0});
+  visit("safety/wind_share_max", safety.wind_share_max, "", Range{0.1, 0.99});
+  visit("safety/hysteresis", safety.hysteresis, "", Range{0.0, 0.5});
+  visit("safety/jump_distance", safety.jump_distance, "m", Range{0.5, 1000.0});
+  visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0});
+  visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0});
+  visit("safety/upwind_gain", safety.upwind_gain, "1/s", Range{0.01, 5.0});
+}
+
+/// The one list of all options but the loiter's direction.
+template <class Options, class Visit>
+void visitGuidance(Options& options, Visit&& visit) {
+  visitHorizon(options.horizon, visit);
+  visitTuning(options.weights, visit);
+  visitLimits(options.limits, visit);
+  visitSafety(options.safety, visit);
+  visit("model/a0", options.model.a0, "1/s^2", Range{0.1, 1e4});
+  visit("model/a1", options.model.a1, "1/s", Range{0.1, 1e3});
+  visit("model/b0", options.model.b0, "1/s^2", Range{0.1, 1e4});
+  visit("model/gravity", options.model.gravity, "m/s^2", Range{1.0, 30.0});
+  visit("model/switch_rate", options.model.switch_rate, "1/s", Range{1e-3, 1e3});
+  visit("model/switch_threshold", options.model.switch_threshold, "", Range{1e-6, 1e3});
+  visit("path/acceptance_radius", options.criterion.acceptance_radius, "m", Range{0.1, 1e4});
+  visit("path/smooth_radius", options.criterion.smooth_radius, "m", Range{0.1, 1e4});
+  visit("path/course_tolerance", options.criterion.course_tolerance, "rad", Range{0.01, 3.14});
+  visit("path/loiter_radius", options.loiter.radius, "m", Range{1.0, 1e5});
+  visit("guidance/period", options.period, "s", Range{0.005, 1.0});
+  visit("guidance/airspeed_nominal", options.airspeed_nominal, "m/s", Range{1.0, 200.0});
+  visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
+  visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
+  visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});
+  visit("guidance/kkt_tolerance", options.kkt_tolerance, "", Range{1e-12, 1e3});
+}
+
+/// Throws Error naming the key, its range and its value, after `where`.
+void checkGuidance(const GuidanceOptions& options, const std::string& where);
+
+}  // namespace polyfly

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fixedwing_lateral/dubins.hpp"
+#include "fixedwing_lateral/path.hpp"
+#include "fixedwing_lateral/switch_gate.hpp"
+
+namespace polyfly {
+
+/// The circle that is flown when a mission ends.
+struct LoiterOptions {
+  double radius = 60.0;  ///< [m], > 0
+  TurnDirection direction = TurnDirection::kRight;
+};
+
+/// Segments in order of flight; the last is a loiter.
+struct Mission {
+  std::vector<PathSegment> segments;
+};
+
+/// The segments, with a loiter that begins where the last one ends, unless that is one already. Throws
+/// polyfly::Error, beginning with `where` and the segment's number, on no segment, one that breaks a rule of
+/// path.hpp, or a loiter before the end.
+Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loiter, const std::string& where);
+
+/// Lines from each point to the next, then the loiter. Points closer together than kShortestSegment are one.
+Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
+                       const std::string& where);
+
+/// Where an aircraft is in its mission. Advances where the switch condition is met, and where the end of a
+/// segment was passed without meeting it (beside the acceptance radius, or in another direction).
+class MissionTrack {
+ public:
+  /// One gate for each segment. Throws polyfly::Error like SwitchGate.
+  MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where);
+  MissionTrack() = default;  ///< nothing to fly
+
+  bool empty() const noexcept { return mission_.segments.empty(); }
+  int count() const noexcept { return static_cast<int>(mission_.segments.size()); }
+  int index() const noexcept { return index_; }  ///< of the segment that is flown
+  bool isLoitering() const noexcept { return !empty() && index_ == count() - 1; }
+
+  // Of a track that is not empty.
+  const PathSegment& current() const noexcept { return mission_.segments[index_]; }
+  const PathSegment& next() const noexcept { return mission_.segments[isLoitering() ? index_ : index_ + 1]; }
+  const SwitchGate& gate() const noexcept { return gates_[index_]; }
+  const std::vector<PathSegment>& segments() const noexcept { return mission_.segments; }
+
+  /// Goes on by at most one segment; true where it did. Allocates nothing.
+  bool advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) noexcept;
+
+ private:
+  bool hasPassedEnd(const Eigen::Vector2d& position) noexcept;
+
+  Mission mission_;
+  std::vector<SwitchGate> gates_;
+  int index_ = 0;
+  bool near_end_ = false;  // on the second half of the segment, at the last call
+};
+
+}  // namespace polyfly

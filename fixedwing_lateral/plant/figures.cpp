@@ -1,0 +1,49 @@
+#include "fixedwing_plant/figures.hpp"
+
+#include <random>
+
+namespace polyfly {
+namespace {
+
+constexpr double kTurnRadius = 45.0;  // V^2 / (g tan 24 deg) at 14 m/s [m]
+
+double degrees(double angle) { return angle * kPi / 180.0; }
+
+}  // namespace
+
+Mission boxFigure() {
+  LoiterOptions loiter;
+  loiter.radius = 60.0;
+  return missionThrough({{0.0, 0.0}, {300.0, 0.0}, {300.0, 300.0}, {0.0, 300.0}, {0.0, 0.0}, {200.0, 0.0}},
+                        loiter, "box");
+}
+
+Mission dubinsFigure() {
+  const std::vector<PathPose> poses = {{{0.0, 0.0}, degrees(0.0)},
+                                       {{220.0, 60.0}, degrees(60.0)},
+                                       {{120.0, 300.0}, degrees(180.0)},
+                                       {{-80.0, 200.0}, degrees(-60.0)},
+                                       {{60.0, -80.0}, degrees(20.0)}};
+  LoiterOptions loiter;
+  loiter.radius = 60.0;
+  loiter.direction = TurnDirection::kLeft;
+  return makeMission(planDubins(poses, kTurnRadius, "figure"), loiter, "figure");
+}
+
+Mission randomMission(int segments, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-400.0, 400.0);
+  std::uniform_real_distribution<double> any(-kPi, kPi);
+  std::uniform_real_distribution<double> radius(45.0, 80.0);
+  std::vector<PathSegment> all;
+  PathPose from;
+  while (static_cast<int>(all.size()) < segments) {
+    const PathPose to{{place(random), place(random)}, any(random)};
+    for (const PathSegment& segment : planDubins({from, to}, radius(random), "random"))
+      all.push_back(segment);
+    from = to;
+  }
+  return makeMission(std::move(all), LoiterOptions{}, "random");
+}
+
+}  // namespace polyfly

@@ -1,0 +1,267 @@
+#include "fixedwing_lateral/guidance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fixedwing_lateral/check_range.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+using Index = LateralIndex;
+
+constexpr double kHorizonLife = 0.5;              // after which the nodes are too old to begin with [s]
+constexpr double kSteepest = 80.0 / 180.0 * kPi;  // roll beyond which the model says nothing [rad]
+
+bool isFinite(const AircraftState& state) noexcept {
+  return state.position.allFinite() && state.ground_velocity.allFinite() && std::isfinite(state.heading) &&
+         std::isfinite(state.roll) && std::isfinite(state.roll_rate) && std::isfinite(state.stamp) &&
+         std::abs(state.roll) < kSteepest;
+}
+
+}  // namespace
+
+const char* toString(GuidanceMode mode) noexcept {
+  switch (mode) {
+    case GuidanceMode::kTracking:
+      return "tracking";
+    case GuidanceMode::kHoldHorizon:
+      return "flying the last horizon";
+    case GuidanceMode::kUpwind:
+      return "into the wind";
+    case GuidanceMode::kLevel:
+      return "wings level";
+    case GuidanceMode::kStandby:
+      return "standby";
+  }
+  return "unknown";
+}
+
+const char* toString(GuidanceReason reason) noexcept {
+  switch (reason) {
+    case GuidanceReason::kNone:
+      return "nominal";
+    case GuidanceReason::kNotEngaged:
+      return "the autopilot is in another mode";
+    case GuidanceReason::kNoMission:
+      return "no mission";
+    case GuidanceReason::kNotFinite:
+      return "a state that is not finite or rolled too far";
+    case GuidanceReason::kStale:
+      return "a stale state";
+    case GuidanceReason::kJump:
+      return "a jump of the position";
+    case GuidanceReason::kSolver:
+      return "the optimisation failed";
+    case GuidanceReason::kLowAirspeed:
+      return "low airspeed";
+    case GuidanceReason::kStrongWind:
+      return "wind near or above the airspeed";
+    case GuidanceReason::kAirspeedAssumed:
+      return "no airspeed: the nominal one is assumed";
+    case GuidanceReason::kWindAssumed:
+      return "no wind estimate: taken from the ground velocity";
+  }
+  return "unknown";
+}
+
+void checkGuidance(const GuidanceOptions& options, const std::string& where) {
+  visitGuidance(options, RangeCheck(where));
+  if (options.delay > 0.0 && options.applied_move != 0)
+    throw Error(where +
+                ": guidance/delay: the second move is for a step later already; set applied_move to 0");
+}
+
+LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::string& where)
+    : options_((checkGuidance(options, where), options)),
+      air_(options),
+      nmpc_(options.model, options.horizon, where),
+      kept_moves_(options.horizon.horizon) {
+  nmpc_.setTuning(options.weights, options.limits);
+}
+
+void LateralGuidance::setMission(Mission mission) {
+  track_ = MissionTrack(std::move(mission), options_.criterion, "mission");
+  needs_restart_ = true;
+}
+
+void LateralGuidance::clearMission() { track_ = MissionTrack(); }
+
+void LateralGuidance::setTuning(const LateralWeights& weights, const LateralLimits& limits,
+                                const SafetyOptions& safety) noexcept {
+  options_.weights = weights;
+  options_.limits = limits;
+  options_.safety = safety;
+  air_.setSafety(safety);
+  nmpc_.setTuning(weights, limits);
+  prepared_ = false;
+}
+
+const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexcept {
+  output_.restarted = false;
+  output_.nmpc = NmpcReport{};
+  const GuidanceReason bad = fault(input);
+  if (bad != GuidanceReason::kNone) {
+    output_.reason = bad;
+    holdOrLevel(input.time);
+    return output_;
+  }
+  const AircraftState& state = input.state;
+  air_.update(input.time, input.airspeed, input.wind, state.ground_velocity, state.heading);
+  output_.airspeed = air_.airspeed();
+  output_.wind = air_.wind();
+  if (track_.advance(state.position, state.ground_velocity)) {
+    nmpc_.clearSwitch();
+    prepared_ = false;
+  }
+  output_.segment = track_.index();
+  output_.segment_count = track_.count();
+  output_.loitering = track_.isLoitering();
+  if (!track_.empty())
+    output_.error = trackError(closestPoint(track_.current(), state.position).point, state.position,
+                               state.ground_velocity);
+
+  if (!input.engaged) {
+    needs_restart_ = true;
+    const double limit = options_.limits.roll_reference;
+    command(GuidanceMode::kStandby, GuidanceReason::kNotEngaged, std::clamp(state.roll, -limit, limit));
+  } else if (track_.empty()) {
+    needs_restart_ = true;
+    command(GuidanceMode::kLevel, GuidanceReason::kNoMission, 0.0);
+  } else if (air_.isSlow()) {
+    needs_restart_ = true;
+    command(GuidanceMode::kLevel, GuidanceReason::kLowAirspeed, 0.0);
+  } else if (air_.isWindy()) {
+    needs_restart_ = true;
+    command(GuidanceMode::kUpwind, GuidanceReason::kStrongWind, upwindReference(state.heading));
+  } else if (solve(input)) {
+    keepHorizon(input.time);
+    const GuidanceReason reason = air_.airspeedAssumed() ? GuidanceReason::kAirspeedAssumed
+                                  : air_.windAssumed()   ? GuidanceReason::kWindAssumed
+                                                         : GuidanceReason::kNone;
+    command(GuidanceMode::kTracking, reason, nmpc_.moves()[options_.applied_move]);
+  } else {
+    needs_restart_ = true;
+    output_.reason = GuidanceReason::kSolver;
+    holdOrLevel(input.time);
+  }
+  return output_;
+}
+
+void LateralGuidance::prepare() noexcept {
+  if (needs_restart_ || track_.empty()) return;
+  nmpc_.keepAsPrevious(options_.period / options_.horizon.step);
+  fillData();
+  prepared_ = nmpc_.prepare(data_);
+}
+
+GuidanceReason LateralGuidance::fault(const GuidanceInput& input) noexcept {
+  const AircraftState& state = input.state;
+  if (!isFinite(state) || !std::isfinite(input.time)) return GuidanceReason::kNotFinite;
+  if (std::abs(input.time - state.stamp) > options_.safety.state_timeout) return GuidanceReason::kStale;
+  return hasJumped(state) ? GuidanceReason::kJump : GuidanceReason::kNone;
+}
+
+// A position is expected where the last velocity leads. One that is not is believed after a while, as is one
+// after a pause too long to expect anything.
+bool LateralGuidance::hasJumped(const AircraftState& state) noexcept {
+  const SafetyOptions& safety = options_.safety;
+  const double elapsed = state.stamp - place_.stamp;
+  if (has_place_ && elapsed >= 0.0 && elapsed <= safety.hold_time) {
+    const Eigen::Vector2d expected =
+        place_.position + 0.5 * elapsed * (place_.ground_velocity + state.ground_velocity);
+    if ((state.position - expected).norm() > safety.jump_distance) {
+      if (!jumping_) jump_since_ = state.stamp;
+      jumping_ = true;
+      if (state.stamp - jump_since_ < safety.jump_patience) return true;
+    }
+  }
+  needs_restart_ = needs_restart_ || jumping_;
+  jumping_ = false;
+  has_place_ = true;
+  place_ = state;
+  return false;
+}
+
+bool LateralGuidance::solve(const GuidanceInput& input) noexcept {
+  const LateralState state = predicted(input.state);
+  const double age = input.time - horizon_time_;
+  if (needs_restart_ || !(age >= 0.0 && age <= kHorizonLife)) restart(state);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    if (!prepared_) {
+      fillData();
+      prepared_ = nmpc_.prepare(data_);
+    }
+    prepared_ = false;
+    output_.nmpc = nmpc_.feedback(state);
+    if (options_.iterations > 1 && output_.nmpc.status == NmpcStatus::kOptimal) {
+      const int first = output_.nmpc.iterations;
+      output_.nmpc = nmpc_.iterate(data_, state, options_.iterations - 1, options_.kkt_tolerance);
+      output_.nmpc.iterations += first;
+    }
+    if (output_.nmpc.status != NmpcStatus::kNotFinite) return true;
+    restart(state);
+  }
+  return false;
+}
+
+LateralState LateralGuidance::predicted(const AircraftState& state) const noexcept {
+  LateralState now;
+  now << state.position.x(), state.position.y(), state.roll, state.heading, state.roll_rate, 0.0;
+  if (options_.delay <= 0.0) return now;
+  LateralConditions conditions;
+  conditions.airspeed = air_.airspeed();
+  conditions.wind = air_.wind();
+  return integrate(options_.model, conditions, now, {output_.roll_reference, options_.delay});
+}
+
+void LateralGuidance::fillData() noexcept {
+  data_.conditions.airspeed = air_.airspeed();
+  data_.conditions.wind = air_.wind();
+  data_.conditions.gate = track_.gate();
+  data_.current = track_.current();
+  data_.next = track_.next();
+}
+
+void LateralGuidance::restart(const LateralState& state) noexcept {
+  fillData();
+  nmpc_.reset(data_, state, state[Index::kRoll]);
+  needs_restart_ = false;
+  prepared_ = false;
+  output_.restarted = true;
+}
+
+void LateralGuidance::keepHorizon(double time) noexcept {
+  std::copy(nmpc_.moves(), nmpc_.moves() + nmpc_.horizon(), kept_moves_.begin());
+  horizon_time_ = time;
+}
+
+void LateralGuidance::holdOrLevel(double time) noexcept {
+  const double since = time - horizon_time_;
+  if (since >= 0.0 && since <= options_.safety.hold_time) {
+    const int later = options_.applied_move + static_cast<int>(since / options_.horizon.step);
+    if (later < nmpc_.horizon()) {
+      command(GuidanceMode::kHoldHorizon, output_.reason, kept_moves_[later]);
+      return;
+    }
+  }
+  command(GuidanceMode::kLevel, output_.reason, 0.0);
+}
+
+// Towards the heading against the wind, by a coordinated turn at a rate in proportion.
+double LateralGuidance::upwindReference(double heading) const noexcept {
+  const double against = std::atan2(-air_.wind().y(), -air_.wind().x());
+  const double rate = options_.safety.upwind_gain * wrapCourse(against - heading);
+  const double limit = options_.limits.roll_reference;
+  return std::clamp(std::atan(air_.airspeed() * rate / options_.model.gravity), -limit, limit);
+}
+
+void LateralGuidance::command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept {
+  output_.mode = mode;
+  output_.reason = reason;
+  const double limit = options_.limits.roll_reference;
+  output_.roll_reference = std::isfinite(roll_reference) ? std::clamp(roll_reference, -limit, limit) : 0.0;
+}
+
+}  // namespace polyfly

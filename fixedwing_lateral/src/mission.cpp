@@ -1,0 +1,91 @@
+#include "fixedwing_lateral/mission.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+LoiterCircle loiterAt(const PathPoint& end, const LoiterOptions& options) {
+  const double turn = options.direction == TurnDirection::kRight ? 1.0 : -1.0;
+  const Eigen::Vector2d inward = turn * Eigen::Vector2d(-end.tangent.y(), end.tangent.x());
+  return {end.position + options.radius * inward, options.radius, options.direction};
+}
+
+constexpr double kSmoothGap = 1.0;       // between an end and the next segment, at most [m]
+constexpr double kSmoothCosine = 0.995;  // of the angle between their directions, at least
+
+/// The next segment goes on where this one ends, in the same direction.
+bool isSmooth(const PathSegment& segment, const PathSegment& next) {
+  const PathPoint end = pointAt(segment, length(segment));
+  const ClosestPoint onward = closestPoint(next, end.position);
+  return (onward.point.position - end.position).norm() < kSmoothGap &&
+         onward.point.tangent.dot(end.tangent) > kSmoothCosine &&
+         !(length(next) - onward.remaining > kSmoothGap);  // it begins there
+}
+
+}  // namespace
+
+Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loiter,
+                    const std::string& where) {
+  if (segments.empty()) throw Error(where + ": needs at least one segment");
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const std::string name = where + ": segment " + std::to_string(i);
+    checkSegment(segments[i], name);
+    if (std::holds_alternative<LoiterCircle>(segments[i]) && i + 1 < segments.size())
+      throw Error(name + ": a loiter has no end, so it must be the last");
+  }
+  if (!std::holds_alternative<LoiterCircle>(segments.back())) {
+    const PathSegment end = loiterAt(pointAt(segments.back(), length(segments.back())), loiter);
+    checkSegment(end, where + ": loiter");
+    segments.push_back(end);
+  }
+  return {std::move(segments)};
+}
+
+Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
+                       const std::string& where) {
+  std::vector<PathSegment> segments;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if ((points[i] - points[i - 1]).norm() < kShortestSegment) continue;
+    segments.emplace_back(LineSegment{points[i - 1], points[i]});
+  }
+  if (segments.empty()) throw Error(where + ": needs at least two points apart from each other");
+  return makeMission(std::move(segments), loiter, where);
+}
+
+MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where)
+    : mission_(std::move(mission)) {
+  gates_.reserve(mission_.segments.size());
+  for (std::size_t i = 0; i < mission_.segments.size(); ++i) {
+    SwitchCriterion here = criterion;
+    const bool last = i + 1 == mission_.segments.size();
+    if (!last && isSmooth(mission_.segments[i], mission_.segments[i + 1]))
+      here.acceptance_radius = std::min(criterion.acceptance_radius, criterion.smooth_radius);
+    gates_.emplace_back(mission_.segments[i], here, where);
+  }
+}
+
+bool MissionTrack::advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) noexcept {
+  if (empty() || isLoitering()) return false;
+  if (!gate().isMet(position, ground_velocity) && !hasPassedEnd(position)) return false;
+  ++index_;
+  near_end_ = false;
+  return true;
+}
+
+// A line that lies behind is never met again. A circle comes round again, so of an arc only an end that was
+// passed while it was flown counts.
+bool MissionTrack::hasPassedEnd(const Eigen::Vector2d& position) noexcept {
+  const ClosestPoint nearest = closestPoint(current(), position);
+  if (nearest.foot == Foot::kPastEnd && (near_end_ || std::holds_alternative<LineSegment>(current())))
+    return true;
+  near_end_ = nearest.foot == Foot::kOnSegment && nearest.remaining < 0.5 * length(current());
+  return false;
+}
+
+}  // namespace polyfly
