@@ -13,8 +13,8 @@ double degrees(double angle) { return angle * kPi / 180.0; }
 
 Mission boxFigure() {
   LoiterOptions loiter;
-  loiter.radius = 60.0;
-  return missionThrough({{0.0, 0.0}, {300.0, 0.0}, {300.0, 300.0}, {0.0, 300.0}, {0.0, 0.0}, {200.0, 0.0}},
+  loiter.radius = 100.0;
+  return missionThrough({{0.0, 0.0}, {400.0, 0.0}, {400.0, 400.0}, {0.0, 400.0}, {0.0, 0.0}, {400.0, 0.0}},
                         loiter, "box");
 }
 
@@ -32,9 +32,9 @@ Mission dubinsFigure() {
 
 Mission randomMission(int segments, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(-400.0, 400.0);
+  std::uniform_real_distribution<double> place(-300.0, 300.0);
   std::uniform_real_distribution<double> any(-kPi, kPi);
-  std::uniform_real_distribution<double> radius(45.0, 80.0);
+  std::uniform_real_distribution<double> radius(45.0, 70.0);
   std::vector<PathSegment> all;
   PathPose from;
   while (static_cast<int>(all.size()) < segments) {

@@ -13,35 +13,36 @@ bool isRecent(double stamp, double time, double timeout) noexcept {
   return time - stamp <= timeout && stamp - time <= timeout;
 }
 
-/// A limit that, once exceeded, is left again only with a margin.
-bool exceeds(double value, double limit, bool before, double margin) noexcept {
-  return value > (before ? limit * (1.0 - margin) : limit);
-}
-
 }  // namespace
 
 AirData::AirData(const GuidanceOptions& options)
-    : safety_(options.safety), nominal_(options.airspeed_nominal), airspeed_(options.airspeed_nominal) {}
+    : safety_(options.safety),
+      nominal_(options.airspeed_nominal),
+      correction_time_(options.wind_correction_time),
+      airspeed_(options.airspeed_nominal) {}
 
-void AirData::update(double time, const Stamped<double>& airspeed, const Stamped<Eigen::Vector2d>& wind,
+void AirData::update(double time, const StampedAirspeed& airspeed, const StampedWind& wind,
                      const Eigen::Vector2d& ground_velocity, double heading) noexcept {
   airspeed_assumed_ = !std::isfinite(airspeed.value) || airspeed.value < 0.0 ||
                       !isRecent(airspeed.stamp, time, safety_.airspeed_timeout);
   const double speed = airspeed_assumed_ ? nominal_ : airspeed.value;
-  slow_ = exceeds(-speed, -safety_.airspeed_min, slow_, safety_.hysteresis);
+  slow_ = speed < safety_.airspeed_min * (slow_ ? 1.0 + safety_.hysteresis : 1.0);
   airspeed_ = std::max(speed, kLeastAirspeed);
 
-  const double elapsed = std::clamp(time - last_time_, 0.0, kAssumedWindTime);
+  const double elapsed = std::max(0.0, time - last_time_);
   last_time_ = time;
+  const Eigen::Vector2d air = airspeed_ * Eigen::Vector2d(std::cos(heading), std::sin(heading));
   wind_assumed_ = !wind.value.allFinite() || !isRecent(wind.stamp, time, safety_.wind_timeout);
-  if (wind_assumed_) {
-    const Eigen::Vector2d air = airspeed_ * Eigen::Vector2d(std::cos(heading), std::sin(heading));
-    const Eigen::Vector2d assumed = ground_velocity - air;
-    wind_ += elapsed / kAssumedWindTime * (assumed - wind_);
-  } else {
-    wind_ = wind.value;
+  if (!wind_assumed_) estimate_ = wind.value;
+  // What the ground velocity has and the estimate has not: gusts, and what heading and airspeed are off by.
+  const double time_constant = wind_assumed_ ? kAssumedWindTime : correction_time_;
+  if (time_constant > 0.0) {
+    const Eigen::Vector2d missing = ground_velocity - air - estimate_;
+    correction_ += std::min(1.0, elapsed / time_constant) * (missing - correction_);
   }
-  windy_ = exceeds(wind_.norm(), safety_.wind_share_max * airspeed_, windy_, safety_.hysteresis);
+  wind_ = estimate_ + correction_;
+  const double strong = safety_.wind_share_max * airspeed_;
+  windy_ = wind_.norm() > strong * (windy_ ? 1.0 - safety_.hysteresis : 1.0);
 }
 
 }  // namespace polyfly

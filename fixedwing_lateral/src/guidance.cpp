@@ -12,11 +12,12 @@ namespace {
 using Index = LateralIndex;
 
 constexpr double kHorizonLife = 0.5;              // after which the nodes are too old to begin with [s]
+constexpr double kFastest = 20.0;                 // roll rate beyond which it is none [rad/s]
 constexpr double kSteepest = 80.0 / 180.0 * kPi;  // roll beyond which the model says nothing [rad]
 
 bool isFinite(const AircraftState& state) noexcept {
   return state.position.allFinite() && state.ground_velocity.allFinite() && std::isfinite(state.heading) &&
-         std::isfinite(state.roll) && std::isfinite(state.roll_rate) && std::isfinite(state.stamp) &&
+         std::isfinite(state.stamp) && std::abs(state.roll_rate) < kFastest &&
          std::abs(state.roll) < kSteepest;
 }
 

@@ -7,10 +7,13 @@
 namespace polyfly {
 
 /// A measurement, or none yet.
-template <class Value>
-struct Stamped {
-  Value value{};
+struct StampedAirspeed {
+  double value = 0.0;     ///< [m/s]
   double stamp = -1e300;  ///< [s]
+};
+struct StampedWind {
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();  ///< where the air moves to (north, east) [m/s]
+  double stamp = -1e300;                            ///< [s]
 };
 
 /// Airspeed and wind that can be flown by, whatever comes in.
@@ -22,7 +25,7 @@ class AirData {
 
   /// `ground_velocity` (north, east) [m/s] and `heading` [rad] must be finite; the stamped values may be
   /// anything.
-  void update(double time, const Stamped<double>& airspeed, const Stamped<Eigen::Vector2d>& wind,
+  void update(double time, const StampedAirspeed& airspeed, const StampedWind& wind,
               const Eigen::Vector2d& ground_velocity, double heading) noexcept;
 
   double airspeed() const noexcept { return airspeed_; }          ///< [m/s], positive
@@ -35,8 +38,11 @@ class AirData {
  private:
   SafetyOptions safety_;
   double nominal_ = 0.0;
+  double correction_time_ = 0.0;
   double airspeed_ = 0.0;
   Eigen::Vector2d wind_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d estimate_ = Eigen::Vector2d::Zero();    // the last that came in
+  Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  // of it
   double last_time_ = -1e300;
   bool airspeed_assumed_ = true;
   bool wind_assumed_ = true;

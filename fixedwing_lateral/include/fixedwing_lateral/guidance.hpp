@@ -25,9 +25,9 @@ struct AircraftState {
 struct GuidanceInput {
   double time = 0.0;  ///< now [s]
   AircraftState state;
-  Stamped<double> airspeed;       ///< [m/s]
-  Stamped<Eigen::Vector2d> wind;  ///< where the air moves to (north, east) [m/s]
-  bool engaged = true;            ///< the autopilot follows our commands
+  StampedAirspeed airspeed;  ///< [m/s]
+  StampedWind wind;          ///< where the air moves to (north, east) [m/s]
+  bool engaged = true;       ///< the autopilot follows our commands
 };
 
 /// Where the command comes from, from best to worst.
@@ -44,7 +44,7 @@ enum class GuidanceReason : std::uint8_t {
   kNone,
   kNotEngaged,
   kNoMission,
-  kNotFinite,  ///< a NaN, an infinity or a roll of 80 degrees and more in the state
+  kNotFinite,  ///< a NaN, an infinity, roll of 80 degrees or 20 rad/s and more
   kStale,      ///< the state is too old, or from the future
   kJump,       ///< the position is not where it was expected
   kSolver,     ///< the optimisation failed, also after beginning anew

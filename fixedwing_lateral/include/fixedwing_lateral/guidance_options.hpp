@@ -39,10 +39,13 @@ struct GuidanceOptions {
   SafetyOptions safety;
   double period = 0.05;            ///< between two calls [s]
   double airspeed_nominal = 14.0;  ///< [m/s]
-  int applied_move = 1;            ///< of the horizon: 1 as published, or 0 with `delay`
-  double delay = 0.0;              ///< from the state to the effect of the command, predicted over [s]
-  int iterations = 1;              ///< at most, in one call
-  double kkt_tolerance = 1e-3;     ///< at which iterations stop
+  double wind_correction_time =
+      1.0;                      ///< in which the wind follows what ground and air velocity differ by, so that
+                                ///< the predicted course begins as the measured one; 0: not at all [s]
+  int applied_move = 1;         ///< of the horizon: 1 as published, or 0 with `delay`
+  double delay = 0.0;           ///< from the state to the effect of the command, predicted over [s]
+  int iterations = 1;           ///< at most, in one call
+  double kkt_tolerance = 1e-3;  ///< at which iterations stop
 };
 
 /// The one list of what a running guidance may change.
@@ -79,6 +82,7 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("path/loiter_radius", options.loiter.radius, "m", Range{1.0, 1e5});
   visit("guidance/period", options.period, "s", Range{0.005, 1.0});
   visit("guidance/airspeed_nominal", options.airspeed_nominal, "m/s", Range{1.0, 200.0});
+  visit("guidance/wind_correction_time", options.wind_correction_time, "s", Range{0.0, 60.0});
   visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
   visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
   visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});

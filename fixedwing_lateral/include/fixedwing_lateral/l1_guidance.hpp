@@ -1,0 +1,34 @@
+#pragma once
+
+#include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral/mission.hpp"
+
+namespace polyfly {
+
+struct L1Options {
+  double period = 16.0;           ///< of the path's oscillation [s], > 0
+  double damping = 0.75;          ///< [-], > 0
+  double roll_limit = 0.6108652;  ///< [rad]
+  double gravity = 9.81;          ///< [m/s^2]
+};
+
+/// The guidance of many autopilots, to compare with: towards a point of the path at the distance L1 ahead, by
+/// the lateral acceleration 2 v^2 / L1 sin(eta) of the ground velocity (Park, Deyst and How, 2004), L1 in
+/// proportion to the ground speed. It sees one segment and no roll dynamics. Missions as in LateralGuidance;
+/// no safety ladder.
+class L1Guidance {
+ public:
+  /// Throws polyfly::Error like MissionTrack.
+  L1Guidance(Mission mission, const SwitchCriterion& criterion, const L1Options& options);
+
+  /// `input` must be finite. Allocates nothing.
+  GuidanceOutput update(const GuidanceInput& input) noexcept;
+
+  const MissionTrack& track() const noexcept { return track_; }
+
+ private:
+  MissionTrack track_;
+  L1Options options_;
+};
+
+}  // namespace polyfly

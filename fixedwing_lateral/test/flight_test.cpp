@@ -1,0 +1,208 @@
+// Closed loops over the chapter's figures: on the controller's own model, and on an aircraft that it does not
+// know.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fixedwing_lateral/l1_guidance.hpp"
+#include "fixedwing_plant/figures.hpp"
+#include "fixedwing_plant/flight_metrics.hpp"
+
+namespace {
+
+using namespace polyfly;
+using Eigen::Vector2d;
+
+constexpr double kSettle = 0.5;  // share of a segment's time for joining it
+constexpr double kWindow = 7.0;  // before a segment's end the next one is in the horizon [s]
+const Vector2d kHalfAirspeed(0.6 * 7.0, -0.8 * 7.0);
+
+AircraftState atOrigin(double heading = 0.0) {
+  AircraftState state;
+  state.heading = heading;
+  state.ground_velocity = {14.0 * std::cos(heading), 14.0 * std::sin(heading)};
+  return state;
+}
+
+struct Flight {
+  std::vector<FlightSample> samples;
+  FlightMetrics metrics;
+};
+
+Flight flyNmpc(const Mission& mission, Aircraft& aircraft, const SensorOptions& faults = {},
+               double duration = 240.0) {
+  GuidanceOptions options;
+  LateralGuidance guidance(options, "test");
+  guidance.setMission(mission);
+  Sensors sensors(faults, 7);
+  Flight flight;
+  flight.samples = flyLaw(aircraft, sensors, lawOf(guidance), options.period, duration);
+  flight.metrics = flightMetrics(mission.segments, flight.samples, kSettle, kWindow);
+  return flight;
+}
+
+Flight flyL1(const Mission& mission, Aircraft& aircraft) {
+  L1Guidance guidance(mission, SwitchCriterion{}, L1Options{});
+  Sensors sensors({}, 7);
+  Flight flight;
+  flight.samples = flyLaw(
+      aircraft, sensors, [&](const GuidanceInput& input) { return guidance.update(input); }, 0.05, 240.0);
+  flight.metrics = flightMetrics(mission.segments, flight.samples, kSettle, kWindow);
+  return flight;
+}
+
+void expectInOrder(const Flight& flight, const Mission& mission) {
+  int last = 0;
+  for (const FlightSample& sample : flight.samples) {
+    EXPECT_GE(sample.output.segment, last);
+    EXPECT_LE(sample.output.segment, last + 1);
+    last = sample.output.segment;
+  }
+  EXPECT_EQ(last + 1, static_cast<int>(mission.segments.size()));
+}
+
+void expectWithinLimits(const Flight& flight) {
+  EXPECT_LE(flight.metrics.roll_largest, 0.6108652 + 0.01);
+  EXPECT_LE(flight.metrics.rate_largest, 1.5);
+}
+
+TEST(Flight, BoxInCalm) {
+  const Mission mission = boxFigure();
+  ChapterAircraft aircraft(LateralModel{}, atOrigin(), 14.0, {0.0, 0.0});
+  const Flight flight = flyNmpc(mission, aircraft);
+  expectInOrder(flight, mission);
+  expectWithinLimits(flight);
+  EXPECT_LT(flight.metrics.converged, 1.0);
+  EXPECT_LT(flight.metrics.loiter, 1.0);
+  EXPECT_LT(flight.metrics.overshoot, 5.0);
+}
+
+TEST(Flight, BoxInWindOfHalfTheAirspeed) {
+  const Mission mission = boxFigure();
+  ChapterAircraft aircraft(LateralModel{}, atOrigin(), 14.0, kHalfAirspeed);
+  const Flight flight = flyNmpc(mission, aircraft);
+  expectInOrder(flight, mission);
+  expectWithinLimits(flight);
+  EXPECT_LT(flight.metrics.converged, 3.0);
+  EXPECT_LT(flight.metrics.loiter, 3.0);
+}
+
+TEST(Flight, DubinsInCalm) {
+  const Mission mission = dubinsFigure();
+  ChapterAircraft aircraft(LateralModel{}, atOrigin(), 14.0, {0.0, 0.0});
+  const Flight flight = flyNmpc(mission, aircraft);
+  expectInOrder(flight, mission);
+  expectWithinLimits(flight);
+  EXPECT_LT(flight.metrics.converged, 3.0);
+  EXPECT_LT(flight.metrics.loiter, 1.0);
+  double late = 0.0;  // everywhere once the path was joined, junctions included
+  for (const FlightSample& sample : flight.samples)
+    if (sample.time > 10.0) late = std::max(late, pathDistance(mission.segments, sample));
+  EXPECT_LT(late, 3.0);
+}
+
+TEST(Flight, AnAircraftThatItDoesNotKnow) {
+  for (const bool windy : {false, true}) {
+    const Mission mission = boxFigure();
+    RoughOptions options;
+    if (windy) options.wind = kHalfAirspeed;
+    RoughAircraft aircraft(options, atOrigin(), 5);
+    const Flight flight = flyNmpc(mission, aircraft);
+    expectInOrder(flight, mission);
+    EXPECT_LT(flight.metrics.converged, windy ? 4.0 : 3.0);
+    EXPECT_LT(flight.metrics.loiter, 3.0);
+    EXPECT_LE(flight.metrics.rate_largest, options.roll_rate_max);
+    EXPECT_NEAR(aircraft.altitude(), options.altitude, 5.0);
+  }
+}
+
+TEST(Flight, ALoiterLikeTheOneOfARecordedSimulation) {
+  // Wind of 10 m/s, 60 m, 14 m/s: downwind the circle asks for more roll than the 35 degrees that are
+  // allowed. The two recorded ones leave it by 27.6 and 30.2 m.
+  const Mission mission = makeMission({LoiterCircle{{0.0, 0.0}, 60.0, TurnDirection::kRight}}, {}, "test");
+  AircraftState start = atOrigin();
+  start.position = {0.0, -60.0};
+  ChapterAircraft aircraft(LateralModel{}, start, 14.0, {0.0, -10.0});
+  const Flight flight = flyNmpc(mission, aircraft, {}, 120.0);
+  double late = 0.0;
+  for (const FlightSample& sample : flight.samples)
+    if (sample.time > 60.0) late = std::max(late, pathDistance(mission.segments, sample));
+  EXPECT_LT(late, 27.5);
+}
+
+TEST(Flight, PredictionCutsTheOvershootOfTheUsualGuidance) {
+  for (const bool windy : {false, true}) {
+    const Mission mission = boxFigure();
+    const Vector2d wind = windy ? kHalfAirspeed : Vector2d(0.0, 0.0);
+    ChapterAircraft one(LateralModel{}, atOrigin(), 14.0, wind);
+    ChapterAircraft other(LateralModel{}, atOrigin(), 14.0, wind);
+    const Flight nmpc = flyNmpc(mission, one);
+    const Flight usual = flyL1(mission, other);
+    expectInOrder(usual, mission);
+    EXPECT_LT(2.0 * nmpc.metrics.overshoot, usual.metrics.overshoot);
+    EXPECT_LT(nmpc.metrics.roll_effort, usual.metrics.roll_effort);
+  }
+}
+
+TEST(Flight, AnHourOfSegmentsGustsAndDropouts) {
+  const Mission mission = randomMission(300, 11);
+  RoughOptions options;
+  options.gust = 1.0;
+  options.wind = {2.0, -2.0};
+  RoughAircraft aircraft(options, atOrigin(), 3);
+  SensorOptions faults;
+  faults.position_noise = 0.3;
+  faults.angle_noise = 0.01;
+  faults.rate_noise = 0.02;
+  faults.airspeed_noise = 0.3;
+  faults.wind_lag = 3.0;
+  faults.wind_noise = 0.3;
+  faults.state_loss = 0.01;
+  faults.wind_loss = 0.005;
+  faults.nan_chance = 0.02;
+  faults.jump_chance = 0.01;
+  faults.loss_time = 2.0;
+  const Flight flight = flyNmpc(mission, aircraft, faults, 3600.0);
+  EXPECT_GE(mission.segments.size(), 300U);
+  expectInOrder(flight, mission);
+  int held = 0;
+  for (const FlightSample& sample : flight.samples) {
+    ASSERT_TRUE(std::isfinite(sample.roll_reference));
+    ASSERT_LE(std::abs(sample.roll_reference), 0.6108652382);
+    held += sample.output.mode == GuidanceMode::kHoldHorizon ? 1 : 0;
+  }
+  EXPECT_GT(held, 100);
+  EXPECT_LT(flight.metrics.rms, 10.0);
+  EXPECT_LT(flight.metrics.largest, 80.0);
+}
+
+TEST(Flight, IsTheSameEveryTime) {
+  RoughOptions options;
+  options.gust = 1.0;
+  RoughAircraft one(options, atOrigin(), 9);
+  RoughAircraft other(options, atOrigin(), 9);
+  const Flight first = flyNmpc(dubinsFigure(), one, {}, 30.0);
+  const Flight second = flyNmpc(dubinsFigure(), other, {}, 30.0);
+  for (std::size_t i = 0; i < first.samples.size(); ++i)
+    EXPECT_EQ(first.samples[i].roll_reference, second.samples[i].roll_reference);
+}
+
+TEST(RoughAircraft, HasGustsOfTheStatedStrength) {
+  RoughOptions options;
+  options.gust = 1.5;
+  RoughAircraft aircraft(options, atOrigin(), 17);
+  Vector2d sum = Vector2d::Zero();
+  Vector2d squares = Vector2d::Zero();
+  constexpr int kCount = 40000;
+  for (int i = 0; i < kCount; ++i) {
+    aircraft.fly(0.0, 0.1);
+    sum += aircraft.wind();
+    squares += aircraft.wind().cwiseAbs2();
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_NEAR(sum[axis] / kCount, 0.0, 0.3);
+    EXPECT_NEAR(std::sqrt(squares[axis] / kCount), 1.5, 0.25);
+  }
+}
+
+}  // namespace

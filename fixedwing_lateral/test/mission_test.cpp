@@ -1,0 +1,107 @@
+// Missions: loiter at the end, gates, ends that were missed, short segments.
+#include "fixedwing_lateral/mission.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "region_maps/error.hpp"
+
+namespace {
+
+using namespace polyfly;
+using Eigen::Vector2d;
+
+const SwitchCriterion kCriterion;
+const Vector2d kNorthward(14.0, 0.0);
+
+TEST(Mission, EndsInALoiterThatTheLastSegmentTouches) {
+  for (const TurnDirection direction : {TurnDirection::kLeft, TurnDirection::kRight}) {
+    const Mission mission = missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {70.0, direction}, "test");
+    ASSERT_EQ(mission.segments.size(), 2U);
+    const auto& loiter = std::get<LoiterCircle>(mission.segments.back());
+    EXPECT_EQ(loiter.direction, direction);
+    const ClosestPoint nearest = closestPoint(loiter, {200.0, 0.0});
+    EXPECT_LT((nearest.point.position - Vector2d(200.0, 0.0)).norm(), 1e-9);
+    EXPECT_LT((nearest.point.tangent - Vector2d(1.0, 0.0)).norm(), 1e-9);
+  }
+  const Mission own = makeMission({LoiterCircle{{5.0, 5.0}, 40.0, TurnDirection::kLeft}}, {}, "test");
+  EXPECT_EQ(own.segments.size(), 1U);
+}
+
+TEST(Mission, RefusesWhatCannotBeFlown) {
+  EXPECT_THROW(makeMission({}, {}, "test"), Error);
+  EXPECT_THROW(missionThrough({{1.0, 1.0}, {1.0, 1.0}}, {}, "test"), Error);
+  EXPECT_THROW(missionThrough({{1.0, 1.0}, {2.0, std::nan("")}}, {}, "test"), Error);
+  EXPECT_THROW(missionThrough({{1.0, 1.0}, {20.0, 1.0}}, {-5.0, TurnDirection::kLeft}, "test"), Error);
+  const LoiterCircle circle{{0.0, 0.0}, 50.0, TurnDirection::kRight};
+  try {
+    makeMission({LineSegment{{0.0, 0.0}, {9.0, 0.0}}, circle, circle}, {}, "test");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("test: segment 1: a loiter has no end"), std::string::npos);
+  }
+  EXPECT_EQ(missionThrough({{0.0, 0.0}, {0.0, 0.0}, {9.0, 0.0}}, {}, "test").segments.size(), 2U);
+}
+
+TEST(MissionTrack, CutsCornersAndDoesNotCutSmoothJunctions) {
+  MissionTrack corner(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
+                      "test");
+  EXPECT_FALSE(corner.advance({164.0, 0.0}, kNorthward));
+  EXPECT_TRUE(corner.advance({166.0, 0.0}, kNorthward));
+  EXPECT_EQ(corner.index(), 1);
+  MissionTrack straight(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {400.0, 0.0}}, {}, "test"), kCriterion,
+                        "test");
+  EXPECT_FALSE(straight.advance({189.0, 0.0}, kNorthward));
+  EXPECT_TRUE(straight.advance({191.0, 0.0}, kNorthward));
+}
+
+TEST(MissionTrack, GoesOnWhereALineLiesBehind) {
+  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
+                     "test");
+  EXPECT_FALSE(track.advance({190.0, 80.0}, kNorthward));  // far beside
+  EXPECT_TRUE(track.advance({201.0, 80.0}, kNorthward));
+  EXPECT_EQ(track.index(), 1);
+  EXPECT_FALSE(track.advance({201.0, 80.0}, kNorthward));
+}
+
+TEST(MissionTrack, GoesOnWhereTheEndOfAnArcWasPassedBeside) {
+  const ArcSegment arc{{0.0, 0.0}, 100.0, TurnDirection::kRight, 0.0, 4.0};
+  MissionTrack track(makeMission({arc, LineSegment{{0.0, 0.0}, {500.0, 0.0}}}, {}, "test"), kCriterion,
+                     "test");
+  const auto at = [](double bearing) {
+    return Vector2d(200.0 * std::cos(bearing), 200.0 * std::sin(bearing));
+  };
+  const auto along = [](double bearing) {
+    return Vector2d(-14.0 * std::sin(bearing), 14.0 * std::cos(bearing));
+  };
+  EXPECT_FALSE(track.advance(at(-0.2), along(-0.2)));  // before its beginning
+  EXPECT_FALSE(track.advance(at(0.1), along(0.1)));
+  EXPECT_FALSE(track.advance(at(-0.1), along(-0.1)));  // back over its beginning
+  for (double bearing = 0.0; bearing < 4.0; bearing += 0.1)
+    EXPECT_FALSE(track.advance(at(bearing), along(bearing))) << bearing;
+  EXPECT_TRUE(track.advance(at(4.05), along(4.05)));
+}
+
+TEST(MissionTrack, StaysOnItsLoiter) {
+  MissionTrack track(makeMission({LoiterCircle{{0.0, 0.0}, 50.0, TurnDirection::kRight}}, {}, "test"),
+                     kCriterion, "test");
+  EXPECT_TRUE(track.isLoitering());
+  for (int i = 0; i < 100; ++i)
+    EXPECT_FALSE(track.advance({50.0 * std::cos(i), 50.0 * std::sin(i)}, kNorthward));
+  EXPECT_EQ(&track.next(), &track.current());
+  MissionTrack nothing;
+  EXPECT_TRUE(nothing.empty());
+  EXPECT_FALSE(nothing.advance({0.0, 0.0}, kNorthward));
+}
+
+TEST(MissionTrack, WaitsForANumber) {
+  MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {}, "test"), kCriterion, "test");
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(track.advance({kNan, 0.0}, kNorthward));
+  EXPECT_FALSE(track.advance({0.0, 0.0}, {kNan, kNan}));
+  EXPECT_EQ(track.index(), 0);
+}
+
+}  // namespace
