@@ -172,6 +172,26 @@ TEST(RobustLaw, DoesNotDependOnThreads) {
   }
 }
 
+// Two ways to the same end: the last stage in the invariant set, or the first; neither loses a feasible first
+// move of the other here.
+TEST(RobustLaw, TerminalAndFirstStepInvarianceAgree) {
+  MadeRobust made;
+  made.bounded_position = true;
+  made.horizon = 5;
+  made.invariance = "first_step";
+  const Solved first(made);
+  made.invariance = "terminal";
+  const Solved terminal(made);
+  made.invariance = "none";
+  const Solved none(made);
+  ASSERT_EQ(first.set.facets.size(), terminal.set.facets.size());
+  for (std::size_t k = 0; k < first.set.facets.size(); ++k) {
+    EXPECT_EQ(first.set.facets[k].half_space.a, terminal.set.facets[k].half_space.a);
+    EXPECT_EQ(first.set.facets[k].half_space.b, terminal.set.facets[k].half_space.b);
+  }
+  EXPECT_GT(first.set.facets.size(), none.set.facets.size());
+}
+
 // Facets that the projection did not get right would be seen by this: a wrong weight, a wrong sign.
 TEST(RobustLaw, ProofOfFacetsRefusesAWrongOne) {
   const Solved solved(variety().front());
