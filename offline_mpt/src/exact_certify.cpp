@@ -1,60 +1,22 @@
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
 
 #include "exact_certificate.hpp"
 #include "exact_closing.hpp"
+#include "in_parallel.hpp"
 #include "offline_mpt/certify.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr auto kProgressInterval = std::chrono::milliseconds(200);
-
-/// Calls work(0..count) from several threads; the calling one reports and watches the stop flag. False when
-/// stopped. An exception in one of them is thrown again here.
-template <typename Work>
-bool inParallel(std::uint64_t count, std::uint64_t done_before, std::uint64_t total,
-                const CertifyOptions& options, Work work) {
-  std::atomic<std::uint64_t> next{0}, done{0};
-  std::atomic<bool> stopped{false};
-  std::exception_ptr failure;
-  std::mutex mutex;
-  std::condition_variable finished;
-  int running = std::clamp(options.threads, 1, 256);
-  const auto run = [&] {
-    try {
-      while (!stopped) {
-        const std::uint64_t i = next++;
-        if (i >= count) break;
-        work(static_cast<std::uint32_t>(i));
-        ++done;
-      }
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!failure) failure = std::current_exception();
-      stopped = true;
-    }
-    const std::lock_guard<std::mutex> lock(mutex);
-    --running;
-    finished.notify_all();
-  };
-  std::vector<std::thread> threads;
-  for (int k = running; k > 0; --k) threads.emplace_back(run);
-  {
-    std::unique_lock<std::mutex> lock(mutex);
-    while (running > 0) {
-      finished.wait_for(lock, kProgressInterval);
-      if (options.stop != nullptr && options.stop->load()) stopped = true;
-      if (options.progress) options.progress(done_before + done, total);
-    }
-  }
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
-  return done == count;
+/// Calls work(0..count); progress counts from `done_before` to `total`. False when stopped.
+bool forEach(std::uint64_t count, std::uint64_t done_before, std::uint64_t total,
+             const CertifyOptions& options, const std::function<void(std::uint32_t)>& work) {
+  std::function<void(std::uint64_t, std::uint64_t)> progress;
+  if (options.progress)
+    progress = [&](std::uint64_t done, std::uint64_t) { options.progress(done_before + done, total); };
+  return inParallel(count, options.threads, options.stop, progress,
+                    [&](std::size_t, std::uint64_t i) { work(static_cast<std::uint32_t>(i)); });
 }
 
 void requireSameProblem(const RegionMap& map, const ParametricProgram& program) {
@@ -108,7 +70,7 @@ Closed closeRegion(const FacetClosing& closing, const std::vector<RegionSurvey>&
     return closed;
   }
   if (survey.point.empty()) return closed;
-  for (std::uint32_t row = 0; row < survey.facets.size(); ++row)
+  for (std::uint32_t row = 0; row < survey.facets.size() && !closing.stopped(); ++row)
     ++closed.counts[static_cast<std::size_t>(closing.close(region, row, closed.text, closed.defects))];
   return closed;
 }
@@ -155,14 +117,14 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   const std::uint64_t count = map.regionCount();
   std::vector<RegionSurvey> surveys(count);
   std::vector<Closed> closed(count);
-  bool finished = inParallel(count, 0, 2 * count, options,
-                             [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
+  bool finished =
+      forEach(count, 0, 2 * count, options, [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
   if (finished) {
     const FacetClosing closing(context, surveys);
-    finished = inParallel(count, count, 2 * count, options,
-                          [&](std::uint32_t r) { closed[r] = closeRegion(closing, surveys, r); });
+    finished = forEach(count, count, 2 * count, options,
+                       [&](std::uint32_t r) { closed[r] = closeRegion(closing, surveys, r); });
   }
-  report.interrupted = !finished;
+  report.interrupted = !finished || context.stopped();
   for (std::uint64_t r = 0; r < count; ++r) add(report, surveys[r], closed[r]);
   if (!report.passed()) return report;
   report.certificate = certificateHead(map, program, adjustment, options);

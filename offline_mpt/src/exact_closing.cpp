@@ -1,5 +1,6 @@
 #include "exact_closing.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +10,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kTouches = 1e-6;  // difference of unit planes below which regions may share a facet
-constexpr int kWitnessBits = 24;   // a witness is searched 2^-24 behind a facet, then nearer
+constexpr double kTouches = 1e-6;      // difference of unit planes below which regions may share a facet
+constexpr double kClearlyFree = 1e-6;  // distance of a unit row from the span of others
+constexpr int kWitnessBits = 24;       // a witness is searched 2^-24 behind a facet, then nearer
 constexpr int kWitnessTries = 30;
 
 bool onePlane(const std::vector<double>& a, const std::vector<double>& b, int sign) {
@@ -61,30 +63,43 @@ int FacetClosing::find(const std::vector<int>& active) const {
   return at == by_active_set_.end() ? -1 : static_cast<int>(at->second);
 }
 
-std::vector<ExactRow> FacetClosing::listedRows(std::uint32_t region, ExactRegion& exact) const {
-  describeExactly(context_.program, surveys_[region].active, exact);
+const std::vector<ExactRow>& FacetClosing::listedRows(std::uint32_t region,
+                                                      std::deque<std::vector<ExactRow>>& storage) const {
+  const RegionSurvey& survey = surveys_[region];
+  if (!survey.listed.empty()) return survey.listed;
+  ExactRegion exact;
+  describeExactly(context_.program, survey.active, exact);
   double error = 0.0;
   int worst = -1;
-  return matchRows(context_, context_.map.region(region), exact, error, worst);
+  storage.push_back(matchRows(context_, context_.map.region(region), exact, error, worst));
+  return storage.back();
+}
+
+// Whether row `last` may be a combination of the others: rounded, to spare an exact answer that is clear.
+bool FacetClosing::mayCancel(const std::vector<int>& rows, int last) const {
+  const Eigen::MatrixXd& A = context_.source.A;
+  Eigen::MatrixXd others(A.cols(), static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    others.col(static_cast<Eigen::Index>(k)) = A.row(rows[k]).normalized();
+  const Eigen::VectorXd target = A.row(last).normalized();
+  if (rows.empty()) return target.norm() < kClearlyFree;
+  return (others * others.colPivHouseholderQr().solve(target) - target).norm() < kClearlyFree;
 }
 
 // Beyond the facet no z exists: rows that are tight on it add up to 0 z <= something that is negative there.
-bool FacetClosing::proveEdge(const ExactRegion& exact, const std::vector<ExactOrigin>& origins,
+bool FacetClosing::proveEdge(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
                              std::string& text) const {
   const ExactProgram& program = context_.program;
   std::vector<int> rows = program.basis;
   const std::size_t free_count = rows.size();
-  rows.insert(rows.end(), exact.active.begin(), exact.active.end());
-  for (const ExactRow& row : exact.rows) {  // tight everywhere, though not counted as active
-    const bool idle =
-        std::all_of(row.value.begin(), row.value.end(), [](const Integer& value) { return value == 0; });
-    if (idle && row.origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(row.origin.index);
-  }
+  rows.insert(rows.end(), survey.active.begin(), survey.active.end());
+  rows.insert(rows.end(), survey.idle.begin(), survey.idle.end());
   const std::size_t first = rows.size();
   for (const ExactOrigin& origin : origins) {
     if (origin.kind == ExactOrigin::Kind::kSlack) rows.push_back(origin.index);
   }
   if (rows.size() == first) return false;
+  if (rows.size() == first + 1 && !mayCancel({rows.begin(), rows.end() - 1}, rows.back())) return false;
   ExactLp lp;
   lp.addColumns(static_cast<int>(rows.size()));
   lp.addRows(program.n + 1);
@@ -127,7 +142,8 @@ bool FacetClosing::proveEdge(const ExactRegion& exact, const std::vector<ExactOr
   return true;
 }
 
-std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const ExactRow& plane) const {
+std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const ExactRow& plane,
+                                                 std::deque<std::vector<ExactRow>>& storage) const {
   std::vector<std::uint32_t> found;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     for (const int sign : {1, -1}) {
@@ -144,8 +160,7 @@ std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const Exa
   for (const std::uint32_t other : found) {
     const RegionSurvey& survey = surveys_[other];
     if (!survey.described || survey.point.empty() || valueAt(plane, survey.point) >= 0) continue;
-    ExactRegion exact;
-    candidates.push_back({other, listedRows(other, exact)});
+    candidates.push_back({other, &listedRows(other, storage)});
   }
   return candidates;
 }
@@ -154,13 +169,15 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
                                    const std::vector<ExactRow>& listed, std::string& text,
                                    std::vector<Defect>& defects) const {
   const ExactRow& plane = listed[row];
-  const std::vector<CoverCandidate> candidates = behind(region, plane);
-  FacetCover cover(plane, candidates);
+  std::deque<std::vector<ExactRow>> storage;
+  const std::vector<CoverCandidate> candidates = behind(region, plane, storage);
+  FacetCover cover(plane, candidates, context_.options.stop);
   std::string proof;
   if (cover.cover(listed, proof)) {
     text += " cover" + proof;
     return Closing::kCovered;
   }
+  if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
   Defect defect;
   defect.kind = Defect::Kind::kGap;
   defect.region = region;
@@ -197,14 +214,17 @@ Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string
     text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";
     return Closing::kMatched;
   }
-  ExactRegion exact;
-  const std::vector<ExactRow> listed = listedRows(region, exact);
   Closing closing = Closing::kEdge;
-  if (!proveEdge(exact, origins, line)) closing = closeByCover(region, row, listed, line, defects);
+  const std::size_t known = defects.size();
+  if (!proveEdge(survey, origins, line)) {
+    std::deque<std::vector<ExactRow>> storage;
+    closing = closeByCover(region, row, listedRows(region, storage), line, defects);
+  }
   if (closing != Closing::kOpen) {
     text += line + "\n";
     return closing;
   }
+  if (defects.size() == known) return closing;  // stopped
   Defect& defect = defects.back();
   for (const ExactOrigin& origin : origins) {
     if (origin.kind == ExactOrigin::Kind::kPrice) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -24,10 +25,16 @@ class FacetClosing {
   /// Region with this active set, -1 if there is none.
   int find(const std::vector<int>& active) const;
 
+  bool stopped() const { return context_.stopped(); }
+
  private:
-  std::vector<ExactRow> listedRows(std::uint32_t region, ExactRegion& exact) const;
-  bool proveEdge(const ExactRegion& exact, const std::vector<ExactOrigin>& origins, std::string& text) const;
-  std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane) const;
+  const std::vector<ExactRow>& listedRows(std::uint32_t region,
+                                          std::deque<std::vector<ExactRow>>& storage) const;
+  bool proveEdge(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
+                 std::string& text) const;
+  bool mayCancel(const std::vector<int>& rows, int last) const;
+  std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
+                                     std::deque<std::vector<ExactRow>>& storage) const;
   Closing closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
                        std::string& text, std::vector<Defect>& defects) const;
 

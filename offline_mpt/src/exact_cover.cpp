@@ -27,8 +27,9 @@ bool vanishesOn(const ExactRow& row, const ExactRow& plane) {
   return true;
 }
 
-FacetCover::FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates)
-    : plane_(plane), candidates_(candidates), p_(static_cast<int>(plane.value.size()) - 1) {}
+FacetCover::FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates,
+                       const std::atomic<bool>* stop)
+    : plane_(plane), candidates_(candidates), stop_(stop), p_(static_cast<int>(plane.value.size()) - 1) {}
 
 bool FacetCover::cover(const std::vector<ExactRow>& rows, std::string& text) {
   Cell cell;
@@ -40,13 +41,14 @@ bool FacetCover::cover(const std::vector<ExactRow>& rows, std::string& text) {
 
 bool FacetCover::overlaps(const Cell& cell, const CoverCandidate& candidate) const {
   Cell common = cell;
-  for (const ExactRow& row : candidate.rows) {
+  for (const ExactRow& row : *candidate.rows) {
     if (!vanishesOn(row, plane_)) common.push_back(&row);
   }
   return findInterior(common, &plane_, p_).exists;
 }
 
 bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
+  if (stop_ != nullptr && stop_->load()) return false;
   const Interior interior = findInterior(cell, &plane_, p_);
   if (!interior.exists) {
     text += " e";
@@ -60,7 +62,7 @@ bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
   }
   const CoverCandidate& candidate = candidates_[first];
   text += " N " + std::to_string(candidate.region);
-  for (const ExactRow& row : candidate.rows) {
+  for (const ExactRow& row : *candidate.rows) {
     if (vanishesOn(row, plane_)) {
       text += " z";
       continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -12,7 +13,7 @@ namespace polyfly {
 /// A region that may lie behind a facet.
 struct CoverCandidate {
   std::uint32_t region = 0;
-  std::vector<ExactRow> rows;  ///< as the map lists them, in map order
+  const std::vector<ExactRow>* rows = nullptr;  ///< as the map lists them, in map order
 };
 
 /// Whether `row` is zero on all of the plane.
@@ -22,11 +23,12 @@ bool vanishesOn(const ExactRow& row, const ExactRow& plane);
 /// with the others.
 class FacetCover {
  public:
-  /// `plane` is the facet's row; all must outlive the object.
-  FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates);
+  /// `plane` is the facet's row; all must outlive the object. `stop`, if given, ends the work.
+  FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates,
+             const std::atomic<bool>* stop);
 
   /// `rows` of the region that the facet belongs to. The proof's text is appended to `text`. False:
-  /// uncovered() lies in the facet, and in no candidate.
+  /// uncovered() lies in the facet, and in no candidate; or it is empty, and the work was stopped.
   bool cover(const std::vector<ExactRow>& rows, std::string& text);
 
   const std::vector<Rational>& uncovered() const { return uncovered_; }
@@ -39,6 +41,7 @@ class FacetCover {
 
   const ExactRow& plane_;
   const std::vector<CoverCandidate>& candidates_;
+  const std::atomic<bool>* stop_;
   int p_;
   std::deque<ExactRow> negated_;
   std::vector<Rational> uncovered_;

@@ -31,11 +31,11 @@ void ExactGuess::coefficients(int row, double* a, double& b) const {
   b = 1.0;
 }
 
-int ExactGuess::mostViolated(const std::vector<int>& basis) const {
+int ExactGuess::mostViolated() const {
   int worst_row = -1;
   double worst = kViolated;
   const auto consider = [&](int row, double violation) {
-    if (violation <= worst || std::find(basis.begin(), basis.end(), row) != basis.end()) return;
+    if (violation <= worst || std::find(basis_.begin(), basis_.end(), row) != basis_.end()) return;
     worst = violation;
     worst_row = row;
   };
@@ -56,12 +56,12 @@ int ExactGuess::mostViolated(const std::vector<int>& basis) const {
 // violated row enters; the one whose weight vanishes first leaves.
 ExactGuess::Status ExactGuess::maximise(const std::vector<double>& c) {
   const int d = dimension_;
-  std::vector<int> basis;
+  basis_.clear();
   Square rows(d, d);  // one basic row per column
   Column bounds(d), weights(d), entering(d);
   for (int j = 0; j < d; ++j) {
-    basis.push_back(boxIndex(c[j] >= 0.0 ? 2 * j : 2 * j + 1));
-    coefficients(basis[j], rows.col(j).data(), bounds(j));
+    basis_.push_back(boxIndex(c[j] >= 0.0 ? 2 * j : 2 * j + 1));
+    coefficients(basis_[j], rows.col(j).data(), bounds(j));
     weights(j) = std::abs(c[j]);
   }
   const Column direction = Eigen::Map<const Eigen::VectorXd>(c.data(), d);
@@ -71,11 +71,11 @@ ExactGuess::Status ExactGuess::maximise(const std::vector<double>& c) {
     const Column x = factor.transpose().solve(bounds);
     weights = factor.solve(direction);
     x_.assign(x.data(), x.data() + d);
-    const int row = mostViolated(basis);
+    const int row = mostViolated();
     weights_.clear();
     if (row < 0) {
       for (int j = 0; j < d; ++j) {
-        if (weights(j) > 0.0) weights_.emplace_back(basis[j], weights(j));
+        if (weights(j) > 0.0) weights_.emplace_back(basis_[j], weights(j));
       }
       objective_ = direction.dot(x);
       return Status::kOptimal;
@@ -95,11 +95,11 @@ ExactGuess::Status ExactGuess::maximise(const std::vector<double>& c) {
     if (leaving < 0) {
       weights_.emplace_back(row, 1.0);
       for (int j = 0; j < d; ++j) {
-        if (share(j) < 0.0) weights_.emplace_back(basis[j], -share(j));
+        if (share(j) < 0.0) weights_.emplace_back(basis_[j], -share(j));
       }
       return Status::kInfeasible;
     }
-    basis[leaving] = row;
+    basis_[leaving] = row;
     rows.col(leaving) = entering;
     bounds(leaving) = bound;
   }

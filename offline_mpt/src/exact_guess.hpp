@@ -27,16 +27,20 @@ class ExactGuess {
   /// where infeasible.
   const std::vector<std::pair<int, double>>& weights() const { return weights_; }
 
-  /// Index in weights() of x_(index / 2) <= 1 (even), >= -1 (odd).
+  /// Rows that are tight where it stopped, as many as dimensions.
+  const std::vector<int>& basis() const { return basis_; }
+
+  /// Index in weights() and basis() of x_(index / 2) <= 1 (even), >= -1 (odd).
   int boxIndex(int index) const { return count() + index; }
 
  private:
   void coefficients(int row, double* a, double& b) const;
-  int mostViolated(const std::vector<int>& basis) const;
+  int mostViolated() const;
 
   int dimension_;
   std::vector<double> rows_;
   std::vector<double> x_;
+  std::vector<int> basis_;
   double objective_ = 0.0;
   std::vector<std::pair<int, double>> weights_;
 };

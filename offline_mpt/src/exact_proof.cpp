@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "offline_mpt/exact_lp.hpp"
+#include "exact_simplex.hpp"
 
 namespace polyfly {
 namespace {
@@ -194,31 +194,26 @@ bool emptyByBasis(const ExactGuess& solver, const Rows& rows, const ExactRow* on
   return provesEmpty(proof, rows, on);
 }
 
-/// Least value of the target where the rows are >= 0, without rounding.
-Implication impliesExactly(const Rows& rows, const ExactRow& target) {
-  const int p = static_cast<int>(target.value.size()) - 1;
-  ExactLp lp;
-  lp.addColumns(p);
-  lp.addRows(static_cast<int>(rows.size()));
-  for (int j = 0; j < p; ++j) {
-    lp.setColumnBounds(j, ExactLp::Bound::kDouble, -1, 1);
-    lp.setObjective(j, Rational(target.value[j]));
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const int row = static_cast<int>(i);
-    lp.setRowBounds(row, ExactLp::Bound::kLower, Rational(-rows[i]->value.back()), 0);
-    for (int j = 0; j < p; ++j) lp.setCoefficient(row, j, Rational(rows[i]->value[j]));
-  }
+/// Least value of the target where the rows are >= 0, without rounding, from where the guess stopped.
+Implication impliesExactly(const Rows& rows, const ExactRow& target, const std::vector<int>& start) {
+  const auto opposite = [](std::vector<Integer> value) {
+    for (std::size_t j = 0; j + 1 < value.size(); ++j) value[j] = -value[j];
+    return value;
+  };
+  ExactSimplex solver(static_cast<int>(target.value.size()) - 1);
+  for (const ExactRow* row : rows) solver.add(opposite(row->value));
+  std::vector<Integer> direction = opposite(target.value);
+  direction.pop_back();
   Implication result;
-  if (lp.solve() != ExactLp::Status::kOptimal) return result;
-  result.holds = lp.objective() + target.value.back() >= 0;
+  if (solver.maximise(direction, start) != ExactSimplex::Status::kOptimal) return result;
+  result.holds = target.value.back() >= solver.objective();
   if (!result.holds) {
-    for (int j = 0; j < p; ++j) result.witness.push_back(lp.primal(j));
+    result.witness = solver.x();
     return result;
   }
   std::vector<std::pair<int, Rational>> weights;
-  for (int i = 0; i < lp.rowCount(); ++i) {
-    if (lp.rowDual(i) != 0) weights.emplace_back(i, lp.rowDual(i));
+  for (const auto& weight : solver.weights()) {
+    if (weight.first < solver.count()) weights.push_back(weight);
   }
   result.proof = clearFractions(std::move(weights), rows, mostBits(rows, &target), target.bits);
   return result;
@@ -285,45 +280,56 @@ ExactProof emptyByRounding(const ExactGuess& solver, const Rows& rows, const Exa
   return proof;
 }
 
-/// As guessInterior, without rounding: max r, rows >= 2^bits r, 1 - |t_j| >= r.
-Interior findExactly(const Rows& rows, const ExactRow* on, int p) {
-  ExactLp lp;
-  const int count = static_cast<int>(rows.size());
-  lp.addColumns(p + 1);
-  lp.addRows(count + 1 + 2 * p);
-  for (int j = 0; j <= p; ++j) lp.setColumnBounds(j, ExactLp::Bound::kFree, 0, 0);
-  lp.setColumnBounds(p, ExactLp::Bound::kUpper, 0, 1);
-  lp.setObjective(p, 1);
-  lp.setSense(ExactLp::Sense::kMaximise);
-  for (int i = 0; i <= count; ++i) {
-    const ExactRow* row = i < count ? rows[static_cast<std::size_t>(i)] : on;
-    if (row == nullptr) break;
-    for (int j = 0; j < p; ++j) lp.setCoefficient(i, j, Rational(row->value[j]));
-    if (i < count) lp.setCoefficient(i, p, Rational(-(Integer(1) << row->bits)));
-    lp.setRowBounds(i, i < count ? ExactLp::Bound::kLower : ExactLp::Bound::kFixed,
-                    Rational(-row->value.back()), 0);
+/// The rows of guessInterior in whole numbers.
+void addLifted(const Rows& rows, const ExactRow* on, int p, ExactSimplex& solver) {
+  const auto lift = [&](const ExactRow& row, int sign, const Integer& radius) {
+    std::vector<Integer> lifted;
+    for (int j = 0; j < p; ++j) lifted.emplace_back(-sign * row.value[static_cast<std::size_t>(j)]);
+    lifted.push_back(radius);
+    lifted.emplace_back(sign * row.value.back());
+    solver.add(std::move(lifted));
+  };
+  for (const ExactRow* row : rows) {
+    lift(*row, 1, toInteger(row->length, static_cast<int>(row->bits)) + 1);
+  }
+  if (on != nullptr) {
+    lift(*on, 1, 0);
+    lift(*on, -1, 0);
   }
   for (int j = 0; j < 2 * p; ++j) {
-    lp.setCoefficient(count + 1 + j, j / 2, j % 2 == 0 ? 1 : -1);
-    lp.setCoefficient(count + 1 + j, p, 1);
-    lp.setRowBounds(count + 1 + j, ExactLp::Bound::kUpper, 0, 1);
+    std::vector<Integer> side(static_cast<std::size_t>(p) + 2);
+    side[static_cast<std::size_t>(j / 2)] = j % 2 == 0 ? 1 : -1;
+    side[static_cast<std::size_t>(p)] = side.back() = 1;
+    solver.add(std::move(side));
   }
+}
+
+/// As guessInterior, without rounding, from where it stopped.
+Interior findExactly(const Rows& rows, const ExactRow* on, int p, const std::vector<int>& start) {
+  ExactSimplex solver(p + 1);
+  addLifted(rows, on, p, solver);
+  std::vector<Integer> direction(static_cast<std::size_t>(p) + 1);
+  direction.back() = 1;
   Interior result;
-  if (lp.solve() != ExactLp::Status::kOptimal) {  // `on` does not meet the box
-    const std::vector<std::pair<int, Rational>> weights{{count, lp.rowRay(count)}};
-    result.proof = clearFractions(weights, rows, mostBits(rows, on), on != nullptr ? on->bits : 0);
+  if (solver.maximise(direction, start) == ExactSimplex::Status::kOptimal) {
+    const Rational radius = solver.objective();
+    result.radius = radius.get_d();
+    result.exists = radius > 0;
+    result.point = solver.x();
+    result.point.pop_back();
+    if (result.exists) return result;
+  } else {
     result.radius = -1.0;
-    return result;
   }
-  result.radius = lp.objective().get_d();
-  result.exists = lp.objective() > 0;
-  for (int j = 0; j < p; ++j) result.point.push_back(lp.primal(j));
-  if (result.exists) return result;
-  // Maximising, the duals of lower bounds are negative: their opposites combine the rows.
+  const int count = static_cast<int>(rows.size());
   std::vector<std::pair<int, Rational>> weights;
-  for (int i = 0; i <= count; ++i) {
-    if (lp.rowDual(i) != 0) weights.emplace_back(i, -lp.rowDual(i));
+  Rational plane;
+  for (const auto& [row, weight] : solver.weights()) {
+    if (row < count) weights.emplace_back(row, weight);
+    if (on != nullptr && row == count) plane += weight;
+    if (on != nullptr && row == count + 1) plane -= weight;
   }
+  if (plane != 0) weights.emplace_back(count, plane);
   result.proof = clearFractions(std::move(weights), rows, mostBits(rows, on), on != nullptr ? on->bits : 0);
   return result;
 }
@@ -353,11 +359,14 @@ Implication implies(const Rows& rows, const ExactRow& target, ExactGuess& solver
   result.holds = true;
   if (least(target.value) >= 0) return result;
   if (proveByMultiple(rows, target, result.proof)) return result;
+  std::vector<int> start;
   if (target.length > 0.0) {
     solver.clear();
     for (const ExactRow* row : rows) solver.add(row->unit);
     const std::vector<double> direction(target.unit.begin(), target.unit.end() - 1);
-    if (solver.maximise(direction) == ExactGuess::Status::kOptimal) {
+    const ExactGuess::Status status = solver.maximise(direction);
+    start = solver.basis();
+    if (status == ExactGuess::Status::kOptimal) {
       for (const int bits : {kShortBits, kLongBits}) {
         result.proof = roundWeights(solver.weights(), rows, target.length, bits);
         if (proves(result.proof, rows, target)) return result;
@@ -365,7 +374,7 @@ Implication implies(const Rows& rows, const ExactRow& target, ExactGuess& solver
       if (proveByBasis(solver, rows, target, result.proof)) return result;
     }
   }
-  return impliesExactly(rows, target);
+  return impliesExactly(rows, target, start);
 }
 
 bool provesEmpty(const ExactProof& proof, const Rows& rows, const ExactRow* on) {
@@ -402,12 +411,13 @@ InteriorGuess guessInterior(const Rows& rows, int p, std::vector<Rational>& poin
       point.clear();
       break;
     case ExactGuess::Status::kFailed:
-      return exactGuess(findExactly(rows, nullptr, p), point);
+      return exactGuess(findExactly(rows, nullptr, p, solver.basis()), point);
   }
   ExactProof proof = emptyByRounding(solver, rows, nullptr);
   if (provesEmpty(proof, rows, nullptr) || emptyByBasis(solver, rows, nullptr, p, proof))
     return InteriorGuess::kNone;
-  return point.empty() ? exactGuess(findExactly(rows, nullptr, p), point) : InteriorGuess::kUnknown;
+  return point.empty() ? exactGuess(findExactly(rows, nullptr, p, solver.basis()), point)
+                       : InteriorGuess::kUnknown;
 }
 
 Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
@@ -425,7 +435,7 @@ Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
     if (provesEmpty(result.proof, rows, on)) return result;
     if (emptyByBasis(solver, rows, on, p, result.proof)) return result;
   }
-  return findExactly(rows, on, p);
+  return findExactly(rows, on, p, solver.basis());
 }
 
 }  // namespace polyfly

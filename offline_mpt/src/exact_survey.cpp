@@ -11,6 +11,8 @@
 namespace polyfly {
 namespace {
 
+constexpr std::size_t kMostKept = 30000;  // regions up to which exact rows are kept: some kB for each
+
 /// `value`, rounded up.
 double above(const Rational& value) {
   double result = value.get_d();
@@ -273,8 +275,14 @@ RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index) {
     }
     survey.facets.push_back(std::move(facet));
   }
+  for (const ExactRow& row : exact.rows) {
+    const bool idle =
+        std::all_of(row.value.begin(), row.value.end(), [](const Integer& value) { return value == 0; });
+    if (idle && row.origin.kind == ExactOrigin::Kind::kSlack) survey.idle.push_back(row.origin.index);
+  }
   findPoint(context, index, listed, survey);
   proveRows(context, index, listed, exact, survey);
+  if (context.map.regionCount() <= kMostKept) survey.listed = listed;
   return survey;
 }
 

@@ -22,6 +22,8 @@ struct RegionSurvey {
   bool described = false;             ///< the optimality conditions could be solved
   std::vector<int> active;            ///< without equalities, ascending
   std::vector<SurveyedFacet> facets;  ///< as the map lists them
+  std::vector<ExactRow> listed;       ///< their exact rows; empty in large maps, where they take too much
+  std::vector<int> idle;              ///< inequalities outside the active set that are tight everywhere
   std::vector<Rational> point;        ///< strictly inside; empty if there is none
   std::uint64_t rows = 0;
   std::uint64_t implied = 0;
@@ -37,6 +39,8 @@ struct SurveyContext {
   const ParametricProgram& source;
   const ExactProgram& program;
   const CertifyOptions& options;
+
+  bool stopped() const { return options.stop != nullptr && options.stop->load(); }
 };
 
 /// Row `row` of a region as the map has it, in t: row (t, 1) >= 0.
