@@ -39,7 +39,7 @@ bool better(const Estimate& a, const Estimate& b) {
 /// The options with all that they leave open decided.
 TreeOptions decided(TreeOptions options, std::size_t regions) {
   const bool large = regions > kLarge;
-  if (options.leaf_regions <= 0) options.leaf_regions = large ? 8 : 4;
+  if (options.leaf_regions <= 0) options.leaf_regions = large ? 6 : 4;
   if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
   if (options.node_limit == 0) {
     options.node_limit = static_cast<std::uint64_t>(kNodesPerRegion * static_cast<double>(regions));
