@@ -3,21 +3,22 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <thread>
 
+#include "in_parallel.hpp"
 #include "tree_cells.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kLarge = 1500;       // regions above which a tree is built more cheaply
-constexpr std::size_t kManyMembers = 200;  // members above which estimates are trusted
-constexpr std::size_t kHopeless = 64;      // planes tried before regions count as inseparable
-constexpr std::size_t kEntangled = 24;     // members above which a cell is split in any case
-constexpr double kLateDepth = 4.0;         // beyond that of a balanced tree
-constexpr double kRepeated = 1.6;          // members on both sides together, relative to those before
-constexpr double kNodesPerRegion = 64.0;   // the default budget
-constexpr std::size_t kTasks = 32;         // a cell with one in so many of all regions is a task of its own
+constexpr std::size_t kLarge = 1500;          // regions above which a tree is built more cheaply
+constexpr std::size_t kManyMembers = 200;     // members above which estimates are trusted
+constexpr std::size_t kMembersScored = 8192;  // that planes are scored by, evenly drawn from more
+constexpr std::size_t kHopeless = 64;         // planes tried before regions count as inseparable
+constexpr std::size_t kEntangled = 24;        // members above which a cell is split in any case
+constexpr double kLateDepth = 4.0;            // beyond that of a balanced tree
+constexpr double kRepeated = 1.6;             // members on both sides together, relative to those before
+constexpr double kNodesPerRegion = 64.0;      // the default budget
+constexpr std::size_t kTasks = 32;  // a cell with one in so many of all regions is a task of its own
 constexpr std::uint32_t kPending = 1u << 30;  // marks the number of a task in place of a node's
 
 /// What a plane would leave on its sides.
@@ -162,16 +163,15 @@ class TreeGrower {
   std::vector<Estimate> estimate(const CellMembers& members) const {
     const std::vector<std::size_t> planes = planesOf(members);
     const std::size_t stride = planes.size() / static_cast<std::size_t>(options_.planes_scored) + 1;
+    const std::size_t step = members.size() / kMembersScored + 1;
     std::vector<Estimate> estimates;
-    for (std::size_t i = 0; i < planes.size(); i += stride) {
-      Estimate entry;
-      entry.plane = planes[i];
-      for (const CellMember& member : members) {
-        const unsigned sides = geometry_.seenSides(member, planes[i]);
+    for (std::size_t i = 0; i < planes.size(); i += stride) estimates.push_back({planes[i]});
+    for (std::size_t m = 0; m < members.size(); m += step) {  // all planes stay in the cache, members do not
+      for (Estimate& entry : estimates) {
+        const unsigned sides = geometry_.seenSides(members[m], entry.plane);
         if (sides & kBelow) ++entry.below;
         if (sides & kAbove) ++entry.above;
       }
-      estimates.push_back(entry);
     }
     return estimates;
   }
@@ -221,25 +221,19 @@ class TreeGrower {
 std::vector<SearchTree> growAll(const TreeGeometry& geometry, const TreeOptions& options,
                                 std::vector<Task>& tasks) {
   std::vector<SearchTree> trees(tasks.size());
-  std::atomic<std::size_t> next{0};
   std::atomic<std::uint64_t> done{0};
   std::uint64_t total = 0;
   for (const Task& task : tasks) total += task.members.size();
-  const auto work = [&](bool says) {
-    TreeGrower grower(geometry, options);
-    for (std::size_t i = next++; i < tasks.size(); i = next++) {
-      const std::size_t size = tasks[i].members.size();
-      trees[i] = grower.run(std::move(tasks[i]));
-      done += size;
-      if (says && options.progress) options.progress(done, total);
-    }
+  std::vector<TreeGrower> growers;
+  for (int k = 0; k < std::max(1, options.threads); ++k) growers.emplace_back(geometry, options);
+  const auto progress = [&](std::uint64_t, std::uint64_t) {
+    if (options.progress) options.progress(done, total);
   };
-  std::vector<std::thread> others;
-  for (int k = 1; k < options.threads && static_cast<std::size_t>(k) < tasks.size(); ++k) {
-    others.emplace_back(work, false);
-  }
-  work(true);
-  for (std::thread& thread : others) thread.join();
+  inParallel(tasks.size(), options.threads, nullptr, progress, [&](std::size_t thread, std::uint64_t i) {
+    const std::size_t size = tasks[i].members.size();
+    trees[i] = growers[thread].run(std::move(tasks[i]));
+    done += size;
+  });
   return trees;
 }
 

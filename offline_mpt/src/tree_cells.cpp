@@ -1,8 +1,8 @@
 #include "tree_cells.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
+
+#include "in_parallel.hpp"
 
 namespace polyfly {
 namespace {
@@ -14,28 +14,16 @@ constexpr std::size_t kManyRegions = 20000;  // above which the first points are
 
 TreeGeometry::TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads)
     : regions_(regions),
+      kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       tolerance_(side_tolerance),
       low_(regions.centres.size()),
       high_(regions.centres.size()),
       members_(regions.rows.size()) {
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    PolytopeSolver solver(regions_.p);
-    std::vector<double> rows;
-    for (std::size_t r = next++; r < members_.size(); r = next++) sample(r, solver, rows);
-  };
-  std::vector<std::thread> others;
-  for (int k = 1; k < threads; ++k) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
-}
-
-double TreeGeometry::distance(std::size_t plane, const double* point) const {
-  const auto p = static_cast<std::size_t>(regions_.p);
-  const double* row = regions_.planes.data() + plane * (p + 1);
-  double value = -row[p];
-  for (std::size_t j = 0; j < p; ++j) value += row[j] * point[j];
-  return value;
+  std::vector<PolytopeSolver> solvers;
+  for (int k = 0; k < std::max(1, threads); ++k) solvers.emplace_back(regions_.p);
+  std::vector<std::vector<double>> rows(solvers.size());
+  inParallel(members_.size(), threads, nullptr, nullptr,
+             [&](std::size_t thread, std::uint64_t r) { sample(r, solvers[thread], rows[thread]); });
 }
 
 void TreeGeometry::appendRow(std::int32_t row, std::vector<double>& rows) const {
@@ -76,32 +64,16 @@ void TreeGeometry::sample(std::size_t region, PolytopeSolver& solver, std::vecto
 }
 
 unsigned TreeGeometry::boxSides(std::uint32_t region, std::size_t plane) const {
-  const auto p = static_cast<std::size_t>(regions_.p);
-  const double* row = regions_.planes.data() + plane * (p + 1);
-  const double* low = low_.data() + region * p;
-  const double* high = high_.data() + region * p;
-  double least = -row[p];
-  double greatest = -row[p];
-  for (std::size_t j = 0; j < p; ++j) {
-    least += row[j] * (row[j] > 0.0 ? low[j] : high[j]);
-    greatest += row[j] * (row[j] > 0.0 ? high[j] : low[j]);
-  }
-  return (least < -tolerance_ ? kBelow : 0u) | (greatest > tolerance_ ? kAbove : 0u);
+  const std::size_t p = parameters();
+  return kernels_.ofBox(row(plane), low_.data() + region * p, high_.data() + region * p, tolerance_, p);
 }
 
 unsigned TreeGeometry::seenSides(const CellMember& member, std::size_t plane) const {
-  const auto p = static_cast<std::size_t>(regions_.p);
+  const std::size_t p = parameters();
   const unsigned possible = boxSides(member.region, plane);
-  unsigned sides = 0;
-  const auto look = [&](const double* point) {
-    const double value = distance(plane, point);
-    if (value < -tolerance_) sides |= kBelow;
-    if (value > tolerance_) sides |= kAbove;
-  };
-  look(member.inner.data());
-  for (std::size_t i = 0; i < member.points.size() && sides != possible; i += p)
-    look(member.points.data() + i);
-  return sides;
+  const unsigned sides = kernels_.ofPoints(row(plane), member.inner.data(), 1, tolerance_, 3u, 0u, p);
+  return kernels_.ofPoints(row(plane), member.points.data(), member.points.size() / p, tolerance_, possible,
+                           sides, p);
 }
 
 CellSplitter::CellSplitter(const TreeGeometry& geometry)

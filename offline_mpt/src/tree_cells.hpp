@@ -5,6 +5,7 @@
 
 #include "offline_mpt/polytope.hpp"
 #include "offline_mpt/search_tree.hpp"
+#include "plane_sides.hpp"
 
 namespace polyfly {
 
@@ -18,10 +19,6 @@ struct CellMember {
 
 using CellMembers = std::vector<CellMember>;
 
-/// Sides of a plane, to be added.
-constexpr unsigned kBelow = 1;
-constexpr unsigned kAbove = 2;
-
 /// Regions of a tree with their bounding boxes. Constant, so that threads may share it.
 class TreeGeometry {
  public:
@@ -33,7 +30,9 @@ class TreeGeometry {
 
   const TreeRegions& regions() const { return regions_; }
   double tolerance() const { return tolerance_; }
-  double distance(std::size_t plane, const double* point) const;
+  double distance(std::size_t plane, const double* point) const {
+    return kernels_.distance(row(plane), point, parameters());
+  }
   static std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(row < 0 ? -row : row) - 1; }
   void appendRow(std::int32_t row,
                  std::vector<double>& rows) const;  ///< p + 1 numbers, as PolytopeSolver reads
@@ -46,8 +45,11 @@ class TreeGeometry {
 
  private:
   void sample(std::size_t region, PolytopeSolver& solver, std::vector<double>& rows);
+  std::size_t parameters() const { return static_cast<std::size_t>(regions_.p); }
+  const double* row(std::size_t plane) const { return regions_.planes.data() + plane * (parameters() + 1); }
 
   const TreeRegions& regions_;
+  PlaneSides kernels_;
   double tolerance_;
   std::vector<double> low_, high_;  // bounding boxes
   CellMembers members_;
