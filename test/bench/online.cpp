@@ -1,4 +1,4 @@
-// Times the parts that solve in flight; prints rows as JSON. usage: bench_online FOLDER_OF_REFERENCE_QPS
+// Times the parts that solve in flight; prints rows as JSON. usage: bench_online PROBLEMS REFERENCE_QPS
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mpc_core/bounded_qp.hpp"
+#include "online_laws.hpp"
 #include "online_timing.hpp"
 
 namespace {
@@ -87,12 +88,13 @@ void measure(const Set& set, const std::string& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: bench_online FOLDER_OF_REFERENCE_QPS\n");
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: bench_online FOLDER_OF_PROBLEMS FOLDER_OF_REFERENCE_QPS\n");
     return 2;
   }
   try {
-    for (const Set& set : kSets) measure(set, std::string(argv[1]) + "/" + set.name + ".json");
+    for (const Set& set : kSets) measure(set, std::string(argv[2]) + "/" + set.name + ".json");
+    measureLaws(argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_online: %s\n", error.what());
     return 1;

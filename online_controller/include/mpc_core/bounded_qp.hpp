@@ -168,6 +168,7 @@ class BoundedQp {
   AlignedArray g_, base_;                               // n: gradient; -H^-1 g
   AlignedArray x_, lambda_, row_value_, dx_, dlambda_;  // point, multipliers; their rates
   bool has_base_ = false;
+  bool guessed_ = false;  // the first phase ended by itself
 
   std::vector<QpSide> side_;         // n + m
   std::vector<int> free_, working_;  // free variables; constraints held, bounds before rows

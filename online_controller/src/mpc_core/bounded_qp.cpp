@@ -66,6 +66,13 @@ bool BoundedQp::setHessian(const double* H) noexcept {
   setIdentityTail(factor_.data(), n_, stride_);
   convex_ =
       qpKernels().factorise(factor_.data(), stride_, stride_, kPositive, factor_inverse_.data()) == stride_;
+  double least = factor_[0];
+  double greatest = factor_[0];
+  for (int j = 1; j < n_; ++j) {
+    least = std::min(least, factor_[j * stride_ + j]);
+    greatest = std::max(greatest, factor_[j * stride_ + j]);
+  }
+  well_conditioned_ = greatest < kWellConditioned * least;
   return convex_;
 }
 
@@ -95,6 +102,7 @@ QpStatus BoundedQp::solve(const QpVectors& vectors, const QpSide* start) noexcep
   iterations_ = 0;
   partial_ = -1;
   working_count_ = 0;
+  guessed_ = false;
   has_base_ = false;
   if (!convex_) return QpStatus::kNotConvex;
   const QpStatus given = take(vectors);

@@ -10,7 +10,7 @@ namespace polyfly {
 namespace {
 
 constexpr int kGuessRounds = 12;
-constexpr int kManyChanges = 5;  // a fifth of the variables
+constexpr int kManyChanges = 6;  // a sixth of the variables
 constexpr int kSweeps = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -24,7 +24,10 @@ bool BoundedQp::guessBounds() noexcept {
   for (int round = 0; round < kGuessRounds; ++round) {
     if (!solveWorkingSet()) return false;
     const int changes = correctGuess();
-    if (changes == 0) return true;
+    if (changes == 0) {
+      guessed_ = true;
+      return true;
+    }
     if (kManyChanges * changes >= n_ && changes > before) sweepBounds();
     before = changes;
   }
@@ -169,6 +172,7 @@ void BoundedQp::release(int index) noexcept {
 // Moves the multiplier of the most violated constraint until the constraint holds or its penalty is reached;
 // constraints whose multipliers come to an end on the way leave the working set.
 BoundedQp::Pass BoundedQp::ascend() noexcept {
+  if (guessed_ && m_ == 0) return Pass::kOptimal;  // all bounds have been looked at
   evaluateRows();
   const Candidate candidate = mostViolated();
   if (candidate.index < 0) return Pass::kOptimal;
