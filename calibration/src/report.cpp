@@ -1,15 +1,11 @@
 #include "calibration/report.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include "region_maps/error.hpp"
 #include "report_page.hpp"
 
 namespace polyfly {
@@ -201,24 +197,6 @@ void writeRecord(const ValidationReport& report, std::ostream& out) {
   out << "</table></div></section>\n";
 }
 
-// The picture without what only a file of its own needs in front of it.
-std::string inlineSvg(const Figure& figure) {
-  const std::string svg = renderFigure(figure, ImageFormat::kSvg);
-  const std::size_t begin = svg.find("<svg");
-  if (begin == std::string::npos) throw Error("gnuplot: wrote no SVG");
-  return svg.substr(begin);
-}
-
-void writeFile(const std::string& text, const std::filesystem::path& path) {
-  const std::filesystem::path beside = path.string() + ".part";
-  std::ofstream file(beside, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
-    throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
-  }
-}
-
 }  // namespace
 
 std::string toHtml(const ReportContent& content) {
@@ -245,12 +223,10 @@ std::string toHtml(const ReportContent& content) {
 }
 
 void writeReport(const ReportContent& content, const std::string& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw Error(folder + ": cannot be made: " + failure.message());
+  makeFolder(folder);
   const std::filesystem::path base(folder);
-  writeFile(toHtml(content), base / "index.html");
-  writeFile(toJson(content.validation), base / "summary.json");
+  writeWhole(toHtml(content), base / "index.html");
+  writeWhole(toJson(content.validation), base / "summary.json");
 }
 
 }  // namespace polyfly

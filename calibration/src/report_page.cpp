@@ -1,5 +1,13 @@
 #include "report_page.hpp"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "region_maps/error.hpp"
+
 namespace polyfly {
 
 const char* const kReportStyle = R"css(
@@ -62,6 +70,30 @@ std::string escaped(const std::string& text) {
     }
   }
   return result;
+}
+
+// Without what only a file of its own needs in front of it.
+std::string inlineSvg(const Figure& figure) {
+  const std::string svg = renderFigure(figure, ImageFormat::kSvg);
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string::npos) throw Error("gnuplot: wrote no SVG");
+  return svg.substr(begin);
+}
+
+void makeFolder(const std::string& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw Error(folder + ": cannot be made: " + failure.message());
+}
+
+void writeWhole(const std::string& text, const std::filesystem::path& path) {
+  const std::filesystem::path beside = path.string() + ".part";
+  std::ofstream file(beside, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
+    throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
+  }
 }
 
 }  // namespace polyfly

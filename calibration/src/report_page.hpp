@@ -1,6 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
+
+#include "map_plot/figure.hpp"
 
 namespace polyfly {
 
@@ -9,5 +12,14 @@ extern const char* const kReportStyle;
 
 /// The text with the characters replaced that mean something in HTML.
 std::string escaped(const std::string& text);
+
+/// The picture as an element of the page. Runs gnuplot. Throws Error.
+std::string inlineSvg(const Figure& figure);
+
+/// Makes a folder and those above it. Throws Error naming it.
+void makeFolder(const std::string& folder);
+
+/// Writes beside the path and renames, so that no half a file is left. Throws Error naming the path.
+void writeWhole(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace polyfly

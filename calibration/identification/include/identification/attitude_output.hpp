@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/identify_axis.hpp"
+#include "identification/provenance.hpp"
+
+namespace polyfly {
+
+/// What one run of `calibrate attitude` found.
+struct AttitudeCalibration {
+  Provenance training;
+  std::optional<Provenance> validation;
+  std::vector<AxisModel> axes;
+  std::vector<std::string> failed;  ///< sentences: axes that could not be identified
+};
+
+/// The numbers as YAML, keys explained in README.md. The same input gives the same bytes.
+std::string toYaml(const AttitudeCalibration& calibration);
+
+/// The numbers for people, with the warnings.
+std::string toText(const AttitudeCalibration& calibration);
+
+}  // namespace polyfly

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace polyfly {
+
+/// A flight as a table: the first line names the columns, a unit ends each name (`_rad`, `_deg`, `_s`, `_mps`
+/// ...).
+struct CsvLog {
+  std::string path;
+  std::vector<std::string> names;                      ///< in the order of the file
+  std::map<std::string, std::vector<double>> columns;  ///< by name; an empty or unreadable field is NaN
+  std::size_t rows = 0;
+  std::size_t unreadable = 0;  ///< fields that are neither a number nor empty
+  std::size_t cut_rows =
+      0;  ///< rows with fewer fields than names, as where a recording was cut off; left out
+
+  bool has(const std::string& name) const { return columns.count(name) > 0; }
+  /// Throws Error naming the file, the column, and the columns that there are.
+  const std::vector<double>& column(const std::string& name) const;
+};
+
+/// Reads fields separated by comma, semicolon or tab; lines that begin with # are left out. Throws Error
+/// naming file and rule: not there, empty, no header, a name twice, more fields than names, no row.
+CsvLog readCsv(const std::string& path);
+
+}  // namespace polyfly

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/csv_log.hpp"
+#include "identification/identify_axis.hpp"
+#include "identification/loop_record.hpp"
+
+namespace polyfly {
+
+/// What of a flight identification works with, by these names, in SI units. Attitude as yaw, pitch, roll of
+/// the body (x forward) in W; W and body alike have z up for multirotors, or z down throughout (fixed wing,
+/// NED).
+///
+/// | name | |
+/// |---|---|
+/// | roll_cmd, pitch_cmd, yaw_rate_cmd | as sent to the attitude controller [rad], [rad/s] |
+/// | thrust_cmd | as sent, whatever its unit |
+/// | roll, pitch, yaw, yaw_rate | measured [rad], [rad/s] |
+/// | specific_force_z | along the body's z, by the accelerometer, + g at rest [m/s^2] |
+/// | vx, vy, vz | in W [m/s] |
+/// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
+struct FlightSignals {
+  std::string source;                         ///< file
+  std::map<std::string, TimeSeries> series;   ///< by the names above
+  std::map<std::string, std::string> origin;  ///< column or topic of each
+
+  bool has(const std::string& name) const { return series.count(name) > 0; }
+  /// Throws Error naming source, signal, and the option that chooses one.
+  const TimeSeries& at(const std::string& name) const;
+};
+
+/// All names that FlightSignals knows.
+const std::vector<std::string>& signalNames();
+
+/// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
+/// README.md). `choice` names the column of a signal outright, with the unit in its name. Throws Error when a
+/// chosen column is not there, a name is not one of the above, or there is no column of times (`t_s`).
+FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
+
+/// The loops whose command and response are both there, of: roll, pitch, yaw_rate, thrust.
+std::vector<std::string> recordedAxes(const FlightSignals& signals);
+
+/// Command and response of one loop. The response of thrust is the acceleration along the body's z that is
+/// not gravity's, from the accelerometer or else from the vertical velocity and the tilt. Throws Error.
+AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis);
+
+}  // namespace polyfly

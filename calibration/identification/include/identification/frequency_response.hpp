@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/fit_loop.hpp"
+#include "identification/loop_record.hpp"
+
+namespace polyfly {
+
+/// Response over command at one frequency.
+struct FrequencyPoint {
+  double frequency = 0.0;      ///< [Hz]
+  double gain = 0.0;           ///< measured
+  double phase = 0.0;          ///< measured, unwrapped from the lowest frequency on [rad]
+  double coherence = 0.0;      ///< 0..1: the share of the response that is linear in the command
+  double command_power = 0.0;  ///< of the command, relative to its greatest
+};
+
+/// Averaged over overlapping Hann windows of `block` seconds in all segments (Welch), at `points` frequencies
+/// evenly spaced on a logarithmic scale from two periods in a block to `greatest` [Hz]. Empty if no segment
+/// holds two blocks' worth of data. A mean that the response was smoothed by is part of what is measured.
+std::vector<FrequencyPoint> measureFrequencyResponse(const std::vector<LoopSegment>& segments, double block,
+                                                     double greatest, int points);
+
+/// The model's gain and phase at a frequency [Hz].
+FrequencyPoint modelFrequencyResponse(const LoopFit& fit, double frequency);
+
+}  // namespace polyfly

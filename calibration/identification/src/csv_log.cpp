@@ -1,0 +1,109 @@
+#include "identification/csv_log.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string_view>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\"";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::vector<std::string_view> fields(std::string_view line, char separator) {
+  std::vector<std::string_view> found;
+  while (true) {
+    const std::size_t end = line.find(separator);
+    found.push_back(trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return found;
+    line.remove_prefix(end + 1);
+  }
+}
+
+char separatorOf(const std::string& header) {
+  const auto most = [&header](char one, char other) {
+    return std::count(header.begin(), header.end(), one) >= std::count(header.begin(), header.end(), other)
+               ? one
+               : other;
+  };
+  return most(',', most(';', '\t'));
+}
+
+// A number, or NaN; `bad` counts what is neither a number nor empty.
+double valueOf(std::string_view text, std::size_t* bad) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  if (text.empty()) return kNan;
+  if (text.front() == '+') text.remove_prefix(1);
+  double value = kNan;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure == std::errc() && end == text.data() + text.size()) return value;
+  ++*bad;
+  return kNan;
+}
+
+bool nextLine(std::istream& file, std::string* line) {
+  while (std::getline(file, *line)) {
+    const std::string_view content = trimmed(*line);
+    if (!content.empty() && content.front() != '#') return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+const std::vector<double>& CsvLog::column(const std::string& name) const {
+  const auto found = columns.find(name);
+  if (found != columns.end()) return found->second;
+  std::string known;
+  for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
+  throw Error(path + ": no column " + name + "; there are " + known);
+}
+
+CsvLog readCsv(const std::string& path) {
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure)) throw Error(path + ": no such file");
+  std::ifstream file(path);
+  if (!file) throw Error(path + ": cannot be read");
+  std::string line;
+  if (!nextLine(file, &line)) throw Error(path + ": is empty");
+  CsvLog log;
+  log.path = path;
+  const char separator = separatorOf(line);
+  std::vector<std::vector<double>> columns;
+  for (const std::string_view name : fields(line, separator)) log.names.emplace_back(name);
+  columns.resize(log.names.size());
+  std::size_t number = 1;
+  while (nextLine(file, &line)) {
+    ++number;
+    const std::vector<std::string_view> row = fields(line, separator);
+    if (row.size() > log.names.size()) {
+      throw Error(path + ": row " + std::to_string(number) + ": has " + std::to_string(row.size()) +
+                  " fields, the header names " + std::to_string(log.names.size()));
+    }
+    if (row.size() < log.names.size()) {
+      ++log.cut_rows;
+      continue;
+    }
+    for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(valueOf(row[i], &log.unreadable));
+    ++log.rows;
+  }
+  for (std::size_t i = 0; i < log.names.size(); ++i) {
+    if (log.names[i].empty()) throw Error(path + ": column " + std::to_string(i + 1) + " has no name");
+    if (!log.columns.emplace(log.names[i], std::move(columns[i])).second) {
+      throw Error(path + ": two columns are called " + log.names[i]);
+    }
+  }
+  if (log.rows == 0) throw Error(path + ": has no row of numbers");
+  return log;
+}
+
+}  // namespace polyfly

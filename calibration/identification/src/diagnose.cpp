@@ -1,0 +1,272 @@
+#include "diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kVagueTau = 0.25;     // standard error of the time constant over its value
+constexpr double kVagueGain = 0.08;    // the same of the gain
+constexpr double kInseparable = 0.97;  // correlation of two parameters
+constexpr double kLeastGain = 0.7;     // of an angle loop whose command and response have one scale
+constexpr double kGreatestGain = 1.4;
+constexpr double kDegree = 57.29577951308232;
+constexpr double kDegreeMargin = 1.5;  // a gain this close, as a factor, to that of degrees
+constexpr double kPoorFit = 60.0;      // [%]
+constexpr double kDropFit = 8.0;       // of the validation below the training [%]
+constexpr double kLeadClock = 0.02;    // response before command by more than this [s]
+constexpr double kLongDelay = 0.45;    // [s]
+constexpr double kClockBound = 0.5;    // of the search for a lead [s]
+constexpr double kManyOutliers = 0.3;
+constexpr double kManyLeftOut = 0.02;    // of the samples
+constexpr double kGreatPart = 0.7;       // of the greatest predicted response: there saturation shows
+constexpr double kSaturatedShare = 0.1;  // by which the response stays behind there
+constexpr double kClippedShare = 0.05;   // of the samples at one extreme
+constexpr std::size_t kContinuous = 50;  // levels from which on a command counts as continuous
+constexpr double kFollows = 0.7;         // correlation of what answers a command
+constexpr double kFrameFactor = 1.3;     // the other axis explains so much more
+
+std::string text(const char* format, double one, double other = 0.0, double third = 0.0) {
+  char buffer[400];
+  std::snprintf(buffer, sizeof buffer, format, one, other, third);
+  return buffer;
+}
+
+class Diagnosis {
+ public:
+  Diagnosis(const AxisModel& model, const AxisRecords& records, const FitOptions& bounds)
+      : model_(model), records_(records), bounds_(bounds) {}
+
+  std::vector<std::string> run() {
+    sign();
+    scale();
+    frame();
+    clock();
+    excitation();
+    saturation();
+    quality();
+    return warnings_;
+  }
+
+ private:
+  void say(const std::string& sentence) { warnings_.push_back(sentence); }
+  bool isThrust() const { return model_.axis == "thrust"; }
+
+  void sign() {
+    const FittedParameter* gain = model_.with_delay.find("gain");
+    if (gain->greatest() < 0.0) {
+      say("The response goes against the command: the sign or the frame (y left or right, z up or down) of "
+          "one of them "
+          "is wrong.");
+    }
+  }
+
+  void scale() {
+    const double size = std::abs(model_.with_delay.gain);
+    if (isThrust() || (size >= kLeastGain && size <= kGreatestGain)) return;
+    const auto near = [size](double value) {
+      return size > value / kDegreeMargin && size < value * kDegreeMargin;
+    };
+    if (near(kDegree) || near(1.0 / kDegree)) {
+      say(text("The gain is %.4g: one of command and response is in degrees.", size));
+    } else {
+      say(text(
+          "The gain is %.3g, where a loop that reaches its command has about 1: command and response are on "
+          "different scales, or the command is not that of this loop.",
+          size));
+    }
+  }
+
+  // Mean correlation, over what was used.
+  double correlationOf(const TimeSeries& command, const TimeSeries* response) const {
+    double sum = 0.0;
+    double seconds = 0.0;
+    for (const LoopSegment& segment : model_.segments) {
+      const TimeWindow window = {segment.time.front(), segment.time.back()};
+      const TimeSeries own = {segment.time, segment.response};
+      sum += segment.duration() * std::abs(bestCorrelation(command, response ? *response : own, window, 1.0));
+      seconds += segment.duration();
+    }
+    return sum / seconds;
+  }
+
+  void frame() {
+    const double own = correlationOf(model_.record.command, nullptr);
+    if (records_.other_command && !records_.other_command->time.empty()) {
+      const double other = correlationOf(*records_.other_command, nullptr);
+      if (other > kFrameFactor * own) {
+        say(
+            text("The response follows the command of the other axis (correlation %.2f) more than its own "
+                 "(%.2f): the "
+                 "axes are swapped, or the frame is turned by the yaw angle.",
+                 other, own));
+      }
+    }
+    if (records_.vertical_velocity && !records_.vertical_velocity->time.empty()) {
+      const double rate = correlationOf(model_.record.command, &*records_.vertical_velocity);
+      if (rate > kFrameFactor * own && rate > kFollows) {
+        say(
+            text("The vertical velocity follows the command (correlation %.2f) more than the acceleration "
+                 "(%.2f): it is a "
+                 "command of climb rate, not of thrust.",
+                 rate, own));
+      }
+    }
+  }
+
+  void clock() {
+    const double delay = model_.with_delay.shape.delay;
+    if (delay > kLongDelay || delay > 0.98 * bounds_.delay_greatest) {
+      say(text(
+          "The delay of %.2f s is longer than a loop's own: the clocks of command and response may disagree.",
+          delay));
+    }
+    if (delay > 1e-3) return;
+    FitOptions options = bounds_;
+    options.delay_least = -kClockBound;
+    const LoopFit fit = fitLoop(model_.segments, options);
+    const FittedParameter* found = fit.find("delay");
+    if (fit.shape.delay < -kLeadClock && found->greatest() < 0.0 &&
+        fit.fit_percent > model_.with_delay.fit_percent + 0.5) {
+      say(
+          text("The response comes %.3f s before its command: the clocks of the two disagree, or the command "
+               "was logged "
+               "late.",
+               -fit.shape.delay));
+    }
+  }
+
+  void excitation() {
+    const LoopFit& fit = model_.with_delay;
+    const FittedParameter* tau = fit.find("tau");
+    const FittedParameter* gain = fit.find("gain");
+    if (!(tau->standard_error <= kVagueTau * tau->value)) {
+      say(
+          text("Too little excitation for the time constant: %.3f s with a standard error of %.3f s. Fly "
+               "quicker steps "
+               "(2-1-1 manoeuvres).",
+               tau->value, tau->standard_error));
+    }
+    if (!(gain->standard_error <= kVagueGain * std::abs(gain->value))) {
+      say(text(
+          "Too little excitation for the gain: %.3f with a standard error of %.3f. Fly longer, with greater "
+          "amplitudes.",
+          gain->value, gain->standard_error));
+    }
+    const auto count = static_cast<Eigen::Index>(fit.parameters.size());
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        if (std::abs(fit.correlation(i, j)) <= kInseparable) continue;
+        say(fit.parameters[static_cast<std::size_t>(j)].name + " and " +
+            fit.parameters[static_cast<std::size_t>(i)].name +
+            text(" cannot be told apart with these data (correlation %.3f): only together they fit.",
+                 fit.correlation(i, j)));
+      }
+    }
+    if (tau->value < 1.05 * bounds_.tau_least || tau->value > 0.95 * bounds_.tau_greatest) {
+      say(
+          text("The time constant lies at the end of what was searched (%.3f s): a first-order model does "
+               "not describe "
+               "this loop.",
+               tau->value));
+    }
+  }
+
+  void saturation() {
+    commandClipped();
+    // Where the model's response is great: does the measured one stay behind?
+    double greatest = 0.0;
+    const LoopFit& fit = model_.with_delay;
+    for (const auto& part : fit.prediction) {
+      for (const double value : part) greatest = std::max(greatest, std::abs(value - fit.offset));
+    }
+    double behind = 0.0;
+    double size = 0.0;
+    for (std::size_t i = 0; i < fit.prediction.size(); ++i) {
+      for (std::size_t k = 0; k < fit.prediction[i].size(); ++k) {
+        const double predicted = fit.prediction[i][k] - fit.offset;
+        if (std::abs(predicted) < kGreatPart * greatest) continue;
+        behind += std::copysign(1.0, predicted) * (fit.prediction[i][k] - model_.segments[i].response[k]);
+        size += std::abs(predicted);
+      }
+    }
+    if (size > 0.0 && behind > kSaturatedShare * size) {
+      say(
+          text("At great commands the response stays %.0f %% behind what the model of all data says: the "
+               "loop saturates "
+               "there.",
+               100.0 * behind / size));
+    }
+  }
+
+  // A continuous command that is often exactly at its extreme has been cut off there.
+  void commandClipped() {
+    std::set<double> levels;
+    std::size_t samples = 0;
+    for (const LoopSegment& segment : model_.segments) {
+      levels.insert(segment.command.value.begin(), segment.command.value.end());
+      samples += segment.command.value.size();
+    }
+    if (levels.size() < kContinuous) return;
+    std::size_t clipped = 0;
+    for (const LoopSegment& segment : model_.segments) {
+      for (const double value : segment.command.value) {
+        clipped += value == *levels.begin() || value == *levels.rbegin() ? 1 : 0;
+      }
+    }
+    const double share = static_cast<double>(clipped) / static_cast<double>(samples);
+    if (share > kClippedShare) {
+      say(text("The command is at its limit (%.3g or %.3g) in %.0f %% of the samples.", *levels.begin(),
+               *levels.rbegin(), 100.0 * share));
+    }
+  }
+
+  void quality() {
+    const LoopFit& fit = model_.with_delay;
+    if (fit.fit_percent < kPoorFit) {
+      say(text("The model explains little of the response (fit %.1f %%): do not rely on these numbers.",
+               fit.fit_percent));
+    }
+    if (model_.validation &&
+        model_.validation->validation_percent < model_.validation->training_percent - kDropFit) {
+      say(text("The fit falls from %.1f %% on the data it was made from to %.1f %% on others.",
+               model_.validation->training_percent, model_.validation->validation_percent));
+    }
+    if (fit.outlier_share > kManyOutliers) {
+      say(
+          text("%.0f %% of the samples lie outside of what the residuals' middle half suggests: outliers, or "
+               "a model that "
+               "does not fit.",
+               100.0 * fit.outlier_share));
+    }
+    const auto total =
+        static_cast<double>(model_.record.response.time.size() + model_.record.command.time.size());
+    const auto left_out = static_cast<double>(model_.cleaning.not_finite + model_.cleaning.out_of_order);
+    if (left_out > kManyLeftOut * total) {
+      say(
+          text("%.0f samples were left out because they are not finite, and %.0f because their time does not "
+               "increase.",
+               static_cast<double>(model_.cleaning.not_finite),
+               static_cast<double>(model_.cleaning.out_of_order)));
+    }
+  }
+
+  const AxisModel& model_;
+  const AxisRecords& records_;
+  const FitOptions& bounds_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
+                                  const FitOptions& bounds) {
+  return Diagnosis(model, records, bounds).run();
+}
+
+}  // namespace polyfly

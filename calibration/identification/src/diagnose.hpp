@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/identify_axis.hpp"
+
+namespace polyfly {
+
+/// In words, what the data do not support or what is wrong with them.
+std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
+                                  const FitOptions& bounds);
+
+}  // namespace polyfly

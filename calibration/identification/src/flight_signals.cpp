@@ -1,0 +1,188 @@
+#include "identification/flight_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kGravity = 9.8066;       // [m/s^2]
+constexpr double kThrustSmoothing = 0.1;  // half width of the mean over noisy accelerations [s]
+
+// How a signal may be called in a table; the first pattern that matches a column wins. `sign` turns z down
+// into z up.
+struct Pattern {
+  const char* signal;
+  const char* columns;
+  double sign;
+};
+
+constexpr Pattern kPatterns[] = {
+    {"roll_cmd", "roll_(cmd|ref|sp|des)_(rad|deg)", 1.0},
+    {"pitch_cmd", "pitch_(cmd|ref|sp|des)_(rad|deg)", 1.0},
+    {"yaw_rate_cmd", "yaw_?rate_(cmd|ref|sp|des)_(radps|degps)", 1.0},
+    {"thrust_cmd", "(thrust|throttle)_(cmd|ref|sp|out)(_[a-z0-9]+)?", 1.0},
+    {"roll", "roll(_vicon|_imu|_est)?_(rad|deg)", 1.0},
+    {"pitch", "pitch(_vicon|_imu|_est)?_(rad|deg)", 1.0},
+    {"yaw", "(yaw|heading)(_vicon|_imu|_est)?_(rad|deg)", 1.0},
+    {"yaw_rate", "(wz|gz|yaw_?rate)_(radps|degps)", 1.0},
+    {"specific_force_z", "az_mps2", 1.0},
+    {"vx", "vx_mps", 1.0},
+    {"vy", "vy_mps", 1.0},
+    {"vz", "vz_mps", 1.0},
+    {"vz", "vd_mps", -1.0},
+    {"vn", "vn_mps", 1.0},
+    {"ve", "ve_mps", 1.0},
+    {"airspeed", "(tas|ias|airspeed)_mps", 1.0},
+};
+
+double unitOf(const std::string& column) {
+  const auto ends = [&column](const std::string& ending) {
+    return column.size() >= ending.size() &&
+           column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
+  };
+  return ends("_deg") || ends("_degps") ? kDegree : 1.0;
+}
+
+bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
+
+// Commands with times of their own are logged as they came; held onto other rows they repeat.
+TimeSeries seriesOf(const CsvLog& log, const std::string& signal, const std::string& column, double sign) {
+  const bool own_time = isCommand(signal) && log.has("cmd_t_s");
+  const std::vector<double>& times = log.column(own_time ? "cmd_t_s" : "t_s");
+  const std::vector<double>& values = log.column(column);
+  TimeSeries series;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (own_time && !series.time.empty() && times[i] == series.time.back()) continue;
+    series.time.push_back(times[i]);
+    series.value.push_back(sign * unitOf(column) * values[i]);
+  }
+  return series;
+}
+
+std::string findColumn(const CsvLog& log, const char* pattern) {
+  const std::regex expression(pattern);
+  for (const std::string& name : log.names) {
+    if (std::regex_match(name, expression)) return name;
+  }
+  return {};
+}
+
+double interpolated(const TimeSeries& series, double time) {
+  const auto after = std::upper_bound(series.time.begin(), series.time.end(), time);
+  if (after == series.time.begin()) return series.value.front();
+  if (after == series.time.end()) return series.value.back();
+  const auto i = static_cast<std::size_t>(after - series.time.begin());
+  const double share = (time - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
+  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
+}
+
+// Acceleration along the body's z without gravity's, from what the vehicle did vertically.
+TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* counts) {
+  const TimeSeries velocity = cleaned(signals.at("vz"), counts);
+  const TimeSeries roll = cleaned(signals.at("roll"), counts);
+  const TimeSeries pitch = cleaned(signals.at("pitch"), counts);
+  TimeSeries thrust;
+  if (velocity.time.size() < 3 || roll.time.empty() || pitch.time.empty()) return thrust;
+  thrust.time = velocity.time;
+  thrust.value = smoothedMean(velocity.time, velocity.value, kThrustSmoothing);
+  for (std::size_t i = 0; i < thrust.time.size(); ++i) {
+    const double upright =
+        std::cos(interpolated(roll, thrust.time[i])) * std::cos(interpolated(pitch, thrust.time[i]));
+    thrust.value[i] = (thrust.value[i] + kGravity) / upright;
+  }
+  return thrust;
+}
+
+TimeSeries smoothed(const TimeSeries& raw, CleaningCounts* counts) {
+  TimeSeries series = cleaned(raw, counts);
+  if (series.time.size() < 3) return series;
+  series.value = smoothedMean(series.time, cumulativeIntegral(series.time, series.value), kThrustSmoothing);
+  return series;
+}
+
+}  // namespace
+
+const TimeSeries& FlightSignals::at(const std::string& name) const {
+  const auto found = series.find(name);
+  if (found != series.end()) return found->second;
+  throw Error(source + ": no signal " + name + "; choose one with --signal " + name + "=COLUMN");
+}
+
+const std::vector<std::string>& signalNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Pattern& pattern : kPatterns) {
+      if (std::find(list.begin(), list.end(), pattern.signal) == list.end())
+        list.emplace_back(pattern.signal);
+    }
+    return list;
+  }();
+  return names;
+}
+
+FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {
+  FlightSignals signals;
+  signals.source = log.path;
+  log.column("t_s");
+  for (const auto& [signal, column] : choice) {
+    const auto& names = signalNames();
+    if (std::find(names.begin(), names.end(), signal) == names.end()) {
+      std::string known;
+      for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+      throw Error("--signal " + signal + ": is none of " + known);
+    }
+    signals.series[signal] = seriesOf(log, signal, column, 1.0);
+    signals.origin[signal] = column;
+  }
+  for (const Pattern& pattern : kPatterns) {
+    if (signals.has(pattern.signal)) continue;
+    const std::string column = findColumn(log, pattern.columns);
+    if (column.empty()) continue;
+    signals.series[pattern.signal] = seriesOf(log, pattern.signal, column, pattern.sign);
+    signals.origin[pattern.signal] = column;
+  }
+  return signals;
+}
+
+std::vector<std::string> recordedAxes(const FlightSignals& signals) {
+  std::vector<std::string> axes;
+  for (const char* axis : {"roll", "pitch", "yaw_rate"}) {
+    if (signals.has(axis) && signals.has(std::string(axis) + "_cmd")) axes.emplace_back(axis);
+  }
+  const bool vertical = signals.has("vz") && signals.has("roll") && signals.has("pitch");
+  if (signals.has("thrust_cmd") && (signals.has("specific_force_z") || vertical)) axes.emplace_back("thrust");
+  return axes;
+}
+
+AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis) {
+  AxisRecords records;
+  records.axis = axis;
+  records.training.source = signals.source;
+  records.training.command = signals.at(axis + "_cmd");
+  if (axis == "thrust") {
+    records.unit = "m/s^2";
+    records.command_unit = "command";
+    records.training.smoothing = kThrustSmoothing;
+    records.training.response = signals.has("specific_force_z")
+                                    ? smoothed(signals.at("specific_force_z"), &records.cleaning)
+                                    : thrustFromVelocity(signals, &records.cleaning);
+    CleaningCounts ignored;
+    if (signals.has("vz")) records.vertical_velocity = cleaned(signals.at("vz"), &ignored);
+    return records;
+  }
+  records.unit = records.command_unit = axis == "yaw_rate" ? "rad/s" : "rad";
+  records.training.response = signals.at(axis);
+  const std::string other = axis == "roll" ? "pitch_cmd" : "roll_cmd";
+  if (axis != "yaw_rate" && signals.has(other)) {
+    CleaningCounts ignored;
+    records.other_command = cleaned(signals.at(other), &ignored);
+  }
+  return records;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,145 @@
+#include "identification/loop_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kLeastGap = 0.2;          // [s]
+constexpr std::size_t kLeastForSlope = 3;  // samples that a slope is fitted to
+
+// Samples [first, last) of the response that one window and the pauses leave together.
+struct Stretch {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+std::vector<Stretch> stretches(const TimeSeries& response, const TimeWindow& window, double gap) {
+  std::vector<Stretch> found;
+  const auto begin = std::lower_bound(response.time.begin(), response.time.end(), window.from);
+  const auto end = std::upper_bound(begin, response.time.end(), window.to);
+  auto start = begin;
+  for (auto at = begin; at != end; ++at) {
+    if (at + 1 == end || at[1] - at[0] > gap) {
+      found.push_back({static_cast<std::size_t>(start - response.time.begin()),
+                       static_cast<std::size_t>(at + 1 - response.time.begin())});
+      start = at + 1;
+    }
+  }
+  return found;
+}
+
+LoopSegment segmentOf(const LoopRecord& record, const Stretch& stretch, double reach) {
+  LoopSegment segment;
+  const auto first = static_cast<std::ptrdiff_t>(stretch.first);
+  const auto last = static_cast<std::ptrdiff_t>(stretch.last);
+  segment.time.assign(record.response.time.begin() + first, record.response.time.begin() + last);
+  segment.response.assign(record.response.value.begin() + first, record.response.value.begin() + last);
+  segment.smoothing = record.smoothing;
+  const std::vector<double>& times = record.command.time;
+  auto from = std::upper_bound(times.begin(), times.end(), segment.time.front() - reach);
+  if (from != times.begin()) --from;
+  const auto to = std::upper_bound(from, times.end(), segment.time.back() + reach);
+  segment.command.time.assign(from, to);
+  segment.command.value.assign(record.command.value.begin() + (from - times.begin()),
+                               record.command.value.begin() + (to - times.begin()));
+  return segment;
+}
+
+// Slope of the straight line through the samples [first, last).
+double slope(const std::vector<double>& time, const std::vector<double>& value, std::size_t first,
+             std::size_t last) {
+  double mean_time = 0.0;
+  double mean_value = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    mean_time += time[i];
+    mean_value += value[i];
+  }
+  const auto count = static_cast<double>(last - first);
+  mean_time /= count;
+  mean_value /= count;
+  double spread = 0.0;
+  double product = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    spread += (time[i] - mean_time) * (time[i] - mean_time);
+    product += (time[i] - mean_time) * (value[i] - mean_value);
+  }
+  return product / spread;
+}
+
+}  // namespace
+
+TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
+  if (series.time.size() != series.value.size())
+    throw Error("time series: as many times as values are needed");
+  TimeSeries clean;
+  for (std::size_t i = 0; i < series.time.size(); ++i) {
+    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i])) {
+      ++counts->not_finite;
+    } else if (!clean.time.empty() && series.time[i] <= clean.time.back()) {
+      ++counts->out_of_order;
+    } else {
+      clean.time.push_back(series.time[i]);
+      clean.value.push_back(series.value[i]);
+    }
+  }
+  return clean;
+}
+
+double typicalPeriod(const TimeSeries& series) {
+  if (series.time.size() < 2) return 0.0;
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < series.time.size(); ++i) periods.push_back(series.time[i] - series.time[i - 1]);
+  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+  std::nth_element(periods.begin(), middle, periods.end());
+  return *middle;
+}
+
+std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,
+                                     double reach, std::size_t least_samples) {
+  const double gap = std::max(kLeastGap, kGapPeriods * typicalPeriod(record.response));
+  std::vector<LoopSegment> segments;
+  if (record.command.time.empty()) return segments;
+  for (const TimeWindow& window : windows) {
+    // Before its first entry the command is not known.
+    const TimeWindow known = {std::max(window.from, record.command.time.front()), window.to};
+    for (const Stretch& stretch : stretches(record.response, known, gap)) {
+      if (stretch.last - stretch.first < std::max(least_samples, kLeastForSlope)) continue;
+      segments.push_back(segmentOf(record, stretch, reach));
+    }
+  }
+  return segments;
+}
+
+std::vector<double> smoothedMean(const std::vector<double>& time, const std::vector<double>& integral,
+                                 double half_width) {
+  const std::size_t count = time.size();
+  std::vector<double> mean(count);
+  std::size_t first = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    while (time[first] < time[i] - half_width) ++first;
+    while (last < count && time[last] <= time[i] + half_width) ++last;
+    std::size_t from = first;
+    std::size_t to = last;
+    if (to - from < kLeastForSlope) {
+      from = std::min(i == 0 ? 0 : i - 1, count - kLeastForSlope);
+      to = from + kLeastForSlope;
+    }
+    mean[i] = slope(time, integral, from, to);
+  }
+  return mean;
+}
+
+std::vector<double> cumulativeIntegral(const std::vector<double>& time, const std::vector<double>& value) {
+  std::vector<double> integral(time.size(), 0.0);
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    integral[i] = integral[i - 1] + 0.5 * (value[i] + value[i - 1]) * (time[i] - time[i - 1]);
+  }
+  return integral;
+}
+
+}  // namespace polyfly

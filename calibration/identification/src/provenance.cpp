@@ -1,0 +1,35 @@
+#include "identification/provenance.hpp"
+
+#include <xxhash.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+
+Provenance provenanceOf(const std::string& path) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes read at once
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(path + ": cannot be read");
+  const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> state(XXH64_createState(),
+                                                                         &XXH64_freeState);
+  XXH64_reset(state.get(), 0);
+  std::vector<char> piece(kPiece);
+  while (file) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    XXH64_update(state.get(), piece.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.eof()) throw Error(path + ": cannot be read to its end");
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx",
+                static_cast<unsigned long long>(XXH64_digest(state.get())));
+  return {std::filesystem::path(path).filename().string(), std::string("xxh64:") + digits.data(), ""};
+}
+
+}  // namespace polyfly

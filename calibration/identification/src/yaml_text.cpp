@@ -1,0 +1,34 @@
+#include "yaml_text.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace polyfly {
+
+std::string yamlNumber(double value) {
+  if (std::isnan(value)) return ".nan";
+  if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string yamlString(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    const auto code = static_cast<unsigned char>(character);
+    if (character == '"' || character == '\\') {
+      result += '\\';
+      result += character;
+    } else if (code < 0x20) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\x%02x", static_cast<unsigned>(code));
+      result += escape;
+    } else {
+      result += character;
+    }
+  }
+  return result + "\"";
+}
+
+}  // namespace polyfly

@@ -1,0 +1,148 @@
+#include "identification/identify_axis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "identification/attitude_output.hpp"
+#include "made_flight.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+AxisRecords madeAxis(const test::MadeLoop& made, std::uint32_t seed) {
+  AxisRecords records;
+  records.axis = "roll";
+  records.unit = records.command_unit = "rad";
+  records.training = test::makeFlight(made, seed);
+  return records;
+}
+
+IdentifyOptions wholeFlight() {
+  IdentifyOptions options;
+  options.windows = {{0.0, 30.0}};
+  return options;
+}
+
+bool warnsOf(const AxisModel& model, const std::string& words) {
+  for (const std::string& sentence : model.warnings) {
+    if (sentence.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+std::string all(const AxisModel& model) {
+  std::string text;
+  for (const std::string& sentence : model.warnings) text += sentence + "\n";
+  return text;
+}
+
+TEST(IdentifyAxis, HasNoWarningForAGoodFlight) {
+  const AxisModel model = identifyAxis(madeAxis({}, 1), wholeFlight());
+  EXPECT_TRUE(model.warnings.empty()) << all(model);
+  ASSERT_TRUE(model.validation.has_value());
+  EXPECT_TRUE(model.validation->by_halves);
+  EXPECT_GT(model.validation->validation_percent, model.validation->training_percent - 3.0);
+}
+
+TEST(IdentifyAxis, ValidatesOnAnotherFlight) {
+  AxisRecords records = madeAxis({}, 1);
+  records.validation = test::makeFlight({}, 2);
+  const AxisModel model = identifyAxis(records, wholeFlight());
+  ASSERT_TRUE(model.validation.has_value());
+  EXPECT_FALSE(model.validation->by_halves);
+  EXPECT_GT(model.validation->validation_percent, 90.0);
+}
+
+TEST(IdentifyAxis, WarnsOfAWrongSign) {
+  AxisRecords records = madeAxis({}, 1);
+  for (double& value : records.training.response.value) value = -value;
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "against the command"));
+}
+
+TEST(IdentifyAxis, WarnsOfDegrees) {
+  AxisRecords records = madeAxis({}, 1);
+  for (double& value : records.training.response.value) value *= 57.2957795;
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "degrees"));
+}
+
+TEST(IdentifyAxis, WarnsOfAnotherScale) {
+  AxisRecords records = madeAxis({}, 1);
+  for (double& value : records.training.command.value) value *= 2.5;
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "different scales"));
+}
+
+TEST(IdentifyAxis, WarnsOfAResponseBeforeItsCommand) {
+  AxisRecords records = madeAxis({}, 1);
+  for (double& time : records.training.response.time) time -= 0.25;
+  const AxisModel model = identifyAxis(records, wholeFlight());
+  EXPECT_TRUE(warnsOf(model, "before its command")) << all(model);
+}
+
+TEST(IdentifyAxis, WarnsOfSwappedAxes) {
+  AxisRecords records = madeAxis({}, 1);
+  records.other_command = records.training.command;
+  // The own command moves at other times.
+  for (std::size_t i = 0; i < records.training.command.time.size(); ++i) {
+    records.training.command.value[i] = 0.2 * std::sin(1.3 * records.training.command.time[i]);
+  }
+  const AxisModel model = identifyAxis(records, wholeFlight());
+  EXPECT_TRUE(warnsOf(model, "swapped")) << all(model);
+}
+
+TEST(IdentifyAxis, WarnsOfTooLittleExcitation) {
+  test::MadeLoop made;
+  made.noise = 0.3;
+  made.duration = 8.0;
+  const AxisModel model = identifyAxis(madeAxis(made, 3), wholeFlight());
+  EXPECT_TRUE(warnsOf(model, "Too little excitation")) << all(model);
+}
+
+TEST(IdentifyAxis, WarnsOfSaturation) {
+  AxisRecords records = madeAxis({}, 1);
+  for (double& value : records.training.response.value) value = std::fmax(-0.17, std::fmin(0.17, value));
+  const AxisModel model = identifyAxis(records, wholeFlight());
+  EXPECT_TRUE(warnsOf(model, "saturates")) << all(model);
+}
+
+TEST(IdentifyAxis, NamesSourceAndAxisWhenThereIsNothing) {
+  AxisRecords records = madeAxis({}, 1);
+  records.training.source = "flight.csv";
+  for (double& value : records.training.command.value) value = 0.0;
+  try {
+    identifyAxis(records, {});
+    FAIL() << "a command that rests was accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("flight.csv: roll: "), std::string::npos) << error.what();
+  }
+}
+
+TEST(IdentifyAxis, MeasuresTheFrequencyResponseOfTheModel) {
+  test::MadeLoop made;
+  made.noise = 0.001;
+  made.duration = 60.0;
+  IdentifyOptions options;
+  options.windows = {{0.0, 60.0}};
+  const AxisModel model = identifyAxis(madeAxis(made, 4), options);
+  int compared = 0;
+  for (const FrequencyPoint& point : model.frequency_response) {
+    if (point.coherence < 0.98 || point.command_power < 0.02) continue;
+    const FrequencyPoint expected = modelFrequencyResponse(model.with_delay, point.frequency);
+    EXPECT_NEAR(point.gain, expected.gain, 0.12 * expected.gain) << point.frequency;
+    EXPECT_NEAR(point.phase, expected.phase, 0.15) << point.frequency;
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
+}
+
+TEST(IdentifyAxis, SameInputSameBytes) {
+  AttitudeCalibration one;
+  one.axes.push_back(identifyAxis(madeAxis({}, 1), wholeFlight()));
+  AttitudeCalibration other;
+  other.axes.push_back(identifyAxis(madeAxis({}, 1), wholeFlight()));
+  EXPECT_EQ(toYaml(one), toYaml(other));
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,94 @@
+#include "calibration/identification_report.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+
+#include "report_page.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string number(double value, int digits = 3) {
+  if (!std::isfinite(value)) return "–";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+void writeVerdict(const AttitudeCalibration& calibration, std::ostream& out) {
+  std::vector<std::string> sentences = calibration.failed;
+  for (const AxisModel& axis : calibration.axes) {
+    for (const std::string& warning : axis.warnings) sentences.push_back(axis.axis + ": " + warning);
+  }
+  if (sentences.empty()) {
+    out << "<div class='verdict good'>The data support these numbers</div>\n";
+    return;
+  }
+  out << "<div class='verdict bad'>To be looked at before these numbers are used<ul>";
+  for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
+  out << "</ul></div>\n";
+}
+
+void writeFit(const char* name, const LoopFit& fit, std::ostream& out) {
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const FittedParameter& parameter = fit.parameters[i];
+    out << "<tr><td>" << (i == 0 ? name : "") << "</td><td>"
+        << (i == 0 ? number(fit.fit_percent, 4) + " %" : "") << "</td><td>" << escaped(parameter.name)
+        << "</td><td>" << number(parameter.value, 4) << " "
+        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
+        << number(parameter.standard_error, 2) << "</td><td>" << number(parameter.least(), 4) << " .. "
+        << number(parameter.greatest(), 4) << "</td></tr>\n";
+  }
+}
+
+void writeTable(const AxisModel& axis, std::ostream& out) {
+  out << "<section><h2>" << escaped(axis.axis) << ": parameters</h2><p>" << axis.with_delay.samples
+      << " samples in " << axis.segments.size() << (axis.segments.size() == 1 ? " stretch" : " stretches");
+  if (axis.validation) {
+    out << "; on " << (axis.validation->by_halves ? "the second half" : "the other flight") << " the model "
+        << (axis.validation->by_halves ? "of the first half " : "") << "reaches "
+        << number(axis.validation->validation_percent, 4) << " %, on its own data "
+        << number(axis.validation->training_percent, 4) << " %";
+  }
+  out << ".</p><div "
+         "class='scroll'><table><tr><th>model</th><th>fit</th><th>parameter</th><th>value</th><th>standard "
+         "error</th><th>95 % interval</th></tr>\n";
+  writeFit("lag and delay", axis.with_delay, out);
+  writeFit("lag alone", axis.without_delay, out);
+  if (axis.second_order) writeFit("second order and delay", *axis.second_order, out);
+  out << "</table></div></section>\n";
+}
+
+}  // namespace
+
+std::string toHtml(const AttitudeCalibration& calibration) {
+  std::ostringstream out;
+  out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Calibration "
+         "report</title><style>"
+      << kReportStyle << "</style></head><body><main>\n<h1>Calibration report</h1>\n<p class='source'>"
+      << escaped(calibration.training.file) << " · " << escaped(calibration.training.checksum);
+  if (!calibration.training.recorded.empty()) out << " · " << escaped(calibration.training.recorded);
+  out << "</p>\n";
+  writeVerdict(calibration, out);
+  for (const AxisModel& axis : calibration.axes) {
+    writeTable(axis, out);
+    for (const ReportFigure& figure : identificationFigures(axis)) {
+      out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
+          << inlineSvg(figure.figure) << "</section>\n";
+    }
+  }
+  out << "</main></body></html>\n";
+  return out.str();
+}
+
+void writeReport(const AttitudeCalibration& calibration, const std::string& folder) {
+  makeFolder(folder);
+  const std::filesystem::path base(folder);
+  writeWhole(toHtml(calibration), base / "index.html");
+  writeWhole(toYaml(calibration), base / "calibration.yaml");
+}
+
+}  // namespace polyfly

@@ -1,0 +1,131 @@
+// Runs the command-line tool `calibrate`.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "identification/provenance.hpp"
+#include "made_flight.hpp"
+
+namespace polyfly {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class CalibrateTool : public testing::Test {
+ protected:
+  CalibrateTool() : folder_(fs::path(testing::TempDir()) / ("calibrate_tool_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    writeFlight({}, 1, "flight.csv");
+  }
+  ~CalibrateTool() override { fs::remove_all(folder_); }
+
+  // Roll of a made flight, with the command held onto the rows of the response.
+  void writeFlight(const test::MadeLoop& made, std::uint32_t seed, const std::string& name) {
+    const LoopRecord record = test::makeFlight(made, seed);
+    std::ofstream file(folder_ / name);
+    file.precision(9);
+    file << "t_s,roll_cmd_rad,roll_rad\n";
+    std::size_t held = 0;
+    for (std::size_t i = 0; i < record.response.time.size(); ++i) {
+      const auto& command = record.command;
+      while (held + 1 < command.time.size() && command.time[held + 1] <= record.response.time[i]) ++held;
+      file << record.response.time[i] << "," << command.value[held] << "," << record.response.value[i]
+           << "\n";
+    }
+  }
+
+  int run(const std::string& arguments) {
+    const std::string line = std::string("cd ") + folder_.string() + " && " + CALIBRATE_PROGRAM + " " +
+                             arguments + " > out.txt 2> err.txt";
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string out() const { return contents(folder_ / "out.txt"); }
+  std::string err() const { return contents(folder_ / "err.txt"); }
+
+  fs::path folder_;
+};
+
+TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
+  ASSERT_EQ(run("attitude flight.csv -o roll.yaml --recorded 2026-01-02 --strict"), 0) << err() << out();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
+  EXPECT_EQ(yaml["polyfly_calibration"].as<int>(), 1);
+  EXPECT_EQ(yaml["data"]["training"]["file"].as<std::string>(), "flight.csv");
+  EXPECT_EQ(yaml["data"]["training"]["checksum"].as<std::string>(),
+            provenanceOf(folder_ / "flight.csv").checksum);
+  EXPECT_EQ(yaml["data"]["training"]["recorded"].as<std::string>(), "2026-01-02");
+  const YAML::Node roll = yaml["axes"]["roll"];
+  const test::MadeLoop made;
+  EXPECT_NEAR(roll["model"]["gain"].as<double>(), made.gain, 0.02);
+  EXPECT_NEAR(roll["model"]["tau"].as<double>(), made.tau, 0.01);
+  // Holding the command onto the response's rows delays it by up to a row.
+  EXPECT_NEAR(roll["model"]["delay"].as<double>(), made.delay, 0.012);
+  EXPECT_NEAR(roll["model_without_delay"]["tau"].as<double>(), made.tau + made.delay, 0.02);
+  EXPECT_GT(roll["with_delay"]["parameters"]["tau"]["standard_error"].as<double>(), 0.0);
+  EXPECT_EQ(roll["with_delay"]["correlation"].size(), 4u);
+  EXPECT_GT(roll["windows"].size(), 0u);
+  EXPECT_TRUE(roll["second_order"].IsMap());
+  EXPECT_EQ(roll["warnings"].size(), 0u);
+  EXPECT_NE(out().find("lag and delay"), std::string::npos);
+}
+
+TEST_F(CalibrateTool, WritesAReport) {
+  ASSERT_EQ(run("attitude flight.csv --report report --quiet"), 0) << err();
+  const std::string page = contents(folder_ / "report" / "index.html");
+  for (const char* words :
+       {"what was used", "measured and modelled", "validation", "frequency response", "<svg"}) {
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "report" / "calibration.yaml"));
+  EXPECT_TRUE(out().empty());
+}
+
+TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
+  writeFlight({}, 2, "other.csv");
+  ASSERT_EQ(run("attitude flight.csv --validation other.csv -o roll.yaml"), 0) << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
+  EXPECT_EQ(yaml["data"]["validation"]["file"].as<std::string>(), "other.csv");
+  EXPECT_FALSE(yaml["axes"]["roll"]["validation"]["by_halves"].as<bool>());
+  EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
+}
+
+TEST_F(CalibrateTool, FailsWhereAWarningCounts) {
+  test::MadeLoop made;
+  made.gain = 0.4;
+  writeFlight(made, 3, "weak.csv");
+  EXPECT_EQ(run("attitude weak.csv"), 0);
+  EXPECT_NE(out().find("different scales"), std::string::npos);
+  EXPECT_EQ(run("attitude weak.csv --strict"), 1);
+}
+
+TEST_F(CalibrateTool, RefusesBadInputInWords) {
+  EXPECT_EQ(run("attitude nowhere.csv"), 2);
+  EXPECT_NE(err().find("nowhere.csv: no such file"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv --window 5"), 2);
+  EXPECT_NE(err().find("FROM:TO"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv --window 900:910"), 2);
+  EXPECT_NE(err().find("hold no samples"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv --signal roll=nowhere"), 2);
+  EXPECT_NE(err().find("no column nowhere; there are t_s, roll_cmd_rad, roll_rad"), std::string::npos)
+      << err();
+  EXPECT_EQ(run("attitude flight.csv --axis wing"), 2);
+  EXPECT_EQ(run("attitude flight.csv -o /nowhere/out.yaml"), 2);
+  EXPECT_EQ(run(""), 2);
+  EXPECT_EQ(run("--help"), 0);
+}
+
+}  // namespace
+}  // namespace polyfly
