@@ -8,6 +8,7 @@
 #include "progress.hpp"
 #include "verify_exact.hpp"
 #include "verify_reduction.hpp"
+#include "verify_robust.hpp"
 
 namespace polyfly {
 namespace {
@@ -50,6 +51,11 @@ struct Options {
 ExitCode verifyMap(const Options& options) {
   if (!options.json.empty()) checkWritable(options.json);
   const RegionMap map = RegionMap::open(options.map);
+  if (isRobustMap(map)) {
+    return verifyRobust(map,
+                        {options.problem, options.json, false, options.verify.samples, options.verify.seed,
+                         options.verify.tolerance, options.verify.threads, options.quiet});
+  }
   const ParametricProgram program =
       options.problem.empty() ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
                                              options.map + ": problem text")

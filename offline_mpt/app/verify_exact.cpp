@@ -6,7 +6,10 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "progress.hpp"
+#include "region_maps/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "verify_robust.hpp"
 
 namespace polyfly {
 namespace {
@@ -65,6 +68,17 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
   ParametricProgram program;
   {
     const RegionMap map = RegionMap::open(options.map);
+    if (isRobustMap(map)) {
+      if (!options.certificate.empty() || !options.output.empty())
+        throw Error(options.map + ": of a robust MPC there is neither --certificate nor --repair");
+      VerifyRobustOptions robust;
+      robust.problem = options.problem;
+      robust.json = options.json;
+      robust.exact = true;
+      robust.threads = options.threads;
+      robust.quiet = options.quiet;
+      return verifyRobust(map, robust);
+    }
     program = options.problem.empty()
                   ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
                                  options.map + ": problem text")

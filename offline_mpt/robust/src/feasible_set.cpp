@@ -153,7 +153,7 @@ class Projection {
     }
     std::vector<Scenario> basis;
     for (const ScenarioLp::Tight& part : tight) basis.push_back(part.scenario);
-    tested_.emplace(point, Tested{std::move(basis), false});
+    tested_.emplace(point, Tested{std::move(basis), false, {}});
     return std::nullopt;
   }
 
@@ -181,9 +181,10 @@ class Projection {
       if (stopped()) return;
       const HomogeneousPoint& y = *open[k].first;
       Tested& tested = *open[k].second;
-      if (!whole_.holds(y, whole_.predictionAt(y, tested.basis))) {
+      tested.prediction = whole_.predictionAt(y, tested.basis);
+      if (!whole_.holds(y, tested.prediction)) {
         by_program[k] = 1;
-        cuts[k] = exactCut(whole_, y, tested.basis);
+        cuts[k] = exactCut(whole_, y, tested.basis, tested.prediction);
         if (cuts[k]) return;
       }
       tested.proven = true;
@@ -230,9 +231,16 @@ class Projection {
       for (std::size_t k = 0; k < kept.size(); ++k) {
         if (on[kept[k]].test(r)) vertex.facets.push_back(static_cast<int>(k));
       }
-      result_.vertices.push_back(std::move(vertex));
       const auto found = tested_.find(ray.value);
-      if (found != tested_.end() && found->second.proven) ++result_.stats.vertices_proven;
+      if (found != tested_.end() && found->second.proven) {
+        ++result_.stats.vertices_proven;
+        const Integer denominator = found->second.prediction.denominator * ray.value[0];
+        for (const Integer& value : found->second.prediction.numerators) {
+          vertex.prediction.emplace_back(value, denominator);
+          vertex.prediction.back().canonicalize();
+        }
+      }
+      result_.vertices.push_back(std::move(vertex));
     }
     std::sort(result_.vertices.begin(), result_.vertices.end(),
               [](const FeasibleSet::Vertex& a, const FeasibleSet::Vertex& b) { return a.y < b.y; });
@@ -242,6 +250,7 @@ class Projection {
   struct Tested {
     std::vector<Scenario> basis;
     bool proven = false;
+    CommonFraction prediction{};  // over its denominator times y[0]
   };
 
   const RobustProgram& program_;
@@ -293,6 +302,15 @@ bool proveFacets(const RobustProgram& program, const FeasibleSet& set) {
     return std::all_of(z.begin(), z.end(), [](const Rational& value) { return value == 0; });
   };
   return std::all_of(set.facets.begin(), set.facets.end(), proven);
+}
+
+bool proveVertices(const RobustProgram& program, const FeasibleSet& set) {
+  return std::all_of(set.vertices.begin(), set.vertices.end(), [&](const FeasibleSet::Vertex& vertex) {
+    return vertex.prediction.size() == at(program.prediction_count) &&
+           std::all_of(program.rows.begin(), program.rows.end(), [&](const RobustProgram::Row& row) {
+             return rowExcess(row, vertex.y, vertex.prediction) <= 0;
+           });
+  });
 }
 
 }  // namespace polyfly

@@ -168,7 +168,7 @@ CommonFraction WholeProgram::predictionAt(const HomogeneousPoint& y,
 }
 
 std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
-                                           const std::vector<Scenario>& start) {
+                                           const std::vector<Scenario>& start, CommonFraction& prediction) {
   ExactLp lp;
   lp.addColumns(program.predictionCount());
   for (int j = 0; j < program.predictionCount(); ++j)
@@ -201,7 +201,10 @@ std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const Ho
     for (const Rational& value : values)
       z.numerators.emplace_back(value.get_num() * (z.denominator / value.get_den()));
     const std::vector<Scenario> broken = program.broken(y, z);
-    if (broken.empty()) return std::nullopt;
+    if (broken.empty()) {
+      prediction = std::move(z);
+      return std::nullopt;
+    }
     for (const Scenario& which : broken) add(which);
   }
 }

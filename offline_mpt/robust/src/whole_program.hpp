@@ -63,9 +63,10 @@ class WholeProgram {
   std::vector<WholeRow> rows_;
 };
 
-/// Decides by exact linear programs whether y has a prediction; a facet that cuts y off where it has none.
+/// Decides by exact linear programs whether y has a prediction, and stores it; a facet that cuts y off where
+/// it has none.
 std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
-                                           const std::vector<Scenario>& start);
+                                           const std::vector<Scenario>& start, CommonFraction& prediction);
 
 /// a . y <= b as a row of the cone over (1, y).
 std::vector<Integer> coneRow(const ExactHalfSpace& half_space);

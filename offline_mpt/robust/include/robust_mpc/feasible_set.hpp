@@ -34,7 +34,8 @@ struct FeasibleSet {
   };
   struct Vertex {
     RationalVector y;
-    std::vector<int> facets;  ///< sorted: those it lies on
+    std::vector<int> facets;    ///< sorted: those it lies on
+    RationalVector prediction;  ///< a z that meets every row with it; empty where none was computed
   };
   struct Stats {
     std::uint64_t linear_programs = 0;  ///< in floating point
@@ -61,5 +62,9 @@ FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOption
 /// Checks that each facet is the weighted sum of its parts, in which the predictions cancel: then no feasible
 /// y breaks it. Needs nothing that the projection computed but the parts.
 bool proveFacets(const RobustProgram& program, const FeasibleSet& set);
+
+/// Checks that the prediction of each vertex meets every row: then all between the vertices, and above them
+/// in tau, is feasible.
+bool proveVertices(const RobustProgram& program, const FeasibleSet& set);
 
 }  // namespace polyfly

@@ -1,0 +1,250 @@
+// Proves a law without the steps that made it: only its regions, the facets and the rows of the program.
+#include <algorithm>
+#include <utility>
+
+#include "robust_mpc/prove_map.hpp"
+
+namespace polyfly {
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+Rational moveAt(const RobustLaw::Region& region, const RationalVector& theta) {
+  return dot(region.input_gain, theta) + region.input_offset;
+}
+Rational peakAt(const RobustLaw::Region& region, const RationalVector& theta) {
+  return dot(region.peak_gain, theta) + region.peak_offset;
+}
+
+class LawProof {
+ public:
+  LawProof(const RobustProblem& problem, const RobustProgram& program, const FeasibleSet& set,
+           const RobustLaw& law)
+      : problem_(problem),
+        program_(program),
+        set_(set),
+        law_(law),
+        np_(problem.parameterCount()),
+        errors_(problem.errorParameters()),
+        preferred_(at(np_)) {
+    for (int s = 0; s < problem.stateCount(); ++s) preferred_[at(errors_[at(s)])] = problem.tie_gain(0, s);
+  }
+
+  RobustProof run() {
+    proof_.invariance_asked = problem_.invariance != InvarianceRule::kNone;
+    proof_.facets = set_.facets.size();
+    proof_.vertices = set_.vertices.size();
+    proof_.set_valid = proveFacets(program_, set_);
+    proof_.set_feasible = !set_.vertices.empty() && proveVertices(program_, set_);
+    proof_.regions = law_.regions.size();
+    proof_.preferred = true;
+    for (const RobustLaw::Region& region : law_.regions) {
+      if (isOptimal(region)) ++proof_.optimal_regions;
+      proof_.preferred = proof_.preferred && isPreferred(region);
+    }
+    proveCoverage();
+    proveSteps();
+    return std::move(proof_);
+  }
+
+ private:
+  const Rational& inputSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_)]; }
+  const Rational& peakSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_) + 1]; }
+
+  /// (theta, u, tau) is feasible at every vertex, so everywhere in the region; and the active facets,
+  /// weighted so that the move cancels, say that tau cannot be less: as affine functions, not at points.
+  bool isOptimal(const RobustLaw::Region& region) const {
+    for (const RationalVector& vertex : region.vertices) {
+      RationalVector y = vertex;
+      y.push_back(moveAt(region, vertex));
+      y.push_back(peakAt(region, vertex));
+      for (const FeasibleSet::Facet& facet : set_.facets) {
+        if (dot(facet.half_space.a, y) > facet.half_space.b) return false;
+      }
+    }
+    RationalVector weights;
+    if (region.active.size() == 2 && inputSlope(region.active[0]) != 0 && inputSlope(region.active[1]) != 0) {
+      if (sgn(inputSlope(region.active[0])) == sgn(inputSlope(region.active[1]))) return false;
+      weights = {abs(inputSlope(region.active[1])), abs(inputSlope(region.active[0]))};
+    } else {  // one that does not limit the move bounds tau by itself
+      for (const int facet : region.active)
+        weights.emplace_back(inputSlope(facet) == 0 && peakSlope(facet) < 0 ? 1 : 0);
+    }
+    RationalVector sum(at(np_) + 1);  // theta and bound of the combination; tau's coefficient apart
+    Rational peak;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const ExactHalfSpace& row = set_.facets[at(region.active[k])].half_space;
+      for (std::size_t j = 0; j < at(np_); ++j) sum[j] += weights[k] * row.a[j];
+      sum.back() += weights[k] * row.b;
+      peak += weights[k] * peakSlope(region.active[k]);
+    }
+    if (peak >= 0) return false;
+    for (std::size_t j = 0; j < at(np_); ++j) {
+      if (sum[j] / -peak != region.peak_gain[j]) return false;
+    }
+    return sum.back() / peak == region.peak_offset;
+  }
+
+  /// Among the moves that reach tau at a vertex, an interval found from all facets, the nearest to K e.
+  bool isPreferred(const RobustLaw::Region& region) const {
+    for (const RationalVector& vertex : region.vertices) {
+      const Rational peak = peakAt(region, vertex);
+      std::optional<Rational> least, greatest;
+      for (std::size_t f = 0; f < set_.facets.size(); ++f) {
+        const ExactHalfSpace& row = set_.facets[f].half_space;
+        const Rational& slope = row.a[at(np_)];
+        if (slope == 0) continue;
+        Rational rest = row.b - row.a[at(np_) + 1] * peak;
+        for (std::size_t j = 0; j < at(np_); ++j) rest -= row.a[j] * vertex[j];
+        rest /= slope;
+        if (slope > 0 && (!greatest || rest < *greatest)) greatest = rest;
+        if (slope < 0 && (!least || rest > *least)) least = rest;
+      }
+      Rational move = dot(preferred_, vertex);
+      if (greatest) move = std::min(move, *greatest);
+      if (least) move = std::max(move, *least);
+      if (move != moveAt(region, vertex)) return false;
+    }
+    return true;
+  }
+
+  void proveCoverage() {
+    std::vector<RationalVector> points;
+    for (const FeasibleSet::Vertex& vertex : set_.vertices)
+      points.emplace_back(vertex.y.begin(), vertex.y.begin() + np_);
+    domain_ = hull(np_, points);
+    Rational sum;
+    for (const RobustLaw::Region& region : law_.regions) {
+      const Rational part = volume(region.polytope);
+      // half-spaces and vertices are the same region: vertices lie within, and their hull has the volume
+      for (const RationalVector& vertex : region.vertices) {
+        if (!contains(region.polytope, vertex) || !contains(domain_, vertex)) return;
+      }
+      sum += part;
+    }
+    proof_.volume = volume(domain_);
+    proof_.covered = sum == proof_.volume;
+  }
+
+  /// A facet of the domain that only says where the map ends: that of a state without bounds.
+  bool isOfExploration(const ExactHalfSpace& row) const {
+    int entry = -1;
+    for (int j = 0; j < np_; ++j) {
+      if (row.a[at(j)] == 0) continue;
+      if (entry >= 0) return false;
+      entry = j;
+    }
+    const int state = problem_.parameters[at(entry)].state;
+    if (state < 0 || problem_.state_ranges[at(state)]) return false;
+    const RobustProblem::Range& range = problem_.parameters[at(entry)].range;
+    const Rational end = row.b / row.a[at(entry)];
+    return end == range.lower || end == range.upper;
+  }
+
+  RationalVector successor(const RationalVector& theta, const Rational& move,
+                           const RationalVector& disturbance) const {
+    RationalVector next = theta;
+    for (int i = 0; i < problem_.stateCount(); ++i) {
+      Rational value = problem_.drift[at(i)] + problem_.B(i, 0) * move;
+      for (int s = 0; s < problem_.stateCount(); ++s) value += problem_.A(i, s) * theta[at(errors_[at(s)])];
+      for (int c = 0; c < problem_.channelCount(); ++c) value += problem_.G(i, c) * disturbance[at(c)];
+      next[at(errors_[at(i)])] = value;
+    }
+    return next;
+  }
+
+  void note(std::optional<RobustWitness>& slot, const RationalVector& theta,
+            const RationalVector& disturbance, const std::string& rule, const Rational& excess) const {
+    if (excess > 0 && (!slot || excess > slot->excess))
+      slot = RobustWitness{theta, disturbance, rule, excess};
+  }
+
+  void checkRange(const RobustProblem::Range& range, const Rational& value, const std::string& name,
+                  const RationalVector& theta, const RationalVector& disturbance) {
+    note(proof_.broken_bound, theta, disturbance, name + " above its range", value - range.upper);
+    note(proof_.broken_bound, theta, disturbance, name + " below its range", range.lower - value);
+  }
+
+  Rational shifted(const RationalVector& theta, RationalVector RobustProblem::Parameter::*shifts, int entry,
+                   const Rational& value) const {
+    Rational sum = value;
+    for (int j = 0; j < np_; ++j) {
+      const RobustProblem::Parameter& parameter = problem_.parameters[at(j)];
+      if (parameter.state < 0) sum += (parameter.*shifts)[at(entry)] * theta[at(j)];
+    }
+    return sum;
+  }
+
+  void checkBounds(const RationalVector& theta, const Rational& peak, const RationalVector& disturbance,
+                   const RationalVector& next) {
+    for (int i = 0; i < problem_.stateCount(); ++i) {
+      const auto& range = problem_.state_ranges[at(i)];
+      if (!range) continue;
+      const Rational x = shifted(theta, &RobustProblem::Parameter::state_shift, i, next[at(errors_[at(i)])]);
+      checkRange(*range, x, problem_.states[at(i)].name, theta, disturbance);
+    }
+    for (int o = 0; o < problem_.outputCount(); ++o) {
+      Rational output;
+      for (int i = 0; i < problem_.stateCount(); ++i) output += problem_.C(o, i) * next[at(errors_[at(i)])];
+      note(proof_.broken_bound, theta, disturbance, "output " + std::to_string(o + 1) + " above tau",
+           abs(output) - peak);
+    }
+  }
+
+  void checkFeasible(const RationalVector& theta, const RationalVector& disturbance,
+                     const RationalVector& next) {
+    for (const ExactHalfSpace& row : domain_.rows) {
+      const Rational excess = dot(row.a, next) - row.b;
+      if (excess <= 0) continue;
+      if (!isOfExploration(row)) {
+        note(proof_.lost, theta, disturbance, "no plan meets all bounds from the successor", excess);
+        continue;
+      }
+      for (int j = 0; j < np_; ++j) {
+        const RobustProblem::Range& range = problem_.parameters[at(j)].range;
+        const Rational half = (range.upper - range.lower) / 2;
+        if (row.a[at(j)] != 0)
+          proof_.box_excess = std::max(proof_.box_excess, nearestDouble(excess / abs(row.a[at(j)]) / half));
+      }
+    }
+  }
+
+  void proveSteps() {
+    const int nw = problem_.channelCount();
+    for (const RobustLaw::Region& region : law_.regions) {
+      for (const RationalVector& theta : region.vertices) {
+        const Rational move = moveAt(region, theta), peak = peakAt(region, theta);
+        checkRange(problem_.input_ranges[0], shifted(theta, &RobustProblem::Parameter::input_shift, 0, move),
+                   problem_.inputs[0].name, theta, RationalVector(at(nw)));
+        for (unsigned corner = 0; corner < (1U << static_cast<unsigned>(nw)); ++corner) {
+          RationalVector disturbance;
+          for (int c = 0; c < nw; ++c)
+            disturbance.emplace_back((corner >> static_cast<unsigned>(c)) & 1U ? 1 : -1);
+          const RationalVector next = successor(theta, move, disturbance);
+          checkBounds(theta, peak, disturbance, next);
+          checkFeasible(theta, disturbance, next);
+          ++proof_.steps;
+        }
+      }
+    }
+  }
+
+  const RobustProblem& problem_;
+  const RobustProgram& program_;
+  const FeasibleSet& set_;
+  const RobustLaw& law_;
+  int np_;
+  std::vector<int> errors_;
+  RationalVector preferred_;
+  ExactPolytope domain_;
+  RobustProof proof_;
+};
+
+}  // namespace
+
+RobustProof proveLaw(const RobustProblem& problem, const RobustProgram& program, const FeasibleSet& set,
+                     const RobustLaw& law) {
+  return LawProof(problem, program, set, law).run();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,94 @@
+// `offline_mpt` with a problem of type robust_mpc, as a user would run it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "../../test/run_program.hpp"
+#include "made_robust.hpp"
+
+namespace polyfly {
+namespace {
+
+class RobustCommand : public ::testing::Test {
+ protected:
+  Outcome run(std::vector<std::string> words) const {
+    words.insert(words.begin(), OFFLINE_MPT_PROGRAM);
+    const std::filesystem::path folder = scratch_.path("");
+    return waitForProgram(startProgram(std::move(words), folder), folder);
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(scratch_.path(name), std::ios::binary) << text;
+    return scratch_.path(name);
+  }
+  std::string path(const std::string& name) const { return scratch_.path(name); }
+
+  ScratchFolder scratch_;
+};
+
+MadeRobust small() {
+  MadeRobust made;
+  made.horizon = 4;
+  made.peak_in_map = true;
+  return made;
+}
+
+TEST_F(RobustCommand, SolvesInfoEvalPlotAndVerify) {
+  const std::string problem = write("made.yaml", small().text());
+  const Outcome solved = run({"solve", problem, "-o", path("made.map"), "--stats", path("stats.json")});
+  ASSERT_EQ(solved.exit_code, 0) << solved.err;
+  EXPECT_NE(solved.out.find("made.map: complete, "), std::string::npos) << solved.out;
+  const auto stats = nlohmann::json::parse(readBytes(path("stats.json")));
+  EXPECT_EQ(stats["vertices"], stats["vertices_proven"]);
+  ASSERT_EQ(run({"solve", problem, "-o", path("again.map"), "--threads", "3", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(readBytes(path("made.map")), readBytes(path("again.map")));
+
+  EXPECT_EQ(run({"info", path("made.map")}).exit_code, 0);
+  write("thetas.csv", "0.3,0,0\n0,0,0\n");
+  const Outcome evaluated = run({"eval", path("made.map"), "--csv", path("thetas.csv")});
+  EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_NE(evaluated.out.find("tau"), std::string::npos) << evaluated.out;
+  EXPECT_EQ(run({"plot", path("made.map"), "--slice", "e_p,e_v", "-o", path("slice.svg")}).exit_code, 0);
+
+  const Outcome sampled =
+      run({"verify", path("made.map"), "--samples", "300", "--json", path("sampled.json")});
+  EXPECT_EQ(sampled.exit_code, 0) << sampled.out;
+  EXPECT_EQ(nlohmann::json::parse(readBytes(path("sampled.json")))["result"], "PASSED");
+  const Outcome proven = run({"verify", path("made.map"), "--exact", "--json", path("proof.json")});
+  EXPECT_EQ(proven.exit_code, 0) << proven.out;
+  const auto proof = nlohmann::json::parse(readBytes(path("proof.json")));
+  EXPECT_EQ(proof["proven"], true);
+  EXPECT_EQ(proof["recursively_feasible"], true);
+  EXPECT_EQ(proof["regions"], stats["regions"]);
+}
+
+TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
+  const std::string problem = write("made.yaml", small().text());
+  ASSERT_EQ(run({"solve", problem, "-o", path("made.map"), "--quiet"}).exit_code, 0);
+  MadeRobust other = small();
+  other.disturbance = "[-0.6, 0.6]";
+  const std::string windy = write("windy.yaml", other.text());
+  EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--problem", windy, "--quiet"}).exit_code, 1);
+  EXPECT_EQ(run({"verify", path("made.map"), "--problem", windy, "--samples", "300", "--quiet"}).exit_code,
+            1);
+  const Outcome certificate = run({"verify", path("made.map"), "--exact", "--certificate", path("c")});
+  EXPECT_EQ(certificate.exit_code, 2);
+  EXPECT_NE(certificate.err.find("neither --certificate nor --repair"), std::string::npos);
+}
+
+TEST_F(RobustCommand, SaysWhatIsWrongInAProblem) {
+  MadeRobust made = small();
+  made.horizon = 0;
+  const Outcome refused = run({"solve", write("bad.yaml", made.text()), "-o", path("bad.map")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("bad.yaml:"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("horizon"), std::string::npos) << refused.err;
+  made = small();
+  made.disturbance = "[-50, 50]";
+  const Outcome hopeless = run({"solve", write("windy.yaml", made.text()), "-o", path("windy.map")});
+  EXPECT_EQ(hopeless.exit_code, 2);
+  EXPECT_NE(hopeless.err.find("no parameter in the box has a solution"), std::string::npos) << hopeless.err;
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,186 @@
+// What the exact proof says of right maps, and that it refuses wrong ones.
+#include <gtest/gtest.h>
+
+#include "../../test/map_in_memory.hpp"
+#include "../../test/random.hpp"
+#include "made_robust.hpp"
+#include "offline_mpt/encode.hpp"
+#include "region_maps/error.hpp"
+#include "robust_mpc/prove_map.hpp"
+
+namespace polyfly {
+namespace {
+
+struct Solved {
+  RobustProblem problem;
+  RobustProgram program;
+  FeasibleSet set;
+  RobustLaw law;
+
+  explicit Solved(const MadeRobust& made) : problem(made.problem()) {
+    program = buildRobustProgram(problem);
+    set = projectFeasibleSet(program);
+    law = explicitLaw(problem, set);
+  }
+  RobustProof proof() const { return proveLaw(problem, program, set, law); }
+  MapContent content() const {
+    const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
+    return encode(rounded.program, rounded.partition);
+  }
+};
+
+MadeRobust small() {
+  MadeRobust made;
+  made.horizon = 4;
+  made.peak_in_map = true;
+  return made;
+}
+
+TEST(RobustProof, ProvesRightMaps) {
+  std::vector<MadeRobust> made(5, small());
+  made[1].stack = "shift";
+  made[1].torque = true;
+  made[2].floor = "0.05";
+  made[2].states = 2;
+  made[3].bounded_position = true;
+  made[3].invariance = "first_step";
+  made[4].references = true;
+  made[4].horizon = 3;
+  for (const MadeRobust& one : made) {
+    const Solved solved(one);
+    const MapInMemory memory(solved.content());
+    const RobustProof proof = proveRobustMap(memory.map(), solved.problem);
+    EXPECT_TRUE(proof.passed()) << one.text() << proofText(solved.problem, proof);
+    EXPECT_LT(proof.law_error, 1e-12);
+    EXPECT_LT(proof.plane_error, 1e-12);
+  }
+}
+
+// Sect. 5 of the method: four steps are enough for the chapter's axis, three are not.
+TEST(RobustProof, ShowsWhereFeasibilityIsLost) {
+  MadeRobust made;
+  made.horizon = 3;
+  const Solved three(made);
+  const RobustProof proof = three.proof();
+  EXPECT_TRUE(proof.passed());
+  ASSERT_TRUE(proof.lost.has_value());
+  // from the state that is shown the program is infeasible one step later: by the vertices of the set itself
+  const RobustWitness& lost = *proof.lost;
+  RationalVector move_and_peak;
+  for (const RobustLaw::Region& region : three.law.regions) {
+    if (contains(region.polytope, lost.theta))
+      move_and_peak = {dot(region.input_gain, lost.theta) + region.input_offset};
+  }
+  ASSERT_EQ(move_and_peak.size(), 1u);
+  RationalVector next(3);
+  for (int i = 0; i < 3; ++i) {
+    next[static_cast<std::size_t>(i)] = three.problem.drift[static_cast<std::size_t>(i)] +
+                                        three.problem.B(i, 0) * move_and_peak[0] +
+                                        three.problem.G(i, 0) * lost.disturbance[0];
+    for (int j = 0; j < 3; ++j)
+      next[static_cast<std::size_t>(i)] += three.problem.A(i, j) * lost.theta[static_cast<std::size_t>(j)];
+  }
+  ExactPolytope slice;  // (u, tau) with which the successor is feasible; the box does not count
+  slice.dimension = 2;
+  for (const FeasibleSet::Facet& facet : three.set.facets) {
+    if (facet.of_box) continue;
+    Rational rest = facet.half_space.b;
+    for (std::size_t j = 0; j < 3; ++j) rest -= facet.half_space.a[j] * next[j];
+    slice.rows.push_back({{facet.half_space.a[3], facet.half_space.a[4]}, rest});
+  }
+  EXPECT_TRUE(isEmpty(slice));
+  made.horizon = 4;
+  EXPECT_TRUE(Solved(made).proof().recursivelyFeasible());
+  made.bounded_position = true;
+  EXPECT_FALSE(Solved(made).proof().recursivelyFeasible());
+  made.invariance = "first_step";
+  EXPECT_TRUE(Solved(made).proof().recursivelyFeasible());
+}
+
+TEST(RobustProof, RefusesWrongLaws) {
+  const Solved right(small());
+  ASSERT_TRUE(right.proof().passed());
+  for (std::size_t r = 0; r < right.law.regions.size(); r += 5) {
+    Solved wrong = right;
+    wrong.law.regions[r].input_offset += Rational(1, 1000000000);
+    RobustProof proof = wrong.proof();
+    EXPECT_FALSE(proof.passed());
+    wrong = right;
+    wrong.law.regions[r].peak_offset += Rational(1, 1000000000);
+    EXPECT_LT(wrong.proof().optimal_regions, right.law.regions.size());
+    wrong = right;
+    wrong.law.regions.erase(wrong.law.regions.begin() + static_cast<std::ptrdiff_t>(r));
+    proof = wrong.proof();
+    EXPECT_FALSE(proof.covered);
+    EXPECT_FALSE(proof.passed());
+  }
+}
+
+TEST(RobustProof, RefusesASetThatIsTooLargeOrTooSmall) {
+  const Solved right(small());
+  Solved large = right;
+  // a vertex moved outwards, as where a facet is missing: its plan does not follow
+  for (FeasibleSet::Vertex& vertex : large.set.vertices) {
+    vertex.y.back() -= Rational(1, 1000000);
+    EXPECT_FALSE(proveVertices(large.program, large.set));
+    vertex.y.back() += Rational(1, 1000000);
+  }
+  ProjectOptions quick;
+  quick.exact = false;
+  large.set = projectFeasibleSet(large.program, quick);
+  EXPECT_FALSE(large.proof().passed());
+  Solved tight = right;
+  for (FeasibleSet::Facet& facet : tight.set.facets) {
+    if (!facet.of_box) facet.half_space.b -= Rational(1, 1000);
+  }
+  EXPECT_FALSE(tight.proof().set_valid);
+}
+
+// With bounds narrower than those that the law was made for, one step breaks them: the enumeration sees it.
+TEST(RobustProof, SeesBrokenBounds) {
+  Solved solved(small());
+  solved.problem.state_ranges[1]->upper = Rational(14, 10);
+  const RobustProof proof = solved.proof();
+  ASSERT_TRUE(proof.broken_bound.has_value());
+  EXPECT_NE(proof.broken_bound->rule.find("v above its range"), std::string::npos);
+  EXPECT_FALSE(proof.passed());
+  Solved windy(small());
+  windy.problem.G(1, 0) *= 3;
+  EXPECT_FALSE(windy.proof().passed());
+}
+
+TEST(RobustProof, RefusesChangedMaps) {
+  const Solved solved(small());
+  const MapContent content = solved.content();
+  Random random(3);
+  for (int k = 0; k < 20; ++k) {
+    MapContent changed = content;
+    std::vector<double>& numbers = k % 2 == 0 ? changed.laws : changed.planes;
+    const auto entry = static_cast<std::size_t>(random.below(static_cast<int>(numbers.size())));
+    numbers[entry] += 1e-6;
+    const MapInMemory memory(changed);
+    EXPECT_FALSE(proveRobustMap(memory.map(), solved.problem).passed()) << k;
+  }
+  MapContent shorter = content;
+  shorter.parameters[0].upper = 1.0;
+  const MapInMemory other(shorter);
+  EXPECT_THROW(proveRobustMap(other.map(), solved.problem), Error);
+}
+
+TEST(RobustProof, SamplesAgreeAndSeeAWrongLaw) {
+  const Solved solved(small());
+  MapContent content = solved.content();
+  {
+    const MapInMemory memory(content);
+    const RobustSampling report = sampleRobustMap(memory.map(), solved.problem, 500, 1, 1e-7);
+    EXPECT_TRUE(report.passed());
+    EXPECT_GT(report.inside, 300u);
+    EXPECT_LT(report.peak_error, 1e-9);
+  }
+  for (std::size_t k = 3; k < content.laws.size(); k += 8) content.laws[k] += 1e-4;
+  const MapInMemory memory(content);
+  EXPECT_FALSE(sampleRobustMap(memory.map(), solved.problem, 500, 1, 1e-7).passed());
+}
+
+}  // namespace
+}  // namespace polyfly
