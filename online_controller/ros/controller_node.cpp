@@ -1,5 +1,7 @@
 #include "online_controller_ros/controller_node.hpp"
 
+#include <std_msgs/String.h>
+
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <chrono>
@@ -12,7 +14,6 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr std::array<const char*, 3> kMapKeys{"maps/longitudinal", "maps/lateral", "maps/vertical"};
 constexpr std::uint32_t kCommandQueue = 10;  // a recorder over TCP may lag behind for a moment
 constexpr double kLogInterval = 1.0;         // between two warnings [s]
 
@@ -22,21 +23,14 @@ std::int64_t nanosecondsSince(Clock::time_point start) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count();
 }
 
-std::array<const polyfly::RegionMap*, 3> pointers(const std::array<polyfly::RegionMap, 3>& maps) {
-  return {&maps[0], &maps[1], &maps[2]};
-}
-
 }  // namespace
 
 ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle) {
   Setup setup;
   ParameterReader reader(private_handle);
-  for (std::size_t i = 0; i < kMapKeys.size(); ++i) {
-    setup.map_paths[i] = reader.requiredText(kMapKeys[i], "the path of a region map");
-  }
-  polyfly::visitOptions(setup.controller, reader);
+  setup.laws = LawSetup::read(reader);
   visitNodeOptions(setup.node, reader);
-  reader.refuseUnknown({"maps", "vehicle", "controller"});
+  reader.refuseUnknown({"maps", "problems", "vehicle", "controller", "nonlinear"});
   return setup;
 }
 
@@ -48,11 +42,11 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
 }
 
 ExplicitMpcNode::ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup)
-    : maps_{polyfly::RegionMap::open(setup.map_paths[0]), polyfly::RegionMap::open(setup.map_paths[1]),
-            polyfly::RegionMap::open(setup.map_paths[2])},
-      parameters_{maps_[0].parameters(), maps_[1].parameters(), maps_[2].parameters()},
-      controller_(pointers(maps_), setup.controller),
-      silence_(setup.node.stale_periods * setup.controller.control_period) {
+    : laws_(setup.laws),
+      controller_(laws_.flight()),
+      preview_(static_cast<std::size_t>(controller_.previewLength())),
+      control_period_(setup.laws.controller.control_period),
+      silence_(setup.node.stale_periods * control_period_) {
   connect(handle);
 }
 
@@ -60,13 +54,16 @@ void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
   command_publisher_ =
       handle.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", kCommandQueue);
   status_publisher_ = handle.advertise<online_controller::ControllerStatus>("controller_status", 100);
+  law_publisher_ = handle.advertise<std_msgs::String>("active_law", 1, true);
+  publishLaw();
+  law_service_ = handle.advertiseService("select_law", &ExplicitMpcNode::onSelectLaw, this);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   trajectory_subscriber_ =
       handle.subscribe("command/trajectory", 1, &ExplicitMpcNode::onTrajectory, this, hints);
   pose_subscriber_ = handle.subscribe("command/pose", 1, &ExplicitMpcNode::onPose, this, hints);
   odometry_subscriber_ = handle.subscribe("odometry", 1, &ExplicitMpcNode::onOdometry, this, hints);
-  watchdog_ = handle.createTimer(ros::Duration(controller_.options().control_period),
-                                 [this](const ros::TimerEvent&) { onWatchdog(); });
+  watchdog_ =
+      handle.createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) { onWatchdog(); });
 }
 
 void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
@@ -77,13 +74,35 @@ void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   frame_ = message->header.frame_id;
   odometry_age_ = (arrival_ - message->header.stamp).toSec();
   const polyfly::VehicleState state = toVehicleState(*message);
-  const std::optional<polyfly::Reference> reference = references_.sample(state.stamp);
+  const bool has_reference = references_.preview(state.stamp, controller_.previewPeriod(),
+                                                 static_cast<int>(preview_.size()), preview_.data());
 
   const Clock::time_point start = Clock::now();
-  const polyfly::ControlReport& report =
-      reference ? controller_.step(state, *reference) : controller_.stepWithoutReference(state.stamp);
+  const polyfly::ControlReport& report = has_reference ? controller_.step(state, preview_.data())
+                                                       : controller_.stepWithoutReference(state.stamp);
   const std::int64_t step_time_ns = nanosecondsSince(start);
   publish(report, message->header, step_time_ns);
+  controller_.prepare();
+}
+
+bool ExplicitMpcNode::onSelectLaw(online_controller::SelectLaw::Request& request,
+                                  online_controller::SelectLaw::Response& response) {
+  try {
+    response.success = static_cast<unsigned char>(controller_.select(polyfly::lawOfName(request.law)));
+    response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +
+                       std::string(polyfly::lawName(controller_.active())) + " flies";
+  } catch (const polyfly::Error& error) {
+    response.success = 0;
+    response.message = error.what();
+  }
+  publishLaw();
+  return true;
+}
+
+void ExplicitMpcNode::publishLaw() {
+  std_msgs::String message;
+  message.data = polyfly::lawName(controller_.active());
+  law_publisher_.publish(message);
 }
 
 void ExplicitMpcNode::onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
@@ -132,26 +151,28 @@ void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_ms
   status->odometry_age = odometry_age_;
   status->step_time_ns = step_time_ns;
   status->lookup_time_ns = lookupTime(report);
-  fillStatus(report, parameters_, *status);
+  fillStatus(report, laws_.parameters(), *status);
   status_publisher_.publish(status);
   logChange(report);
 }
 
 std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) const {
+  if (controller_.active() != polyfly::Law::kExplicitLinear) return 0;
   for (const polyfly::AxisReport& axis : report.axis) {
     if (axis.size == 0) return 0;
   }
+  const std::vector<polyfly::RegionMap>& maps = laws_.maps();
   double input = 0.0;
   const Clock::time_point start = Clock::now();
-  for (std::size_t i = 0; i < maps_.size(); ++i) maps_[i].evaluate(report.axis[i].theta.data(), &input);
-  return nanosecondsSince(start) / static_cast<std::int64_t>(maps_.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) maps[i].evaluate(report.axis[i].theta.data(), &input);
+  return nanosecondsSince(start) / static_cast<std::int64_t>(maps.size());
 }
 
 void ExplicitMpcNode::logChange(const polyfly::ControlReport& report) {
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
-  const std::string text = describe(report, parameters_);
+  const std::string text = describe(report, laws_.parameters());
   if (report.status == polyfly::ControlStatus::kOptimal) {
     ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
   } else {

@@ -60,6 +60,11 @@ std::string ParameterReader::requiredText(const std::string& key, const std::str
   return text;
 }
 
+std::string ParameterReader::text(const std::string& key, const std::string& what,
+                                  const std::string& fallback) {
+  return given(key) ? requiredText(key, what) : fallback;
+}
+
 void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
   std::vector<std::string> names;
   if (!ros::param::getParamNames(names))

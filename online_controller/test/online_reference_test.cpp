@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -186,6 +187,20 @@ TEST(ReferenceSchedule, ALaterTrajectoryWaitsForItsStart) {
   EXPECT_EQ(schedule.sample(2.5)->position.x(), 1.0);
   EXPECT_EQ(schedule.sample(3.0)->position.x(), 3.0);
   EXPECT_EQ(schedule.sample(9.0)->position.x(), 3.0);
+}
+
+TEST(ReferenceSchedule, PreviewSeesTheTrajectoryThatWaits) {
+  ReferenceSchedule schedule;
+  std::array<Reference, 4> ahead;
+  EXPECT_FALSE(schedule.preview(0.0, 0.5, 4, ahead.data()));
+  schedule.set(ReferenceTrajectory({onQuintic(0.0), onQuintic(1.0)}), 10.0);
+  schedule.set(ReferenceTrajectory::pose({7, 0, 0}, 0.0), 11.0);
+  ASSERT_TRUE(schedule.preview(10.25, 0.5, 4, ahead.data()));
+  EXPECT_NEAR(ahead[0].position.x(), quintic(0.25), 1e-12);
+  EXPECT_NEAR(ahead[1].position.x(), quintic(0.75), 1e-12);
+  EXPECT_EQ(ahead[2].position.x(), 7.0);
+  EXPECT_EQ(ahead[3].position.x(), 7.0);
+  EXPECT_NEAR(schedule.sample(10.5)->position.x(), quintic(0.5), 1e-12);  // it waits still
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "mpc_core/aligned_array.hpp"
 #include "mpc_core/bounded_qp.hpp"
+#include "mpc_core/range.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
 
 namespace polyfly {
@@ -25,9 +26,36 @@ struct NonlinearMpcOptions {
   double thrust_min = 5.0;       ///< over mass [m/s^2]
   double thrust_max = 20.0;      ///< over mass [m/s^2]
 
-  double speed_max = 0.0;         ///< of each component of the velocity [m/s]; 0: not limited
+  double speed_max = 0.0;      ///< of each component of the velocity [m/s]; 0: not limited
   double speed_penalty = 1e5;  ///< of the l1 relaxation of that limit [s/m]
 };
+
+/// The one list of the options but those that come from the vehicle's (gravity, limits): calls
+/// visit(key, field, unit, range). Keys are parameter names relative to a node's private namespace.
+template <class Options, class Visit>
+void visitNonlinearOptions(Options& options, Visit&& visit) {
+  auto& model = options.model;
+  visit("nonlinear/roll_gain", model.roll_gain, "1", Range{0.01, 10.0});
+  visit("nonlinear/roll_time", model.roll_time, "s", Range{0.002, 10.0});
+  visit("nonlinear/pitch_gain", model.pitch_gain, "1", Range{0.01, 10.0});
+  visit("nonlinear/pitch_time", model.pitch_time, "s", Range{0.002, 10.0});
+  visit("nonlinear/drag_x", model.drag.x(), "1/s", Range{0.0, 10.0});
+  visit("nonlinear/drag_y", model.drag.y(), "1/s", Range{0.0, 10.0});
+  visit("nonlinear/drag_z", model.drag.z(), "1/s", Range{0.0, 10.0});
+  visit("nonlinear/horizon", options.horizon, "stages", Range{1.0, 100.0});
+  visit("nonlinear/period", options.period, "s", Range{0.001, 1.0});
+  visit("nonlinear/position_weight_x", options.position_weight.x(), "1/m^2", Range{0.0, 1e6});
+  visit("nonlinear/position_weight_y", options.position_weight.y(), "1/m^2", Range{0.0, 1e6});
+  visit("nonlinear/position_weight_z", options.position_weight.z(), "1/m^2", Range{0.0, 1e6});
+  visit("nonlinear/velocity_weight_x", options.velocity_weight.x(), "s^2/m^2", Range{0.0, 1e6});
+  visit("nonlinear/velocity_weight_y", options.velocity_weight.y(), "s^2/m^2", Range{0.0, 1e6});
+  visit("nonlinear/velocity_weight_z", options.velocity_weight.z(), "s^2/m^2", Range{0.0, 1e6});
+  visit("nonlinear/attitude_weight", options.attitude_weight, "1/rad^2", Range{0.0, 1e6});
+  visit("nonlinear/command_weight", options.command_weight, "1/rad^2", Range{1e-3, 1e6});
+  visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
+  visit("nonlinear/speed_max", options.speed_max, "m/s", Range{0.0, 1000.0});
+  visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
+}
 
 /// What one stage shall follow: entries of h in the chapter's order.
 struct StageReference {

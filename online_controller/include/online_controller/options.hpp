@@ -1,12 +1,8 @@
 #pragma once
 
-namespace polyfly {
+#include "mpc_core/range.hpp"
 
-/// Admissible values of an option, ends included.
-struct Range {
-  double least = 0.0;
-  double greatest = 0.0;
-};
+namespace polyfly {
 
 /// Constants of the vehicle and of the controller around the maps. The defaults are those of a Firefly.
 /// The prediction model itself (attitude loop, drag) comes from the maps.

@@ -76,6 +76,10 @@ class ReferenceSchedule {
   /// The reference at `time` [s], nothing before the first trajectory. Does not allocate.
   std::optional<Reference> sample(double time) noexcept;
 
+  /// The references at `time` and at each `period` [s] after it, `count` of them; a trajectory that waits is
+  /// seen in advance. False, and nothing is written, before the first trajectory. Does not allocate.
+  bool preview(double time, double period, int count, Reference* references) noexcept;
+
  private:
   struct Entry {
     ReferenceTrajectory trajectory;

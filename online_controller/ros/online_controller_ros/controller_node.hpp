@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
+#include <online_controller/SelectLaw.h>
 #include <ros/ros.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
@@ -10,11 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/multirotor_controller.hpp"
 #include "online_controller/options.hpp"
 #include "online_controller/reference_trajectory.hpp"
+#include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly_ros {
 
@@ -28,8 +28,9 @@ void visitNodeOptions(Options& options, Visit&& visit) {
   visit("controller/stale_periods", options.stale_periods, "control periods", polyfly::Range{2.0, 10000.0});
 }
 
-/// The explicit controller on ROS topics: odometry and references in, attitude commands and status out.
-/// Topics and parameters are listed in online_controller/README.md. Callbacks must not run concurrently.
+/// The controller on ROS topics, explicit unless another law is chosen: odometry and references in, attitude
+/// commands and status out. Topics and parameters are listed in online_controller/README.md. Callbacks must
+/// not run concurrently.
 class ExplicitMpcNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
@@ -38,8 +39,7 @@ class ExplicitMpcNode {
 
  private:
   struct Setup {
-    std::array<std::string, 3> map_paths;
-    polyfly::MultirotorOptions controller;
+    LawSetup laws;
     NodeOptions node;
   };
 
@@ -51,20 +51,26 @@ class ExplicitMpcNode {
   void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);
   void onPose(const geometry_msgs::PoseStamped::ConstPtr& message);
   void onWatchdog();
+  bool onSelectLaw(online_controller::SelectLaw::Request& request,
+                   online_controller::SelectLaw::Response& response);
+  void publishLaw();
 
   void publish(const polyfly::ControlReport& report, const std_msgs::Header& header,
                std::int64_t step_time_ns);
   std::int64_t lookupTime(const polyfly::ControlReport& report) const;
   void logChange(const polyfly::ControlReport& report);
 
-  std::array<polyfly::RegionMap, 3> maps_;
-  std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the maps
-  polyfly::MultirotorController controller_;
+  Laws laws_;
+  polyfly::LawSwitch& controller_;
   polyfly::ReferenceSchedule references_;
-  ros::Duration silence_;  // longer than this without odometry is silence
+  std::vector<polyfly::Reference> preview_;  // as long as the controller reads
+  double control_period_;                    // [s]
+  ros::Duration silence_;                    // longer than this without odometry is silence
 
   ros::Publisher command_publisher_;
   ros::Publisher status_publisher_;
+  ros::Publisher law_publisher_;
+  ros::ServiceServer law_service_;
   ros::Subscriber odometry_subscriber_;
   ros::Subscriber trajectory_subscriber_;
   ros::Subscriber pose_subscriber_;

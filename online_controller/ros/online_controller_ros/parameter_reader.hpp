@@ -24,6 +24,9 @@ class ParameterReader {
   /// Throws Error unless the parameter is a text that is not empty. `what` says what it is for.
   std::string requiredText(const std::string& key, const std::string& what);
 
+  /// As requiredText, but `fallback` where the parameter is not set.
+  std::string text(const std::string& key, const std::string& what, const std::string& fallback);
+
   /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling.
   void refuseUnknown(const std::vector<std::string>& namespaces) const;
 

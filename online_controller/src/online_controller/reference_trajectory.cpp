@@ -152,4 +152,17 @@ std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
   return active_.trajectory.sample(time - *active_.start);
 }
 
+bool ReferenceSchedule::preview(double time, double period, int count, Reference* references) noexcept {
+  const std::optional<Reference> now = sample(time);
+  if (!now) return false;
+  references[0] = *now;
+  for (int k = 1; k < count; ++k) {
+    const double ahead = time + k * period;
+    const bool taken_over = next_waits_ && next_.start && ahead >= *next_.start;
+    const Entry& entry = taken_over ? next_ : active_;
+    references[k] = entry.trajectory.sample(ahead - *entry.start);
+  }
+  return true;
+}
+
 }  // namespace polyfly

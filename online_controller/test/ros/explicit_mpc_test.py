@@ -17,7 +17,9 @@ from geometry_msgs.msg import PoseStamped, Transform, Twist
 from mav_msgs.msg import RollPitchYawrateThrust
 from nav_msgs.msg import Odometry
 from online_controller.msg import AxisStatus, ControllerStatus
+from online_controller.srv import SelectLaw
 from roslib.packages import find_node
+from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
 HOVER = 1.52 * 9.8066
@@ -33,6 +35,11 @@ def command_line(namespace):
     if TWIN == "nodelet":
         return [find_node("nodelet", "nodelet")[0], "standalone", "online_controller/ExplicitMpc"] + names
     return [find_node("online_controller", "explicit_mpc_node")[0]] + names
+
+
+def problem_files():
+    folder = os.path.join(rospkg.RosPack().get_path("region_maps"), "problems")
+    return {"problems/" + axis: os.path.join(folder, "multirotor_%s.yaml" % axis) for axis in AXES}
 
 
 def make_maps(folder):
@@ -168,6 +175,34 @@ class ExplicitMpcTest(unittest.TestCase):
         self.assertGreater(status.step_time_ns, 0)
         self.assertGreater(status.lookup_time_ns, 0)
         self.assertGreaterEqual(status.odometry_age, 0.0)
+
+    def test_each_law_flies_and_laws_are_switched_in_flight(self):
+        controller = self.fly({"law": "nonlinear"})
+        active = Collector(controller.namespace + "/active_law", String)
+        self.assertIsNotNone(active.wait(lambda m: m.data == "nonlinear"))
+        controller.pose.publish(pose_at(0.5, 0.0, 1.0))
+        rospy.wait_for_service(controller.namespace + "/select_law", PATIENCE)
+        select = rospy.ServiceProxy(controller.namespace + "/select_law", SelectLaw)
+        for law, parameters in (("nonlinear", 0), ("linear", 5), ("explicit_linear", 5), ("nonlinear", 0)):
+            self.assertTrue(select(law).success)
+            command, status = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+            self.assertEqual(len(status.longitudinal.theta), parameters)
+            self.assertGreater(command.pitch, 0.01)
+            self.assertGreater(command.thrust.z, HOVER)
+            self.assertIsNotNone(active.wait(lambda m: m.data == law))
+        refused = select("robust")
+        self.assertFalse(refused.success)
+        self.assertIn("must be one of explicit_linear, linear, nonlinear", refused.message)
+
+    def test_linear_flies_without_maps(self):
+        controller = self.fly(dict(problem_files(), law="linear"), maps={"lateral": ""})
+        controller.pose.publish(pose_at(0.5, 0.0, 1.0))
+        command, status = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+        self.assertGreater(command.pitch, 0.01)
+        self.assertEqual(len(status.lateral.theta), 5)
+        refused = rospy.ServiceProxy(controller.namespace + "/select_law", SelectLaw)("explicit_linear")
+        self.assertFalse(refused.success)
+        self.assertEqual(refused.message, "explicit_linear is not loaded; linear flies")
 
     def test_velocity_comes_from_the_body_frame(self):
         controller = self.fly()
@@ -306,6 +341,8 @@ class ExplicitMpcTest(unittest.TestCase):
         self.assertIn("/controller/vehicle/mass: must be a number", self.refusal(parameters={"vehicle/mass": "heavy"}))
         self.assertIn("hold_periods: must be a whole number", self.refusal(parameters={"controller/hold_periods": 2.5}))
         self.assertIn("hover", self.refusal(parameters={"controller/thrust_min": 15.0}))
+        self.assertIn("law: must be one of", self.refusal(parameters={"law": "quick"}))
+        self.assertIn("/controller/nonlinear/horizon: must lie in", self.refusal(parameters={"nonlinear/horizon": 0}))
 
     @unittest.skipUnless("nodelet" in sys.argv, "of the nodelet only")
     def test_a_manager_survives_a_nodelet_that_does_not_start(self):

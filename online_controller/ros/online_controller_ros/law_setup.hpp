@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/options.hpp"
+#include "online_controller_ros/parameter_reader.hpp"
+#include "region_maps/region_map.hpp"
+#include "region_maps/signal.hpp"
+
+namespace polyfly_ros {
+
+/// What the laws are made from, as parameters tell it. Axes in the order longitudinal, lateral, vertical.
+struct LawSetup {
+  polyfly::Law law = polyfly::Law::kExplicitLinear;  ///< flies first
+  std::array<std::string, 3> map_paths;              ///< empty where there are no maps
+  std::array<std::string, 3> problem_paths;          ///< empty: the problems in the maps
+  polyfly::MultirotorOptions controller;
+  polyfly::NonlinearMpcOptions nonlinear;
+
+  /// Throws Error naming a parameter.
+  static LawSetup read(ParameterReader& reader);
+};
+
+/// Every law that the setup has the files for.
+class Laws {
+ public:
+  /// Throws Error naming file, signal and rule.
+  explicit Laws(const LawSetup& setup);
+
+  polyfly::LawSwitch& flight() { return *switch_; }
+  const std::array<std::vector<polyfly::Signal>, 3>& parameters() const { return parameters_; }
+  const std::vector<polyfly::RegionMap>& maps() const { return maps_; }  ///< none, or three
+
+ private:
+  std::vector<polyfly::RegionMap> maps_;
+  std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
+  std::unique_ptr<polyfly::LawSwitch> switch_;
+};
+
+}  // namespace polyfly_ros
