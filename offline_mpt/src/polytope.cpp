@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dictionary.hpp"
+#include "rational_polytope.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -210,7 +211,10 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
   std::copy(centre, centre + n, start);
   start[n] = least - 0.5;
   direction[n] = 1.0;
-  if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best)) return false;
+  if (!lifted_->maximise(lifted_rows_.data(), count, start, direction, best) &&
+      !RationalPolytope(n + 1, lifted_rows_.data(), count).maximise(start, direction, best)) {
+    return false;
+  }
   std::copy(best, best + n, centre);
   radius = std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
@@ -224,12 +228,14 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
 
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
                              MinimalRows& result) {
-  return plain_->minimal(rows, count, interior, tolerance, result);
+  return plain_->minimal(rows, count, interior, tolerance, result) ||
+         minimalRationally(dimension_, rows, count, interior, tolerance, result);
 }
 
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,
                              double* point) {
-  return plain_->maximise(rows, count, interior, direction, point);
+  return plain_->maximise(rows, count, interior, direction, point) ||
+         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
 }
 
 unsigned long long PolytopeSolver::pivots() const { return plain_->pivots() + lifted_->pivots(); }

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "../src/rational_polytope.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -225,6 +226,62 @@ TEST(Polytope, EmptyPolytopeHasNegativeRadius) {
   double radius = 0.0;
   ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
   EXPECT_NEAR(radius, -0.25, 1e-12);
+}
+
+// What PolytopeSolver falls back on, beside it: the same rows are needed, the same points furthest out.
+TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
+  for (const int n : {1, 2, 3, 4, 6}) {
+    std::mt19937_64 random(300 + n);
+    PolytopeSolver solver(n);
+    const std::vector<double> inside(n, 0.0);
+    for (int round = 0; round < 6; ++round) {
+      const Rows rows = randomPolytope(n, 3 + 3 * round, random);
+      MinimalRows expected, minimal;
+      ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, expected));
+      ASSERT_TRUE(minimalRationally(n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+      EXPECT_EQ(minimal.facets, expected.facets) << "dimension " << n << " round " << round;
+      std::vector<double> direction(n), furthest(n), point(n);
+      for (double& entry : direction) entry = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+      ASSERT_TRUE(
+          solver.support(rows.data.data(), rows.count(), inside.data(), direction.data(), furthest.data()));
+      RationalPolytope rational(n, rows.data.data(), rows.count());
+      ASSERT_TRUE(rational.maximise(inside.data(), direction.data(), point.data()));
+      double difference = 0.0;
+      for (int j = 0; j < n; ++j) difference += direction[j] * (point[j] - furthest[j]);
+      EXPECT_NEAR(difference, 0.0, 1e-12);
+    }
+  }
+}
+
+// Degenerate at every pivot, and with pairs of rows that differ by less than a double's last bits can tell.
+TEST(RationalPolytope, EndsWhereRowsNearlyCoincide) {
+  Rows rows = box(3, 1.0);
+  for (int k = 0; k < 12; ++k) {
+    rows.add({1.0, 1.0 + 1e-15 * k, 1.0}, 1.0);
+    rows.add({1.0, 1.0, 1.0 - 1e-14 * k}, 1.0 + 1e-16 * k);
+  }
+  const double inside[3] = {0.0, 0.0, 0.0};
+  const double direction[3] = {1.0, 1.0, 1.0};
+  double point[3];
+  ASSERT_TRUE(RationalPolytope(3, rows.data.data(), rows.count()).maximise(inside, direction, point));
+  EXPECT_NEAR(point[0] + point[1] + point[2], 1.0, 1e-12);
+  MinimalRows minimal;
+  ASSERT_TRUE(minimalRationally(3, rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  EXPECT_EQ(minimal.facets.size(), 7u);
+}
+
+TEST(RationalPolytope, SaysWhenThereIsNoEnd) {
+  Rows rows{2, {}};
+  rows.add({1.0, 0.0}, 1.0);
+  rows.add({0.0, 1.0}, 1.0);
+  const double inside[2] = {0.0, 0.0};
+  const double up[2] = {1.0, 1.0};
+  const double down[2] = {-1.0, 0.0};
+  double point[2];
+  EXPECT_TRUE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, up, point));
+  EXPECT_FALSE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, down, point));
+  rows.data.back() = std::nan("");
+  EXPECT_FALSE(RationalPolytope(2, rows.data.data(), rows.count()).maximise(inside, up, point));
 }
 
 TEST(Polytope, RefusesDimensionsItHasNoKernelFor) {

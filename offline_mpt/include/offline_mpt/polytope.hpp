@@ -18,7 +18,8 @@ struct MinimalRows {
 /// between calls; one object serves one thread. The method is the primal simplex on dictionaries: the slacks
 /// of all rows as affine functions of the slacks of the rows that are tight at the current vertex, so that
 /// one pivot costs rows x dimension multiply-adds and every vertex passed proves rows redundant or
-/// irredundant for free.
+/// irredundant for free. Where rounding leads the pivots astray, the question is answered once more in
+/// rational arithmetic, so that false always means a polytope that is not bounded.
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 12;
@@ -30,16 +31,16 @@ class PolytopeSolver {
   PolytopeSolver& operator=(PolytopeSolver&&) noexcept;
 
   /// Centre and radius of the largest inscribed ball. The radius is negative when the polytope is empty (it
-  /// then says by how much). `centre` is read as a guess and overwritten. False when the simplex failed (see
-  /// kMaxPivots).
+  /// then says by how much). `centre` is read as a guess and overwritten. False when there is none: the polytope
+  /// is unbounded.
   bool chebyshev(const double* rows, int count, double* centre, double& radius);
 
   /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other that is
-  /// needed. `interior` must lie strictly inside. Of rows that coincide one is kept. False when the simplex
-  /// failed.
+  /// needed. `interior` must lie strictly inside. Of rows that coincide one is kept. False when the
+  /// polytope is unbounded.
   bool minimal(const double* rows, int count, const double* interior, double tolerance, MinimalRows& result);
 
-  /// A point where direction . t is greatest; false when the simplex failed. `interior` must lie inside.
+  /// A point where direction . t is greatest; false when there is none. `interior` must lie inside.
   bool support(const double* rows, int count, const double* interior, const double* direction, double* point);
 
   /// Pivots since construction.
