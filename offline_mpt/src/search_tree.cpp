@@ -217,6 +217,13 @@ class TreeGrower {
   SearchTree tree_;
 };
 
+/// Looking at the regions is the first half of the work, growing the tree over them the second: 0 .. 2.
+void report(const TreeOptions& options, std::size_t regions, double halves) {
+  if (!options.progress) return;
+  const auto count = static_cast<double>(regions);
+  options.progress(static_cast<std::uint64_t>(halves * count), 2 * regions);
+}
+
 /// The subtrees of all tasks, by whichever thread is free.
 std::vector<SearchTree> growAll(const TreeGeometry& geometry, const TreeOptions& options,
                                 std::vector<Task>& tasks) {
@@ -227,7 +234,8 @@ std::vector<SearchTree> growAll(const TreeGeometry& geometry, const TreeOptions&
   std::vector<TreeGrower> growers;
   for (int k = 0; k < std::max(1, options.threads); ++k) growers.emplace_back(geometry, options);
   const auto progress = [&](std::uint64_t, std::uint64_t) {
-    if (options.progress) options.progress(done, total);
+    const auto share = static_cast<double>(done) / static_cast<double>(total);
+    report(options, geometry.regions().rows.size(), 1.0 + share);
   };
   inParallel(tasks.size(), options.threads, nullptr, progress, [&](std::size_t thread, std::uint64_t i) {
     const std::size_t size = tasks[i].members.size();
@@ -274,7 +282,10 @@ void join(const std::vector<SearchTree>& parts, SearchTree& tree) {
 
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   const TreeOptions choices = decided(options, regions.rows.size());
-  TreeGeometry geometry(regions, choices.side_tolerance, choices.threads);
+  const auto sampled = [&](std::uint64_t done, std::uint64_t total) {
+    report(choices, regions.rows.size(), static_cast<double>(done) / static_cast<double>(total));
+  };
+  TreeGeometry geometry(regions, choices.side_tolerance, choices.threads, sampled);
   std::vector<Task> tasks;
   TreeGrower top(geometry, choices);
   const std::size_t size = std::max(kManyMembers, regions.rows.size() / kTasks);

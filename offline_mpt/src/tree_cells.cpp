@@ -12,7 +12,8 @@ constexpr std::size_t kManyRegions = 20000;  // above which the first points are
 
 }  // namespace
 
-TreeGeometry::TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads)
+TreeGeometry::TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads,
+                           const std::function<void(std::uint64_t, std::uint64_t)>& progress)
     : regions_(regions),
       kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
       tolerance_(side_tolerance),
@@ -22,7 +23,7 @@ TreeGeometry::TreeGeometry(const TreeRegions& regions, double side_tolerance, in
   std::vector<PolytopeSolver> solvers;
   for (int k = 0; k < std::max(1, threads); ++k) solvers.emplace_back(regions_.p);
   std::vector<std::vector<double>> rows(solvers.size());
-  inParallel(members_.size(), threads, nullptr, nullptr,
+  inParallel(members_.size(), threads, nullptr, progress,
              [&](std::size_t thread, std::uint64_t r) { sample(r, solvers[thread], rows[thread]); });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "offline_mpt/polytope.hpp"
@@ -23,7 +24,9 @@ using CellMembers = std::vector<CellMember>;
 class TreeGeometry {
  public:
   /// `side_tolerance` as in TreeOptions. Work is shared by `threads`; the result does not depend on them.
-  TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads);
+  /// `progress` may be called with the regions done and all.
+  TreeGeometry(const TreeRegions& regions, double side_tolerance, int threads,
+               const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
   /// The whole regions, to begin with; once only, they are moved.
   CellMembers takeMembers() { return std::move(members_); }
