@@ -23,7 +23,7 @@ Certificate::Certificate(const std::string& text, const Map& map) : map_(map) {
   require(text.substr(end + 1) == sum, "the certificate is damaged: its checksum does not match");
   std::istringstream lines(text.substr(0, end));
   std::string line;
-  require(std::getline(lines, line) && line == "polyfly certificate 1", "not a certificate of version 1");
+  require(std::getline(lines, line) && line == "polyfly certificate 2", "not a certificate of version 2");
   claims_.reserve(map.regions.size());
   Claim* claim = nullptr;
   while (std::getline(lines, line)) readLine(line, claim);
@@ -64,10 +64,18 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
     require(line.count(kMany) == claims_.size() && claims_.size() < map_.regions.size(),
             "regions are out of order");
     claim = &claims_.emplace_back();
-  } else if (key == "P" || key == "I" || key == "D" || key == "L") {
+  } else if (key == "G") {
+    require(claims_.size() >= map_.regions.size(), "a sliver before the last region");
+    claim = &claims_.emplace_back();
+    claim->is_sliver = true;
+    for (std::size_t k = line.count(kMany); k > 0; --k) claim->active.push_back(line.count(kMany));
+  } else if (key == "P" || key == "I" || key == "D" || key == "X" || key == "L" || key == "V") {
     require(claim != nullptr, key + " before the first region");
     if (key == "P") {
       while (!line.done()) claim->point.push_back(line.fraction());
+    } else if (key == "V") {
+      require(claim->is_sliver && claim->cover.empty(), "a cover of what is no sliver");
+      while (!line.done()) claim->cover += line.word() + " ";
     } else if (key == "L") {
       require(line.count(kMany) == claim->listed.size(), "facets are out of order");
       claim->listed.push_back(line.word());
@@ -124,7 +132,7 @@ void Certificate::checkSizes() {
                         [](const Fraction& h) { return h == 0; });
   for (const auto* rows : {&equalities_, &dropped_})
     require(rows->empty() || *rows->rbegin() < m_, "no such row");
-  require(claims_.size() == map_.regions.size() && !claims_.empty(), "regions are missing");
+  require(claims_.size() >= map_.regions.size() && !map_.regions.empty(), "regions are missing");
 }
 
 std::string Certificate::conditions() const {
@@ -134,6 +142,10 @@ std::string Certificate::conditions() const {
       "differences from the exact solution: law at most %g (relative), planes at most %g (scaled)\n",
       law_tolerance_.get_d(), plane_tolerance_.get_d());
   std::string text = line;
+  const auto slivers = claims_.size() - map_.regions.size();
+  if (slivers > 0)
+    text +=
+        std::to_string(slivers) + " slivers are left to the regions about them, within the same distance\n";
   if (linear_) text += "linear program: of several optima the shortest\n";
   if (regularisation_ > 0) text += "of H with something added to its diagonal, as the certificate states\n";
   if (!dropped_.empty())

@@ -24,11 +24,14 @@ struct Matrix {
   const Fraction& at(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
 };
 
-/// What a certificate says of one region.
+/// What a certificate says of one region, or of a sliver that the map leaves out.
 struct Claim {
+  bool is_sliver = false;
+  std::vector<std::size_t> active;  ///< of a sliver
+  std::string cover;                ///< of a sliver: why it can be left out
   Vector point;
-  std::vector<std::string> listed;                            ///< origin of each row of the map
-  std::vector<std::string> closings;                          ///< how each facet is closed
+  std::vector<std::string> listed;    ///< origin of each row of the map, then of others
+  std::vector<std::string> closings;  ///< how each facet is closed
   std::map<std::string, std::pair<Integer, Weights>> proofs;  ///< by origin
 };
 
@@ -37,6 +40,7 @@ struct Region {
   std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
   std::map<std::string, Row> dropped;  ///< with what they may fall short added
   std::vector<Row> listed;
+  std::size_t own = 0;  ///< of the listed rows, those of the map
   Vector law;
 };
 
@@ -69,11 +73,15 @@ class Certificate {
   Vector inBox(const double* entries, int sign, const Fraction& constant) const;
   void checkLaw(std::size_t index, const Region& region) const;
   void checkRows(std::size_t index, Region& region) const;
+  void checkMapRows(std::size_t index, Region& region) const;
+  Row relaxed(const Row& row) const;
+  const Region& checkedRegion(std::size_t index) const;
   Fraction valueAt(const Row& row, const Vector& t) const;
   void checkPoint(const Claim& claim, const Region& region) const;
   void checkClosing(std::size_t index, const Region& region, std::size_t facet) const;
+  void checkSliver(std::size_t index, const Region& region) const;
   void checkEdge(Line& line, const Row& plane) const;
-  void checkCover(Line& line, const Row& plane, std::vector<const Row*> cell) const;
+  void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;
 
   const Map& map_;
   std::map<std::string, Matrix> data_;
@@ -84,7 +92,8 @@ class Certificate {
   Vector centre_, half_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
   bool linear_ = false;
-  std::vector<Claim> claims_;
+  std::vector<Claim> claims_;                      ///< regions of the map, then slivers
+  mutable std::map<std::size_t, Region> checked_;  ///< some, to be used again
 };
 
 }  // namespace checker

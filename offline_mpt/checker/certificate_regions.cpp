@@ -102,10 +102,13 @@ Integer solve(std::vector<Row>& system) {
 }  // namespace
 
 std::set<std::size_t> Certificate::activeSet(std::size_t index) const {
-  const Map::Region& region = map_.regions[index];
+  std::vector<std::int64_t> rows(claims_[index].active.begin(), claims_[index].active.end());
+  if (!claims_[index].is_sliver) {
+    const auto first = map_.active.begin() + map_.regions[index].first_active;
+    rows.assign(first, first + map_.regions[index].active_count);
+  }
   std::set<std::size_t> active;
-  for (std::size_t k = 0; k < region.active_count; ++k) {
-    const std::int32_t row = map_.active[region.first_active + k];
+  for (const std::int64_t row : rows) {
     require(row >= 0 && static_cast<std::size_t>(row) < m_, "an active set names a row that is not there");
     const auto i = static_cast<std::size_t>(row);
     require(dropped_.count(i) == 0, "an active set names a dropped row");
@@ -244,12 +247,21 @@ void Certificate::checkLaw(std::size_t index, const Region& region) const {
   }
 }
 
-/// The map's rows stand for conditions of optimality, and all conditions follow from them.
-void Certificate::checkRows(std::size_t index, Region& region) const {
+/// `row` moved outwards by at most the plane tolerance.
+Row Certificate::relaxed(const Row& row) const {
+  Integer greatest(0);
+  for (std::size_t j = 0; j < p_; ++j) greatest = std::max(greatest, Integer(abs(row[j])));
+  Vector result(row.begin(), row.end());
+  result.back() += plane_tolerance_ * greatest;
+  return primitive(result);
+}
+
+/// The map's rows stand for conditions of optimality.
+void Certificate::checkMapRows(std::size_t index, Region& region) const {
   const Map::Region& mapped_region = map_.regions[index];
   const Claim& claim = claims_[index];
-  require(claim.listed.size() == mapped_region.row_count, "facets are missing");
-  for (std::size_t f = 0; f < claim.listed.size(); ++f) {
+  require(claim.listed.size() >= mapped_region.row_count, "facets are missing");
+  for (std::size_t f = 0; f < mapped_region.row_count; ++f) {
     const auto at = region.rows.find(claim.listed[f]);
     require(at != region.rows.end(), "facet " + claim.listed[f] + " is no condition of optimality");
     const Row& exact = at->second;
@@ -270,22 +282,37 @@ void Certificate::checkRows(std::size_t index, Region& region) const {
     require(difference <= plane_tolerance_, "a plane of the map is not the exact one");
     region.listed.push_back(exact);
   }
+  region.own = region.listed.size();
+}
+
+/// The map's rows are right, those that it leaves out follow but for the plane tolerance, all others follow.
+void Certificate::checkRows(std::size_t index, Region& region) const {
+  const Claim& claim = claims_[index];
+  if (!claim.is_sliver) checkMapRows(index, region);
+  for (std::size_t f = region.own; f < claim.listed.size(); ++f) {
+    const auto at = region.rows.find(claim.listed[f]);
+    require(at != region.rows.end(), "facet " + claim.listed[f] + " is no condition of optimality");
+    region.listed.push_back(at->second);
+  }
   std::vector<const Row*> listed;
   for (const Row& row : region.listed) listed.push_back(&row);
-  const auto follows = [&](const std::string& key, const Row& row) {
+  const std::vector<const Row*> own(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(region.own));
+  const auto follows = [&](const std::string& key, const Row& row, const std::vector<const Row*>& from) {
     if (leastInBox(row) >= 0) return;
     const auto proof = claim.proofs.find(key);
     require(proof != claim.proofs.end(), "row " + key + " is not proven to follow");
     const auto& [scale, weights] = proof->second;
     require(scale > 0, "a proof has a scale that is not positive");
     for (const auto& [place, weight] : weights) require(weight >= 0, "a proof has a negative weight");
-    require(leastInBox(remainder(&row, scale, weights, listed)) >= 0, "row " + key + " does not follow");
+    require(leastInBox(remainder(&row, scale, weights, from)) >= 0, "row " + key + " does not follow");
   };
   for (const auto& [origin, row] : region.rows) {
     const bool is_listed = std::find(claim.listed.begin(), claim.listed.end(), origin) != claim.listed.end();
-    if (!is_listed && origin[0] != 'b') follows("I" + origin, row);
+    if (!is_listed && origin[0] != 'b') follows("I" + origin, row, listed);
   }
-  for (const auto& [origin, row] : region.dropped) follows("D" + origin, row);
+  for (const auto& [origin, row] : region.dropped) follows("D" + origin, row, listed);
+  for (std::size_t f = region.own; f < listed.size() && !claim.is_sliver; ++f)
+    follows("X" + claim.listed[f], relaxed(*listed[f]), own);
 }
 
 Fraction Certificate::valueAt(const Row& row, const Vector& t) const {
@@ -300,6 +327,18 @@ void Certificate::checkPoint(const Claim& claim, const Region& region) const {
     require(abs(value) < 1, "the inner point lies outside of the box");
   for (const Row& row : region.listed)
     require(valueAt(row, claim.point) > 0, "the inner point does not lie inside");
+}
+
+/// A region whose conditions and inner point are checked.
+const Region& Certificate::checkedRegion(std::size_t index) const {
+  constexpr std::size_t kMostKept = 30000;  // some kB each
+  const auto known = checked_.find(index);
+  if (known != checked_.end()) return known->second;
+  if (checked_.size() >= kMostKept) checked_.clear();
+  Region region = describe(index);
+  checkRows(index, region);
+  checkPoint(claims_[index], region);
+  return checked_.emplace(index, std::move(region)).first->second;
 }
 
 /// What lies behind a facet: the domain's edge, the edge of the feasible set, one region, or several.
@@ -333,7 +372,7 @@ void Certificate::checkClosing(std::size_t index, const Region& region, std::siz
     for (const Row& row : region.listed) {
       if (!proportional(row, plane)) cell.push_back(&row);
     }
-    checkCover(line, plane, cell);
+    checkCover(line, &plane, cell);
   }
   line.end();
 }
@@ -354,17 +393,18 @@ void Certificate::checkEdge(Line& line, const Row& plane) const {
   require(sameHalfSpace(primitive(bound), plane), "an edge is not the facet's plane");
 }
 
-/// The cell, a part of the facet, is empty, or is cut by the rows of a region behind: what lies outside of
-/// each is covered by others, what remains lies in that region.
-void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row*> cell) const {
+/// The cell, a part of a facet, is empty, or is cut by the rows of a region behind: what lies outside of each
+/// is covered by others, what remains lies in that region. Without a plane it is a part of a sliver, and the
+/// rows are those of the map, relaxed.
+void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const {
   const auto checkEmpty = [&](const std::vector<const Row*>& rows) {
     std::vector<const Row*> with_plane = rows;
-    with_plane.push_back(&plane);
+    if (plane != nullptr) with_plane.push_back(plane);
     const Weights weights = readWeights(line);
     require(!weights.empty(), "an empty proof");
     bool counts = false;
     for (const auto& [place, weight] : weights) {
-      require(weight >= 0 || place == rows.size(), "a proof has a negative weight");
+      require(weight >= 0 || (plane != nullptr && place == rows.size()), "a proof has a negative weight");
       counts = counts || (weight > 0 && place != rows.size());
     }
     const Row rest = remainder(nullptr, 0, weights, with_plane);
@@ -374,14 +414,18 @@ void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row
   const std::string kind = line.word();
   if (kind == "e") return checkEmpty(cell);
   require(kind == "N", kind + " covers nothing");
-  const std::size_t other = line.count(claims_.size() - 1);
-  Region behind = describe(other);
-  checkRows(other, behind);
-  checkPoint(claims_[other], behind);
-  require(valueAt(plane, claims_[other].point) < 0, "a region does not lie behind the facet that it covers");
-  for (const Row& row : behind.listed) {
+  const std::size_t other = line.count((plane != nullptr ? claims_.size() : map_.regions.size()) - 1);
+  const Region& behind = checkedRegion(other);
+  require(plane == nullptr || valueAt(*plane, claims_[other].point) < 0,
+          "a region does not lie behind the facet that it covers");
+  std::vector<Row> rows = behind.listed;
+  if (plane == nullptr) {
+    rows.resize(behind.own);
+    for (Row& row : rows) row = relaxed(row);
+  }
+  for (const Row& row : rows) {
     const std::string what = line.word();
-    require(proportional(row, plane) == (what == "z"), "a cut along the facet");
+    require((plane != nullptr && proportional(row, *plane)) == (what == "z"), "a cut along the facet");
     if (what == "z") continue;
     Row negated = row;
     for (Integer& value : negated) value = -value;
@@ -397,17 +441,28 @@ void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row
   }
 }
 
+/// The map's regions cover the sliver but for the plane tolerance.
+void Certificate::checkSliver(std::size_t index, const Region& region) const {
+  Line line(claims_[index].cover);
+  std::vector<const Row*> cell;
+  for (const Row& row : region.listed) cell.push_back(&row);
+  checkCover(line, nullptr, cell);
+  line.end();
+}
+
 void Certificate::check() const {
   checkProgram();
   std::set<std::set<std::size_t>> seen;
   for (std::size_t index = 0; index < claims_.size(); ++index) {
     try {
-      Region region = describe(index);
+      const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
-      checkLaw(index, region);
-      checkRows(index, region);
-      checkPoint(claims_[index], region);
       for (std::size_t facet = 0; facet < region.listed.size(); ++facet) checkClosing(index, region, facet);
+      if (claims_[index].is_sliver) {
+        checkSliver(index, region);
+      } else {
+        checkLaw(index, region);
+      }
     } catch (const Refused& error) {
       throw Refused("region " + std::to_string(index) + ": " + error.what());
     }

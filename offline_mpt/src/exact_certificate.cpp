@@ -45,7 +45,7 @@ void appendList(const char* name, const std::vector<int>& list, std::string& tex
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const Adjustment& adjustment, const CertifyOptions& options) {
   const std::string_view problem = map.problemText();
-  std::string text = "polyfly certificate 1\n";
+  std::string text = "polyfly certificate 2\n";
   text += "map " + hex(map.checksum()) + " " + std::to_string(map.bytes()) + "\n";
   text += "problem " + hex(static_cast<std::uint64_t>(XXH64(problem.data(), problem.size(), 0))) + " " +
           std::to_string(problem.size()) + "\n";

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <set>
 
 #include "exact_certificate.hpp"
 #include "exact_closing.hpp"
+#include "exact_slivers.hpp"
 #include "in_parallel.hpp"
 #include "offline_mpt/certify.hpp"
 #include "region_maps/error.hpp"
@@ -14,7 +18,7 @@ bool forEach(std::uint64_t count, std::uint64_t done_before, std::uint64_t total
              const CertifyOptions& options, const std::function<void(std::uint32_t)>& work) {
   std::function<void(std::uint64_t, std::uint64_t)> progress;
   if (options.progress)
-    progress = [&](std::uint64_t done, std::uint64_t) { options.progress(done_before + done, total); };
+    progress = [&](std::uint64_t done, std::uint64_t) { options.progress(std::min(done_before + done, total), total); };
   return inParallel(count, options.threads, options.stop, progress,
                     [&](std::size_t, std::uint64_t i) { work(static_cast<std::uint32_t>(i)); });
 }
@@ -76,6 +80,8 @@ Closed closeRegion(const FacetClosing& closing, const std::vector<RegionSurvey>&
 }
 
 void add(CertifyReport& report, const RegionSurvey& survey, const Closed& closed) {
+  if (survey.is_sliver) ++report.slivers;
+  report.left_out_rows += survey.left_out;
   report.rows += survey.rows;
   report.implied_rows += survey.implied;
   report.facets += survey.facets.size();
@@ -105,6 +111,51 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
 
 }  // namespace
 
+/// Closes the facets of all regions; where something is missing that proves to be a sliver, that joins the
+/// surveys and is closed too, until nothing more is found. False when stopped.
+bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, std::vector<Closed>& closed) {
+  const std::uint64_t count = surveys.size();
+  std::set<std::vector<int>> tried;
+  for (const RegionSurvey& survey : surveys) tried.insert(survey.active);
+  std::vector<std::uint32_t> open(count);
+  std::iota(open.begin(), open.end(), 0u);
+  while (!open.empty()) {
+    closed.resize(surveys.size());
+    {
+      const FacetClosing closing(context, surveys);
+      const bool finished = forEach(
+          open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 2 * count, context.options,
+          [&](std::uint32_t k) { closed[open[k]] = closeRegion(closing, surveys, open[k]); });
+      if (!finished || context.stopped()) return false;
+    }
+    std::vector<Defect> gaps;
+    std::vector<std::uint32_t> again;
+    for (const std::uint32_t r : open) {
+      const auto is_gap = [](const Defect& defect) { return defect.kind == Defect::Kind::kGap; };
+      if (std::none_of(closed[r].defects.begin(), closed[r].defects.end(), is_gap)) continue;
+      again.push_back(r);
+      std::copy_if(closed[r].defects.begin(), closed[r].defects.end(), std::back_inserter(gaps), is_gap);
+    }
+    std::vector<std::vector<int>> candidates = missingSets(context, gaps);
+    const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
+    std::vector<RegionSurvey> slivers(candidates.size());
+    std::vector<char> found(candidates.size(), 0);
+    if (!forEach(candidates.size(), 2 * count, 2 * count, context.options, [&](std::uint32_t k) {
+          found[k] = surveySliver(context, surveys, candidates[k], slivers[k]) ? 1 : 0;
+        }))
+      return false;
+    open.clear();
+    for (std::size_t k = 0; k < slivers.size(); ++k) {
+      if (found[k] == 0) continue;
+      open.push_back(static_cast<std::uint32_t>(surveys.size()));
+      surveys.push_back(std::move(slivers[k]));
+    }
+    if (!open.empty()) open.insert(open.end(), again.begin(), again.end());
+  }
+  return !context.stopped();
+}
+
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
   checkProgram(program);
   requireSameProblem(map, program);
@@ -112,24 +163,22 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   const ExactProgram exact(program, adjustment);
   CertifyReport report;
   report.regions = map.regionCount();
+  report.plane_tolerance = options.plane_tolerance;
   describeAdjustment(program, exact, adjustment, report);
   const SurveyContext context{map, program, exact, options};
   const std::uint64_t count = map.regionCount();
   std::vector<RegionSurvey> surveys(count);
-  std::vector<Closed> closed(count);
-  bool finished =
-      forEach(count, 0, 2 * count, options, [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
-  if (finished) {
-    const FacetClosing closing(context, surveys);
-    finished = forEach(count, count, 2 * count, options,
-                       [&](std::uint32_t r) { closed[r] = closeRegion(closing, surveys, r); });
-  }
-  report.interrupted = !finished || context.stopped();
-  for (std::uint64_t r = 0; r < count; ++r) add(report, surveys[r], closed[r]);
+  std::vector<Closed> closed;
+  report.interrupted = !forEach(count, 0, 2 * count, options, [&](std::uint32_t r) {
+    surveys[r] = surveyRegion(context, r);
+  }) || !closeAll(context, surveys, closed);
+  closed.resize(surveys.size());
+  for (std::size_t r = 0; r < surveys.size(); ++r) add(report, surveys[r], closed[r]);
   if (!report.passed()) return report;
   report.certificate = certificateHead(map, program, adjustment, options);
-  for (std::uint64_t r = 0; r < count; ++r) {
-    report.certificate += "R " + std::to_string(r) + "\n" + surveys[r].text + closed[r].text;
+  for (std::size_t r = 0; r < surveys.size(); ++r) {
+    if (r < count) report.certificate += "R " + std::to_string(r) + "\n";
+    report.certificate += surveys[r].text + closed[r].text;
     surveys[r].text.clear();
   }
   report.certificate += certificateEnd(report.certificate);

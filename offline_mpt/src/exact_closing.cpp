@@ -37,6 +37,7 @@ FacetClosing::FacetClosing(const SurveyContext& context, const std::vector<Regio
     : context_(context), surveys_(surveys), users_(context.map.planeCount()) {
   for (std::uint32_t r = 0; r < surveys.size(); ++r) {
     if (surveys[r].described) by_active_set_.emplace(surveys[r].active, r);
+    if (surveys[r].is_sliver) continue;
     const RegionView view = context.map.region(r);
     for (std::uint32_t f = 0; f < view.row_count; ++f) {
       const int number = static_cast<int>(r) + 1;
@@ -67,11 +68,14 @@ const std::vector<ExactRow>& FacetClosing::listedRows(std::uint32_t region,
                                                       std::deque<std::vector<ExactRow>>& storage) const {
   const RegionSurvey& survey = surveys_[region];
   if (!survey.listed.empty()) return survey.listed;
+  storage.push_back(mapRows(context_, surveys_, region));
   ExactRegion exact;
-  describeExactly(context_.program, survey.active, exact);
-  double error = 0.0;
-  int worst = -1;
-  storage.push_back(matchRows(context_, context_.map.region(region), exact, error, worst));
+  if (survey.left_out > 0) describeExactly(context_.program, survey.active, exact);
+  for (std::size_t k = survey.facets.size() - survey.left_out; k < survey.facets.size(); ++k) {
+    for (const ExactRow& row : exact.rows) {
+      if (row.origin == survey.facets[k].origin) storage.back().push_back(row);
+    }
+  }
   return storage.back();
 }
 
@@ -154,6 +158,11 @@ std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const Exa
       }
     }
   }
+  for (std::uint32_t r = static_cast<std::uint32_t>(context_.map.regionCount()); r < surveys_.size(); ++r) {
+    for (const ExactRow& row : surveys_[r].listed) {
+      if (r != region && onePlane(row.unit, plane.unit, -1)) found.push_back(r);
+    }
+  }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<CoverCandidate> candidates;
@@ -171,7 +180,7 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
   const ExactRow& plane = listed[row];
   std::deque<std::vector<ExactRow>> storage;
   const std::vector<CoverCandidate> candidates = behind(region, plane, storage);
-  FacetCover cover(plane, candidates, context_.options.stop);
+  FacetCover cover(&plane, context_.program.p, candidates, context_.options.stop);
   std::string proof;
   if (cover.cover(listed, proof)) {
     text += " cover" + proof;

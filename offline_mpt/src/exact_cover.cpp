@@ -27,14 +27,14 @@ bool vanishesOn(const ExactRow& row, const ExactRow& plane) {
   return true;
 }
 
-FacetCover::FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates,
+FacetCover::FacetCover(const ExactRow* plane, int p, const std::vector<CoverCandidate>& candidates,
                        const std::atomic<bool>* stop)
-    : plane_(plane), candidates_(candidates), stop_(stop), p_(static_cast<int>(plane.value.size()) - 1) {}
+    : plane_(plane), candidates_(candidates), stop_(stop), p_(p) {}
 
 bool FacetCover::cover(const std::vector<ExactRow>& rows, std::string& text) {
   Cell cell;
   for (const ExactRow& row : rows) {
-    if (!vanishesOn(row, plane_)) cell.push_back(&row);
+    if (!vanishes(row)) cell.push_back(&row);
   }
   return coverCell(std::move(cell), 0, text);
 }
@@ -42,14 +42,14 @@ bool FacetCover::cover(const std::vector<ExactRow>& rows, std::string& text) {
 bool FacetCover::overlaps(const Cell& cell, const CoverCandidate& candidate) const {
   Cell common = cell;
   for (const ExactRow& row : *candidate.rows) {
-    if (!vanishesOn(row, plane_)) common.push_back(&row);
+    if (!vanishes(row)) common.push_back(&row);
   }
-  return findInterior(common, &plane_, p_).exists;
+  return findInterior(common, plane_, p_).exists;
 }
 
 bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
   if (stop_ != nullptr && stop_->load()) return false;
-  const Interior interior = findInterior(cell, &plane_, p_);
+  const Interior interior = findInterior(cell, plane_, p_);
   if (!interior.exists) {
     text += " e";
     appendWeights(interior.proof, text);
@@ -63,14 +63,14 @@ bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
   const CoverCandidate& candidate = candidates_[first];
   text += " N " + std::to_string(candidate.region);
   for (const ExactRow& row : *candidate.rows) {
-    if (vanishesOn(row, plane_)) {
+    if (vanishes(row)) {
       text += " z";
       continue;
     }
     negated_.push_back(negate(row));
     Cell outside = cell;
     outside.push_back(&negated_.back());
-    const Interior beyond = findInterior(outside, &plane_, p_);
+    const Interior beyond = findInterior(outside, plane_, p_);
     if (!beyond.exists) {
       text += " e";
       appendWeights(beyond.proof, text);

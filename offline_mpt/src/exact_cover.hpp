@@ -19,12 +19,13 @@ struct CoverCandidate {
 /// Whether `row` is zero on all of the plane.
 bool vanishesOn(const ExactRow& row, const ExactRow& plane);
 
-/// Proves that candidates cover a facet, by cutting off what lies outside of the first, and covering that
-/// with the others.
+/// Proves that candidates cover a facet, or a region, by cutting off what lies outside of the first, and
+/// covering that with the others.
 class FacetCover {
  public:
-  /// `plane` is the facet's row; all must outlive the object. `stop`, if given, ends the work.
-  FacetCover(const ExactRow& plane, const std::vector<CoverCandidate>& candidates,
+  /// `plane` is the facet's row, null for a region in p dimensions; all must outlive the object. `stop`, if
+  /// given, ends the work.
+  FacetCover(const ExactRow* plane, int p, const std::vector<CoverCandidate>& candidates,
              const std::atomic<bool>* stop);
 
   /// `rows` of the region that the facet belongs to. The proof's text is appended to `text`. False:
@@ -39,7 +40,9 @@ class FacetCover {
   bool coverCell(Cell cell, std::size_t first, std::string& text);
   bool overlaps(const Cell& cell, const CoverCandidate& candidate) const;
 
-  const ExactRow& plane_;
+  bool vanishes(const ExactRow& row) const { return plane_ != nullptr && vanishesOn(row, *plane_); }
+
+  const ExactRow* plane_;
   const std::vector<CoverCandidate>& candidates_;
   const std::atomic<bool>* stop_;
   int p_;

@@ -66,6 +66,7 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
       m(program.rowCount()),
       p(program.parameterCount()),
       q(program.inputCount()),
+      regularisation(adjustment.regularisation),
       linear(program.H.cwiseAbs().maxCoeff() == 0.0),
       basis(adjustment.basis),
       in_basis(static_cast<std::size_t>(m), 0),

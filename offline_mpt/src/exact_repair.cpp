@@ -3,8 +3,8 @@
 #include <limits>
 #include <map>
 
+#include "exact_slivers.hpp"
 #include "exact_survey.hpp"
-#include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "region_maps/error.hpp"
@@ -15,26 +15,15 @@ namespace {
 
 constexpr int kNearBits = 40;  // a side of the box counts as touched within 2^-40
 constexpr int kMaxRounds = 1000;
-constexpr double kPositive = 1e-10;  // multipliers above this are active at a witness
 
 using Found = std::map<std::vector<int>, CriticalRegion>;
 
-/// Rows that bound the region: no other, and not the box, implies them. Sides of the box that it touches
-/// follow.
-std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
+/// Rows that bound the region, and the sides of the box that it touches.
+std::vector<ExactRow> boundingRowsAndSides(const ExactRegion& exact, int p) {
+  std::vector<ExactRow> rows = boundingRows(exact, p);
   std::vector<const ExactRow*> left;
-  for (const ExactRow* row : rowsThatCanFail(exact)) {
-    const auto repeats = [&](const ExactRow* other) { return sameHalfSpace(*row, *other); };
-    if (std::none_of(left.begin(), left.end(), repeats)) left.push_back(row);
-  }
-  ExactGuess solver(p);
-  for (std::size_t k = left.size(); k-- > 0;) {
-    std::vector<const ExactRow*> others = left;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-    if (implies(others, *left[k], solver).holds) left = std::move(others);
-  }
-  std::vector<ExactRow> rows;
-  for (const ExactRow* row : left) rows.push_back(*row);
+  for (const ExactRow& row : rows) left.push_back(&row);
+  std::vector<ExactRow> sides;
   for (int side = 0; side < 2 * p; ++side) {
     const ExactRow row = boxRow(p, side);
     const auto along = [&](const ExactRow* other) { return sameHalfSpace(row, *other); };
@@ -43,8 +32,9 @@ std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
     for (Integer& value : near.value) value <<= kNearBits;
     near.value.back() -= 1;
     finishRow(near);
-    if (findInterior(left, &near, p).exists) rows.push_back(row);
+    if (findInterior(left, &near, p).exists) sides.push_back(row);
   }
+  rows.insert(rows.end(), sides.begin(), sides.end());
   return rows;
 }
 
@@ -54,7 +44,7 @@ bool describe(const ExactProgram& program, const std::vector<int>& active, Criti
   if (describeExactly(program, active, exact) != ExactStatus::kRegion) return false;
   const Interior interior = findInterior(rowsThatCanFail(exact), nullptr, program.p);
   if (!interior.exists) return false;
-  const std::vector<ExactRow> rows = boundingRows(exact, program.p);
+  const std::vector<ExactRow> rows = boundingRowsAndSides(exact, program.p);
   region.active = exact.active;
   region.radius = interior.radius;
   region.centre = toTheta(program, interior.point);
@@ -105,29 +95,6 @@ class TreelessMap {
   std::size_t size_ = 0;
 };
 
-/// Active set at a witness by a rounded solution; false where there is none.
-bool activeSetAt(const ParametricProgram& program, const ExactProgram& exact, double regularisation,
-                 const Eigen::VectorXd& theta, std::vector<int>& active) {
-  if (exact.linear) return false;
-  try {
-    const Eigen::MatrixXd H =
-        program.H + regularisation * Eigen::MatrixXd::Identity(program.H.rows(), program.H.cols());
-    DenseQp qp(H, program.A, exact.basis);
-    const Eigen::VectorXd g = program.f + program.F * theta;
-    const Eigen::VectorXd b = program.b + program.S * theta;
-    if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
-    active.clear();
-    for (int k = 0; k < qp.activeCount(); ++k) {
-      const int row = qp.activeRows()[k];
-      if (!exact.in_basis[row] && qp.lambda()(row) > kPositive) active.push_back(row);
-    }
-    std::sort(active.begin(), active.end());
-    return true;
-  } catch (const Error&) {  // H is only definite together with the equalities
-    return false;
-  }
-}
-
 Partition toPartition(const Found& found, ExploreStatus status) {
   Partition partition;
   partition.status = status;
@@ -167,8 +134,7 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
       std::vector<std::vector<int>> candidates;
       if (!defect.missing.empty() || defect.kind == Defect::Kind::kGap) candidates.push_back(defect.missing);
       std::vector<int> active;
-      if (defect.witness.size() > 0 &&
-          activeSetAt(program, exact, adjustment.regularisation, defect.witness, active))
+      if (defect.witness.size() > 0 && activeSetAt(program, exact, defect.witness, active))
         candidates.push_back(active);
       for (const std::vector<int>& candidate : candidates) {
         CriticalRegion region;

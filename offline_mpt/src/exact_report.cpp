@@ -35,6 +35,10 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
        << " at the edge of the feasible set, " << report.domain_facets << " at that of the parameters\n"
        << "  greatest difference from the exact solution: law " << report.law_error << " (relative), plane "
        << report.plane_error << " (scaled)\n";
+  if (report.slivers > 0 || report.left_out_rows > 0)
+    text << "  slivers that are left to the regions about them " << report.slivers
+         << ", half-spaces left out " << report.left_out_rows << ": within " << report.plane_tolerance
+         << " (scaled)\n";
   if (report.linear) text << "  linear program: of several optima the shortest\n";
   if (report.regularisation > 0.0)
     text << "  H is singular: proven for H + " << report.regularisation << " I, as it was solved\n";
@@ -93,6 +97,8 @@ std::string certifyJson(const CertifyReport& report) {
   json["covered_facets"] = report.covered_facets;
   json["edge_facets"] = report.edge_facets;
   json["domain_facets"] = report.domain_facets;
+  json["slivers"] = report.slivers;
+  json["left_out_rows"] = report.left_out_rows;
   json["law_error"] = report.law_error;
   json["plane_error"] = report.plane_error;
   json["linear"] = report.linear;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "exact_cover.hpp"
+#include "exact_slivers.hpp"
 
 namespace polyfly {
 namespace {
@@ -104,42 +105,75 @@ void compareLaw(const SurveyContext& context, const RegionView& view, const Exac
   survey.defects.push_back(std::move(defect));
 }
 
-void proveRows(const SurveyContext& context, std::uint32_t index, const std::vector<ExactRow>& listed,
-               const ExactRegion& exact, RegionSurvey& survey) {
+/// Whether the listed rows imply `row`, with the line of the certificate that says so; `letter` starts it.
+Implication proveRow(const std::vector<ExactRow>& listed, std::size_t count, const ExactRow& row,
+                     const char* letter, ExactGuess& solver, std::string& text) {
   std::vector<const ExactRow*> known;
-  for (const ExactRow& row : listed) known.push_back(&row);
+  for (std::size_t k = 0; k < count; ++k) known.push_back(&listed[k]);
+  Implication result = implies(known, row, solver);
+  if (!result.holds || result.proof.weights.empty()) return result;
+  text += letter;
+  text += " " + originText(row.origin) + " " + result.proof.scale.get_str(16);
+  appendWeights(result.proof, text);
+  text += "\n";
+  return result;
+}
+
+/// Proves that the listed rows imply all others. Conditions that they imply but for the plane tolerance join
+/// the list; those that they do not imply at all are defects.
+void proveRows(const SurveyContext& context, std::uint32_t index, const ExactRegion& exact,
+               RegionSurvey& survey) {
+  const std::size_t own = survey.listed.size();
   ExactGuess solver(context.program.p);
   const auto prove = [&](const ExactRow& row, const char* letter) {
     const auto is_row = [&](const ExactRow& other) { return other.origin == row.origin; };
-    if (std::any_of(listed.begin(), listed.end(), is_row)) return;
-    const Implication result = implies(known, row, solver);
-    if (!result.holds) {
-      double outside = -row.unit.back();
-      for (std::size_t j = 0; j < result.witness.size(); ++j)
-        outside += row.unit[j] * result.witness[j].get_d();
-      Defect defect = makeDefect(Defect::Kind::kUnlisted, index, -1,
-                                 "holds parameters where " + describeOrigin(row.origin) +
-                                     " is negative, up to a distance of " + shortText(outside) + " (scaled)");
-      defect.size = outside;
-      defect.witness = toTheta(context.program, result.witness);
-      survey.defects.push_back(std::move(defect));
+    if (std::any_of(survey.listed.begin(), survey.listed.end(), is_row)) return;
+    const Implication result =
+        proveRow(survey.listed, survey.listed.size(), row, letter, solver, survey.text);
+    if (result.holds) {
+      ++survey.implied;
       return;
     }
-    ++survey.implied;
-    if (result.proof.weights.empty()) return;
-    survey.text += letter;
-    survey.text += " " + originText(row.origin) + " " + result.proof.scale.get_str(16);
-    appendWeights(result.proof, survey.text);
-    survey.text += "\n";
+    const ExactRow relaxed = relaxedRow(row, Rational(context.options.plane_tolerance));
+    if (*letter == 'I' && !survey.is_sliver &&
+        proveRow(survey.listed, own, relaxed, "X", solver, survey.text).holds) {
+      survey.listed.push_back(row);
+      ++survey.left_out;
+      return;
+    }
+    double outside = -row.unit.back();
+    for (std::size_t j = 0; j < result.witness.size(); ++j)
+      outside += row.unit[j] * result.witness[j].get_d();
+    Defect defect = makeDefect(Defect::Kind::kUnlisted, index, -1,
+                               "holds parameters where " + describeOrigin(row.origin) +
+                                   " is negative, up to a distance of " + shortText(outside) + " (scaled)");
+    defect.size = outside;
+    defect.witness = toTheta(context.program, result.witness);
+    survey.defects.push_back(std::move(defect));
   };
   for (const ExactRow& row : exact.rows) prove(row, "I");
   for (const ExactRow& row : exact.dropped) prove(row, "D");
 }
 
-void findPoint(const SurveyContext& context, std::uint32_t index, const std::vector<ExactRow>& listed,
-               RegionSurvey& survey) {
+void findFacets(const ExactRegion& exact, RegionSurvey& survey) {
+  for (const ExactRow& row : survey.listed) {
+    SurveyedFacet facet{row.origin, {}};
+    for (const ExactRow& other : exact.rows) {
+      if (other.origin == row.origin || roundedDistance(other.unit, row) > 1e-6) continue;
+      if (sameHalfSpace(other, row)) facet.same.push_back(other.origin);
+    }
+    survey.facets.push_back(std::move(facet));
+  }
+  for (const ExactRow& row : exact.rows) {
+    const bool idle =
+        std::all_of(row.value.begin(), row.value.end(), [](const Integer& value) { return value == 0; });
+    if (idle && row.origin.kind == ExactOrigin::Kind::kSlack) survey.idle.push_back(row.origin.index);
+  }
+}
+
+void findPoint(const SurveyContext& context, std::uint32_t index, RegionSurvey& survey) {
   std::vector<const ExactRow*> rows;
-  for (const ExactRow& row : listed) rows.push_back(&row);
+  for (const ExactRow& row : survey.listed) rows.push_back(&row);
   Interior interior = findInterior(rows, nullptr, context.program.p);
   if (!interior.exists) {
     Defect defect = makeDefect(Defect::Kind::kFlat, index, -1,
@@ -237,6 +271,26 @@ std::vector<int> mapActiveSet(const SurveyContext& context, const RegionView& re
   return active;
 }
 
+std::vector<ExactRow> mapRows(const SurveyContext& context, const std::vector<RegionSurvey>& surveys,
+                              std::uint32_t region) {
+  const RegionSurvey& survey = surveys[region];
+  if (survey.listed.empty()) {
+    ExactRegion exact;
+    describeExactly(context.program, survey.active, exact);
+    double error = 0.0;
+    int worst = -1;
+    return matchRows(context, context.map.region(region), exact, error, worst);
+  }
+  return {survey.listed.begin(), survey.listed.end() - static_cast<std::ptrdiff_t>(survey.left_out)};
+}
+
+void finishSurvey(const SurveyContext& context, std::uint32_t index, const ExactRegion& exact,
+                  RegionSurvey& survey) {
+  proveRows(context, index, exact, survey);
+  findFacets(exact, survey);
+  findPoint(context, index, survey);
+}
+
 RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index) {
   RegionSurvey survey;
   const RegionView view = context.map.region(index);
@@ -257,7 +311,7 @@ RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index) {
   survey.rows = exact.rows.size();
   compareLaw(context, view, exact, index, survey);
   int worst = -1;
-  const std::vector<ExactRow> listed = matchRows(context, view, exact, survey.plane_error, worst);
+  survey.listed = matchRows(context, view, exact, survey.plane_error, worst);
   if (!(survey.plane_error <= context.options.plane_tolerance)) {
     Defect defect =
         makeDefect(Defect::Kind::kPlane, index, worst,
@@ -267,22 +321,8 @@ RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index) {
     defect.size = survey.plane_error;
     survey.defects.push_back(std::move(defect));
   }
-  for (const ExactRow& row : listed) {
-    SurveyedFacet facet{row.origin, {}};
-    for (const ExactRow& other : exact.rows) {
-      if (other.origin == row.origin || roundedDistance(other.unit, row) > 1e-6) continue;
-      if (sameHalfSpace(other, row)) facet.same.push_back(other.origin);
-    }
-    survey.facets.push_back(std::move(facet));
-  }
-  for (const ExactRow& row : exact.rows) {
-    const bool idle =
-        std::all_of(row.value.begin(), row.value.end(), [](const Integer& value) { return value == 0; });
-    if (idle && row.origin.kind == ExactOrigin::Kind::kSlack) survey.idle.push_back(row.origin.index);
-  }
-  findPoint(context, index, listed, survey);
-  proveRows(context, index, listed, exact, survey);
-  if (context.map.regionCount() <= kMostKept) survey.listed = listed;
+  finishSurvey(context, index, exact, survey);
+  if (context.map.regionCount() > kMostKept) survey.listed = {};
   return survey;
 }
 

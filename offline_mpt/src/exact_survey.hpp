@@ -21,12 +21,15 @@ struct SurveyedFacet {
 struct RegionSurvey {
   bool described = false;             ///< the optimality conditions could be solved
   std::vector<int> active;            ///< without equalities, ascending
-  std::vector<SurveyedFacet> facets;  ///< as the map lists them
+  bool is_sliver = false;             ///< not in the map, see exact_slivers.hpp
+  std::vector<SurveyedFacet> facets;  ///< as the map lists them, then those that it leaves out
   std::vector<ExactRow> listed;       ///< their exact rows; empty in large maps, where they take too much
   std::vector<int> idle;              ///< inequalities outside the active set that are tight everywhere
   std::vector<Rational> point;        ///< strictly inside; empty if there is none
   std::uint64_t rows = 0;
   std::uint64_t implied = 0;
+  std::size_t left_out =
+      0;  ///< conditions that bound it although the map does not list them: last of `listed`
   double law_error = 0.0;
   double plane_error = 0.0;
   std::vector<Defect> defects;
@@ -53,6 +56,14 @@ std::vector<ExactRow> matchRows(const SurveyContext& context, const RegionView& 
 
 /// The active set of a region of the map; empty with `valid` false where it names no rows of the program.
 std::vector<int> mapActiveSet(const SurveyContext& context, const RegionView& region, bool& valid);
+
+/// Exact rows of one of the map's regions: those that the map lists.
+std::vector<ExactRow> mapRows(const SurveyContext& context, const std::vector<RegionSurvey>& surveys,
+                              std::uint32_t region);
+
+/// Fills in all that follows from the listed rows: facets, inner point, proofs that the others are implied.
+void finishSurvey(const SurveyContext& context, std::uint32_t index, const ExactRegion& exact,
+                  RegionSurvey& survey);
 
 RegionSurvey surveyRegion(const SurveyContext& context, std::uint32_t index);
 

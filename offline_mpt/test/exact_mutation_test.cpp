@@ -1,6 +1,7 @@
 // The checker confirms what is right and refuses everything that was changed.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstdio>
 #include <sstream>
 
@@ -408,6 +409,132 @@ TEST_F(CoverMutation, CoversAreChecked) {
                 },
                 tried),
             "");
+}
+
+/// A map that leaves slivers to the regions about them.
+class SliverMutation : public Mutation {
+ protected:
+  SliverMutation() : Mutation(nearlyDependent(1e-5, 3)) {}
+};
+
+TEST_F(SliverMutation, NothingChangedIsConfirmed) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  EXPECT_NE(certificate_.find("\nG "), std::string::npos);
+  EXPECT_NE(certificate_.find("\nV N "), std::string::npos);
+}
+
+TEST_F(SliverMutation, ASliverIsDescribedByItsActiveSet) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines(
+                "G ",
+                [](std::vector<std::string>& words) {
+                  words[1] = std::to_string(words.size() - 3);
+                  words.pop_back();
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_NE(refusalOfLines(
+                "G ",
+                [](std::vector<std::string>& words) {
+                  words.back() = "12";
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_GT(tried, 0);
+}
+
+TEST_F(SliverMutation, ASliverMustLieInRegionsOfTheMap) {
+  int tried = 0;
+  const std::size_t count = content_.regions.size();
+  EXPECT_NE(refusalOfLines(
+                "V ",
+                [](std::vector<std::string>& words) {
+                  words = {"V", "e", "1", "0", "1"};  // "there is no such sliver"
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_NE(refusalOfLines(
+                "V ",
+                [&](std::vector<std::string>& words) {
+                  words[2] = std::to_string(count);  // a sliver
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_NE(refusalOfLines(
+                "V ",
+                [&](std::vector<std::string>& words) {
+                  words[2] = std::to_string((std::stoul(words[2]) + count / 2) % count);
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_GT(tried, 0);
+}
+
+TEST_F(SliverMutation, ATighterToleranceIsRefused) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines(
+                "tolerances ",
+                [](std::vector<std::string>& words) {
+                  words[2] = "0x1p-60";
+                  return true;
+                },
+                tried),
+            "");
+}
+
+TEST_F(SliverMutation, NoSliverMayBeMissing) {
+  const std::size_t first = certificate_.find("\nG ");
+  std::string without = certificate_;
+  without.erase(first + 1, without.rfind("\nend ") - first);
+  EXPECT_NE(refusal(sealed(without, map_), map_), "");
+}
+
+/// Certificates small enough to try every bit.
+class BitMutation : public Mutation {
+ protected:
+  BitMutation() : Mutation(randomProgram(2, 8, 1, 1)) {}
+
+  /// A wrong map, with whatever checksum the certificate then needs, is never confirmed.
+  void expectNeverConfirmed(const MapContent& wrong) const {
+    const std::string map = bytesOf(wrong);
+    ASSERT_NE(refusal(sealed(certificate_, map), map), "");
+    const std::size_t first = certificate_.find("\ntolerances ");
+    for (std::size_t at = certificate_.find("\nregions "); at < certificate_.rfind("\nend "); ++at) {
+      if (at <= first || std::isxdigit(static_cast<unsigned char>(certificate_[at])) == 0) continue;
+      for (int bit = 0; bit < 8; ++bit) {
+        std::string changed = certificate_;
+        changed[at] = static_cast<char>(changed[at] ^ (1 << bit));
+        EXPECT_NE(refusal(sealed(changed, map), map), "") << at << " " << bit;
+      }
+    }
+  }
+};
+
+TEST_F(BitMutation, EveryBitOfTheCertificateIsCaught) {
+  for (std::size_t at = 0; at < certificate_.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string changed = certificate_;
+      changed[at] = static_cast<char>(changed[at] ^ (1 << bit));
+      EXPECT_NE(refusal(changed, map_), "") << at << " " << bit;
+    }
+  }
+}
+
+TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongLawRight) {
+  MapContent wrong = content_;
+  wrong.laws[0] += 1e-6;
+  expectNeverConfirmed(wrong);
+}
+
+TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongPlaneRight) {
+  MapContent wrong = content_;
+  wrong.planes[1] += 1e-6;
+  expectNeverConfirmed(wrong);
 }
 
 TEST(CheckerInput, Xxh64KnownValues) {

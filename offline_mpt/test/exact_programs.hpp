@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <random>
 #include <string>
 
 #include "mpc_core/parametric_program.hpp"
@@ -46,6 +47,18 @@ inline ParametricProgram doubleIntegrator(int horizon) {
   program.E = Eigen::MatrixXd::Identity(1, n);
   program.C = Eigen::MatrixXd::Zero(1, 2);
   program.c = Eigen::VectorXd::Zero(1);
+  return program;
+}
+
+/// Rows that depend on others but for `distance`.
+inline ParametricProgram nearlyDependent(double distance, unsigned seed) {
+  ParametricProgram program = randomProgram(5, 12, 3, seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 6; i < 12; ++i) {
+    program.A.row(i) = uniform(random) * program.A.row(i - 6) + uniform(random) * program.A.row((i - 5) % 6);
+    for (int j = 0; j < 5; ++j) program.A(i, j) += distance * uniform(random);
+  }
   return program;
 }
 
