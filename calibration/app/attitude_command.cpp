@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
@@ -7,6 +9,7 @@
 
 #include "calibrate_commands.hpp"
 #include "calibration/identification_report.hpp"
+#include "identification/bag_signals.hpp"
 #include "identification/flight_signals.hpp"
 #include "region_maps/error.hpp"
 
@@ -20,6 +23,7 @@ struct Arguments {
   std::vector<std::string> windows;
   std::vector<std::string> validation_windows;
   std::vector<std::string> signals;
+  std::vector<std::string> topics;
   std::string recorded;
   std::string output;
   std::string report;
@@ -57,19 +61,48 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
   return choice;
 }
 
+bool isBag(const std::string& path) {
+  constexpr std::size_t kEnding = 4;
+  return path.size() > kEnding && path.compare(path.size() - kEnding, kEnding, ".bag") == 0;
+}
+
+// The share that was read, on one line of a terminal.
+void showProgress(double share) {
+  constexpr double kStep = 0.01;
+  static double shown = 0.0;
+  if (share < shown + kStep && share < 1.0) return;
+  shown = share;
+  std::cerr << "\rreading " << static_cast<int>(100.0 * share) << " %"
+            << (share < 1.0 ? "" : "\r            \r") << std::flush;
+}
+
+FlightSignals readSignals(const std::string& path, const Arguments& arguments, Provenance* provenance,
+                          std::vector<std::string>* remarks) {
+  const auto choice = parseSignals(arguments.signals);
+  *provenance = provenanceOf(path);
+  provenance->recorded = arguments.recorded;
+  if (!isBag(path)) return signalsFromCsv(readCsv(path), choice);
+  BagSignalOptions options;
+  options.choice = choice;
+  options.topics = arguments.topics;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showProgress;
+  BagSignals bag = signalsFromBag(path, options);
+  if (provenance->recorded.empty()) provenance->recorded = isoTime(bag.health.first);
+  for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
+  return bag.signals;
+}
+
 AttitudeCalibration calibrate(const Arguments& arguments) {
   IdentifyOptions options = arguments.options;
   options.windows = parseWindows(arguments.windows);
   options.validation_windows = parseWindows(arguments.validation_windows);
-  const auto choice = parseSignals(arguments.signals);
   AttitudeCalibration calibration;
-  const FlightSignals training = signalsFromCsv(readCsv(arguments.log), choice);
-  calibration.training = provenanceOf(arguments.log);
-  calibration.training.recorded = arguments.recorded;
+  const FlightSignals training =
+      readSignals(arguments.log, arguments, &calibration.training, &calibration.remarks);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
-    validation = signalsFromCsv(readCsv(arguments.validation), choice);
-    calibration.validation = provenanceOf(arguments.validation);
+    calibration.validation.emplace();
+    validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration.remarks);
   }
   const std::vector<std::string> axes = arguments.axes.empty() ? recordedAxes(training) : arguments.axes;
   if (axes.empty()) {
@@ -113,7 +146,9 @@ void addAttitudeCommand(CLI::App& app, int* result) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("attitude", "Gain, lag and delay of roll, pitch, yaw rate and thrust");
-  command->add_option("log", arguments->log, "Flight to identify from (CSV)")->required()->type_name("FILE");
+  command->add_option("log", arguments->log, "Flight to identify from (.bag, or CSV)")
+      ->required()
+      ->type_name("FILE");
   command
       ->add_option(
           "--validation", arguments->validation,
@@ -130,8 +165,11 @@ void addAttitudeCommand(CLI::App& app, int* result) {
       ->type_name("FROM:TO");
   command
       ->add_option("--signal", arguments->signals,
-                   "Column of a signal, repeatable; guessed from names if not given")
-      ->type_name("SIGNAL=COLUMN");
+                   "Where a signal is, repeatable: a column, or TOPIC:FIELD of a bag; guessed if not given")
+      ->type_name("SIGNAL=PLACE");
+  command
+      ->add_option("--topic", arguments->topics, "Of a bag, guess from topics that end so only; repeatable")
+      ->type_name("ENDING");
   command->add_flag("--second-order", arguments->second_order,
                     "Fit a0, a1, b0 (Eq. 45) to every axis, not to roll alone");
   command

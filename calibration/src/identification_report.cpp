@@ -18,7 +18,8 @@ std::string number(double value, int digits = 3) {
 }
 
 void writeVerdict(const AttitudeCalibration& calibration, std::ostream& out) {
-  std::vector<std::string> sentences = calibration.failed;
+  std::vector<std::string> sentences = calibration.remarks;
+  sentences.insert(sentences.end(), calibration.failed.begin(), calibration.failed.end());
   for (const AxisModel& axis : calibration.axes) {
     for (const std::string& warning : axis.warnings) sentences.push_back(axis.axis + ": " + warning);
   }

@@ -109,6 +109,10 @@ std::string toYaml(const AttitudeCalibration& calibration) {
       << "\ndata:\n";
   writeProvenance("training", calibration.training, out);
   if (calibration.validation) writeProvenance("validation", *calibration.validation, out);
+  if (!calibration.remarks.empty()) {
+    out << "remarks:\n";
+    for (const std::string& sentence : calibration.remarks) out << "  - " << yamlString(sentence) << "\n";
+  }
   out << "axes:" << (calibration.axes.empty() ? " {}" : "") << "\n";
   for (const AxisModel& axis : calibration.axes) writeAxis(axis, out);
   if (!calibration.failed.empty()) {
@@ -120,6 +124,7 @@ std::string toYaml(const AttitudeCalibration& calibration) {
 
 std::string toText(const AttitudeCalibration& calibration) {
   std::ostringstream out;
+  for (const std::string& sentence : calibration.remarks) out << "note: " << sentence << "\n";
   for (const AxisModel& axis : calibration.axes) {
     out << axis.axis << " (" << axis.with_delay.samples << " samples in " << axis.segments.size()
         << (axis.segments.size() == 1 ? " stretch" : " stretches") << "; +- is half of the 95 % interval)\n"

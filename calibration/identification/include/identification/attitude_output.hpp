@@ -14,7 +14,8 @@ struct AttitudeCalibration {
   Provenance training;
   std::optional<Provenance> validation;
   std::vector<AxisModel> axes;
-  std::vector<std::string> failed;  ///< sentences: axes that could not be identified
+  std::vector<std::string> remarks;  ///< sentences: what was wrong with the files
+  std::vector<std::string> failed;   ///< sentences: axes that could not be identified
 };
 
 /// The numbers as YAML, keys explained in README.md. The same input gives the same bytes.

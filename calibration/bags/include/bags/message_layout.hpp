@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace polyfly {
+
+/// How the bytes of a message follow from its definition, as it stands in the bag. Reads numbers by name
+/// without the message's headers, and tells whether bytes are a whole message at all.
+class MessageLayout {
+ public:
+  /// Parses the text of a definition (of rosmsg, with those of the types in it after lines of =). Throws
+  /// Error naming the type and the line: unknown type, not a definition, nested too deep.
+  MessageLayout(const std::string& type, const std::string& definition);
+
+  /// Whether the bytes hold one message from begin to end, every array and string inside them.
+  bool fits(const std::uint8_t* data, std::size_t size) const;
+
+  /// Values of number fields by path, for example `pose.orientation.x` or `header.stamp` (a time, in
+  /// seconds). NaN where the message has no such field, or it is no number. Paths do not lead into arrays.
+  /// Nothing if the bytes do not fit.
+  std::optional<std::vector<double>> numbers(const std::uint8_t* data, std::size_t size,
+                                             const std::vector<std::string>& paths) const;
+
+  /// Whether a number stands at this path.
+  bool has(const std::string& path) const;
+
+ private:
+  struct Field {
+    std::string type;  ///< a builtin, or a key of types_
+    std::string name;
+    bool array = false;
+    std::optional<std::uint32_t> length;  ///< of an array that has one
+  };
+  using Fields = std::vector<Field>;
+
+  struct Reader;
+  void parse(const std::string& type, const std::string& definition);
+  void resolve(const std::string& type, int depth);
+  bool walk(const std::string& type, const std::string& prefix, Reader* reader) const;
+  bool walkField(const Field& field, const std::string& prefix, Reader* reader) const;
+  bool hasIn(const std::string& type, const std::string& path) const;
+  std::optional<std::size_t> fixedSize(const std::string& type) const;
+
+  std::string type_;
+  std::map<std::string, Fields> types_;
+  std::map<std::string, std::size_t> sizes_;  // of types without arrays of open length or strings
+};
+
+}  // namespace polyfly

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace polyfly {
+
+/// One publisher's topic in a bag.
+struct BagConnection {
+  std::uint32_t id = 0;
+  std::string topic;
+  std::string type;        ///< for example nav_msgs/Odometry
+  std::string md5sum;      ///< of the definition, as ROS computes it
+  std::string definition;  ///< text of the message's definition and of those in it
+};
+
+/// One recorded message. A view: valid during the call that hands it over.
+struct BagMessage {
+  const BagConnection* connection = nullptr;
+  std::uint32_t seconds = 0;      ///< when the recorder received it
+  std::uint32_t nanoseconds = 0;  ///< of that
+  const std::uint8_t* data = nullptr;
+  std::size_t size = 0;
+
+  double time() const { return seconds + 1e-9 * nanoseconds; }  ///< [s]
+};
+
+/// What the file was like.
+struct BagHealth {
+  std::uint64_t messages = 0;        ///< in chunks that could be read, wanted or not
+  std::uint64_t chunks = 0;          ///< read
+  std::uint64_t damaged_chunks = 0;  ///< left out: they cannot be unpacked, or their records break the format
+  std::uint64_t unread_bytes = 0;    ///< at the cut-off end, or between chunks where the format is broken
+  std::uint64_t out_of_order = 0;    ///< messages received before the one that stands before them
+  bool indexed = false;              ///< closed by its recorder
+  double first = 0.0;                ///< least time of a message [s]
+  double last = 0.0;                 ///< greatest time of a message [s]
+  std::vector<std::string>
+      remarks;  ///< all that is not as it should be, in sentences without the file's name
+};
+
+/// What is called while a bag is read. Empty functions are not called.
+struct BagVisitor {
+  std::function<bool(const BagConnection&)> wants;  ///< whether its messages are handed over; all if empty
+  std::function<void(const BagMessage&)> message;
+  std::function<void(double)> progress;  ///< share of the file that was read, 0..1
+};
+
+/// Reads a bag (format 2.0; chunks as they are, bz2 or lz4) from begin to end without its index, so one
+/// without an index is read like any other. The file is opened for reading only. Chunks that are damaged are
+/// left out and counted; a chunk that the file's end cuts off is left out, as `rosbag reindex` does. Memory:
+/// one chunk, packed and unpacked. Messages come in the file's order, which need not be that of time. Throws
+/// Error naming the file: not there, empty, no bag, of another version.
+BagHealth scanBag(const std::string& path, const BagVisitor& visitor);
+
+/// The same for bytes in memory; `name` stands for the file.
+BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::string& name,
+                       const BagVisitor& visitor);
+
+/// Time of a bag's first message as date and time of day (UTC, ISO 8601).
+std::string isoTime(double seconds_since_1970);
+
+}  // namespace polyfly

@@ -1,0 +1,229 @@
+#include "bags/message_layout.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <sstream>
+
+#include "bag_record.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kDeepest = 32;  // types within types
+
+struct Builtin {
+  const char* name;
+  std::size_t size;
+};
+
+constexpr Builtin kBuiltins[] = {{"bool", 1},  {"int8", 1},   {"uint8", 1},   {"byte", 1},   {"char", 1},
+                                 {"int16", 2}, {"uint16", 2}, {"int32", 4},   {"uint32", 4}, {"float32", 4},
+                                 {"int64", 8}, {"uint64", 8}, {"float64", 8}, {"time", 8},   {"duration", 8}};
+
+std::optional<std::size_t> builtinSize(const std::string& type) {
+  for (const Builtin& builtin : kBuiltins) {
+    if (type == builtin.name) return builtin.size;
+  }
+  return std::nullopt;
+}
+
+template <class Number>
+double numberAt(const std::uint8_t* data) {
+  Number value;
+  std::memcpy(&value, data, sizeof value);
+  return static_cast<double>(value);
+}
+
+double builtinValue(const std::string& type, const std::uint8_t* data) {
+  if (type == "float64") return numberAt<double>(data);
+  if (type == "float32") return numberAt<float>(data);
+  if (type == "bool" || type == "uint8" || type == "char") return numberAt<std::uint8_t>(data);
+  if (type == "int8" || type == "byte") return numberAt<std::int8_t>(data);
+  if (type == "int16") return numberAt<std::int16_t>(data);
+  if (type == "uint16") return numberAt<std::uint16_t>(data);
+  if (type == "int32") return numberAt<std::int32_t>(data);
+  if (type == "uint32") return numberAt<std::uint32_t>(data);
+  if (type == "int64") return numberAt<std::int64_t>(data);
+  if (type == "uint64") return numberAt<std::uint64_t>(data);
+  if (type == "time") return numberAt<std::uint32_t>(data) + 1e-9 * numberAt<std::uint32_t>(data + 4);
+  return numberAt<std::int32_t>(data) + 1e-9 * numberAt<std::int32_t>(data + 4);  // duration
+}
+
+std::string packageOf(const std::string& type) { return type.substr(0, type.find('/')); }
+
+}  // namespace
+
+// Where reading stands, and what is looked for.
+struct MessageLayout::Reader {
+  const std::uint8_t* data = nullptr;
+  std::size_t left = 0;
+  const std::vector<std::string>* paths = nullptr;
+  std::vector<double> values;
+
+  bool skip(std::size_t count) {
+    if (count > left) return false;
+    data += count;
+    left -= count;
+    return true;
+  }
+  std::optional<std::uint32_t> length() {
+    if (left < sizeof(std::uint32_t)) return std::nullopt;
+    const auto value = littleEndian<std::uint32_t>(data);
+    skip(sizeof(std::uint32_t));
+    return value;
+  }
+  void note(const std::string& path, double value) {
+    if (paths == nullptr) return;
+    for (std::size_t i = 0; i < paths->size(); ++i) {
+      if ((*paths)[i] == path) values[i] = value;
+    }
+  }
+};
+
+MessageLayout::MessageLayout(const std::string& type, const std::string& definition) : type_(type) {
+  parse(type, definition);
+  resolve(type, 0);
+}
+
+// Lines of the definition: `type name`, `type[] name`, `type[4] name`; constants and comments are left out.
+// After a line of = comes `MSG: package/Type` and the definition of that.
+void MessageLayout::parse(const std::string& type, const std::string& definition) {
+  std::istringstream lines(definition);
+  std::string line;
+  std::string current = type;
+  types_[current];
+  while (std::getline(lines, line)) {
+    line = line.substr(0, line.find('#'));
+    std::istringstream words(line);
+    std::string kind;
+    std::string name;
+    if (!(words >> kind)) continue;
+    if (kind.find_first_not_of('=') == std::string::npos) continue;
+    if (!(words >> name)) throw Error(type + ": definition: not understood: " + line);
+    if (kind == "MSG:") {
+      current = name;
+      types_[current].clear();
+      continue;
+    }
+    // A constant has no bytes.
+    if (line.find('=') != std::string::npos) continue;
+    Field field;
+    field.name = name;
+    const std::size_t bracket = kind.find('[');
+    if (bracket != std::string::npos) {
+      field.array = true;
+      const std::string inside = kind.substr(bracket + 1, kind.find(']') - bracket - 1);
+      if (inside.find_first_not_of("0123456789") != std::string::npos || inside.size() > 9) {
+        throw Error(type + ": definition: not understood: " + line);
+      }
+      if (!inside.empty()) field.length = static_cast<std::uint32_t>(std::stoul(inside));
+      kind.resize(bracket);
+    }
+    if (builtinSize(kind) || kind == "string") {
+      field.type = kind;
+    } else if (kind == "Header") {
+      field.type = "std_msgs/Header";
+    } else {
+      field.type = kind.find('/') == std::string::npos ? packageOf(current) + "/" + kind : kind;
+    }
+    types_[current].push_back(field);
+  }
+}
+
+// Every type must be there, and none may hold itself; notes those of fixed size.
+void MessageLayout::resolve(const std::string& type, int depth) {
+  if (depth > kDeepest) throw Error(type_ + ": definition: types are nested too deep");
+  if (builtinSize(type) || type == "string" || sizes_.count(type) > 0) return;
+  const auto found = types_.find(type);
+  if (found == types_.end()) throw Error(type_ + ": definition: no definition of " + type);
+  std::size_t sum = 0;
+  bool fixed = true;
+  for (const Field& field : found->second) {
+    resolve(field.type, depth + 1);
+    const std::optional<std::size_t> size = fixedSize(field.type);
+    if (!size || (field.array && !field.length)) {
+      fixed = false;
+    } else {
+      sum += *size * (field.array ? *field.length : 1);
+    }
+    fixed = fixed && sum < std::numeric_limits<std::uint32_t>::max();
+  }
+  if (fixed) sizes_[type] = sum;
+}
+
+std::optional<std::size_t> MessageLayout::fixedSize(const std::string& type) const {
+  if (const auto size = builtinSize(type)) return size;
+  const auto found = sizes_.find(type);
+  if (found == sizes_.end()) return std::nullopt;
+  return found->second;
+}
+
+bool MessageLayout::walk(const std::string& type, const std::string& prefix, Reader* reader) const {
+  for (const Field& field : types_.at(type)) {
+    if (!walkField(field, prefix, reader)) return false;
+  }
+  return true;
+}
+
+bool MessageLayout::walkField(const Field& field, const std::string& prefix, Reader* reader) const {
+  std::uint32_t count = 1;
+  if (field.array) {
+    const std::optional<std::uint32_t> length = field.length ? field.length : reader->length();
+    if (!length) return false;
+    count = *length;
+    if (const auto size = fixedSize(field.type)) {
+      return *size == 0 || (count <= reader->left / *size && reader->skip(count * *size));
+    }
+  }
+  const std::string path = field.array ? "[]" : prefix + field.name;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (field.type == "string") {
+      const std::optional<std::uint32_t> length = reader->length();
+      if (!length || !reader->skip(*length)) return false;
+    } else if (const auto size = builtinSize(field.type)) {
+      if (*size > reader->left) return false;
+      reader->note(path, builtinValue(field.type, reader->data));
+      reader->skip(*size);
+    } else if (!walk(field.type, path + ".", reader)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MessageLayout::fits(const std::uint8_t* data, std::size_t size) const {
+  Reader reader;
+  reader.data = data;
+  reader.left = size;
+  return walk(type_, "", &reader) && reader.left == 0;
+}
+
+std::optional<std::vector<double>> MessageLayout::numbers(const std::uint8_t* data, std::size_t size,
+                                                          const std::vector<std::string>& paths) const {
+  Reader reader;
+  reader.data = data;
+  reader.left = size;
+  reader.paths = &paths;
+  reader.values.assign(paths.size(), std::numeric_limits<double>::quiet_NaN());
+  if (!walk(type_, "", &reader) || reader.left != 0) return std::nullopt;
+  return reader.values;
+}
+
+bool MessageLayout::has(const std::string& path) const { return hasIn(type_, path); }
+
+bool MessageLayout::hasIn(const std::string& type, const std::string& path) const {
+  const auto found = types_.find(type);
+  if (found == types_.end()) return false;
+  const std::size_t dot = path.find('.');
+  for (const Field& field : found->second) {
+    if (field.array || field.name != path.substr(0, dot)) continue;
+    return dot == std::string::npos ? builtinSize(field.type).has_value()
+                                    : hasIn(field.type, path.substr(dot + 1));
+  }
+  return false;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,209 @@
+#include "identification/bag_signals.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "region_maps/error.hpp"
+#include "topic_signals.hpp"
+
+namespace polyfly {
+namespace {
+
+using Angle = FieldUse::Angle;
+
+// What a type of message can tell. A lower rank wins where two types tell the same signal.
+struct KnownType {
+  const char* type;
+  const char* topic;  // must be in the name, if not empty
+  int rank;
+  std::vector<FieldUse> uses;
+};
+
+const std::vector<KnownType>& knownTypes() {
+  static const std::vector<KnownType> types = {
+      {"mav_msgs/RollPitchYawrateThrust",
+       "",
+       0,
+       {{"roll_cmd", "roll"},
+        {"pitch_cmd", "pitch"},
+        {"yaw_rate_cmd", "yaw_rate"},
+        {"thrust_cmd", "thrust.z"}}},
+      {"geometry_msgs/PoseStamped",
+       "attitude",
+       1,
+       {{"roll_cmd", "pose.orientation", Angle::kRoll}, {"pitch_cmd", "pose.orientation", Angle::kPitch}}},
+      {"std_msgs/Float64", "throttle", 1, {{"thrust_cmd", "data"}}},
+      {"std_msgs/Float64", "thrust", 1, {{"thrust_cmd", "data"}}},
+      {"nav_msgs/Odometry",
+       "",
+       0,
+       {{"roll", "pose.pose.orientation", Angle::kRoll},
+        {"pitch", "pose.pose.orientation", Angle::kPitch},
+        {"yaw", "pose.pose.orientation", Angle::kYaw},
+        {"yaw_rate", "twist.twist.angular.z"}}},
+      {"sensor_msgs/Imu",
+       "",
+       1,
+       {{"roll", "orientation", Angle::kRoll},
+        {"pitch", "orientation", Angle::kPitch},
+        {"yaw", "orientation", Angle::kYaw},
+        {"yaw_rate", "angular_velocity.z"},
+        {"specific_force_z", "linear_acceleration.z"}}},
+  };
+  return types;
+}
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+// `topic:path` and its last part, if that is an angle.
+struct Choice {
+  std::string topic;
+  FieldUse use;
+};
+
+Choice parseChoice(const std::string& signal, const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) {
+    throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
+  }
+  Choice choice = {text.substr(0, colon), {signal, text.substr(colon + 1), Angle::kNone}};
+  const std::pair<const char*, Angle> kAngles[] = {
+      {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
+  for (const auto& [ending, angle] : kAngles) {
+    if (!endsWith(choice.use.path, ending)) continue;
+    choice.use.angle = angle;
+    choice.use.path.resize(choice.use.path.size() - std::string(ending).size());
+  }
+  return choice;
+}
+
+class Collector {
+ public:
+  Collector(const std::string& path, const BagSignalOptions& options) : path_(path), options_(options) {
+    for (const auto& [signal, text] : options.choice) {
+      if (std::find(signalNames().begin(), signalNames().end(), signal) == signalNames().end()) {
+        throw Error("--signal " + signal + ": is no signal");
+      }
+      choices_.push_back(parseChoice(signal, text));
+    }
+  }
+
+  BagSignals read() {
+    BagVisitor visitor;
+    visitor.progress = options_.progress;
+    visitor.wants = [this](const BagConnection& connection) { return listen(connection); };
+    visitor.message = [this](const BagMessage& message) {
+      for (Source& source : sources_.at(message.connection->topic)) source.reader->add(message);
+    };
+    BagSignals result;
+    result.health = scanBag(path_, visitor);
+    result.signals.source = path_;
+    if (result.health.messages == 0) {
+      std::string remarks;
+      for (const std::string& remark : result.health.remarks) remarks += "; it " + remark;
+      throw Error(path_ + ": holds no message" + remarks);
+    }
+    for (const Choice& choice : choices_) {
+      if (topics_.count(choice.topic) == 0)
+        throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
+    }
+    gather(&result);
+    return result;
+  }
+
+ private:
+  struct Source {
+    std::shared_ptr<TopicSignals> reader;
+    int rank = 0;
+    std::string type;
+  };
+
+  std::string topics() const {
+    std::string known;
+    for (const std::string& topic : topics_) known += (known.empty() ? "" : ", ") + topic;
+    return known;
+  }
+
+  bool isChosen(const std::string& signal) const { return options_.choice.count(signal) > 0; }
+
+  bool listen(const BagConnection& connection) {
+    topics_.insert(connection.topic);
+    // A second publisher of a topic brings messages of the same kind.
+    if (sources_.count(connection.topic) > 0)
+      return sources_.at(connection.topic).front().type == connection.type;
+    std::vector<Source> sources;
+    std::vector<FieldUse> chosen;
+    for (const Choice& choice : choices_) {
+      if (choice.topic == connection.topic) chosen.push_back(choice.use);
+    }
+    constexpr int kChosen = -1;
+    if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
+    const bool heard = options_.topics.empty() || std::any_of(options_.topics.begin(), options_.topics.end(),
+                                                              [&](const std::string& ending) {
+                                                                return endsWith(connection.topic, ending);
+                                                              });
+    for (const KnownType& known : knownTypes()) {
+      if (!heard || connection.type != known.type || connection.topic.find(known.topic) == std::string::npos)
+        continue;
+      std::vector<FieldUse> uses;
+      for (const FieldUse& use : known.uses) {
+        if (!isChosen(use.signal)) uses.push_back(use);
+      }
+      const bool odometry = std::string(known.type) == "nav_msgs/Odometry";
+      sources.push_back(source(connection, uses, odometry, known.rank));
+      break;
+    }
+    if (sources.empty()) return false;
+    sources_[connection.topic] = sources;
+    return true;
+  }
+
+  Source source(const BagConnection& connection, const std::vector<FieldUse>& uses, bool velocity,
+                int rank) const {
+    try {
+      return {std::make_shared<TopicSignals>(connection, uses, velocity), rank, connection.type};
+    } catch (const Error& error) {
+      throw Error(path_ + ": " + error.what());
+    }
+  }
+
+  // The best source of each signal; two of the same rank leave a question that only the user can answer.
+  void gather(BagSignals* result) const {
+    std::map<std::string, int> ranks;
+    for (const auto& [topic, sources] : sources_) {
+      for (const Source& one : sources) {
+        for (auto& [signal, series] : one.reader->series(result->health.first, &result->health.remarks)) {
+          if (series.time.empty()) continue;
+          const auto before = ranks.find(signal);
+          if (before != ranks.end() && before->second == one.rank) {
+            throw Error(path_ + ": " + signal + " could come from " + result->signals.origin[signal] +
+                        " or from " + topic + ": choose with --topic, or with --signal " + signal +
+                        "=TOPIC:FIELD");
+          }
+          if (before != ranks.end() && before->second < one.rank) continue;
+          ranks[signal] = one.rank;
+          result->signals.series[signal] = std::move(series);
+          result->signals.origin[signal] = topic;
+        }
+      }
+    }
+  }
+
+  std::string path_;
+  const BagSignalOptions& options_;
+  std::vector<Choice> choices_;
+  std::set<std::string> topics_;
+  std::map<std::string, std::vector<Source>> sources_;
+};
+
+}  // namespace
+
+BagSignals signalsFromBag(const std::string& path, const BagSignalOptions& options) {
+  return Collector(path, options).read();
+}
+
+}  // namespace polyfly

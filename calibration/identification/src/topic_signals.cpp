@@ -1,0 +1,137 @@
+#include "topic_signals.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kClockJump = 0.5;         // of a header's clock against the recorder's [s]
+constexpr double kQuaternionLength = 0.1;  // most that its length may differ from 1
+
+const char* const kQuaternion[] = {".w", ".x", ".y", ".z"};
+const char* const kTwist[] = {"twist.twist.linear.x", "twist.twist.linear.y", "twist.twist.linear.z"};
+const char* const kVelocity[] = {"vx", "vy", "vz"};
+const char* const kOdometryAttitude = "pose.pose.orientation";
+
+Eigen::Quaterniond quaternion(const double* wxyz) {
+  Eigen::Quaterniond attitude(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  const bool good = std::abs(attitude.norm() - 1.0) <= kQuaternionLength;
+  if (good) {
+    attitude.normalize();
+  } else {
+    attitude.coeffs().setConstant(std::nan(""));
+  }
+  return attitude;
+}
+
+double angleOf(const Eigen::Quaterniond& q, FieldUse::Angle angle) {
+  switch (angle) {
+    case FieldUse::Angle::kRoll:
+      return std::atan2(2.0 * (q.w() * q.x() + q.y() * q.z()), 1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y()));
+    case FieldUse::Angle::kPitch:
+      return std::asin(std::fmax(-1.0, std::fmin(1.0, 2.0 * (q.w() * q.y() - q.z() * q.x())))) + 0.0 * q.w();
+    case FieldUse::Angle::kYaw:
+      return std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()), 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+    case FieldUse::Angle::kNone:
+      break;
+  }
+  return std::nan("");
+}
+
+}  // namespace
+
+TopicSignals::TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses, bool with_velocity)
+    : topic_(connection.topic),
+      layout_(connection.type, connection.definition),
+      uses_(std::move(uses)),
+      with_velocity_(with_velocity) {
+  paths_.emplace_back("header.stamp");
+  for (const FieldUse& use : uses_) {
+    names_.push_back(use.signal);
+    if (use.angle == FieldUse::Angle::kNone) {
+      paths_.push_back(use.path);
+    } else {
+      for (const char* part : kQuaternion) paths_.push_back(use.path + part);
+    }
+  }
+  if (with_velocity_) {
+    for (const char* part : kQuaternion) paths_.push_back(std::string(kOdometryAttitude) + part);
+    paths_.insert(paths_.end(), std::begin(kTwist), std::end(kTwist));
+    names_.insert(names_.end(), std::begin(kVelocity), std::end(kVelocity));
+  }
+  for (std::size_t i = 1; i < paths_.size(); ++i) {
+    if (!layout_.has(paths_[i])) {
+      throw Error("topic " + topic_ + ": " + connection.type + " has no number " + paths_[i]);
+    }
+  }
+  values_.resize(names_.size());
+}
+
+void TopicSignals::add(const BagMessage& message) {
+  const auto numbers = layout_.numbers(message.data, message.size, paths_);
+  if (!numbers) {
+    ++misfits_;
+    return;
+  }
+  received_.push_back(message.time());
+  stamps_.push_back(layout_.has(paths_.front()) ? numbers->front() : 0.0);
+  std::size_t at = 1;
+  std::size_t name = 0;
+  for (const FieldUse& use : uses_) {
+    if (use.angle == FieldUse::Angle::kNone) {
+      values_[name++].push_back((*numbers)[at++]);
+    } else {
+      values_[name++].push_back(angleOf(quaternion(numbers->data() + at), use.angle));
+      at += std::size(kQuaternion);
+    }
+  }
+  if (!with_velocity_) return;
+  const Eigen::Quaterniond attitude = quaternion(numbers->data() + at);
+  const Eigen::Vector3d velocity =
+      attitude * Eigen::Map<const Eigen::Vector3d>(numbers->data() + at + std::size(kQuaternion));
+  for (Eigen::Index i = 0; i < 3; ++i) values_[name++].push_back(velocity[i]);
+}
+
+std::map<std::string, TimeSeries> TopicSignals::series(double start,
+                                                       std::vector<std::string>* remarks) const {
+  if (misfits_ > 0) {
+    remarks->push_back("topic " + topic_ + ": " + std::to_string(misfits_) +
+                       " messages are not what their definition says and were left out");
+  }
+  const bool stamped =
+      !stamps_.empty() && std::all_of(stamps_.begin(), stamps_.end(), [](double t) { return t > 0.0; });
+  double jump = 0.0;
+  for (std::size_t i = 1; stamped && i < stamps_.size(); ++i) {
+    jump = std::max(jump, std::abs((stamps_[i] - received_[i]) - (stamps_[i - 1] - received_[i - 1])));
+  }
+  if (jump > kClockJump) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": the clock of its headers jumps by %.3g s against the recorder's, which is used instead",
+                  jump);
+    remarks->push_back("topic " + topic_ + text);
+  }
+  const std::vector<double>& times = stamped && jump <= kClockJump ? stamps_ : received_;
+  std::vector<std::size_t> order(times.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&times](std::size_t one, std::size_t other) { return times[one] < times[other]; });
+  std::map<std::string, TimeSeries> result;
+  for (std::size_t name = 0; name < names_.size(); ++name) {
+    TimeSeries& one = result[names_[name]];
+    for (const std::size_t i : order) {
+      one.time.push_back(times[i] - start);
+      one.value.push_back(values_[name][i]);
+    }
+  }
+  return result;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bags/message_layout.hpp"
+#include "bags/scan_bag.hpp"
+#include "identification/loop_record.hpp"
+
+namespace polyfly {
+
+/// A number of a message: a field as it is, or an angle of a quaternion.
+struct FieldUse {
+  enum class Angle { kNone, kRoll, kPitch, kYaw };
+  std::string signal;
+  std::string path;  ///< of a number, or of a quaternion if an angle is asked for
+  Angle angle = Angle::kNone;
+};
+
+/// Collects signals from the messages of one topic.
+class TopicSignals {
+ public:
+  /// `with_velocity`: the message is an odometry, whose twist is turned into the world's frame for vx, vy,
+  /// vz.
+  TopicSignals(const BagConnection& connection, std::vector<FieldUse> uses, bool with_velocity);
+
+  void add(const BagMessage& message);
+
+  /// Series by signal, in order of time, counted from `start`; by the headers' clock unless it jumps.
+  std::map<std::string, TimeSeries> series(double start, std::vector<std::string>* remarks) const;
+
+  const std::string& topic() const { return topic_; }
+
+ private:
+  std::string topic_;
+  MessageLayout layout_;
+  std::vector<FieldUse> uses_;
+  bool with_velocity_ = false;
+  std::vector<std::string> paths_;
+  std::vector<double> stamps_;    // of the headers; 0 where there is none
+  std::vector<double> received_;  // by the recorder
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> values_;  // of each name
+  std::size_t misfits_ = 0;
+};
+
+}  // namespace polyfly
