@@ -2,21 +2,20 @@
 
 #include <geometry_msgs/Vector3Stamped.h>
 #include <ros/exception.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <ros/serialization.h>
 
 #include <algorithm>
-#include <cstring>
-#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
+#include "bags/message_layout.hpp"
+#include "bags/scan_bag.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "region_maps/error.hpp"
 
@@ -29,32 +28,6 @@ using polyfly::FlightLog;
 template <class Message>
 std::string typeOf() {
   return ros::message_traits::DataType<Message>::value();
-}
-
-void openBag(const std::string& path, rosbag::Bag* bag) {
-  std::error_code failure;
-  if (!std::filesystem::exists(path, failure)) throw Error(path + ": no such file");
-  if (!std::filesystem::is_regular_file(path, failure)) throw Error(path + ": not a file");
-  if (std::filesystem::file_size(path, failure) == 0) throw Error(path + ": is empty (0 bytes), not a bag");
-  try {
-    bag->open(path, rosbag::bagmode::Read);
-  } catch (const rosbag::BagUnindexedException&) {
-    throw Error(path +
-                ": has no index, because its recording was cut off; `rosbag reindex` keeps what was written");
-  } catch (const rosbag::BagIOException& error) {
-    throw Error(path + ": cannot be read as a bag: " + error.what() +
-                "; if its recording was cut off, `rosbag reindex` keeps what was written");
-  } catch (const std::exception& error) {
-    throw Error(path + ": cannot be read as a bag: " + error.what());
-  }
-}
-
-std::map<std::string, std::string> typesByTopic(const rosbag::Bag& bag) {
-  std::map<std::string, std::string> types;
-  for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections()) {
-    types[connection->topic] = connection->datatype;
-  }
-  return types;
 }
 
 bool endsWith(const std::string& text, const std::string& ending) {
@@ -224,12 +197,19 @@ class LogBuilder {
   std::string refusal_;
 };
 
+// A message as it stands in the bag, until all of them can be put in order.
+struct HeldMessage {
+  std::string topic;
+  double time = 0.0;  // when the recorder received it [s]
+  std::vector<std::uint8_t> bytes;
+};
+
 class BagReader {
  public:
-  BagReader(const std::string& path, const BagTopics& topics) : path_(path), topics_(topics), builder_(path) {
-    openBag(path_, &bag_);
-    types_ = typesByTopic(bag_);
-    if (types_.empty()) throw Error(path_ + ": holds no message");
+  BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress)
+      : path_(path), topics_(topics), builder_(path) {
+    scan(progress);
+    if (types_.empty()) throw Error(path_ + ": holds no message" + remarks());
     prefix_ = topics.name_space.empty() ? findNamespace(path_, types_, topics.command)
                                         : "/" + topics.name_space + "/";
     while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
@@ -248,11 +228,43 @@ class BagReader {
     readMessages();
     FlightLog log = builder_.finish();
     check(log);
+    log.remarks = health_.remarks;
+    for (const auto& [topic, count] : misfits_) {
+      log.remarks.push_back("topic " + topic + ": " + std::to_string(count) +
+                            " messages are not what their definition says and were left out");
+    }
     return log;
   }
 
  private:
-  using Handler = std::function<void(const rosbag::MessageInstance&)>;
+  using Handler = std::function<void(const HeldMessage&)>;
+
+  // Holds the messages of all topics that may be wanted; the namespace is not known before the end.
+  void scan(const BagProgress& progress) {
+    polyfly::BagVisitor visitor;
+    visitor.progress = progress;
+    visitor.wants = [this](const polyfly::BagConnection& connection) {
+      types_[connection.topic] = connection.type;
+      definitions_[connection.topic].insert(connection.md5sum);
+      const std::string* names[] = {&topics_.odometry, &topics_.trajectory, &topics_.pose,
+                                    &topics_.command,  &topics_.status,     &topics_.disturbance};
+      return std::any_of(std::begin(names), std::end(names),
+                         [&](const std::string* name) { return endsWith("/" + connection.topic, *name); });
+    };
+    visitor.message = [this](const polyfly::BagMessage& message) {
+      held_.push_back(
+          {message.connection->topic, message.time(), {message.data, message.data + message.size}});
+    };
+    health_ = polyfly::scanBag(path_, visitor);
+    std::stable_sort(held_.begin(), held_.end(),
+                     [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
+  }
+
+  std::string remarks() const {
+    std::string text;
+    for (const std::string& remark : health_.remarks) text += "; it " + remark;
+    return text;
+  }
 
   std::string fullName(const std::string& topic) const {
     return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
@@ -261,7 +273,7 @@ class BagReader {
   [[noreturn]] void missing(const std::string& topic) const {
     std::string known;
     for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
-    throw Error(path_ + ": no message on " + topic + "; the bag has " + known);
+    throw Error(path_ + ": no message on " + topic + "; the bag has " + known + remarks());
   }
 
   // Whether the topic is in the bag; from then on its messages are read.
@@ -273,14 +285,27 @@ class BagReader {
     if (found->second != typeOf<Message>()) {
       throw Error(path_ + ": topic " + name + ": must be " + typeOf<Message>() + ", is " + found->second);
     }
-    handlers_[name] = [this, name](const rosbag::MessageInstance& instance) {
-      const auto message = instance.instantiate<Message>();
-      if (!message) {
+    for (const std::string& md5sum : definitions_.at(name)) {
+      if (md5sum != ros::message_traits::MD5Sum<Message>::value()) {
         throw Error(path_ + ": topic " + name + ": recorded with another definition of " + typeOf<Message>());
       }
+    }
+    // Lengths inside are checked before anything is made that they ask for.
+    const auto layout = std::make_shared<polyfly::MessageLayout>(
+        typeOf<Message>(), ros::message_traits::Definition<Message>::value());
+    handlers_[name] = [this, name, layout](const HeldMessage& held) {
+      if (!layout->fits(held.bytes.data(), held.bytes.size())) {
+        ++misfits_[name];
+        return;
+      }
+      Message message;
+      // The stream reads only, through a pointer that is not const.
+      ros::serialization::IStream stream(const_cast<std::uint8_t*>(held.bytes.data()),
+                                         static_cast<std::uint32_t>(held.bytes.size()));
+      ros::serialization::deserialize(stream, message);
       try {
-        builder_.setTime(instance.getTime().toSec());
-        builder_.add(*message);
+        builder_.setTime(held.time);
+        builder_.add(message);
       } catch (const Error& error) {
         throw Error(path_ + ": topic " + name + ": " + error.what());
       }
@@ -294,16 +319,10 @@ class BagReader {
   }
 
   void readMessages() {
-    std::vector<std::string> names;
-    for (const auto& [name, handler] : handlers_) names.push_back(name);
-    try {
-      for (const rosbag::MessageInstance& instance : rosbag::View(bag_, rosbag::TopicQuery(names))) {
-        handlers_.at(instance.getTopic())(instance);
-      }
-    } catch (const Error&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw Error(path_ + ": is damaged: " + error.what());
+    for (HeldMessage& held : held_) {
+      const auto handler = handlers_.find(held.topic);
+      if (handler != handlers_.end()) handler->second(held);
+      held.bytes = {};
     }
   }
 
@@ -312,41 +331,27 @@ class BagReader {
     if (log.commands.empty()) missing(fullName(topics_.command));
     if (log.references.empty()) {
       throw Error(path_ + ": no usable reference" +
-                  (builder_.refusedReferences() > 0 ? ", the last one: " + builder_.refusal() : ""));
+                  (builder_.refusedReferences() > 0 ? ", the last one: " + builder_.refusal() : "") +
+                  remarks());
     }
   }
 
   std::string path_;
   BagTopics topics_;
   LogBuilder builder_;
-  rosbag::Bag bag_;
+  polyfly::BagHealth health_;
   std::map<std::string, std::string> types_;
+  std::map<std::string, std::set<std::string>> definitions_;  // checksums, by topic
+  std::vector<HeldMessage> held_;
+  std::map<std::string, std::size_t> misfits_;  // by topic
   std::string prefix_;  // of topics in the vehicle's namespace, with slashes on both sides
   std::map<std::string, Handler> handlers_;
 };
 
 }  // namespace
 
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics) {
-  return BagReader(path, topics).read();
-}
-
-polyfly::FlightLog readBagGuarded(const std::string& path, const BagTopics& topics) {
-  const pid_t child = fork();
-  if (child == 0) {
-    try {
-      readBag(path, topics);
-    } catch (...) {
-      // The parent meets the same error and tells it.
-    }
-    _exit(0);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child) throw Error(path + ": no process to try it in");
-  if (WIFSIGNALED(status)) {
-    throw Error(path + ": is damaged: rosbag crashes on it (" + strsignal(WTERMSIG(status)) + ")");
-  }
-  return readBag(path, topics);
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress) {
+  return BagReader(path, topics, progress).read();
 }
 
 }  // namespace polyfly_ros

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -93,6 +95,16 @@ void writeText(const std::string& text, const std::string& path) {
   if (!file) throw polyfly::Error(path + ": cannot be written");
 }
 
+// The share that was read, on one line of a terminal.
+void showProgress(double share) {
+  constexpr double kStep = 0.01;
+  static double shown = 0.0;
+  if (share < shown + kStep && share < 1.0) return;
+  shown = share;
+  std::cerr << "\rreading " << static_cast<int>(100.0 * share) << " %"
+            << (share < 1.0 ? "" : "\r            \r") << std::flush;
+}
+
 int run(const Arguments& arguments) {
   std::vector<polyfly::RegionMap> maps;
   std::vector<const polyfly::RegionMap*> views;
@@ -102,7 +114,10 @@ int run(const Arguments& arguments) {
   const polyfly::MultirotorOptions options = arguments.options.empty()
                                                  ? polyfly::MultirotorOptions{}
                                                  : polyfly::loadControllerOptions(arguments.options);
-  const polyfly::FlightLog log = polyfly_ros::readBagGuarded(arguments.bag, arguments.topics);
+  polyfly_ros::BagProgress progress;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = showProgress;
+  const polyfly::FlightLog log = polyfly_ros::readBag(arguments.bag, arguments.topics, progress);
+  for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
 
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, axes, options);
   const polyfly::ValidationReport report = polyfly::validate(log, samples, axes, options);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "calibration/flight_log.hpp"
@@ -17,13 +18,15 @@ struct BagTopics {
   std::string disturbance = "ground_truth/disturbance";  ///< may be missing
 };
 
-/// Reads a flight. Odometry, commands and one of trajectory and pose must be there. Throws polyfly::Error
-/// naming file, topic and rule when the file is missing, empty, no bag, cut off or damaged, when a topic is
-/// missing or of another type, or when a message breaks the rules of online_controller_ros/conversions.hpp.
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics);
+/// Told the share of the file that was read, 0..1.
+using BagProgress = std::function<void(double)>;
 
-/// As readBag, for files of unknown health: rosbag itself reads beyond its buffers on some damaged bags, so a
-/// child process reads the file first, and its crash becomes an Error. For programs of a single thread.
-polyfly::FlightLog readBagGuarded(const std::string& path, const BagTopics& topics);
+/// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left
+/// out and told in the log's remarks: a bag that was cut off or has no index gives its whole chunks
+/// (bags/scan_bag.hpp). Throws polyfly::Error naming file, topic and rule when the file is missing, empty or
+/// no bag, when a topic is missing or of another type, or when a message breaks the rules of
+/// online_controller_ros/conversions.hpp.
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics,
+                           const BagProgress& progress = {});
 
 }  // namespace polyfly_ros

@@ -98,6 +98,7 @@ void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::
 void writeFlightBag(const FlightLog& log, const std::string& path, const FlightBagOptions& options) {
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   bag.setCompression(options.compression);
+  bag.setChunkThreshold(options.chunk_threshold);
   bag.setChunkThreshold(20000);
   writeFlight(log, options, &bag);
   bag.close();

@@ -2,6 +2,7 @@
 
 #include <rosbag/bag.h>
 
+#include <cstdint>
 #include <string>
 
 #include "calibration/flight_log.hpp"
@@ -12,7 +13,8 @@ struct FlightBagOptions {
   std::string name_space = "/firefly";  ///< without a slash at the end
   rosbag::CompressionType compression = rosbag::compression::Uncompressed;
   double arrival_shift = 0.0;  ///< commands and status reach the recorder so much later than odometry [s]
-  bool odometry = true;        ///< which topics to write
+  std::uint32_t chunk_threshold = 768 * 1024;  ///< bytes after which a chunk ends
+  bool odometry = true;                        ///< which topics to write
   bool references = true;
   bool commands = true;
   bool statuses = true;
