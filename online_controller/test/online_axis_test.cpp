@@ -115,6 +115,63 @@ TEST(Axis, BindsByNameNotByPlace) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(report.theta[i], turned_report.theta[4 - i]);
 }
 
+/// A map of one region of a minimum-peak robust MPC, u = sum of gains and parameters.
+MapContent robustContent(const std::string& problem_text, const std::vector<double>& gains) {
+  MapContent content = axisContent(1);
+  content.problem_text = problem_text;
+  content.parameters = {{"e_p_y", "m", -2, 2},
+                        {"e_v_y", "m/s", -2, 2},
+                        {"e_phi", "rad", -0.5, 0.5},
+                        {"v_y_ref", "m/s", -0.8, 0.8},
+                        {"phi_cmd_ref", "rad", -0.15, 0.15}};
+  content.parameters.resize(gains.size());
+  content.laws = gains;
+  content.laws.push_back(0.0);
+  return content;
+}
+
+TEST(Axis, TakesTheMapOfARobustProblem) {
+  const std::string text = polyfly_test::robustAxisProblem("lateral");
+  const MapInMemory map(robustContent(text, {1.0, 10.0, 100.0, 1000.0, 10000.0}));
+  const Axis axis(map.map(), kAxisNames[1], {});
+  const AxisSample sample{0.5, -0.3, 0.04};
+  const AxisReference reference{0.1, 0.2, 0.3, 0.0};
+  polyfly::AxisReport report;
+  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
+  ASSERT_EQ(report.size, 5);
+  const AxisTarget target = axis.target(reference, 0.0);
+  EXPECT_NEAR(report.theta[0], 0.4, 1e-15);
+  EXPECT_NEAR(report.theta[1], -0.5, 1e-15);
+  EXPECT_NEAR(report.theta[2], 0.04 - target.angle, 1e-15);
+  EXPECT_EQ(report.theta[3], 0.2);
+  EXPECT_EQ(report.theta[4], target.input);
+
+  // without references the target is level flight
+  const MapInMemory level_map(robustContent(text, {1.0, 10.0, 100.0}));
+  const Axis level(level_map.map(), kAxisNames[1], {});
+  EXPECT_EQ(level.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
+  ASSERT_EQ(report.size, 3);
+  EXPECT_NEAR(report.theta[2], 0.04, 1e-15);
+
+  MapContent wrong = robustContent(text, {1.0, 10.0, 100.0, 1000.0, 10000.0});
+  wrong.parameters[4].name = "phi_cmd_prev";  // it has no previous input
+  expectRefusal(axisRefusal(1, wrong), {"'phi_cmd_prev'", "not a signal"});
+  expectRefusal(axisRefusal(1, robustContent(text, {1.0, 10.0})), {"'e_phi'", "missing"});
+  const std::string discrete = replaceAll(text, "model:\n", "model:\n  time: discrete\n");
+  expectRefusal(axisRefusal(1, robustContent(discrete, {1.0, 10.0, 100.0})), {"model.time", "continuous"});
+}
+
+TEST(Axis, TakesTheModelsOfTheRobustProblems) {
+  for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
+    const polyfly::MpcProblem problem =
+        polyfly::parseFlightModel(polyfly_test::robustAxisProblem(axis), "robust.yaml");
+    EXPECT_TRUE(problem.minimum_peak);
+    EXPECT_EQ(problem.name, std::string("aslquad_") + axis);
+    EXPECT_EQ(problem.parameters.size(), problem.states.size());
+    EXPECT_EQ(problem.Bd_c.cols(), 1);
+  }
+}
+
 TEST(AxisTarget, AtRestIsTheSteadyStateOfEquation6) {
   for (std::size_t i = 0; i < 3; ++i) {
     const MapInMemory map(axisContent(i));

@@ -25,13 +25,22 @@ std::unique_ptr<std::byte[], void (*)(std::byte*)> aligned(std::size_t size) {
 
 }  // namespace
 
-std::string axisProblem(std::size_t axis) {
+namespace {
+
+std::string problemText(const std::string& file) {
   const char* root = std::getenv("POLYFLY_ROOT");
-  const std::string path =
-      std::string(root != nullptr ? root : ".") + "/region_maps/problems/" + kProblemFiles.at(axis);
+  const std::string path = std::string(root != nullptr ? root : ".") + "/region_maps/problems/" + file;
   std::ifstream stream(path);
   if (!stream) throw std::runtime_error("cannot read " + path);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+std::string axisProblem(std::size_t axis) { return problemText(kProblemFiles.at(axis)); }
+
+std::string robustAxisProblem(const std::string& axis) {
+  return problemText("robust/aslquad_" + axis + ".yaml");
 }
 
 polyfly::MapContent oneRegionContent(const std::string& problem_text, const std::vector<double>& gains) {

@@ -15,6 +15,9 @@ namespace polyfly_test {
 /// Text of the project's problem file of an axis: 0 longitudinal, 1 lateral, 2 vertical.
 std::string axisProblem(std::size_t axis);
 
+/// Text of the project's robust problem file of an axis, by name.
+std::string robustAxisProblem(const std::string& axis);
+
 /// Content of a map of one region that covers the box, with the law of unit slope in the reference,
 /// u = u_ref + gains . errors. `gains` are those of the errors, in the problem's order.
 polyfly::MapContent oneRegionContent(const std::string& problem_text, const std::vector<double>& gains);

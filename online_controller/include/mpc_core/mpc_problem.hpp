@@ -44,6 +44,8 @@ struct MpcProblem {
   Eigen::MatrixXd R_delta;     ///< nu x nu, Eq. 4
   std::vector<Parameter> parameters;
 
+  bool minimum_peak = false;  ///< only the model and the errors of a robust_mpc problem, see parseFlightModel
+
   int stateCount() const { return static_cast<int>(A_c.rows()); }
   int inputCount() const { return static_cast<int>(B_c.cols()); }
 };
@@ -61,6 +63,12 @@ MpcProblem loadProblem(const std::string& path);
 
 /// As loadProblem, from text; `source` is used in errors.
 MpcProblem parseProblem(const std::string& text, const std::string& source);
+
+/// What a controller in flight needs of either type of problem: all of a tracking_mpc; of a robust_mpc
+/// (region_maps/problems/robust) names, ranges of the inputs, matrices with G as Bd_c, sampling time and the
+/// parameters with role error, whose map was solved offline. Throws Error; the model must be in continuous
+/// time.
+MpcProblem parseFlightModel(const std::string& text, const std::string& source);
 
 /// Zero-order hold over `period` seconds by the matrix exponential (Eq. 42).
 DiscreteModel discretise(const MpcProblem& problem, double period);

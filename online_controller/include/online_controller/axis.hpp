@@ -13,7 +13,9 @@
 
 namespace polyfly {
 
-/// Signals that a map must have to serve an axis, by name.
+/// Signals that a map must have to serve an axis, by name. The map of a minimum-peak robust MPC has the
+/// errors, and may have the references of velocity and input; without that of the input it is for a target
+/// that needs none.
 struct AxisNames {
   const char* axis;
   const char* position_error;
@@ -23,12 +25,14 @@ struct AxisNames {
   const char* input_reference;
   const char* input;
   const char* input_unit;
+  const char* velocity_reference;
 };
 
 constexpr std::array<AxisNames, 3> kAxisNames{{
-    {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad"},
-    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad"},
-    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2"},
+    {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad",
+     "v_x_ref"},
+    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref"},
+    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref"},
 }};
 
 /// What is measured of one axis, in the world-aligned frame.
@@ -89,7 +93,14 @@ class Axis {
   double inputUpper() const noexcept { return input_upper_; }
 
  private:
-  enum class Entry { kPositionError, kVelocityError, kAngleError, kPreviousInput, kInputReference };
+  enum class Entry {
+    kPositionError,
+    kVelocityError,
+    kAngleError,
+    kPreviousInput,
+    kInputReference,
+    kVelocityReference,
+  };
 
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
@@ -103,6 +114,7 @@ class Axis {
   double input_upper_ = 0.0;
 
   bool has_lag_ = false;
+  bool has_input_reference_ = false;
   int position_state_ = 0;
   int velocity_state_ = 1;
   int angle_state_ = 2;

@@ -30,7 +30,8 @@ class AxisLaw {
   virtual void reset() noexcept = 0;
 };
 
-/// Keeps a reference to `map`. Throws Error unless the map is complete and was made from a tracking problem.
+/// Keeps a reference to `map`. Throws Error unless the map is complete and was made from a
+/// tracking problem or a minimum-peak robust MPC.
 std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, const std::string& axis);
 
 /// Solves `problem` at each parameter; the box of the parameters does not limit it. Throws Error.

@@ -48,12 +48,15 @@ void Axis::bindSignals(const AxisNames& names) {
     const char* name;
     const char* unit;
     Entry entry;
+    bool required;
   };
-  std::vector<Wanted> wanted{{names.position_error, "m", Entry::kPositionError},
-                             {names.velocity_error, "m/s", Entry::kVelocityError},
-                             {names.previous_input, names.input_unit, Entry::kPreviousInput},
-                             {names.input_reference, names.input_unit, Entry::kInputReference}};
-  if (has_lag_) wanted.push_back({names.angle_error, "rad", Entry::kAngleError});
+  const bool tracking = !law_->problem().minimum_peak;
+  std::vector<Wanted> wanted{{names.position_error, "m", Entry::kPositionError, true},
+                             {names.velocity_error, "m/s", Entry::kVelocityError, true},
+                             {names.input_reference, names.input_unit, Entry::kInputReference, tracking}};
+  if (tracking) wanted.push_back({names.previous_input, names.input_unit, Entry::kPreviousInput, true});
+  if (!tracking) wanted.push_back({names.velocity_reference, "m/s", Entry::kVelocityReference, false});
+  if (has_lag_) wanted.push_back({names.angle_error, "rad", Entry::kAngleError, true});
   static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
 
   std::vector<bool> found(wanted.size(), false);
@@ -70,13 +73,15 @@ void Axis::bindSignals(const AxisNames& names) {
       throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) + ": listed twice");
     found[which] = true;
     requireUnit(*law_, names, signal, match->unit);
+    has_input_reference_ = has_input_reference_ || match->entry == Entry::kInputReference;
     const auto slot = static_cast<std::size_t>(size_++);
     entries_[slot] = match->entry;
     lower_[slot] = signal.lower;
     upper_[slot] = signal.upper;
   }
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!found[i]) throw Error(law_->place(names.axis) + "parameter " + quoted(wanted[i].name) + ": missing");
+    if (!found[i] && wanted[i].required)
+      throw Error(law_->place(names.axis) + "parameter " + quoted(wanted[i].name) + ": missing");
   }
 
   if (law_->inputs().size() != 1 || law_->inputs().front().name != names.input) {
@@ -157,7 +162,7 @@ void Axis::observe(const AxisSample& sample, double applied_input, int periods) 
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                              AxisReport& report) const noexcept {
-  const AxisTarget goal = target(reference, disturbance());
+  const AxisTarget goal = has_input_reference_ ? target(reference, disturbance()) : AxisTarget{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
     switch (entries_[i]) {
       case Entry::kPositionError:
@@ -174,6 +179,9 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
         break;
       case Entry::kInputReference:
         report.theta[i] = goal.input;
+        break;
+      case Entry::kVelocityReference:
+        report.theta[i] = reference.velocity;
         break;
     }
   }

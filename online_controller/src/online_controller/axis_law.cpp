@@ -22,7 +22,7 @@ MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
     throw Error(mapPlace(map, axis) + "problem: must be a tracking problem (yaml), got '" +
                 std::string(map.problemKind()) + "'");
   }
-  return parseProblem(std::string(map.problemText()), map.path() + ": problem");
+  return parseFlightModel(std::string(map.problemText()), map.path() + ": problem");
 }
 
 class ExplicitAxisLaw final : public AxisLaw {
