@@ -79,15 +79,19 @@ void showProgress(double share) {
 FlightSignals readSignals(const std::string& path, const Arguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   const auto choice = parseSignals(arguments.signals);
-  *provenance = provenanceOf(path);
-  provenance->recorded = arguments.recorded;
-  if (!isBag(path)) return signalsFromCsv(readCsv(path), choice);
+  if (!isBag(path)) {
+    FlightSignals signals = signalsFromCsv(readCsv(path), choice);
+    *provenance = provenanceOf(path);
+    provenance->recorded = arguments.recorded;
+    return signals;
+  }
   BagSignalOptions options;
   options.choice = choice;
   options.topics = arguments.topics;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showProgress;
   BagSignals bag = signalsFromBag(path, options);
-  if (provenance->recorded.empty()) provenance->recorded = isoTime(bag.health.first);
+  *provenance = provenanceOf(path);
+  provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;
   for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
   return bag.signals;
 }
