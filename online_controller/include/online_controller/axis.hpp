@@ -83,7 +83,9 @@ class Axis {
   void reset() noexcept;
 
   /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
-  /// input is left alone.
+  /// input is left alone. Where a minimum-peak robust MPC has no plan that meets all bounds (a disturbance
+  /// beyond its range has been at work), the errors are scaled down until it has one, by 12 halvings:
+  /// kClipped.
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                          AxisReport& report) const noexcept;
 
@@ -104,6 +106,7 @@ class Axis {
 
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
+  Lookup retreat(const std::array<double, kMaxParameters>& theta, double& input) const noexcept;
 
   std::unique_ptr<AxisLaw> law_;
   std::array<Entry, kMaxParameters> entries_{};

@@ -204,11 +204,40 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
     lookup = law_->evaluate(clipped.data(), &input);
     status = ControlStatus::kClipped;
   }
+  if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
+    lookup = retreat(report.theta, input);
+    status = ControlStatus::kClipped;
+  }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
   report.region = lookup.region;
   // The law meets the bounds up to rounding; what is applied meets them exactly.
   report.input = std::clamp(input, input_lower_, input_upper_);
   return status;
+}
+
+// The feasible parameters are convex and hold the target, so the way to it enters them once.
+Lookup Axis::retreat(const std::array<double, kMaxParameters>& theta, double& input) const noexcept {
+  constexpr int kHalvings = 12;
+  double inside = 0.0, outside = 1.0;
+  Lookup found;
+  for (int k = 0; k <= kHalvings; ++k) {
+    const double share = k == 0 ? 0.0 : 0.5 * (inside + outside);
+    std::array<double, kMaxParameters> nearer{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+      const bool error = entries_[i] == Entry::kPositionError || entries_[i] == Entry::kVelocityError ||
+                         entries_[i] == Entry::kAngleError;
+      nearer[i] = std::clamp(error ? share * theta[i] : theta[i], lower_[i], upper_[i]);
+    }
+    const Lookup lookup = law_->evaluate(nearer.data(), &input);
+    if (lookup.status == LookupStatus::kInside) {
+      inside = share;
+      found = lookup;
+    } else {
+      if (k == 0) return lookup;
+      outside = share;
+    }
+  }
+  return found;
 }
 
 }  // namespace polyfly
