@@ -1,0 +1,21 @@
+# find_system_mavros_msgs(RESULT)
+#   Prefix of a mavros_msgs package with these messages that does not come from here, or empty. A package in the devel
+#   space being built, or one that carries our mark, comes from here.
+function(find_system_mavros_msgs result)
+  set(${result} "" PARENT_SCOPE)
+  set(prefixes ${CMAKE_PREFIX_PATH} $ENV{CMAKE_PREFIX_PATH})
+  string(REPLACE ":" ";" prefixes "${prefixes}")
+  list(APPEND prefixes /opt/ros/$ENV{ROS_DISTRO} /usr)
+  get_filename_component(own "${CATKIN_DEVEL_PREFIX}" REALPATH)
+  foreach(prefix ${prefixes})
+    get_filename_component(real "${prefix}" REALPATH)
+    if(real STREQUAL own OR EXISTS ${prefix}/share/mavros_msgs/restated_by_polyfly)
+      continue()
+    endif()
+    if(EXISTS ${prefix}/share/mavros_msgs/cmake/mavros_msgsConfig.cmake
+       AND EXISTS ${prefix}/include/mavros_msgs/AttitudeTarget.h)
+      set(${result} ${prefix} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <fixedwing_lateral/LateralNmpcConfig.h>
+#include <fixedwing_lateral/Mission.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <mavros_msgs/VFR_HUD.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <sensor_msgs/Imu.h>
+#include <std_msgs/Bool.h>
+
+#include <boost/thread/recursive_mutex.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral_ros/conversions.hpp"
+
+namespace polyfly_ros {
+
+/// The lateral guidance on ROS topics. Topics and parameters are listed in fixedwing_lateral/README.md.
+/// Callbacks must not run concurrently: the nodelet uses the single-threaded queue of its manager.
+class LateralNode {
+ public:
+  /// Reads the parameters and connects. Logs one fatal sentence and throws polyfly::Error where one is not
+  /// fit.
+  LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
+
+ private:
+  struct Setup {
+    polyfly::GuidanceOptions guidance;
+    AttitudeOptions attitude;
+    bool publish_attitude = false;
+    bool require_engaged = false;
+    double imu_timeout = 0.2;  ///< age of an angular rate, after which the odometry's is taken [s]
+  };
+
+  static Setup readSetup(const ros::NodeHandle& private_handle);
+  LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup);
+  void connect(ros::NodeHandle& handle);
+  void startReconfigure(const ros::NodeHandle& private_handle);
+
+  void onOdometry(const nav_msgs::Odometry::ConstPtr& message);
+  void onImu(const sensor_msgs::Imu::ConstPtr& message);
+  void onHud(const mavros_msgs::VFR_HUD::ConstPtr& message);
+  void onWind(const geometry_msgs::TwistWithCovarianceStamped::ConstPtr& message);
+  void onMission(const fixedwing_lateral::Mission::ConstPtr& message);
+  void onEngaged(const std_msgs::Bool::ConstPtr& message);
+  void onTimer();
+  void onReconfigure(const fixedwing_lateral::LateralNmpcConfig& config);
+
+  void step(const ros::Time& now);
+  void publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
+  void publishStatus(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void logChange(const polyfly::GuidanceOutput& output);
+
+  Setup setup_;
+  polyfly::LateralGuidance guidance_;
+  ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
+  ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
+      mission_subscriber_, engaged_subscriber_;
+  ros::Timer timer_;
+  diagnostic_updater::Updater diagnostics_;
+  boost::recursive_mutex reconfigure_mutex_;
+  std::unique_ptr<dynamic_reconfigure::Server<fixedwing_lateral::LateralNmpcConfig>> reconfigure_;
+
+  polyfly::GuidanceInput input_;
+  std_msgs::Header odometry_header_;
+  double altitude_ = 0.0;
+  double imu_rate_ = 0.0;
+  ros::Time imu_stamp_;
+  double next_ = 0.0;  // step is due [s]
+  bool has_odometry_ = false;
+  double feedback_time_ = 0.0;
+  double preparation_time_ = 0.0;
+  std::uint64_t steps_ = 0;
+  std::uint64_t late_steps_ = 0;
+  polyfly::GuidanceOutput shown_;  // in the log
+};
+
+}  // namespace polyfly_ros

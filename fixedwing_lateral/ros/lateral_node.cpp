@@ -1,0 +1,259 @@
+#include "fixedwing_lateral_ros/lateral_node.hpp"
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <exception>
+
+#include "online_controller_ros/parameter_reader.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+using fixedwing_lateral::LateralNmpcConfig;
+using polyfly::Range;
+
+constexpr std::uint32_t kQueue = 10;
+constexpr double kLogInterval = 1.0;  // between two warnings [s]
+constexpr double kEarly = 0.25;       // share of the period by which odometry may come before its step is due
+constexpr double kLate = 0.5;         // share of the period after which a step is made without new odometry
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Pairs each option with the member of the reconfigurable parameters that has its name.
+template <class Options, class Config, class Pair>
+void pairOptions(Options& options, Config& config, Pair&& pair) {
+  pair(options.weights.track, config.weights_track);
+  pair(options.weights.course, config.weights_course);
+  pair(options.weights.roll, config.weights_roll);
+  pair(options.weights.roll_rate, config.weights_roll_rate);
+  pair(options.weights.roll_reference, config.weights_roll_reference);
+  pair(options.weights.slew, config.weights_slew);
+  pair(options.weights.feedforward, config.weights_feedforward);
+  pair(options.limits.roll_reference, config.limits_roll_reference);
+  pair(options.limits.roll, config.limits_roll);
+  pair(options.limits.roll_penalty, config.limits_roll_penalty);
+  pair(options.safety.state_timeout, config.safety_state_timeout);
+  pair(options.safety.airspeed_timeout, config.safety_airspeed_timeout);
+  pair(options.safety.wind_timeout, config.safety_wind_timeout);
+  pair(options.safety.airspeed_min, config.safety_airspeed_min);
+  pair(options.safety.wind_share_max, config.safety_wind_share_max);
+  pair(options.safety.hysteresis, config.safety_hysteresis);
+  pair(options.safety.jump_distance, config.safety_jump_distance);
+  pair(options.safety.jump_patience, config.safety_jump_patience);
+  pair(options.safety.hold_time, config.safety_hold_time);
+  pair(options.safety.upwind_gain, config.safety_upwind_gain);
+}
+
+}  // namespace
+
+LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle) {
+  Setup setup;
+  ParameterReader reader(private_handle);
+  polyfly::visitGuidance(setup.guidance, reader);
+  int direction = 1;
+  reader("path/loiter_direction", direction, "", Range{-1.0, 1.0});
+  if (direction == 0) throw polyfly::Error("path/loiter_direction: must be 1 (right) or -1 (left)");
+  setup.guidance.loiter.direction =
+      direction > 0 ? polyfly::TurnDirection::kRight : polyfly::TurnDirection::kLeft;
+  reader("output/attitude_target", setup.publish_attitude);
+  reader("output/pitch", setup.attitude.pitch, "rad", Range{-0.5, 0.5});
+  reader("output/thrust", setup.attitude.thrust, "", Range{-1.0, 1.0});
+  reader("input/require_engaged", setup.require_engaged);
+  reader("input/imu_timeout", setup.imu_timeout, "s", Range{0.0, 10.0});
+  reader.refuseUnknown(
+      {"horizon", "weights", "limits", "safety", "model", "path", "guidance", "output", "input"});
+  polyfly::checkGuidance(setup.guidance, private_handle.getNamespace());
+  return setup;
+}
+
+LateralNode::LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
+    : LateralNode(handle, private_handle, readSetup(private_handle)) {
+} catch (const std::exception& error) {
+  ROS_FATAL("lateral guidance does not start: %s", error.what());
+  throw;
+}
+
+LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup)
+    : setup_(setup),
+      guidance_(setup.guidance, private_handle.getNamespace()),
+      diagnostics_(handle, private_handle, private_handle.getNamespace()) {
+  input_.engaged = !setup.require_engaged;
+  shown_.reason = polyfly::GuidanceReason::kNone;
+  startReconfigure(private_handle);
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("lateral guidance", this, &LateralNode::diagnose);
+  connect(handle);
+}
+
+void LateralNode::connect(ros::NodeHandle& handle) {
+  twist_publisher_ =
+      handle.advertise<geometry_msgs::TwistStamped>("mavros/setpoint_attitude/cmd_vel", kQueue);
+  if (setup_.publish_attitude)
+    attitude_publisher_ =
+        handle.advertise<mavros_msgs::AttitudeTarget>("mavros/setpoint_raw/attitude", kQueue);
+  status_publisher_ = handle.advertise<fixedwing_lateral::LateralStatus>("lateral_status", 100);
+  marker_publisher_ = handle.advertise<visualization_msgs::MarkerArray>("lateral_markers", 1);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  mission_subscriber_ = handle.subscribe("mission", 1, &LateralNode::onMission, this, hints);
+  engaged_subscriber_ = handle.subscribe("engaged", 1, &LateralNode::onEngaged, this, hints);
+  imu_subscriber_ = handle.subscribe("mavros/imu/data", 1, &LateralNode::onImu, this, hints);
+  hud_subscriber_ = handle.subscribe("mavros/vfr_hud", 1, &LateralNode::onHud, this, hints);
+  wind_subscriber_ = handle.subscribe("mavros/wind_estimation", 1, &LateralNode::onWind, this, hints);
+  odometry_subscriber_ =
+      handle.subscribe("mavros/local_position/odom", 1, &LateralNode::onOdometry, this, hints);
+  timer_ = handle.createTimer(ros::Duration(0.5 * setup_.guidance.period),
+                              [this](const ros::TimerEvent&) { onTimer(); });
+}
+
+void LateralNode::startReconfigure(const ros::NodeHandle& private_handle) {
+  reconfigure_ =
+      std::make_unique<dynamic_reconfigure::Server<LateralNmpcConfig>>(reconfigure_mutex_, private_handle);
+  LateralNmpcConfig config;
+  pairOptions(setup_.guidance, config, [](double option, double& parameter) { parameter = option; });
+  reconfigure_->updateConfig(config);
+  reconfigure_->setCallback([this](LateralNmpcConfig& changed, std::uint32_t) { onReconfigure(changed); });
+}
+
+// The server has clamped each parameter to its range.
+void LateralNode::onReconfigure(const LateralNmpcConfig& config) {
+  pairOptions(setup_.guidance, config, [](double& option, double parameter) { option = parameter; });
+  guidance_.setTuning(setup_.guidance.weights, setup_.guidance.limits, setup_.guidance.safety);
+}
+
+// A step is due at a fixed rate, and made as soon as the state of that period is in.
+void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
+  ros::Time now = ros::Time::now();
+  // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
+  if (ros::Time::isSimTime()) now = std::max(now, message->header.stamp);
+  has_odometry_ = true;
+  odometry_header_ = message->header;
+  altitude_ = message->pose.pose.position.z;
+  input_.state = toAircraftState(*message);
+  const bool has_rate = std::abs((message->header.stamp - imu_stamp_).toSec()) <= setup_.imu_timeout;
+  if (has_rate) input_.state.roll_rate = imu_rate_;
+  const double period = setup_.guidance.period;
+  if (next_ - now.toSec() > 2.0 * period) next_ = now.toSec();  // simulated time began anew
+  if (now.toSec() >= next_ - kEarly * period) step(now);
+}
+
+void LateralNode::onTimer() {
+  const ros::Time now = ros::Time::now();
+  if (has_odometry_ && now.toSec() > next_ + kLate * setup_.guidance.period) {
+    ++late_steps_;
+    step(now);
+  }
+  diagnostics_.update();
+}
+
+void LateralNode::onImu(const sensor_msgs::Imu::ConstPtr& message) {
+  imu_rate_ = message->angular_velocity.x;
+  imu_stamp_ = message->header.stamp;
+}
+
+void LateralNode::onHud(const mavros_msgs::VFR_HUD::ConstPtr& message) {
+  input_.airspeed = {static_cast<double>(message->airspeed), message->header.stamp.toSec()};
+}
+
+void LateralNode::onWind(const geometry_msgs::TwistWithCovarianceStamped::ConstPtr& message) {
+  input_.wind = toWind(*message);
+}
+
+void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message) {
+  try {
+    if (isEmpty(*message)) {
+      guidance_.clearMission();
+      ROS_INFO("lateral guidance: the mission is ended");
+      return;
+    }
+    guidance_.setMission(toMission(*message, setup_.guidance.loiter));
+    ROS_INFO("lateral guidance: a mission of %d segments", guidance_.track().count());
+  } catch (const polyfly::Error& error) {
+    ROS_ERROR("lateral guidance keeps its mission: %s", error.what());
+  }
+}
+
+void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { input_.engaged = message->data; }
+
+void LateralNode::step(const ros::Time& now) {
+  const double period = setup_.guidance.period;
+  input_.time = now.toSec();
+  next_ = std::max(next_, input_.time - period) + period;  // a missed step is not made up for
+  const Clock::time_point start = Clock::now();
+  const polyfly::GuidanceOutput& output = guidance_.update(input_);
+  feedback_time_ = secondsSince(start);
+  publishCommand(output, odometry_header_);
+  publishStatus(output, odometry_header_);
+  logChange(output);
+  ++steps_;
+  const Clock::time_point published = Clock::now();
+  guidance_.prepare();
+  preparation_time_ = secondsSince(published);
+}
+
+void LateralNode::publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header) {
+  // Nothing that the autopilot might take for a command while it does not follow.
+  if (output.mode == polyfly::GuidanceMode::kStandby) return;
+  const auto twist = boost::make_shared<geometry_msgs::TwistStamped>();
+  twist->header = header;
+  fillTwist(output.roll_reference, *twist);
+  twist_publisher_.publish(twist);
+  if (!setup_.publish_attitude || !std::isfinite(input_.state.heading)) return;
+  const auto attitude = boost::make_shared<mavros_msgs::AttitudeTarget>();
+  attitude->header = header;
+  fillAttitude(output.roll_reference, input_.state.heading, setup_.attitude, *attitude);
+  attitude_publisher_.publish(attitude);
+}
+
+void LateralNode::publishStatus(const polyfly::GuidanceOutput& output, const std_msgs::Header& header) {
+  const auto status = boost::make_shared<fixedwing_lateral::LateralStatus>();
+  status->header = header;
+  fillStatus(output, *status);
+  status->state_age = input_.time - header.stamp.toSec();
+  status->feedback_time = feedback_time_;
+  status->preparation_time = preparation_time_;
+  status_publisher_.publish(status);
+  if (marker_publisher_.getNumSubscribers() == 0) return;
+  const auto markers = boost::make_shared<visualization_msgs::MarkerArray>();
+  fillMarkers(guidance_, header, altitude_, *markers);
+  marker_publisher_.publish(markers);
+}
+
+void LateralNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const bool is_well = shown_.mode == polyfly::GuidanceMode::kTracking;
+  const bool is_nominal = shown_.reason == polyfly::GuidanceReason::kNone;
+  if (!has_odometry_) {
+    status.summary(DiagnosticStatus::ERROR, "no odometry yet");
+  } else {
+    status.summary(is_well && is_nominal ? DiagnosticStatus::OK
+                   : is_well             ? DiagnosticStatus::WARN
+                                         : DiagnosticStatus::ERROR,
+                   std::string(toString(shown_.mode)) + ": " + toString(shown_.reason));
+  }
+  status.add("steps", steps_);
+  status.add("steps without new odometry", late_steps_);
+  status.add("feedback [us]", 1e6 * feedback_time_);
+  status.add("preparation [us]", 1e6 * preparation_time_);
+  status.add("segment", shown_.segment);
+  status.add("track error [m]", shown_.error.track);
+}
+
+void LateralNode::logChange(const polyfly::GuidanceOutput& output) {
+  const bool changed = output.mode != shown_.mode || output.reason != shown_.reason;
+  shown_ = output;
+  if (!changed) return;
+  if (output.mode == polyfly::GuidanceMode::kTracking && output.reason == polyfly::GuidanceReason::kNone) {
+    ROS_INFO_THROTTLE(kLogInterval, "lateral guidance: tracking");
+  } else {
+    ROS_WARN_THROTTLE(kLogInterval, "lateral guidance: %s: %s", toString(output.mode),
+                      toString(output.reason));
+  }
+}
+
+}  // namespace polyfly_ros

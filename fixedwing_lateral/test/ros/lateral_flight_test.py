@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""A flight in simulated time: `node` or `nodelet` against an aircraft that it does not know, in lock step."""
+import subprocess
+import sys
+import threading
+import unittest
+
+import rospy
+import rostest
+from fixedwing_lateral.msg import LateralStatus, Mission
+from geometry_msgs.msg import Pose
+from roslib.packages import find_node
+
+PATIENCE = 120.0  # for the whole flight, in wall time [s]
+
+
+def guidance_command():
+    names = ["__ns:=/flight", "__name:=guidance"]
+    if TWIN == "nodelet":
+        return [find_node("nodelet", "nodelet")[0], "standalone", "fixedwing_lateral/LateralNmpc"] + names
+    return [find_node("fixedwing_lateral", "lateral_nmpc_node")[0]] + names
+
+
+class Flight(unittest.TestCase):
+    def run_program(self, command):
+        process = subprocess.Popen(command)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+
+    def test_a_corner_and_a_loiter_in_wind(self):
+        statuses = []
+        over = threading.Event()
+        loitering = []
+
+        def take(status):
+            statuses.append(status)
+            if status.loitering and not loitering:
+                loitering.append(status.header.stamp)
+            if loitering and status.header.stamp > loitering[0] + rospy.Duration(60.0):
+                over.set()
+
+        mission = Mission()
+        for east, north in ((0.0, 0.0), (0.0, 250.0), (250.0, 250.0)):
+            pose = Pose()
+            pose.position.x, pose.position.y, pose.orientation.w = east, north, 1.0
+            mission.waypoints.append(pose)
+        rospy.set_param("/flight/guidance/path/loiter_radius", 80.0)
+        subscriber = rospy.Subscriber("/flight/lateral_status", LateralStatus, take)
+        publisher = rospy.Publisher("/flight/mission", Mission, queue_size=1, latch=True)
+        publisher.publish(mission)
+        self.run_program(guidance_command())
+        self.run_program([find_node("fixedwing_lateral", "lateral_plant_node")[0], "__ns:=/flight"])
+        self.assertTrue(over.wait(PATIENCE), "the flight did not come to its end")
+        subscriber.unregister()
+
+        flown = [status.segment for status in statuses if status.mode == LateralStatus.TRACKING]
+        self.assertEqual(sorted(set(flown)), [0, 1, 2])
+        self.assertEqual(flown, sorted(flown))
+        self.assertTrue(all(abs(status.roll_reference) < 0.611 for status in statuses))
+        settled = loitering[0] + rospy.Duration(30.0)
+        errors = [abs(status.track_error) for status in statuses if status.header.stamp > settled]
+        self.assertLess(max(errors), 4.0)
+
+
+if __name__ == "__main__":
+    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
+    rospy.init_node("lateral_flight_test")
+    rostest.rosrun("fixedwing_lateral", "lateral_flight_" + TWIN, Flight, sys.argv)

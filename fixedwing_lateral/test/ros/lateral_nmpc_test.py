@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+"""The lateral guidance over its topics: `node` or `nodelet`. By hand for single states, and against an aircraft."""
+import hashlib
+import math
+import subprocess
+import sys
+import threading
+import unittest
+
+import dynamic_reconfigure.client
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from fixedwing_lateral.msg import LateralStatus, Mission, PathSegment
+from geometry_msgs.msg import Pose, TwistStamped, TwistWithCovarianceStamped
+from mavros_msgs.msg import VFR_HUD, AttitudeTarget
+from nav_msgs.msg import Odometry
+from roslib.packages import find_node
+from sensor_msgs.msg import Imu
+from std_msgs.msg import Bool, Header
+from visualization_msgs.msg import MarkerArray
+
+PATIENCE = 30.0  # for what must come [s]
+RETRY = 0.5      # until odometry is sent again [s]
+AIRSPEED = 14.0
+
+
+def command_line(namespace):
+    names = ["__ns:=" + namespace, "__name:=guidance"]
+    if TWIN == "nodelet":
+        return [find_node("nodelet", "nodelet")[0], "standalone", "fixedwing_lateral/LateralNmpc"] + names
+    return [find_node("fixedwing_lateral", "lateral_nmpc_node")[0]] + names
+
+
+class Collector:
+    """Messages of a topic, to be waited for."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self.changed = threading.Condition()
+        self.subscriber = rospy.Subscriber(topic, kind, self.take)
+
+    def take(self, message):
+        with self.changed:
+            self.messages.append(message)
+            self.changed.notify_all()
+
+    def wait(self, condition, timeout=PATIENCE):
+        """The first message that meets the condition, None after the time-out."""
+        found = []
+
+        def arrived():
+            found.extend(m for m in self.messages if condition(m))
+            return bool(found)
+
+        with self.changed:
+            self.changed.wait_for(arrived, timeout)
+        return found[0] if found else None
+
+
+class Guidance:
+    """The twin in a namespace of its own, with a partner for its topics."""
+
+    def __init__(self, namespace, parameters=None):
+        self.namespace = "/" + namespace
+        for key, value in (parameters or {}).items():
+            rospy.set_param(self.namespace + "/guidance/" + key, value)
+        self.process = subprocess.Popen(command_line(self.namespace), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                        universal_newlines=True)
+
+    def publisher(self, topic, kind, latch=False):
+        return rospy.Publisher(self.namespace + "/" + topic, kind, queue_size=10, latch=latch)
+
+    def connect(self):
+        self.odometry = self.publisher("mavros/local_position/odom", Odometry)
+        self.imu = self.publisher("mavros/imu/data", Imu)
+        self.hud = self.publisher("mavros/vfr_hud", VFR_HUD)
+        self.wind = self.publisher("mavros/wind_estimation", TwistWithCovarianceStamped)
+        self.mission = self.publisher("mission", Mission, latch=True)
+        self.engaged = self.publisher("engaged", Bool, latch=True)
+        self.commands = Collector(self.namespace + "/mavros/setpoint_attitude/cmd_vel", TwistStamped)
+        self.attitudes = Collector(self.namespace + "/mavros/setpoint_raw/attitude", AttitudeTarget)
+        self.statuses = Collector(self.namespace + "/lateral_status", LateralStatus)
+        return self
+
+    def send(self, change=lambda odometry: None):
+        """An aircraft 20 m to the right of a line to the north, flying north; the stamp of its odometry."""
+        stamp = rospy.Time.now()
+        hud, wind, odometry = VFR_HUD(), TwistWithCovarianceStamped(), Odometry()
+        hud.header.stamp = wind.header.stamp = odometry.header.stamp = stamp
+        hud.airspeed = AIRSPEED
+        odometry.header.frame_id = "map"
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = 20.0, 50.0
+        odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = math.sqrt(0.5)
+        odometry.twist.twist.linear.x = AIRSPEED
+        change(odometry)
+        self.hud.publish(hud)
+        self.wind.publish(wind)
+        self.odometry.publish(odometry)
+        return stamp
+
+    def exchange(self, change=lambda odometry: None, accept=lambda status: True):
+        """Sends odometry until a status with its stamp has arrived and is accepted."""
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        while rospy.Time.now() < deadline:
+            stamp = self.send(change)
+            status = self.statuses.wait(lambda m: m.header.stamp == stamp, RETRY)
+            if status and accept(status):
+                return status
+        raise AssertionError("no answer to odometry")
+
+    def command_of(self, status):
+        return self.commands.wait(lambda m: m.header.stamp == status.header.stamp)
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+        self.process.communicate(timeout=PATIENCE)
+
+
+def northward(length=2000.0):
+    mission = Mission()
+    for north in (0.0, length):
+        pose = Pose()
+        pose.position.y = north
+        pose.orientation.w = pose.orientation.z = math.sqrt(0.5)
+        mission.waypoints.append(pose)
+    return mission
+
+
+def tracks(status):
+    return status.mode == LateralStatus.TRACKING
+
+
+class LateralNmpcTest(unittest.TestCase):
+    def start(self, parameters=None):
+        # Patience with a slow machine, except where silence is the subject.
+        chosen = {"safety/state_timeout": 10.0, "safety/airspeed_timeout": 60.0}
+        chosen.update(parameters or {})
+        guidance = Guidance(self.id().split(".")[-1], chosen)
+        self.addCleanup(guidance.stop)
+        return guidance.connect()
+
+    def test_levels_without_a_mission_and_turns_towards_one(self):
+        guidance = self.start()
+        status = guidance.exchange()
+        self.assertEqual((status.mode, status.reason), (LateralStatus.LEVEL, LateralStatus.REASON_NO_MISSION))
+        self.assertEqual(guidance.command_of(status).twist.angular.x, 0.0)
+        guidance.mission.publish(northward())
+        status = guidance.exchange(accept=tracks)
+        self.assertAlmostEqual(status.track_error, 20.0, places=6)  # to the right of the line
+        self.assertLess(status.roll_reference, -0.01)               # so it turns left
+        self.assertEqual(guidance.command_of(status).twist.angular.x, status.roll_reference)
+        self.assertEqual(status.segment_count, 2)
+        self.assertGreater(status.feedback_time, 0.0)
+        self.assertGreaterEqual(status.state_age, 0.0)
+        guidance.mission.publish(Mission())
+        guidance.exchange(accept=lambda s: s.reason == LateralStatus.REASON_NO_MISSION)
+
+    def test_keeps_its_mission_when_a_bad_one_comes(self):
+        guidance = self.start()
+        guidance.mission.publish(northward())
+        guidance.exchange(accept=tracks)
+        bad = Mission(segments=[PathSegment(type=PathSegment.ARC, radius=-1.0, direction=1)])
+        guidance.mission.publish(bad)
+        for _ in range(5):
+            self.assertTrue(tracks(guidance.exchange()))
+
+    def test_attitude_target_by_option(self):
+        guidance = self.start({"output/attitude_target": True, "output/thrust": 0.5})
+        guidance.mission.publish(northward())
+        status = guidance.exchange(accept=tracks)
+        target = guidance.attitudes.wait(lambda m: m.header.stamp == status.header.stamp)
+        self.assertEqual(target.type_mask, 7)
+        self.assertAlmostEqual(target.thrust, 0.5)
+        roll = 2.0 * (target.orientation.w * target.orientation.x + target.orientation.y * target.orientation.z)
+        self.assertAlmostEqual(roll, math.sin(status.roll_reference), places=6)
+
+    def test_roll_rate_comes_from_the_imu(self):
+        guidance = self.start({"input/imu_timeout": 10.0})
+        guidance.mission.publish(northward())
+        before = guidance.exchange(accept=tracks)
+        imu = Imu()
+        imu.header.stamp = rospy.Time.now()
+        imu.angular_velocity.x = float("nan")  # seen at once
+        guidance.imu.publish(imu)
+        guidance.exchange(accept=lambda s: s.reason == LateralStatus.REASON_NOT_FINITE)
+        self.assertTrue(tracks(before))
+
+    def test_nan_holds_then_levels_and_ends(self):
+        guidance = self.start({"safety/hold_time": 0.5})
+        guidance.mission.publish(northward())
+        guidance.exchange(accept=tracks)
+
+        def poison(odometry):
+            odometry.pose.pose.position.x = float("nan")
+
+        status = guidance.exchange(poison, lambda s: s.mode == LateralStatus.LEVEL)
+        self.assertEqual(status.reason, LateralStatus.REASON_NOT_FINITE)
+        self.assertEqual(guidance.command_of(status).twist.angular.x, 0.0)
+        self.assertIsNotNone(guidance.statuses.wait(lambda m: m.mode == LateralStatus.HOLD_HORIZON))
+        guidance.exchange(accept=tracks)
+
+    def test_silence_is_answered_too(self):
+        guidance = self.start({"safety/state_timeout": 0.2, "safety/hold_time": 0.3})
+        guidance.mission.publish(northward())
+        guidance.exchange()
+        status = guidance.statuses.wait(
+            lambda m: m.reason == LateralStatus.REASON_STALE and m.mode == LateralStatus.LEVEL)
+        self.assertIsNotNone(status)
+        self.assertGreater(status.state_age, 0.2)
+
+    def test_low_airspeed_levels(self):
+        guidance = self.start({"safety/airspeed_min": 20.0})
+        guidance.mission.publish(northward())
+        status = guidance.exchange(accept=lambda s: s.reason == LateralStatus.REASON_LOW_AIRSPEED)
+        self.assertEqual(status.mode, LateralStatus.LEVEL)
+
+    def test_standby_sends_nothing(self):
+        guidance = self.start({"input/require_engaged": True})
+        guidance.mission.publish(northward())
+        status = guidance.exchange(accept=lambda s: s.mode == LateralStatus.STANDBY)
+        self.assertIsNone(guidance.commands.wait(lambda m: m.header.stamp == status.header.stamp, RETRY))
+        guidance.engaged.publish(Bool(data=True))
+        guidance.exchange(accept=tracks)
+
+    def test_reconfigures_in_flight(self):
+        guidance = self.start({"limits/roll_reference": 0.5})
+        guidance.mission.publish(northward())
+        guidance.exchange(accept=tracks)
+        client = dynamic_reconfigure.client.Client(guidance.namespace + "/guidance", timeout=PATIENCE)
+        self.assertAlmostEqual(client.get_configuration(timeout=PATIENCE)["limits_roll_reference"], 0.5)
+        client.update_configuration({"limits_roll_reference": 0.05, "weights_track": 1.0})
+        status = guidance.exchange(accept=lambda s: abs(s.roll_reference) <= 0.05 and tracks(s))
+        self.assertAlmostEqual(status.roll_reference, -0.05, places=6)
+
+    def test_markers_and_diagnostics(self):
+        guidance = self.start()
+        markers = Collector(guidance.namespace + "/lateral_markers", MarkerArray)
+        diagnostics = Collector("/diagnostics", DiagnosticArray)
+        guidance.mission.publish(northward())
+        guidance.exchange(accept=tracks)
+        found = None
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        while not found and rospy.Time.now() < deadline:
+            guidance.exchange(accept=tracks)
+            found = markers.wait(lambda m: {marker.ns for marker in m.markers} == {"prediction", "mission"}, RETRY)
+        self.assertIsNotNone(found)
+
+        def is_ours(array):
+            return any(guidance.namespace[1:] in status.name and status.message.startswith("tracking") for status in array.status)
+
+        seen = None
+        while not seen and rospy.Time.now() < deadline:
+            guidance.exchange(accept=tracks)
+            seen = diagnostics.wait(is_ours, RETRY)
+        self.assertIsNotNone(seen)
+
+    def test_refuses_parameters_that_are_not_fit(self):
+        for parameters, sentence in (({"weights/trakc": 1.0}, "/guidance/weights/trakc: unknown"),
+                                     ({"horizon/step": -1.0}, "/guidance/horizon/step: must lie in"),
+                                     ({"guidance/delay": 0.1}, "guidance/delay: the second move")):
+            name = "refusal_%d" % abs(hash(sentence))
+            guidance = Guidance(name, parameters)
+            self.addCleanup(guidance.stop)
+            output, _ = guidance.process.communicate(timeout=PATIENCE)
+            self.assertNotEqual(guidance.process.returncode, 0)
+            self.assertIn("lateral guidance does not start", output)
+            self.assertIn(sentence, output)
+
+    def test_messages_are_those_of_mavros(self):
+        # ROS's rule for the checksum of a message, applied to the fields of the original definitions.
+        header = Header()._md5sum
+        target = AttitudeTarget()
+        constants = "uint8 IGNORE_ROLL_RATE=1\nuint8 IGNORE_PITCH_RATE=2\nuint8 IGNORE_YAW_RATE=4\nuint8 IGNORE_THRUST=64\n" \
+                    "uint8 IGNORE_ATTITUDE=128\n"
+        text = constants + "%s header\nuint8 type_mask\n%s orientation\n%s body_rate\nfloat32 thrust" % (
+            header, target.orientation._md5sum, target.body_rate._md5sum)
+        self.assertEqual(AttitudeTarget._md5sum, hashlib.md5(text.encode()).hexdigest())
+        text = "%s header\nfloat32 airspeed\nfloat32 groundspeed\nint16 heading\nfloat32 throttle\nfloat32 altitude\n" \
+               "float32 climb" % header
+        self.assertEqual(VFR_HUD._md5sum, hashlib.md5(text.encode()).hexdigest())
+
+
+if __name__ == "__main__":
+    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
+    rospy.init_node("lateral_nmpc_test")
+    rostest.rosrun("fixedwing_lateral", "lateral_nmpc_" + TWIN, LateralNmpcTest, sys.argv)
