@@ -67,8 +67,10 @@ with open(folder + "/summary.json") as file:
     summary = json.load(file)
 for key, unit in [("regions", ""), ("tracking_rms_m", "m"), ("constraint_violations", ""), ("coverage", ""),
                   ("outside_map_samples", ""), ("max_qp_difference", ""), ("lookup_ns_p50", "ns"), ("lookup_ns_p99", "ns")]:
-    value = summary[key]
-    print(f"  {key:24} {value:.6g} {unit}".rstrip())
+    if key in summary:
+        print(f"  {key:24} {summary[key]:.6g} {unit}".rstrip())
+for name, value, unit in summary.get("headline", []):
+    print(f"  {name:40} {value:.6g} {unit}".rstrip())
 PY
   say "  report: $1/report/index.html"
   say "  numbers: $1/summary.json"

@@ -1,0 +1,79 @@
+# shellcheck shell=bash
+# The fixed wing over the chapter's box and Dubins sequence, in calm and in wind of half the airspeed, by the MPC and by
+# the usual guidance; beside recorded loiters where the reference data are at hand.
+recorded=("${POLYFLY_DATA:-../shared/data}"/reference_sim/*loiter*.csv)
+recordings=()
+for file in "${recorded[@]}"; do
+  if [ -s "$file" ]; then recordings+=(--recording "$file"); fi
+done
+rm -rf "$output"
+mkdir -p "$output/report"
+build/bin/fixedwing_figures --output "$output" "${recordings[@]}" || return
+
+# drawFlight NAME TITLE: path, distance, roll and roll rate of both laws.
+drawFlight() {
+  gnuplot << PLOT
+set terminal svg size 1100,760 font "sans,12" background "white"
+set output "$output/report/$1.svg"
+set datafile separator ","
+set multiplot layout 2,2 title "$2"
+set grid lc rgb "#dddddd"
+set key bottom right
+set size ratio -1
+set xlabel "east [m]"
+set ylabel "north [m]"
+plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "path", \
+     "$output/$1_l1.csv" every ::1 using 3:2 with lines lc rgb "#1f77b4" title "L1", \
+     "$output/$1_mpc.csv" every ::1 using 3:2 with lines lc rgb "#d62728" lw 1.5 title "MPC"
+set size noratio
+set xlabel "time [s]"
+set ylabel "distance from the path [m]"
+plot "$output/$1_l1.csv" every ::1 using 1:4 with lines lc rgb "#1f77b4" title "L1", \
+     "$output/$1_mpc.csv" every ::1 using 1:4 with lines lc rgb "#d62728" lw 1.5 title "MPC"
+set ylabel "roll [deg]"
+plot "$output/$1_mpc.csv" every ::1 using 1:6 with lines lc rgb "#999999" title "reference", \
+     "$output/$1_mpc.csv" every ::1 using 1:5 with lines lc rgb "#d62728" title "roll"
+set ylabel "roll rate [deg/s]"
+plot "$output/$1_l1.csv" every ::1 using 1:7 with lines lc rgb "#1f77b4" title "L1", \
+     "$output/$1_mpc.csv" every ::1 using 1:7 with lines lc rgb "#d62728" title "MPC"
+PLOT
+}
+
+# drawLoiter NAME: a recorded loiter and ours.
+drawLoiter() {
+  gnuplot << PLOT
+set terminal svg size 640,600 font "sans,12" background "white"
+set output "$output/report/$1.svg"
+set datafile separator ","
+set grid lc rgb "#dddddd"
+set size ratio -1
+set xlabel "east [m]"
+set ylabel "north [m]"
+plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "path", \
+     "$output/$1_recorded.csv" using 3:2 with lines lc rgb "#1f77b4" title "recorded", \
+     "$output/$1_mpc.csv" every ::1 using 3:2 with lines lc rgb "#d62728" lw 1.5 title "ours"
+PLOT
+}
+
+pictures=()
+for figure in box dubins; do
+  for air in calm wind; do
+    drawFlight "${figure}_$air" "$figure, $air" || return
+    drawFlight "${figure}_${air}_rough" "$figure, $air, an aircraft that the controller does not know, gusts" || return
+    pictures+=("${figure}_$air" "${figure}_${air}_rough")
+  done
+done
+for file in "$output"/loiter_*_path.csv; do
+  [ -s "$file" ] || continue
+  name=$(basename "${file%_path.csv}")
+  drawLoiter "$name" || return
+  pictures+=("$name")
+done
+{
+  echo '<!DOCTYPE html><html><head><meta charset="utf-8"><title>Fixed wing</title><style>body{font-family:sans-serif}'
+  echo 'table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:2px 8px;text-align:right}</style></head><body>'
+  echo '<h1>The fixed wing over its figures</h1>'
+  cat "$output/tables.html"
+  for name in "${pictures[@]}"; do echo "<p><img src=\"$name.svg\" alt=\"$name\"></p>"; done
+  echo '</body></html>'
+} > "$output/report/index.html"
