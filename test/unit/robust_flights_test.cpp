@@ -5,7 +5,12 @@
 #include <cstdlib>
 #include <string>
 
+#include "offline_mpt/encode.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
+#include "region_maps/write_map.hpp"
+#include "robust_mpc/robust_law.hpp"
 
 namespace polyfly_test {
 namespace {
@@ -85,6 +90,79 @@ TEST(RobustFlights, DegradesAndRecoversAtOneAndAHalfTimesTheBound) {
   // from far out the position comes back as the tie-break's LQR brings it: to 0.139 m under the full constant
   // wind
   EXPECT_LT(all.last_position, 0.15);
+}
+
+/// The vehicle of Eq. 37 with the ASLquad's inner loop, flown by the controller that the nodelet holds.
+class Aslquad {
+ public:
+  struct Flight {
+    double greatest_position = 0.0;  ///< [m]
+    double greatest_speed = 0.0;     ///< along one axis [m/s]
+    double last_position = 0.0;      ///< at the end [m]
+    int no_answer = 0;               ///< samples
+  };
+
+  Aslquad() {
+    const char* root = std::getenv("POLYFLY_ROOT");
+    for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
+      const std::string name = std::string("aslquad_") + axis;
+      const polyfly::RobustProblem problem = polyfly::loadRobustProblem(
+          std::string(root != nullptr ? root : ".") + "/region_maps/problems/robust/" + name + ".yaml");
+      const polyfly::RobustLaw law =
+          polyfly::explicitLaw(problem, polyfly::projectFeasibleSet(polyfly::buildRobustProgram(problem)));
+      const polyfly::RoundedLaw rounded = polyfly::roundLaw(problem, law, polyfly::ExploreStatus::kComplete);
+      const std::string path = testing::TempDir() + "robust_flights_" + name + ".map";
+      polyfly::writeMap(polyfly::encode(rounded.program, rounded.partition), path);
+      maps_.push_back(polyfly::RegionMap::open(path));
+    }
+  }
+
+  Flight fly(polyfly::PlantOptions plant_options, const Eigen::Vector3d& start, double seconds) const {
+    plant_options.period = 0.08;
+    plant_options.roll_time = plant_options.pitch_time = 0.2;
+    polyfly::MultirotorOptions options;
+    options.control_period = 0.08;
+    options.offset_free = false;
+    polyfly::MultirotorController controller({&maps_[0], &maps_[1], &maps_[2]}, options);
+    polyfly::PlantState state;
+    state.position = start;
+    state.yaw = 0.5;
+    state.thrust = plant_options.gravity;
+    polyfly::MultirotorPlant plant(plant_options, state);
+    polyfly::Reference reference;
+    reference.yaw = 0.5;
+    Flight flight;
+    while (plant.time() < seconds) {
+      const polyfly::ControlReport& report = controller.step(plant.measure(), &reference);
+      flight.no_answer += report.status > polyfly::ControlStatus::kClipped ? 1 : 0;
+      plant.advance(report.command);
+      flight.last_position = plant.state().position.cwiseAbs().maxCoeff();
+      flight.greatest_position = std::max(flight.greatest_position, flight.last_position);
+      flight.greatest_speed = std::max(flight.greatest_speed, plant.state().velocity.cwiseAbs().maxCoeff());
+    }
+    return flight;
+  }
+
+ private:
+  std::vector<polyfly::RegionMap> maps_;
+};
+
+TEST(RobustFlights, TheVehicleInWindAndAStep) {
+  const Aslquad vehicle;
+  polyfly::PlantOptions windy;
+  windy.wind = {0.2, -0.25, 0.1};
+  windy.gust_sigma = {0.05, 0.05, 0.05};
+  windy.gust_time = 0.5;
+  const Aslquad::Flight hover = vehicle.fly(windy, Eigen::Vector3d::Zero(), 20.0);
+  EXPECT_EQ(hover.no_answer, 0);
+  EXPECT_LT(hover.greatest_position, 0.05);
+
+  // Fig. 13: a step of 1.25 m, here to the side and up at a yaw of 0.5 rad
+  const Aslquad::Flight step = vehicle.fly({}, {0.0, 1.25, -1.0}, 12.0);
+  EXPECT_EQ(step.no_answer, 0);
+  EXPECT_LT(step.greatest_position, 1.3);
+  EXPECT_LT(step.last_position, 0.03);
+  EXPECT_LT(step.greatest_speed, 1.55);  // the bound is 1.5 m/s, on the linear model
 }
 
 }  // namespace
