@@ -213,6 +213,74 @@ TEST_P(RobustReference, MapIsWithinANanoradianAtVerticesAndRandomStates) {
   EXPECT_GT(inside, 5000);
 }
 
+std::string decimals(const json& matrix) {
+  std::string text = "[";
+  for (const json& line : matrix) text += (text.size() > 1 ? ", " : "") + line.dump();
+  return text + "]";
+}
+
+// References as parameters: the projected set of the reference data, in floating point, facet by facet.
+TEST(RobustReferences, FeasibleSetIsThatOfTheData) {
+  if (folder().empty() || !std::filesystem::is_directory(folder()))
+    GTEST_SKIP() << "the reference data are absent: set POLYFLY_DATA";
+  const json model = readJson(folder() / "rmpc_3d_paper_N6.json")["model"];
+  const json data = readJson(folder() / "rmpc_3d_paper_N6_vref_phiref.json");
+  const std::string text =
+      "polyfly_problem: 1\nname: references\ntype: robust_mpc\nmodel:\n  time: discrete\n"
+      "  states: [{name: p, unit: m}, {name: v, unit: m/s, range: [-1.5, 1.5]}, {name: phi, unit: rad, "
+      "range: "
+      "[-0.35, 0.35]}]\n  inputs: [{name: u, unit: rad, range: [-0.35, 0.35]}]\n"
+      "  disturbances: [{name: w, unit: m/s^2, range: [-1, 1]}]\n  A: " +
+      decimals(model["A"]) + "\n  B: " + decimals(model["B"]) + "\n  G: " + decimals(model["G"]) +
+      "\n  C: [[1, 0, 0]]\nsampling_time: 0.08\nhorizon: 6\ntie_break: {Q: [40, 20, 10], R: "
+      "[35]}\nparameters:\n"
+      "  - {name: e_p, role: error, of: p, unit: m, range: [-1.5, 1.5]}\n"
+      "  - {name: e_v, role: error, of: v, unit: m/s, range: [-2.3, 2.3]}\n"
+      "  - {name: e_phi, role: error, of: phi, unit: rad, range: [-0.5, 0.5]}\n"
+      "  - {name: v_ref, role: reference, unit: m/s, range: [-0.8, 0.8], state: [0, 1, 0], input: [0]}\n"
+      "  - {name: phi_ref, role: reference, unit: rad, range: [-0.15, 0.15], state: [0, 0, 1], input: "
+      "[\"10/9\"]}\n";
+  const FeasibleSet set = projectFeasibleSet(buildRobustProgram(parseRobustProblem(text, "references.yaml")));
+  // the data leave out the bounds on the present state, which Eq. 10 has: the set is theirs, cut by those
+  std::vector<std::vector<double>> known;
+  for (std::size_t k = 0; k < data["a"].size(); ++k) {
+    known.push_back(data["a"][k].get<std::vector<double>>());
+    known.back().push_back(data["b"][k].get<double>());
+  }
+  const double half = std::sqrt(0.5);
+  for (const double sign : {1.0, -1.0}) {
+    known.push_back({0.0, sign * half, 0.0, sign * half, 0.0, 0.0, 0.0, 1.5 * half});
+    known.push_back({0.0, 0.0, sign * half, 0.0, sign * half, 0.0, 0.0, 0.35 * half});
+  }
+  std::vector<char> met(known.size(), 0);
+  for (const FeasibleSet::Facet& facet : set.facets) {
+    double length = 0.0;
+    for (const Rational& entry : facet.half_space.a) length = std::hypot(length, entry.get_d());
+    double least = INFINITY;
+    std::size_t nearest = 0;
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      double difference = std::abs(facet.half_space.b.get_d() / length - known[k].back());
+      for (std::size_t j = 0; j + 1 < known[k].size(); ++j)
+        difference = std::max(difference, std::abs(facet.half_space.a[j].get_d() / length - known[k][j]));
+      if (difference >= least) continue;
+      least = difference;
+      nearest = k;
+    }
+    EXPECT_LT(least, 1e-7);  // the data were projected by linear programs with that tolerance
+    met[nearest] = 1;
+  }
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    if (met[k] != 0 || known[k][6] == 1.0) continue;  // the data end at some tau
+    double greatest = -INFINITY;
+    for (const FeasibleSet::Vertex& vertex : set.vertices) {
+      double value = -known[k].back();
+      for (std::size_t j = 0; j < vertex.y.size(); ++j) value += known[k][j] * vertex.y[j].get_d();
+      greatest = std::max(greatest, value);
+    }
+    EXPECT_LT(greatest, 1e-7) << k;  // not needed beside the others
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(ExactLaws, RobustReference,
                          ::testing::Values(Reference{"3d_paper_N3", 25}, Reference{"3d_paper_N6", 93},
                                            Reference{"3d_shift_N6", 126}, Reference{"4d_paper_N6", 141}),
