@@ -77,6 +77,16 @@ class FlightTest(unittest.TestCase):
         self.assertAlmostEqual(max(abs(command.pitch) for command in flown.commands), 0.4363323, places=6)
         self.assertGreater(len({status.longitudinal.region for status in flown.statuses}), 2)
 
+    def test_the_laws_that_solve_online_track_as_well(self):
+        explicit = self.fly("demo")
+        for law in ("linear", "nonlinear"):
+            flown = self.fly(law, law=law)
+            self.assertLessEqual(flown.rms(), explicit.rms() + 1e-6, law)
+            self.assert_commands_within_limits(flown)
+            self.assertEqual(flown.summary["missed_commands"], 0)
+            for status in flown.statuses:
+                self.assertEqual(status.status, OPTIMAL, status.text)
+
     def test_every_odometry_has_its_command_and_nothing_is_lost(self):
         flown = self.fly("demo")
         stamps = [message.header.stamp for message in flown.odometry]
