@@ -64,6 +64,10 @@ ClosestPoint closest(const LoiterCircle& loiter, const Eigen::Vector2d& position
           std::numeric_limits<double>::infinity(), sign(loiter.direction) / loiter.radius};
 }
 
+ClosestPoint closest(const CurveSegment& segment, const Eigen::Vector2d& position) noexcept {
+  return segment.curve->closest(position);
+}
+
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 ClosestPoint closestOnCircle(const Eigen::Vector2d& centre, double radius, TurnDirection direction,
@@ -92,6 +96,10 @@ ClosestPoint carrier(const ArcSegment& arc, const Eigen::Vector2d& position) noe
 
 ClosestPoint carrier(const LoiterCircle& loiter, const Eigen::Vector2d& position) noexcept {
   return closestOnCircle(loiter.centre, loiter.radius, loiter.direction, 0.0, position);
+}
+
+ClosestPoint carrier(const CurveSegment& segment, const Eigen::Vector2d& position) noexcept {
+  return segment.curve->closest(position);
 }
 
 void checkPoint(const Eigen::Vector2d& point, const std::string& field) {
@@ -137,6 +145,8 @@ void checkSegment(const PathSegment& segment, const std::string& where) {
     checkPoint(loiter->centre, where + ": centre");
     checkRadius(loiter->radius, where + ": radius");
     checkDirection(loiter->direction, where + ": direction");
+  } else if (const auto* segment_of = std::get_if<CurveSegment>(&segment)) {
+    if (segment_of->curve == nullptr) throw Error(where + ": curve: missing");
   }
 }
 
@@ -186,6 +196,7 @@ TrackError trackError(const ClosestPoint& nearest, const Eigen::Vector2d& positi
 double length(const PathSegment& segment) noexcept {
   if (const auto* line = std::get_if<LineSegment>(&segment)) return (line->b - line->a).norm();
   if (const auto* arc = std::get_if<ArcSegment>(&segment)) return arc->radius * arc->sweep;
+  if (const auto* curve = std::get_if<CurveSegment>(&segment)) return curve->curve->length();
   return std::numeric_limits<double>::infinity();
 }
 
@@ -199,6 +210,7 @@ PathPoint pointAt(const PathSegment& segment, double distance) noexcept {
     const double bearing = arc->start_bearing + sign(arc->direction) * along / arc->radius;
     return pointOnCircle(arc->centre, arc->radius, arc->direction, bearing);
   }
+  if (const auto* curve = std::get_if<CurveSegment>(&segment)) return curve->curve->pointAt(along);
   const auto& loiter = *std::get_if<LoiterCircle>(&segment);
   return pointOnCircle(loiter.centre, loiter.radius, loiter.direction,
                        sign(loiter.direction) * along / loiter.radius);

@@ -35,8 +35,6 @@ struct LoiterCircle {
   TurnDirection direction = TurnDirection::kRight;
 };
 
-using PathSegment = std::variant<LineSegment, ArcSegment, LoiterCircle>;
-
 constexpr double kPi = 3.14159265358979323846;
 /// Less than this is no segment: at 10 km from the origin a double resolves 2e-12 m [m].
 constexpr double kShortestSegment = 1e-10;
@@ -60,6 +58,24 @@ struct ClosestPoint {
   double remaining = 0.0;  ///< along the path, from the point to the segment's end; infinite on a loiter [m]
   double curvature = 0.0;  ///< there, positive where the path turns right; 0 off the ends [1/m]
 };
+
+/// Any other path that can tell its nearest point, the tangent and the curvature there. Its functions are
+/// called in the control step: they must not allocate.
+class PathCurve {
+ public:
+  virtual ~PathCurve() = default;
+  /// Off the ends the nearer end, with curvature 0.
+  virtual ClosestPoint closest(const Eigen::Vector2d& position) const noexcept = 0;
+  virtual double length() const noexcept = 0;                     ///< [m], > 0
+  virtual PathPoint pointAt(double distance) const noexcept = 0;  ///< from the start, within the length [m]
+};
+
+/// A curve that somebody else owns, for as long as the segment is used.
+struct CurveSegment {
+  const PathCurve* curve = nullptr;
+};
+
+using PathSegment = std::variant<LineSegment, ArcSegment, LoiterCircle, CurveSegment>;
 
 struct TrackError {
   double track = 0.0;           ///< e_t of Eq. 48 [m], positive to the right of the path
