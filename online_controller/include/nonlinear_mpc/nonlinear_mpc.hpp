@@ -120,6 +120,11 @@ class NonlinearMpc {
   void computeTerminalWeight();
   void linearise(const StageConditions* stages) noexcept;
   void condense(double end_yaw) noexcept;
+  void extendSensitivities(int k) noexcept;
+  void startAdjoint(double end_yaw) noexcept;
+  void addLift(int k, double slope, double* out) noexcept;
+  void writeHessianRows(int k) noexcept;
+  void stepAdjoint(int k) noexcept;
   void setSpeedRows() noexcept;
   void propagate(const MultirotorState& deviation) noexcept;
   void computeGradient(const StageReference* references) noexcept;

@@ -5,8 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "mpc_core/qp_kernels.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/qp_kernels.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -125,88 +125,6 @@ void NonlinearMpc::linearise(const StageConditions* stages) noexcept {
     stage.lift = cp * cr * u(2);
     stage.lift_slope = {-cp * sr * u(2), -sp * cr * u(2), cp * cr};
   }
-}
-
-// The state k depends on the inputs before k: d x_{k+1} = A_k d x_k + B_k d u_k gives the sensitivities
-// forwards, and their weighted sum goes backwards, so that the Hessian costs O(N^2) products.
-void NonlinearMpc::condense(double end_yaw) noexcept {
-  const QpKernels& kernels = qpKernels();
-  const int N = options_.horizon;
-  const int n = kNu * N;
-  for (int k = 0; k < N; ++k) {
-    const Stage& stage = stages_[static_cast<std::size_t>(k)];
-    double* next = sensitivity(k + 1);
-    for (int i = 0; i < kNx; ++i) {
-      double* row = next + i * stride_;
-      std::fill_n(row, wholePacks(kNu * (k + 1)), 0.0);
-      if (k > 0) {
-        kernels.addColumns(sensitivity(k), wholePacks(kNu * k), stride_, nullptr, kNx,
-                           stage.step.A.row(i).data(), row);
-      }
-      for (int j = 0; j < kNu; ++j) row[kNu * k + j] = stage.step.B(i, j);
-    }
-  }
-
-  Block turn = Block::Identity();
-  const double cosine = std::cos(end_yaw), sine = std::sin(end_yaw);
-  for (const int i : {0, 3}) turn.block<2, 2>(i, i) << cosine, sine, -sine, cosine;
-  terminal_weight_.noalias() = turn.transpose() * (hover_weight_ * turn).eval();
-
-  for (int i = 0; i < kNx; ++i) {
-    std::fill_n(adjoint_.data() + i * stride_, stride_, 0.0);
-    kernels.addColumns(sensitivity(N), stride_, stride_, nullptr, kNx, terminal_weight_.row(i).data(),
-                       adjoint_.data() + i * stride_);
-  }
-  const Eigen::Vector3d R(options_.command_weight, options_.command_weight, 0.0);
-  for (int k = N - 1; k >= 0; --k) {
-    const Stage& stage = stages_[static_cast<std::size_t>(k)];
-    const int width = wholePacks(kNu * (k + 1));
-    const Eigen::Vector3d weighted_slope = options_.thrust_weight * stage.lift_slope;
-    for (int i = 0; i < kNu; ++i) {
-      std::fill_n(row_.data(), width, 0.0);
-      kernels.addColumns(adjoint_.data(), width, stride_, nullptr, kNx, stage.B_transposed.row(i).data(),
-                         row_.data());
-      if (i == 2 && k > 0) {  // the lift depends on the tilt and on the thrust
-        const double slope = stage.lift_slope(2);
-        kernels.addMultiple(wholePacks(kNu * k), slope * weighted_slope(0), sensitivity(k) + 6 * stride_,
-                            row_.data());
-        kernels.addMultiple(wholePacks(kNu * k), slope * weighted_slope(1), sensitivity(k) + 7 * stride_,
-                            row_.data());
-      }
-      const int row = kNu * k + i;
-      row_[row] += i == 2 ? weighted_slope(2) * stage.lift_slope(2) : R(i);
-      for (int j = 0; j <= row; ++j) H_[j * n + row] = row_[j];
-    }
-    if (k == 0) break;
-    const double* sensitivities = sensitivity(k);
-    const int before = wholePacks(kNu * k);
-    for (int i = 0; i < kNx; ++i) {
-      double* out = adjoint_next_.data() + i * stride_;
-      std::fill_n(out, before, 0.0);
-      kernels.addColumns(adjoint_.data(), before, stride_, nullptr, kNx, stage.A_transposed.row(i).data(),
-                         out);
-      kernels.addMultiple(before, state_weight_(i), sensitivities + i * stride_, out);
-      if (i >= 6) {
-        const double slope = stage.lift_slope(i - 6);
-        kernels.addMultiple(before, slope * weighted_slope(0), sensitivities + 6 * stride_, out);
-        kernels.addMultiple(before, slope * weighted_slope(1), sensitivities + 7 * stride_, out);
-      }
-    }
-    std::swap(adjoint_, adjoint_next_);
-  }
-}
-
-void NonlinearMpc::setSpeedRows() noexcept {
-  const int N = options_.horizon;
-  const int m = 3 * N;
-  for (int k = 0; k < N; ++k) {
-    for (int i = 0; i < 3; ++i) {
-      const double* row = sensitivity(k + 1) + (3 + i) * stride_;
-      const int width = kNu * (k + 1);
-      for (int j = 0; j < kNu * N; ++j) rows_[j * m + 3 * k + i] = j < width ? row[j] : 0.0;
-    }
-  }
-  qp_.setRows(rows_.data());
 }
 
 QpStatus NonlinearMpc::feedback(const MultirotorState& x, const StageReference* references) noexcept {
