@@ -4,6 +4,7 @@
 #include <cmath>
 #include <regex>
 
+#include "interpolate.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -72,15 +73,6 @@ std::string findColumn(const CsvLog& log, const char* pattern) {
   return {};
 }
 
-double interpolated(const TimeSeries& series, double time) {
-  const auto after = std::upper_bound(series.time.begin(), series.time.end(), time);
-  if (after == series.time.begin()) return series.value.front();
-  if (after == series.time.end()) return series.value.back();
-  const auto i = static_cast<std::size_t>(after - series.time.begin());
-  const double share = (time - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
-  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
-}
-
 // Acceleration along the body's z without gravity's, from what the vehicle did vertically.
 TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* counts) {
   const TimeSeries velocity = cleaned(signals.at("vz"), counts);
@@ -136,7 +128,8 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
       for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
       throw Error("--signal " + signal + ": is none of " + known);
     }
-    signals.series[signal] = seriesOf(log, signal, column, 1.0);
+    const bool turned = !column.empty() && column.front() == '-';
+    signals.series[signal] = seriesOf(log, signal, column.substr(turned ? 1 : 0), turned ? -1.0 : 1.0);
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : kPatterns) {

@@ -70,6 +70,7 @@ TEST_F(CsvFile, FindsSignalsAndTurnsDegrees) {
   EXPECT_EQ(signals.at("roll_cmd").time, (std::vector<double>{0.0, 0.15}));
   EXPECT_DOUBLE_EQ(signals.at("vz").value[0], -2.0);
   EXPECT_DOUBLE_EQ(signals.at("pitch").value[0], 1.0);
+  EXPECT_DOUBLE_EQ(signalsFromCsv(log, {{"pitch", "-other"}}).at("pitch").value[0], -1.0);
   EXPECT_EQ(recordedAxes(signals), (std::vector<std::string>{"roll"}));
   EXPECT_THROW(signals.at("yaw"), Error);
   EXPECT_THROW(signalsFromCsv(log, {{"nonsense", "other"}}), Error);

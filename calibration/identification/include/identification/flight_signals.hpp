@@ -37,8 +37,9 @@ struct FlightSignals {
 const std::vector<std::string>& signalNames();
 
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
-/// README.md). `choice` names the column of a signal outright, with the unit in its name. Throws Error when a
-/// chosen column is not there, a name is not one of the above, or there is no column of times (`t_s`).
+/// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
+/// turns the sign. Throws Error when a chosen column is not there, a name is not one of the above, or there
+/// is no column of times (`t_s`).
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
 /// The loops whose command and response are both there, of: roll, pitch, yaw_rate, thrust.

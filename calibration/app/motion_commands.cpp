@@ -1,0 +1,117 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <memory>
+
+#include "calibrate_commands.hpp"
+#include "identification/motion_output.hpp"
+#include "read_log.hpp"
+
+namespace polyfly {
+namespace {
+
+struct Arguments : LogArguments {
+  MotionOptions motion;
+  BoundOptions limits;
+  std::vector<double> drag;
+};
+
+using Find = std::function<void(const FlightSignals&, const Arguments&, MotionCalibration*)>;
+
+int run(const std::string& kind, Arguments arguments, const Find& find) {
+  MotionCalibration calibration;
+  calibration.kind = kind;
+  calibration.limits = arguments.limits;
+  calibration.windows = arguments.motion.windows = parseWindows(arguments.windows);
+  for (std::size_t i = 0; i < arguments.drag.size(); ++i) {
+    arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
+  }
+  const FlightSignals signals =
+      readSignals(arguments.log, arguments, &calibration.data, &calibration.remarks);
+  find(signals, arguments, &calibration);
+  if (!arguments.quiet) std::cout << toText(calibration);
+  if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
+  const bool warned = !calibration.warnings.empty() ||
+                      std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
+                                  [](const DisturbanceBound& one) { return !one.warnings.empty(); });
+  return warned && arguments.strict ? kWarned : kCalibrated;
+}
+
+void declareMotion(CLI::App& command, Arguments& arguments) {
+  command.add_option("--gravity", arguments.motion.gravity, "[m/s^2]")
+      ->check(CLI::Range(1.0, 30.0))
+      ->capture_default_str();
+  command.add_option("--smoothing", arguments.motion.smoothing, "Half width of the mean over velocities [s]")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str();
+}
+
+void declareMass(CLI::App& command, Arguments& arguments) {
+  command.add_option("--mass", arguments.motion.mass, "Mass, where the thrust command is in newtons [kg]")
+      ->check(CLI::PositiveNumber);
+}
+
+void declareDrag(CLI::App& command, Arguments& arguments) {
+  command.add_option("--drag", arguments.drag, "Drag along x, y, z of the world, per mass [1/s]")
+      ->expected(3);
+}
+
+CLI::App* add(CLI::App& app, const std::string& kind, const std::string& description, int* result,
+              const Find& find, const std::shared_ptr<Arguments>& arguments) {
+  CLI::App* command = app.add_subcommand(kind, description);
+  declareLog(*command, *arguments);
+  command->callback([kind, arguments, result, find] { *result = run(kind, *arguments, find); });
+  return command;
+}
+
+}  // namespace
+
+void addMotionCommands(CLI::App& app, int* result) {
+  const auto bound = std::make_shared<Arguments>();
+  CLI::App* command = add(
+      app, "disturbance", "Bounds on what thrust, attitude and drag do not explain", result,
+      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+        calibration->bounds =
+            boundDisturbance(motionOf(signals, arguments.motion), arguments.motion, arguments.limits);
+      },
+      bound);
+  declareMotion(*command, *bound);
+  declareMass(*command, *bound);
+  declareDrag(*command, *bound);
+  command->add_option("--share", bound->limits.share, "Of the time that the bounds hold")
+      ->check(CLI::Range(0.5, 0.9999))
+      ->capture_default_str();
+  command->add_option("--confidence", bound->limits.confidence, "That they do")
+      ->check(CLI::Range(0.5, 0.9999))
+      ->capture_default_str();
+
+  const auto drag = std::make_shared<Arguments>();
+  command = add(
+      app, "drag", "Drag coefficients of the multirotor", result,
+      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+        calibration->parameters = fitDrag(motionOf(signals, arguments.motion));
+      },
+      drag);
+  declareMotion(*command, *drag);
+  declareMass(*command, *drag);
+
+  const auto mass = std::make_shared<Arguments>();
+  command = add(
+      app, "mass", "Mass and hover thrust of the multirotor", result,
+      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+        calibration->parameters = fitMass(motionOf(signals, arguments.motion), arguments.motion);
+      },
+      mass);
+  declareMotion(*command, *mass);
+  declareDrag(*command, *mass);
+
+  add(
+      app, "wind", "Wind and airspeed scale of the fixed wing", result,
+      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+        calibration->parameters = fitWind(signals, arguments.motion.windows, &calibration->warnings);
+      },
+      std::make_shared<Arguments>());
+}
+
+}  // namespace polyfly

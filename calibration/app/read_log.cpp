@@ -1,0 +1,106 @@
+#include "read_log.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <map>
+
+#include "identification/bag_signals.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::map<std::string, std::string> parseSignals(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> choice;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+      throw Error("--signal " + text + ": must be SIGNAL=COLUMN");
+    }
+    choice[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return choice;
+}
+
+bool isBag(const std::string& path) {
+  constexpr std::size_t kEnding = 4;
+  return path.size() > kEnding && path.compare(path.size() - kEnding, kEnding, ".bag") == 0;
+}
+
+// The share that was read, on one line of a terminal.
+void showProgress(double share) {
+  constexpr double kStep = 0.01;
+  static double shown = 0.0;
+  if (share < shown + kStep && share < 1.0) return;
+  shown = share;
+  std::cerr << "\rreading " << static_cast<int>(100.0 * share) << " %"
+            << (share < 1.0 ? "" : "\r            \r") << std::flush;
+}
+
+}  // namespace
+
+void declareLog(CLI::App& command, LogArguments& arguments) {
+  command.add_option("log", arguments.log, "Recorded flight (.bag, or CSV)")->required()->type_name("FILE");
+  command
+      .add_option("--window", arguments.windows,
+                  "FROM:TO in the log's own seconds, repeatable; chosen by the tool if not given")
+      ->type_name("FROM:TO");
+  command
+      .add_option("--signal", arguments.signals,
+                  "Where a signal is, repeatable: a column, or TOPIC:FIELD of a bag; guessed if not given")
+      ->type_name("SIGNAL=PLACE");
+  command.add_option("--topic", arguments.topics, "Of a bag, guess from topics that end so only; repeatable")
+      ->type_name("ENDING");
+  command.add_option("--recorded", arguments.recorded, "Date of the flight, for the result's provenance");
+  command.add_option("-o,--output", arguments.output, "Write the numbers as YAML")->type_name("FILE");
+  command.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
+  command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
+}
+
+std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
+  std::vector<TimeWindow> windows;
+  for (const std::string& text : texts) {
+    TimeWindow window;
+    const std::size_t colon = text.find(':');
+    bool good = colon != std::string::npos;
+    if (good) {
+      good = CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
+             CLI::detail::lexical_cast(text.substr(colon + 1), window.to) && window.from < window.to;
+    }
+    if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
+    windows.push_back(window);
+  }
+  return windows;
+}
+
+FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
+                          std::vector<std::string>* remarks) {
+  const auto choice = parseSignals(arguments.signals);
+  if (!isBag(path)) {
+    FlightSignals signals = signalsFromCsv(readCsv(path), choice);
+    *provenance = provenanceOf(path);
+    provenance->recorded = arguments.recorded;
+    return signals;
+  }
+  BagSignalOptions options;
+  options.choice = choice;
+  options.topics = arguments.topics;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showProgress;
+  BagSignals bag = signalsFromBag(path, options);
+  *provenance = provenanceOf(path);
+  provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;
+  for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
+  return bag.signals;
+}
+
+void writeText(const std::string& text, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw Error(path + ": cannot be written");
+}
+
+}  // namespace polyfly

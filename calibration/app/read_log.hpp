@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "identification/flight_signals.hpp"
+#include "identification/provenance.hpp"
+
+namespace polyfly {
+
+/// Options of every command that reads flights.
+struct LogArguments {
+  std::string log;
+  std::vector<std::string> windows;
+  std::vector<std::string> signals;
+  std::vector<std::string> topics;
+  std::string recorded;
+  std::string output;
+  bool strict = false;
+  bool quiet = false;
+};
+
+void declareLog(CLI::App& command, LogArguments& arguments);
+
+/// FROM:TO in seconds. Throws Error.
+std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
+
+/// Signals of a .bag or CSV; appends what was wrong with it. Throws Error.
+FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
+                          std::vector<std::string>* remarks);
+
+/// Throws Error naming the path.
+void writeText(const std::string& text, const std::string& path);
+
+}  // namespace polyfly

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "identification/motion.hpp"
+#include "regression.hpp"
+
+namespace polyfly {
+namespace {
+
+const char* const kAxes[] = {"x", "y", "z"};
+constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 1.0};
+constexpr Eigen::Index kParts = 4;         // of the record, compared with each other
+constexpr double kSignificant = 3.0;       // standard errors by which means may differ
+constexpr double kLeastExpected = 0.1;     // deviation below which nothing can be said of the frame [m/s^2]
+constexpr double kLeastCorrelation = 0.5;  // of measured and expected acceleration
+constexpr double kRestless = 2.0;          // factor by which deviations may differ
+
+// P(X <= count) for a binomial X of `trials` with the given chance.
+double binomialAtMost(int count, int trials, double chance) {
+  double sum = 0.0;
+  for (int k = 0; k <= count; ++k) {
+    const double logarithm = std::lgamma(trials + 1.0) - std::lgamma(k + 1.0) -
+                             std::lgamma(trials - k + 1.0) + k * std::log(chance) +
+                             (trials - k) * std::log1p(-chance);
+    sum += std::exp(logarithm);
+  }
+  return std::min(1.0, sum);
+}
+
+// How many of the independent samples may lie beyond the bound, so that with the confidence asked for no more
+// than `outside` of the time does; and the confidence that is reached.
+std::pair<int, double> allowedBeyond(double independent, double outside, double confidence) {
+  const int trials = std::max(1, static_cast<int>(independent));
+  int beyond = 0;
+  double reached = 1.0 - binomialAtMost(0, trials, outside);
+  while (beyond + 1 < trials) {
+    const double next = 1.0 - binomialAtMost(beyond + 1, trials, outside);
+    if (next < confidence) break;
+    reached = next;
+    ++beyond;
+  }
+  return {beyond, reached};
+}
+
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (place - std::floor(place)) * (sorted[above] - sorted[below]);
+}
+
+std::string text(const char* format, double one, double other) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, one, other);
+  return buffer;
+}
+
+// Quarters against each other; how much their means may differ follows from what moves within them.
+void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound) {
+  const Eigen::Index size = residual.size() / kParts;
+  if (size < 2) return;
+  Eigen::VectorXd means(kParts);
+  Eigen::VectorXd deviations(kParts);
+  Eigen::VectorXd within(kParts * size);
+  std::vector<Eigen::Index> starts = {0};
+  for (Eigen::Index part = 0; part < kParts; ++part) {
+    const Eigen::VectorXd piece = residual.segment(part * size, size);
+    means[part] = piece.mean();
+    within.segment(part * size, size) = piece.array() - means[part];
+    deviations[part] = std::sqrt(within.segment(part * size, size).squaredNorm() / static_cast<double>(size));
+    starts.push_back((part + 1) * size);
+  }
+  const double independent = independentSamples(within, starts) / static_cast<double>(kParts);
+  const double error = deviations.mean() / std::sqrt(std::max(1.0, independent));
+  if (means.maxCoeff() - means.minCoeff() > 2.0 * kSignificant * error) {
+    bound->warnings.push_back(
+        text("The mean wanders between %.3g and %.3g m/s^2 from quarter to quarter: the bound is that of "
+             "this flight only.",
+             means.minCoeff(), means.maxCoeff()));
+  }
+  if (deviations.maxCoeff() > kRestless * deviations.minCoeff()) {
+    bound->warnings.push_back(
+        text("The deviation lies between %.3g and %.3g m/s^2 from quarter to quarter: calm and rough times "
+             "are mixed.",
+             deviations.minCoeff(), deviations.maxCoeff()));
+  }
+}
+
+// Whether the vehicle accelerates where it tilts at all.
+void checkFrame(const Eigen::VectorXd& acceleration, const Eigen::VectorXd& expected,
+                DisturbanceBound* bound) {
+  const Eigen::VectorXd one = acceleration.array() - acceleration.mean();
+  const Eigen::VectorXd other = expected.array() - expected.mean();
+  const auto samples = static_cast<double>(other.size());
+  if (other.norm() < kLeastExpected * std::sqrt(samples)) return;
+  const double correlation = one.dot(other) / std::max(one.norm() * other.norm(), kLeastExpected);
+  if (correlation < kLeastCorrelation) {
+    bound->warnings.push_back(
+        text("The acceleration hardly follows the attitude (correlation %.2f, deviation expected "
+             "%.2g m/s^2): angles or velocities are in another frame, or of another sign.",
+             correlation, other.norm() / std::sqrt(samples)));
+  }
+}
+
+}  // namespace
+
+std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const MotionOptions& options,
+                                               const BoundOptions& limits) {
+  const std::vector<Eigen::Index> starts(motion.starts.begin(), motion.starts.end());
+  std::vector<DisturbanceBound> bounds;
+  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
+    const Eigen::VectorXd residual = motion.acceleration.col(axis) - motion.expected.col(axis) +
+                                     options.drag[axis] * motion.velocity.col(axis);
+    DisturbanceBound bound;
+    bound.axis = kAxes[axis];
+    bound.mean = residual.mean();
+    bound.deviation = std::sqrt((residual.array() - bound.mean).square().mean());
+    bound.independent_samples = independentSamples(residual, starts);
+    std::vector<double> sorted(residual.data(), residual.data() + residual.size());
+    std::sort(sorted.begin(), sorted.end());
+    for (const double share : kShares) bound.quantiles.emplace_back(share, quantile(sorted, share));
+    // Both sides must hold.
+    const double outside = 0.5 * (1.0 - limits.share);
+    const auto [beyond, reached] =
+        allowedBeyond(bound.independent_samples, outside, 1.0 - 0.5 * (1.0 - limits.confidence));
+    const double share = beyond / bound.independent_samples;
+    bound.least = quantile(sorted, share);
+    bound.greatest = quantile(sorted, 1.0 - share);
+    bound.confidence = std::max(0.0, 1.0 - 2.0 * (1.0 - reached));
+    if (bound.confidence < limits.confidence) {
+      bound.warnings.push_back(
+          text("The record tells as much as %.0f independent samples: the extremes hold with a "
+               "confidence of %.2g only. Fly longer.",
+               bound.independent_samples, bound.confidence));
+    }
+    checkFrame(motion.acceleration.col(axis), motion.expected.col(axis), &bound);
+    checkStationarity(residual, &bound);
+    bounds.push_back(bound);
+  }
+  return bounds;
+}
+
+}  // namespace polyfly

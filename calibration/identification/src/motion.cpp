@@ -1,0 +1,178 @@
+#include "identification/motion.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "identification/excitation.hpp"
+#include "interpolate.hpp"
+#include "region_maps/error.hpp"
+#include "regression.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kLeastStretch = 1.0;  // [s]
+
+const char* const kAxes[] = {"x", "y", "z"};
+
+std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
+  return {starts.begin(), starts.end()};
+}
+
+TimeSeries clean(const FlightSignals& signals, const std::string& name) {
+  CleaningCounts ignored;
+  TimeSeries series = cleaned(signals.at(name), &ignored);
+  if (series.time.empty()) throw Error(signals.source + ": " + name + ": no sample");
+  return series;
+}
+
+// Direction of thrust in W. Sine and cosine of yaw are interpolated: the angle itself may wrap.
+class Attitude {
+ public:
+  explicit Attitude(const FlightSignals& signals)
+      : roll_(clean(signals, "roll")),
+        pitch_(clean(signals, "pitch")),
+        yaw_sine_(clean(signals, "yaw")),
+        yaw_cosine_(yaw_sine_) {
+    for (double& value : yaw_sine_.value) value = std::sin(value);
+    for (double& value : yaw_cosine_.value) value = std::cos(value);
+  }
+
+  Eigen::Vector3d up(double time) const {
+    const double yaw = std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
+    return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+           (Eigen::AngleAxisd(interpolated(pitch_, time), Eigen::Vector3d::UnitY()) *
+            (Eigen::AngleAxisd(interpolated(roll_, time), Eigen::Vector3d::UnitX()) *
+             Eigen::Vector3d::UnitZ()));
+  }
+
+ private:
+  TimeSeries roll_;
+  TimeSeries pitch_;
+  TimeSeries yaw_sine_;
+  TimeSeries yaw_cosine_;
+};
+
+std::vector<double> smoothed(const std::vector<double>& time, const std::vector<double>& value,
+                             double half_width) {
+  return smoothedMean(time, cumulativeIntegral(time, value), half_width);
+}
+
+// The stretches of the velocity's samples, through the machinery that cuts loops.
+std::vector<LoopSegment> stretches(const TimeSeries& velocity, const std::vector<TimeWindow>& windows) {
+  LoopRecord record;
+  record.response = velocity;
+  record.command = {{velocity.time.front()}, {0.0}};
+  const std::vector<TimeWindow> whole = {{velocity.time.front(), velocity.time.back()}};
+  std::vector<LoopSegment> found = cutSegments(record, windows.empty() ? whole : windows, 0.0);
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [](const LoopSegment& segment) { return segment.duration() < kLeastStretch; }),
+              found.end());
+  return found;
+}
+
+// Fills one stretch from row `from` on.
+void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>& velocity,
+                const Attitude& attitude, const TimeSeries* thrust, const MotionOptions& options,
+                Eigen::Index from, Motion* motion) {
+  const std::size_t count = time.size();
+  std::array<std::vector<double>, 3> speed;
+  std::array<std::vector<double>, 3> up;
+  std::vector<double> lift(count, 0.0);
+  std::array<std::vector<double>, 3> pull;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d direction = attitude.up(time[i]);
+    const double command = thrust != nullptr ? heldValue(*thrust, time[i]) : 0.0;
+    lift[i] = command * direction.z();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto along = static_cast<Eigen::Index>(axis);
+      speed[axis].push_back(interpolated(velocity[axis], time[i]));
+      up[axis].push_back(direction[along]);
+      pull[axis].push_back(motion->thrust_known ? command / options.mass * direction[along] : 0.0);
+    }
+  }
+  std::array<std::vector<double>, 3> acceleration;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    acceleration[axis] = smoothedMean(time, speed[axis], options.smoothing);
+  if (!motion->thrust_known) {
+    // As much thrust as the vertical motion shows.
+    for (std::size_t i = 0; i < count; ++i) {
+      const double vertical = acceleration[2][i] + options.gravity + options.drag.z() * speed[2][i];
+      for (std::size_t axis = 0; axis < 3; ++axis) pull[axis][i] = vertical / up[2][i] * up[axis][i];
+    }
+  }
+  const std::vector<double> smooth_lift = smoothed(time, lift, options.smoothing);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double> smooth_pull = smoothed(time, pull[axis], options.smoothing);
+    const std::vector<double> smooth_speed = smoothed(time, speed[axis], options.smoothing);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = from + static_cast<Eigen::Index>(i);
+      const auto column = static_cast<Eigen::Index>(axis);
+      motion->acceleration(row, column) = acceleration[axis][i];
+      motion->expected(row, column) = smooth_pull[i] - (axis == 2 ? options.gravity : 0.0);
+      motion->velocity(row, column) = smooth_speed[i];
+      motion->lift[row] = smooth_lift[i];
+    }
+  }
+}
+
+}  // namespace
+
+Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
+  const std::array<TimeSeries, 3> velocity = {clean(signals, "vx"), clean(signals, "vy"),
+                                              clean(signals, "vz")};
+  const Attitude attitude(signals);
+  TimeSeries thrust;
+  if (signals.has("thrust_cmd")) thrust = clean(signals, "thrust_cmd");
+  Motion motion;
+  motion.source = signals.source;
+  motion.thrust_known = options.mass > 0.0 && !thrust.time.empty();
+  const std::vector<LoopSegment> parts = stretches(velocity[0], options.windows);
+  if (parts.empty()) throw Error(signals.source + ": no stretch of velocities of a second or more");
+  motion.starts.push_back(0);
+  for (const LoopSegment& part : parts) {
+    motion.time.insert(motion.time.end(), part.time.begin(), part.time.end());
+    motion.starts.push_back(motion.time.size());
+  }
+  const auto rows = static_cast<Eigen::Index>(motion.time.size());
+  motion.acceleration.resize(rows, 3);
+  motion.expected.resize(rows, 3);
+  motion.velocity.resize(rows, 3);
+  motion.lift.resize(rows);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    addStretch(parts[i].time, velocity, attitude, thrust.time.empty() ? nullptr : &thrust, options,
+               static_cast<Eigen::Index>(motion.starts[i]), &motion);
+  }
+  return motion;
+}
+
+std::vector<FittedParameter> fitDrag(const Motion& motion) {
+  std::vector<FittedParameter> result;
+  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
+    Eigen::MatrixXd columns(motion.velocity.rows(), 2);
+    columns.col(0) = -motion.velocity.col(axis);
+    columns.col(1).setOnes();
+    const Regression found =
+        regress(columns, motion.acceleration.col(axis) - motion.expected.col(axis), indices(motion.starts));
+    const std::string name = kAxes[axis];
+    result.push_back(
+        {"drag_" + name, "1/s", found.coefficients[0], found.standard_errors[0], found.half_widths[0]});
+    result.push_back(
+        {"offset_" + name, "m/s^2", found.coefficients[1], found.standard_errors[1], found.half_widths[1]});
+  }
+  return result;
+}
+
+std::vector<FittedParameter> fitMass(const Motion& motion, const MotionOptions& options) {
+  if (motion.lift.isZero(0.0)) throw Error(motion.source + ": no thrust_cmd, or it is zero throughout");
+  const Eigen::VectorXd load =
+      (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
+  const Regression found = regress(load, motion.lift, indices(motion.starts));
+  const double gravity = options.gravity;
+  return {{"mass", "kg", found.coefficients[0], found.standard_errors[0], found.half_widths[0]},
+          {"hover_thrust", "N", gravity * found.coefficients[0], gravity * found.standard_errors[0],
+           gravity * found.half_widths[0]}};
+}
+
+}  // namespace polyfly

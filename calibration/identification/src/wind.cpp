@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+
+#include "identification/motion.hpp"
+#include "interpolate.hpp"
+#include "region_maps/error.hpp"
+#include "regression.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kRounds = 30;             // of Gauss and Newton
+constexpr double kConverged = 1e-9;     // [m/s] and of the scale
+constexpr double kLeastTurn = 3.1416;   // of the course, for a wind that can be told from the scale [rad]
+constexpr double kLeastAirspeed = 1.0;  // [m/s]; on the ground there is no triangle
+
+struct Samples {
+  Eigen::VectorXd north;
+  Eigen::VectorXd east;
+  Eigen::VectorXd airspeed;
+  std::vector<Eigen::Index> starts;
+};
+
+Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& windows) {
+  CleaningCounts ignored;
+  const TimeSeries north = cleaned(signals.at("vn"), &ignored);
+  const TimeSeries east = cleaned(signals.at("ve"), &ignored);
+  const TimeSeries airspeed = cleaned(signals.at("airspeed"), &ignored);
+  std::vector<double> rows[3];
+  for (std::size_t i = 0; i < north.time.size() && !east.time.empty() && !airspeed.time.empty(); ++i) {
+    const double time = north.time[i];
+    const bool used =
+        windows.empty() || std::any_of(windows.begin(), windows.end(), [time](const TimeWindow& window) {
+          return window.from <= time && time <= window.to;
+        });
+    const double speed = interpolated(airspeed, time);
+    if (!used || speed < kLeastAirspeed) continue;
+    rows[0].push_back(north.value[i]);
+    rows[1].push_back(interpolated(east, time));
+    rows[2].push_back(speed);
+  }
+  constexpr std::size_t kLeastSamples = 20;
+  if (rows[0].size() < kLeastSamples)
+    throw Error(signals.source + ": too few samples in flight with airspeed");
+  const auto vector = [](const std::vector<double>& values) {
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  Samples samples{vector(rows[0]), vector(rows[1]), vector(rows[2]), {}};
+  samples.starts = {0, samples.north.size()};
+  return samples;
+}
+
+// Range of the direction of flight through the air, the greatest gap left out.
+double turnOf(const Eigen::VectorXd& north, const Eigen::VectorXd& east) {
+  constexpr double kFull = 6.283185307179586;
+  std::vector<double> courses;
+  for (Eigen::Index i = 0; i < north.size(); ++i) courses.push_back(std::atan2(east[i], north[i]));
+  std::sort(courses.begin(), courses.end());
+  double gap = courses.front() + kFull - courses.back();
+  for (std::size_t i = 1; i < courses.size(); ++i) gap = std::max(gap, courses[i] - courses[i - 1]);
+  return kFull - gap;
+}
+
+}  // namespace
+
+std::vector<FittedParameter> fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows,
+                                     std::vector<std::string>* warnings) {
+  const Samples samples = collect(signals, windows);
+  Eigen::Vector3d at(0.0, 0.0, 1.0);  // wind to north and east, scale
+  Regression step;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::VectorXd north = samples.north.array() - at[0];
+    const Eigen::VectorXd east = samples.east.array() - at[1];
+    const Eigen::VectorXd through = (north.array().square() + east.array().square()).sqrt().max(kConverged);
+    Eigen::MatrixXd columns(north.size(), 3);
+    columns.col(0) = north.cwiseQuotient(through);
+    columns.col(1) = east.cwiseQuotient(through);
+    columns.col(2) = samples.airspeed;
+    step = regress(columns, through - at[2] * samples.airspeed, samples.starts);
+    at += step.coefficients;
+    if (step.coefficients.cwiseAbs().maxCoeff() < kConverged) break;
+  }
+  const double turn = turnOf(samples.north.array() - at[0], samples.east.array() - at[1]);
+  if (turn < kLeastTurn) {
+    warnings->push_back("The flight turned by " + std::to_string(static_cast<int>(turn * 57.2958)) +
+                        " degrees only: wind and scale of the airspeed cannot be told apart. Fly circles.");
+  }
+  return {{"wind_north", "m/s", at[0], step.standard_errors[0], step.half_widths[0]},
+          {"wind_east", "m/s", at[1], step.standard_errors[1], step.half_widths[1]},
+          {"airspeed_scale", "1", at[2], step.standard_errors[2], step.half_widths[2]}};
+}
+
+}  // namespace polyfly

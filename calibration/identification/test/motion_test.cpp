@@ -1,0 +1,242 @@
+#include "identification/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "identification/motion_output.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMass = 1.52;       // [kg]
+constexpr double kGravity = 9.8066;  // [m/s^2]
+
+struct MadeMotion {
+  double duration = 120.0;               // [s]
+  Eigen::Vector3d drag{0.3, 0.2, 0.15};  // [1/s]
+  double gust = 0.2;                     // deviation of the disturbance, correlated over 0.5 s [m/s^2]
+  double noise = 0.005;                  // of the velocity [m/s]
+  double step = 0.0;                     // added to the disturbance along x in the second half [m/s^2]
+};
+
+// A multirotor that tilts and turns, by Euler's method in small steps; yaw wraps. `gusts` are the
+// disturbances along x.
+FlightSignals makeMotion(const MadeMotion& made, std::uint32_t seed, std::vector<double>* gusts = nullptr) {
+  constexpr double kStep = 1e-3;
+  constexpr int kEach = 10;
+  constexpr double kMemory = 0.5;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  FlightSignals signals;
+  signals.source = "made motion";
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d disturbance = Eigen::Vector3d::Zero();
+  const auto put = [&signals](const char* name, double time, double value) {
+    signals.series[name].time.push_back(time);
+    signals.series[name].value.push_back(value);
+  };
+  for (int i = 0; i < static_cast<int>(made.duration / kStep); ++i) {
+    const double t = i * kStep;
+    const double roll = 0.15 * std::sin(0.9 * t) + 0.05 * std::sin(2.3 * t);
+    const double pitch = 0.12 * std::sin(1.1 * t + 1.0);
+    const double yaw = std::remainder(0.3 * t, 2.0 * 3.14159265358979);
+    const double thrust = kMass * kGravity * (1.0 + 0.1 * std::sin(0.7 * t));
+    // Third column of Rz(yaw) Ry(pitch) Rx(roll), written out.
+    const Eigen::Vector3d up(
+        std::cos(yaw) * std::sin(pitch) * std::cos(roll) + std::sin(yaw) * std::sin(roll),
+        std::sin(yaw) * std::sin(pitch) * std::cos(roll) - std::cos(yaw) * std::sin(roll),
+        std::cos(pitch) * std::cos(roll));
+    const Eigen::Vector3d more(t > 0.5 * made.duration ? made.step : 0.0, 0.0, 0.0);
+    if (i % kEach == 0) {
+      put("roll", t, roll);
+      put("pitch", t, pitch);
+      put("yaw", t, yaw);
+      put("thrust_cmd", t, thrust);
+      put("vx", t, velocity.x() + made.noise * normal(random));
+      put("vy", t, velocity.y() + made.noise * normal(random));
+      put("vz", t, velocity.z() + made.noise * normal(random));
+      if (gusts != nullptr) gusts->push_back(disturbance.x() + more.x());
+    }
+    velocity += kStep * (thrust / kMass * up - Eigen::Vector3d(0.0, 0.0, kGravity) -
+                         made.drag.cwiseProduct(velocity) + disturbance + more);
+    for (double& one : disturbance) {
+      one += -one * kStep / kMemory + made.gust * std::sqrt(2.0 * kStep / kMemory) * normal(random);
+    }
+  }
+  return signals;
+}
+
+TEST(Motion, FindsDragWithinItsInterval) {
+  int inside = 0;
+  constexpr int kFlights = 20;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
+    MadeMotion made;
+    made.gust = 0.03;  // calm air
+    MotionOptions options;
+    options.mass = kMass;
+    const auto found = fitDrag(motionOf(makeMotion(made, seed), options));
+    ASSERT_EQ(found.size(), 6u);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const FittedParameter& drag = found[2 * axis];
+      const double truth = made.drag[static_cast<Eigen::Index>(axis)];
+      inside += drag.least() <= truth && truth <= drag.greatest() ? 1 : 0;
+      EXPECT_NEAR(drag.value, truth, 0.02);
+    }
+  }
+  EXPECT_GE(inside, 54);  // of 60
+}
+
+TEST(Motion, FindsDragWithoutAKnownThrust) {
+  MadeMotion made;
+  made.drag.z() = 0.0;
+  made.gust = 0.02;
+  FlightSignals signals = makeMotion(made, 2);
+  signals.series.erase("thrust_cmd");
+  const auto found = fitDrag(motionOf(signals, {}));
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_NEAR(found[0].value, made.drag.x(), 0.02);
+  EXPECT_NEAR(found[2].value, made.drag.y(), 0.02);
+  EXPECT_THROW(fitMass(motionOf(signals, {}), {}), Error);
+}
+
+TEST(Motion, FindsMassAndHoverThrust) {
+  MadeMotion made;
+  MotionOptions options;
+  options.drag = made.drag;
+  const auto found = fitMass(motionOf(makeMotion(made, 3), options), options);
+  EXPECT_NEAR(found[0].value, kMass, 0.01 * kMass);
+  EXPECT_LE(found[0].least(), kMass);
+  EXPECT_GE(found[0].greatest(), kMass);
+  EXPECT_NEAR(found[1].value, kMass * kGravity, 0.15);
+}
+
+TEST(Motion, BoundsTheDisturbance) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    MadeMotion made;
+    made.duration = 200.0;
+    std::vector<double> gusts;
+    const FlightSignals signals = makeMotion(made, seed, &gusts);
+    MotionOptions options;
+    options.mass = kMass;
+    options.drag = made.drag;
+    BoundOptions limits;
+    limits.share = 0.9;
+    const auto bounds = boundDisturbance(motionOf(signals, options), options, limits);
+    ASSERT_EQ(bounds.size(), 3u);
+    // The truth: normal with this deviation. 1.645 of it on each side hold for 90 % of the time.
+    EXPECT_GT(bounds[0].greatest, 1.645 * made.gust * 0.9);
+    EXPECT_LT(bounds[0].greatest, 4.5 * made.gust);
+    EXPECT_LT(bounds[0].least, -1.645 * made.gust * 0.9);
+    EXPECT_GE(bounds[0].confidence, 0.95);
+    EXPECT_NEAR(bounds[0].deviation, made.gust, 0.35 * made.gust);
+    const auto outside = std::count_if(gusts.begin(), gusts.end(), [&](double gust) {
+      return gust < bounds[0].least || gust > bounds[0].greatest;
+    });
+    EXPECT_LT(static_cast<double>(outside) / static_cast<double>(gusts.size()), 0.1);
+  }
+}
+
+TEST(Motion, SaysThatARecordIsShortOrUnsteady) {
+  MadeMotion made;
+  made.duration = 10.0;
+  MotionOptions options;
+  options.mass = kMass;
+  options.drag = made.drag;
+  const auto brief = boundDisturbance(motionOf(makeMotion(made, 4), options), options, {});
+  ASSERT_FALSE(brief[0].warnings.empty());
+  EXPECT_NE(brief[0].warnings[0].find("Fly longer"), std::string::npos);
+  EXPECT_LT(brief[0].confidence, 0.95);
+  made.duration = 200.0;
+  made.gust = 0.1;
+  made.step = 1.0;
+  const auto changed = boundDisturbance(motionOf(makeMotion(made, 5), options), options, {});
+  bool wanders = false;
+  for (const std::string& sentence : changed[0].warnings)
+    wanders |= sentence.find("wanders") != std::string::npos;
+  EXPECT_TRUE(wanders);
+}
+
+TEST(Motion, SaysThatTheFrameIsWrong) {
+  MadeMotion made;
+  MotionOptions options;
+  options.mass = kMass;
+  options.drag = made.drag;
+  FlightSignals signals = makeMotion(made, 6);
+  const auto right = boundDisturbance(motionOf(signals, options), options, {});
+  for (const std::string& sentence : right[0].warnings) EXPECT_EQ(sentence.find("frame"), std::string::npos);
+  // Roll and pitch counted the other way round, as with y right and z down.
+  for (double& value : signals.series["pitch"].value) value = -value;
+  const auto wrong = boundDisturbance(motionOf(signals, options), options, {});
+  bool warned = false;
+  for (const std::string& sentence : wrong[0].warnings) warned |= sentence.find("frame") != std::string::npos;
+  EXPECT_TRUE(warned);
+}
+
+TEST(Motion, NamesWhatIsMissing) {
+  FlightSignals signals = makeMotion({10.0, {0, 0, 0}, 0.1, 0.0, 0.0}, 6);
+  signals.series.erase("vx");
+  EXPECT_THROW(motionOf(signals, {}), Error);
+  signals = makeMotion({10.0, {0, 0, 0}, 0.1, 0.0, 0.0}, 6);
+  MotionOptions options;
+  options.windows = {{100.0, 200.0}};
+  EXPECT_THROW(motionOf(signals, options), Error);
+}
+
+// Circles through the air at 15 m/s that the airspeed sensor shows as 15 / scale.
+FlightSignals makeCircles(double north, double east, double scale, double turns) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 0.2);
+  FlightSignals signals;
+  signals.source = "made circles";
+  constexpr int kSamples = 1500;
+  for (int i = 0; i < kSamples; ++i) {
+    const double time = 0.1 * i;
+    const double course = turns * 6.283185307 * i / kSamples;
+    const double speed = 15.0 + std::sin(0.4 * time);
+    const auto put = [&](const char* name, double value) {
+      signals.series[name].time.push_back(time);
+      signals.series[name].value.push_back(value + noise(random));
+    };
+    put("vn", speed * std::cos(course) + north);
+    put("ve", speed * std::sin(course) + east);
+    put("airspeed", speed / scale);
+  }
+  return signals;
+}
+
+TEST(Wind, FindsWindAndScaleOfTheAirspeed) {
+  std::vector<std::string> warnings;
+  const auto found = fitWind(makeCircles(3.0, -5.0, 1.08, 3.0), {}, &warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_NEAR(found[0].value, 3.0, 0.1);
+  EXPECT_NEAR(found[1].value, -5.0, 0.1);
+  EXPECT_NEAR(found[2].value, 1.08, 0.01);
+  for (const FittedParameter& parameter : found) EXPECT_GT(parameter.standard_error, 0.0);
+}
+
+TEST(Wind, SaysThatAStraightFlightTellsNothing) {
+  std::vector<std::string> warnings;
+  fitWind(makeCircles(3.0, -5.0, 1.0, 0.2), {}, &warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("Fly circles"), std::string::npos);
+  EXPECT_THROW(fitWind(makeCircles(0.0, 0.0, 1.0, 1.0), {{900.0, 901.0}}, &warnings), Error);
+}
+
+TEST(MotionOutput, HasTheFormOfProblemFiles) {
+  MotionCalibration calibration;
+  calibration.kind = "disturbance";
+  DisturbanceBound bound;
+  bound.axis = "y";
+  bound.least = -0.3;
+  bound.greatest = 0.25;
+  calibration.bounds = {bound};
+  EXPECT_NE(toYaml(calibration).find("  - {name: d_y, unit: m/s^2, range: [-0.3, 0.25]}\n"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly
