@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -109,6 +110,43 @@ TEST_F(CalibrateTool, FailsWhereAWarningCounts) {
   EXPECT_EQ(run("attitude weak.csv"), 0);
   EXPECT_NE(out().find("different scales"), std::string::npos);
   EXPECT_EQ(run("attitude weak.csv --strict"), 1);
+}
+
+// Circles at 15 m/s in a wind of 4 m/s to the north.
+TEST_F(CalibrateTool, FindsTheWind) {
+  std::ofstream file(folder_ / "circles.csv");
+  file << "t_s,vn_mps,ve_mps,tas_mps\n";
+  for (int i = 0; i < 600; ++i) {
+    const double course = 0.05 * i;
+    file << 0.1 * i << "," << 15.0 * std::cos(course) + 4.0 << "," << 15.0 * std::sin(course) << ","
+         << 15.0 + 0.1 * (i % 3) << "\n";
+  }
+  file.close();
+  ASSERT_EQ(run("wind circles.csv -o wind.yaml --strict"), 0) << err() << out();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "wind.yaml");
+  EXPECT_EQ(yaml["kind"].as<std::string>(), "wind");
+  EXPECT_NEAR(yaml["parameters"]["wind_north"]["value"].as<double>(), 4.0, 0.1);
+  EXPECT_NEAR(yaml["parameters"]["wind_east"]["value"].as<double>(), 0.0, 0.1);
+}
+
+// At rest, with a steady push of 0.5 m/s^2 that the attitude does not explain.
+TEST_F(CalibrateTool, BoundsADisturbance) {
+  std::ofstream file(folder_ / "hover.csv");
+  file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double time = 0.02 * i;
+    file << time << "," << 0.5 * time << "," << 0.001 * ((i * 7919) % 13 - 6) << ",0,0,0,0\n";
+  }
+  file.close();
+  ASSERT_EQ(run("disturbance hover.csv -o bound.yaml --share 0.9"), 0) << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "bound.yaml");
+  EXPECT_EQ(yaml["disturbances"].size(), 2u);
+  EXPECT_EQ(yaml["disturbances"][0]["name"].as<std::string>(), "d_x");
+  EXPECT_NEAR(yaml["axes"]["x"]["mean"].as<double>(), 0.5, 1e-6);
+  EXPECT_LT(yaml["disturbances"][1]["range"][0].as<double>(), 0.0);
+  EXPECT_EQ(run("drag hover.csv"), 0) << err();
+  EXPECT_EQ(run("mass hover.csv"), 2);
+  EXPECT_NE(err().find("no thrust_cmd"), std::string::npos) << err();
 }
 
 TEST_F(CalibrateTool, RefusesBadInputInWords) {
