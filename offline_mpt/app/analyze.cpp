@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -40,6 +41,35 @@ struct Options {
   AnalyzeOptions analyze;
 };
 
+/// Shows the three phases of an analysis, each with as many steps as there are regions.
+class Phases {
+ public:
+  explicit Phases(Progress& progress) : progress_(progress) {}
+
+  void operator()(std::uint64_t done, std::uint64_t total) {
+    constexpr std::uint64_t kPhases = 3;
+    static const char* const kNames[kPhases] = {"corners of regions", "cover of the domain", "successors"};
+    const std::uint64_t steps = total / kPhases;
+    if (steps == 0) return;
+    const std::uint64_t phase = std::min(done / steps, kPhases - 1);
+    if (phase != phase_) {
+      phase_ = phase;
+      begin_ = progress_.elapsed();
+    }
+    const std::uint64_t mine = done - phase * steps;
+    const double spent = progress_.elapsed() - begin_;
+    const double remaining =
+        mine > 0 ? spent * static_cast<double>(steps - mine) / static_cast<double>(mine) : -1.0;
+    progress_.show(kNames[phase] + (": " + std::to_string(100 * mine / steps)) + " %", remaining,
+                   phase + 1 < kPhases);
+  }
+
+ private:
+  Progress& progress_;
+  std::uint64_t phase_ = 0;
+  double begin_ = 0.0;
+};
+
 ExitCode analyzeMap(const Options& options) {
   if (!options.json.empty()) checkWritable(options.json);
   const RegionMap map = RegionMap::open(options.map);
@@ -51,9 +81,7 @@ ExitCode analyzeMap(const Options& options) {
   AnalyzeReport report;
   {
     Progress progress(options.quiet);
-    analyze_options.progress = [&](std::uint64_t done, std::uint64_t total) {
-      progress.show(std::to_string(done) + " of " + std::to_string(total) + " steps", -1.0);
-    };
+    analyze_options.progress = Phases(progress);
     report = analyze(map, loop, analyze_options);
   }
   if (!options.json.empty()) writeText(options.json, analyzeJson(report, map, model));

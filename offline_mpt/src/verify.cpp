@@ -1,16 +1,13 @@
 #include "offline_mpt/verify.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <functional>
 #include <limits>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "in_parallel.hpp"
 #include "offline_mpt/partition.hpp"
 #include "offline_mpt/program_oracle.hpp"
 #include "parameter_sampler.hpp"
@@ -22,7 +19,6 @@ namespace {
 constexpr std::uint64_t kBlock = 256;   // samples drawn from one generator, checked by one thread
 constexpr std::uint64_t kRound = 4096;  // blocks whose reports are kept in memory at a time
 constexpr double kSameRange = 1e-12;    // relative, of the ranges of map and program
-constexpr auto kProgressPeriod = std::chrono::milliseconds(100);
 
 void note(Finding& finding, double measure, const Eigen::VectorXd& theta) {
   ++finding.count;
@@ -260,51 +256,20 @@ class Checker {
   std::vector<char> hit_;  // per region
 };
 
-/// Consecutive blocks, shared out among the threads.
-struct Round {
-  std::uint64_t first = 0;
-  std::atomic<std::uint64_t> next{0};
-  std::atomic<std::uint64_t> done{0};
-  std::vector<VerifyReport> parts;  // one for each block
-  std::mutex mutex;
-  std::condition_variable ended;
-  std::size_t running = 0;  // threads, guarded by mutex
-};
-
-void runBlocks(Checker& checker, Round& round, const std::atomic<bool>* stop) {
-  while (stop == nullptr || !stop->load()) {
-    const std::uint64_t block = round.next.fetch_add(1);
-    if (block >= round.parts.size()) break;
-    round.parts[block] = checker.checkBlock(round.first + block);
-    round.done.fetch_add(1);
-  }
-  const std::lock_guard<std::mutex> lock(round.mutex);
-  --round.running;
-  round.ended.notify_one();
-}
-
-// Parts are merged in the order of their blocks, so the report does not depend on which thread did which.
+// Consecutive blocks. Parts are merged in the order of their blocks, so the report does not depend on which
+// thread did which.
 void runRound(std::vector<Checker>& checkers, std::uint64_t first, std::uint64_t count,
               const VerifyOptions& options, VerifyReport& report) {
-  Round round;
-  round.first = first;
-  round.parts.resize(count);
-  round.running = checkers.size();
-  std::vector<std::thread> threads;
-  for (Checker& checker : checkers) {
-    threads.emplace_back(runBlocks, std::ref(checker), std::ref(round), options.stop);
+  std::vector<VerifyReport> parts(count);
+  std::function<void(std::uint64_t, std::uint64_t)> progress;
+  if (options.progress) {
+    progress = [&](std::uint64_t done, std::uint64_t) {
+      options.progress(std::min(options.samples, (first + done) * kBlock), options.samples);
+    };
   }
-  bool ended = false;
-  while (!ended) {
-    {
-      std::unique_lock<std::mutex> lock(round.mutex);
-      ended = round.ended.wait_for(lock, kProgressPeriod, [&round] { return round.running == 0; });
-    }
-    if (!options.progress) continue;
-    options.progress(std::min(options.samples, (first + round.done.load()) * kBlock), options.samples);
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (const VerifyReport& part : round.parts) merge(report, part);
+  inParallel(count, static_cast<int>(checkers.size()), options.stop, progress,
+             [&](std::size_t thread, std::uint64_t i) { parts[i] = checkers[thread].checkBlock(first + i); });
+  for (const VerifyReport& part : parts) merge(report, part);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cone.hpp"
+#include "in_parallel.hpp"
 #include "map_domain.hpp"
-#include "parallel.hpp"
 #include "region_cover.hpp"
 #include "region_maps/error.hpp"
 #include "vertex_tests.hpp"
@@ -54,8 +54,8 @@ class Analysis {
     AnalyzeReport report;
     report.tolerance = regions_.tolerance();
     report.regions = regions_.count();
-    total_ = 2 * regions_.count();
-    forEach(regions_.count(), options_.threads, options_.stop, progress(0), [&](std::size_t r) {
+    total_ = 3 * regions_.count();
+    forEachRegion(0, [&](std::size_t r) {
       bool flat = false;
       regions_.setShape(r, regions_.vertices(r, flat));
     });
@@ -71,9 +71,16 @@ class Analysis {
   }
 
  private:
-  std::function<void(std::uint64_t)> progress(std::uint64_t before) const {
-    if (!options_.progress) return {};
-    return [this, before](std::uint64_t done) { options_.progress(before + done, total_); };
+  // Three phases of as many steps as there are regions: corners, cover, successors.
+  void forEachRegion(std::uint64_t phase, const std::function<void(std::size_t)>& work) const {
+    std::function<void(std::uint64_t, std::uint64_t)> progress;
+    if (options_.progress) {
+      progress = [&](std::uint64_t done, std::uint64_t count) {
+        options_.progress(phase * count + done, total_);
+      };
+    }
+    inParallel(regions_.count(), options_.threads, options_.stop, progress,
+               [&](std::size_t, std::uint64_t r) { work(static_cast<std::size_t>(r)); });
   }
 
   bool stopped(AnalyzeReport& report) const {
@@ -91,7 +98,16 @@ class Analysis {
   void proveCover(AnalyzeReport& report) {
     const int p = regions_.parameters();
     RegionCover cover(regions_, RationalMatrix::identity(p), RationalVector(static_cast<std::size_t>(p)));
-    report.covered = cover.covers(domainSet(), options_.stop);
+    CoverOptions options;
+    options.threads = options_.threads;
+    options.stop = options_.stop;
+    if (options_.progress) {
+      options.progress = [&](double share) {
+        const auto count = static_cast<double>(regions_.count());
+        options_.progress(regions_.count() + static_cast<std::uint64_t>(share * count), total_);
+      };
+    }
+    report.covered = cover.covers(domainSet(), options);
     report.cells = cover.cells();
     if (!report.covered && !cover.stopped()) report.gap = cover.gap();
     report.slivers = cover.slivers().size();
@@ -198,15 +214,16 @@ class Analysis {
     lift(model_.D.rows, set.rows, p);
     lift(model_.D.equalities, set.equalities, p);
     RegionCover cover(regions_, std::move(M), step.m);
-    finding.offends = !cover.covers(set, options_.stop);
+    CoverOptions options;
+    options.stop = options_.stop;
+    finding.offends = !cover.covers(set, options);
     finding.stopped = cover.stopped();
     if (finding.offends && !finding.stopped) finding.vertex = cover.gap();
   }
 
   void testRegions(AnalyzeReport& report) {
     std::vector<Finding> findings(regions_.count());
-    forEach(regions_.count(), options_.threads, options_.stop, progress(regions_.count()),
-            [&](std::size_t r) { findings[r] = testRegion(r, report.target_is_union); });
+    forEachRegion(2, [&](std::size_t r) { findings[r] = testRegion(r, report.target_is_union); });
     if (stopped(report)) return;
     std::size_t worst_region = findings.size();
     Rational out, excess;

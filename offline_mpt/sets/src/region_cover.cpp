@@ -2,16 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "cone.hpp"
+#include "in_parallel.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kTouches = 1e-9;         // [scaled] by which a region must reach over a plane to count there
 constexpr std::size_t kPlanesTried = 48;  // planes weighed against each other to cut one cell
+constexpr std::size_t kTasks = 64;        // cells that threads share out
+constexpr int kWholeBits = 40;
+constexpr double kWhole = 0x1p40;  // of a share that is done
 
 /// Least and greatest a . y - c over points, times sign.
 struct Reach {
@@ -44,6 +51,18 @@ struct RegionCover::Plane {
 struct RegionCover::Cell {
   DoubleDescription cone;
   std::vector<double> images;  // p numbers for each vertex
+};
+
+/// A cell of its own, and what became of it.
+struct RegionCover::Task {
+  std::optional<Cell> cell;
+  std::vector<std::uint32_t> candidates;
+  int depth = 0;
+  bool settled = false;
+  bool covered = false;
+  std::uint64_t cells = 0;
+  std::vector<Sliver> slivers;
+  RationalVector gap;
 };
 
 RegionCover::RegionCover(const MapRegions& regions, RationalMatrix M, RationalVector m)
@@ -119,12 +138,99 @@ std::vector<std::uint32_t> RegionCover::near(const Cell& cell) const {
   return result;
 }
 
-bool RegionCover::covers(const ExactPolytope& set, const std::atomic<bool>* stop) {
-  stop_ = stop;
+// The first cuts make tasks enough for all threads, whatever their number. Their order is that in which one
+// thread would come to them, and so is that of all that is found.
+bool RegionCover::covers(const ExactPolytope& set, const CoverOptions& options) {
+  stop_ = options.stop;
+  std::atomic<std::uint64_t> share{0};
+  share_ = &share;
+  std::vector<Task> tasks = firstCuts(set);
+  std::vector<std::size_t> open;
+  std::atomic<std::size_t> first_gap{tasks.size()};
+  for (std::size_t k = tasks.size(); k-- > 0;) {
+    if (!tasks[k].settled) open.push_back(k);
+    if (tasks[k].settled && !tasks[k].covered) first_gap = k;
+  }
+  std::reverse(open.begin(), open.end());
+  std::function<void(std::uint64_t, std::uint64_t)> progress;
+  if (options.progress) {
+    progress = [&](std::uint64_t, std::uint64_t) {
+      options.progress(static_cast<double>(share.load()) / kWhole);
+    };
+  }
+  std::vector<RegionCover> workers(static_cast<std::size_t>(std::max(1, options.threads)), *this);
+  const bool finished = inParallel(
+      open.size(), options.threads, options.stop, progress, [&](std::size_t thread, std::uint64_t i) {
+        const std::size_t k = open[i];
+        if (k > first_gap.load()) return;
+        workers[thread].settle(tasks[k]);
+        std::size_t before = first_gap.load();
+        while (!tasks[k].covered && k < before && !first_gap.compare_exchange_weak(before, k)) {
+        }
+      });
+  share_ = nullptr;
+  stopped_ = !finished || (options.stop != nullptr && options.stop->load());
+  return !stopped_ && merge(tasks);
+}
+
+std::vector<RegionCover::Task> RegionCover::firstCuts(const ExactPolytope& set) {
+  std::vector<Task> tasks;
   const PolytopeCone polytope(set);
-  if (polytope.isEmpty()) return true;
-  const Cell cell = cellOf(polytope.cone);
-  return coverCell(cell, near(cell));
+  if (polytope.isEmpty()) return tasks;
+  tasks.emplace_back();
+  tasks.front().cell = cellOf(polytope.cone);
+  tasks.front().candidates = near(*tasks.front().cell);
+  std::size_t open = 1;
+  while (open > 0 && open < kTasks && (stop_ == nullptr || !stop_->load())) {
+    std::vector<Task> next;
+    open = 0;
+    for (Task& task : tasks) {
+      if (task.settled) {
+        next.push_back(std::move(task));
+        continue;
+      }
+      Task parts[2];
+      if (step(*task.cell, task.candidates, parts) == Step::kCut) {
+        for (Task& part : parts) {
+          part.depth = task.depth + 1;
+          next.push_back(std::move(part));
+        }
+        open += 2;
+      } else {
+        settle(task);
+        next.push_back(std::move(task));
+      }
+    }
+    tasks = std::move(next);
+  }
+  return tasks;
+}
+
+void RegionCover::settle(Task& task) {
+  cells_ = 0;
+  slivers_.clear();
+  gap_.clear();
+  task.covered = coverCell(*task.cell, task.candidates, task.depth);
+  task.settled = true;
+  task.cells = cells_;
+  task.slivers = std::move(slivers_);
+  task.gap = std::move(gap_);
+  task.cell.reset();
+}
+
+// Up to the first gap.
+bool RegionCover::merge(std::vector<Task>& tasks) {
+  cells_ = 0;
+  slivers_.clear();
+  gap_.clear();
+  for (Task& task : tasks) {
+    cells_ += task.cells;
+    std::move(task.slivers.begin(), task.slivers.end(), std::back_inserter(slivers_));
+    if (task.covered) continue;
+    gap_ = std::move(task.gap);
+    return false;
+  }
+  return true;
 }
 
 // Rounded numbers sort out, exact ones decide.
@@ -263,19 +369,14 @@ void RegionCover::storeGap(const Cell& cell) {
   }
 }
 
-bool RegionCover::coverCell(const Cell& cell, const std::vector<std::uint32_t>& candidates) {
-  if (stop_ != nullptr && stop_->load()) {
-    stopped_ = true;
-    return false;
-  }
-  if (isCovered(cell, candidates)) return true;
+// Looks at one cell. If it must be cut, `parts` are its two sides.
+RegionCover::Step RegionCover::step(const Cell& cell, const std::vector<std::uint32_t>& candidates,
+                                    Task* parts) {
+  if (isCovered(cell, candidates)) return Step::kCovered;
   Plane plane;
   if (!choosePlane(cell, candidates, plane)) {
-    if (isCovered(cell, all())) return true;
-    if (!anyPlane(cell, plane)) {
-      storeGap(cell);
-      return false;
-    }
+    if (isCovered(cell, all())) return Step::kCovered;
+    if (!anyPlane(cell, plane)) return Step::kGap;
   }
   for (const bool inside : {true, false}) {
     DoubleDescription cone = cell.cone;
@@ -285,15 +386,35 @@ bool RegionCover::coverCell(const Cell& cell, const std::vector<std::uint32_t>& 
     }
     cone.add(row);
     const double sign = inside ? plane.sign : -plane.sign;
-    std::vector<std::uint32_t> left;
+    Task& part = parts[inside ? 0 : 1];
     for (const std::uint32_t region : candidates) {
       if (plane.row == nullptr ||
           reachOf(regions_.shape(region), plane.row, sign, regions_.parameters()).least < -kTouches)
-        left.push_back(region);
+        part.candidates.push_back(region);
     }
-    if (!coverCell(cellOf(std::move(cone)), left)) return false;
+    part.cell = cellOf(std::move(cone));
   }
-  return true;
+  return Step::kCut;
+}
+
+bool RegionCover::coverCell(const Cell& cell, const std::vector<std::uint32_t>& candidates, int depth) {
+  if (stop_ != nullptr && stop_->load()) {
+    stopped_ = true;
+    return false;
+  }
+  Task parts[2];
+  switch (step(cell, candidates, parts)) {
+    case Step::kCovered:
+      if (share_ != nullptr && depth <= kWholeBits) *share_ += std::uint64_t{1} << (kWholeBits - depth);
+      return true;
+    case Step::kGap:
+      storeGap(cell);
+      return false;
+    case Step::kCut:
+      break;
+  }
+  return coverCell(*parts[0].cell, parts[0].candidates, depth + 1) &&
+         coverCell(*parts[1].cell, parts[1].candidates, depth + 1);
 }
 
 }  // namespace polyfly

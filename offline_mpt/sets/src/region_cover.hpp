@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "polytope_sets/exact_polytope.hpp"
@@ -46,6 +47,14 @@ class MapRegions {
   std::vector<std::vector<double>> shapes_;
 };
 
+struct CoverOptions {
+  int threads = 1;  ///< the answer does not depend on it
+  const std::atomic<bool>* stop = nullptr;
+  /// Called now and then from the calling thread with the share that is done: of each polytope that is cut,
+  /// the parts count half.
+  std::function<void(double)> progress;
+};
+
 /// Proves that a polytope, mapped into the space of parameters, is covered by the regions of a map.
 class RegionCover {
  public:
@@ -54,7 +63,7 @@ class RegionCover {
 
   /// True: every point of the set is mapped into a region whose half-spaces are moved outwards by the
   /// tolerance. False: gap() is a point of the set, well inside, whose image is in none; or it was stopped.
-  bool covers(const ExactPolytope& set, const std::atomic<bool>* stop = nullptr);
+  bool covers(const ExactPolytope& set, const CoverOptions& options = {});
 
   std::uint64_t cells() const { return cells_; }
 
@@ -72,12 +81,18 @@ class RegionCover {
   using IntegerRow = std::vector<Integer>;
   struct Plane;
   struct Cell;
+  struct Task;
   struct RowOf {
     std::uint32_t region;
     std::uint32_t row;
   };
 
-  bool coverCell(const Cell& cell, const std::vector<std::uint32_t>& candidates);
+  enum class Step { kCovered, kGap, kCut };
+  Step step(const Cell& cell, const std::vector<std::uint32_t>& candidates, Task* parts);
+  bool coverCell(const Cell& cell, const std::vector<std::uint32_t>& candidates, int depth);
+  void settle(Task& task);
+  std::vector<Task> firstCuts(const ExactPolytope& set);
+  bool merge(std::vector<Task>& tasks);
   bool isCovered(const Cell& cell, const std::vector<std::uint32_t>& candidates);
   bool liesIn(const Cell& cell, std::uint32_t region, bool moved);
   const std::vector<IntegerRow>& insidesOf(std::uint32_t region, bool moved);
@@ -101,6 +116,7 @@ class RegionCover {
   std::vector<Sliver> slivers_;
   RationalVector gap_;
   const std::atomic<bool>* stop_ = nullptr;
+  std::atomic<std::uint64_t>* share_ = nullptr;  // done, of kWhole
   bool stopped_ = false;
 };
 
