@@ -18,7 +18,9 @@ bool forEach(std::uint64_t count, std::uint64_t done_before, std::uint64_t total
              const CertifyOptions& options, const std::function<void(std::uint32_t)>& work) {
   std::function<void(std::uint64_t, std::uint64_t)> progress;
   if (options.progress)
-    progress = [&](std::uint64_t done, std::uint64_t) { options.progress(std::min(done_before + done, total), total); };
+    progress = [&](std::uint64_t done, std::uint64_t) {
+      options.progress(std::min(done_before + done, total), total);
+    };
   return inParallel(count, options.threads, options.stop, progress,
                     [&](std::size_t, std::uint64_t i) { work(static_cast<std::uint32_t>(i)); });
 }
@@ -109,8 +111,6 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
   }
 }
 
-}  // namespace
-
 /// Closes the facets of all regions; where something is missing that proves to be a sliver, that joins the
 /// surveys and is closed too, until nothing more is found. False when stopped.
 bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, std::vector<Closed>& closed) {
@@ -156,33 +156,76 @@ bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, 
   return !context.stopped();
 }
 
-CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
-  checkProgram(program);
-  requireSameProblem(map, program);
-  const Adjustment adjustment = adjust(program, rowsNeverActive(map, program.rowCount()));
-  const ExactProgram exact(program, adjustment);
+bool surveyAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys) {
+  const std::uint64_t count = context.map.regionCount();
+  surveys.assign(count, {});
+  return forEach(count, 0, 2 * count, context.options,
+                 [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
+}
+
+/// Rows whose slack is negative in regions that claim otherwise, although no region counts them as active:
+/// others may imply them up to rounding.
+std::vector<int> doubtfulRows(const std::vector<RegionSurvey>& surveys, const std::vector<char>& may_drop) {
+  std::set<int> rows;
+  for (const RegionSurvey& survey : surveys) {
+    for (const int row : survey.unlisted) {
+      if (may_drop[static_cast<std::size_t>(row)] != 0) rows.insert(row);
+    }
+  }
+  return {rows.begin(), rows.end()};
+}
+
+/// Whether a region's slack of a row that was dropped is less than what dropped rows may fall short.
+bool droppedRowFails(const std::vector<RegionSurvey>& surveys, const ExactProgram& program) {
+  return std::any_of(surveys.begin(), surveys.end(), [&](const RegionSurvey& survey) {
+    return std::any_of(survey.unlisted.begin(), survey.unlisted.end(),
+                       [&](int row) { return program.is_dropped[static_cast<std::size_t>(row)] != 0; });
+  });
+}
+
+CertifyReport finish(const SurveyContext& context, const Adjustment& adjustment,
+                     std::vector<RegionSurvey>& surveys, bool interrupted) {
   CertifyReport report;
-  report.regions = map.regionCount();
-  report.plane_tolerance = options.plane_tolerance;
-  describeAdjustment(program, exact, adjustment, report);
-  const SurveyContext context{map, program, exact, options};
-  const std::uint64_t count = map.regionCount();
-  std::vector<RegionSurvey> surveys(count);
+  report.regions = context.map.regionCount();
+  report.plane_tolerance = context.options.plane_tolerance;
+  describeAdjustment(context.source, context.program, adjustment, report);
   std::vector<Closed> closed;
-  report.interrupted = !forEach(count, 0, 2 * count, options, [&](std::uint32_t r) {
-    surveys[r] = surveyRegion(context, r);
-  }) || !closeAll(context, surveys, closed);
+  report.interrupted = interrupted || !closeAll(context, surveys, closed);
   closed.resize(surveys.size());
   for (std::size_t r = 0; r < surveys.size(); ++r) add(report, surveys[r], closed[r]);
   if (!report.passed()) return report;
-  report.certificate = certificateHead(map, program, adjustment, options);
+  report.certificate = certificateHead(context.map, context.source, adjustment, context.options);
   for (std::size_t r = 0; r < surveys.size(); ++r) {
-    if (r < count) report.certificate += "R " + std::to_string(r) + "\n";
+    if (r < report.regions) report.certificate += "R " + std::to_string(r) + "\n";
     report.certificate += surveys[r].text + closed[r].text;
     surveys[r].text.clear();
   }
   report.certificate += certificateEnd(report.certificate);
   return report;
+}
+
+}  // namespace
+
+CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
+  checkProgram(program);
+  requireSameProblem(map, program);
+  const std::vector<char> may_drop = rowsNeverActive(map, program.rowCount());
+  const Adjustment adjustment = adjust(program, may_drop);
+  const ExactProgram exact(program, adjustment);
+  const SurveyContext context{map, program, exact, options};
+  std::vector<RegionSurvey> surveys;
+  const bool finished = surveyAll(context, surveys);
+  const std::vector<int> doubtful = finished ? doubtfulRows(surveys, may_drop) : std::vector<int>();
+  if (doubtful.empty()) return finish(context, adjustment, surveys, !finished);
+  Adjustment fewer = adjustment;
+  fewer.dropped.insert(fewer.dropped.end(), doubtful.begin(), doubtful.end());
+  std::sort(fewer.dropped.begin(), fewer.dropped.end());
+  const ExactProgram without(program, fewer);
+  const SurveyContext second{map, program, without, options};
+  std::vector<RegionSurvey> again;
+  const bool settled = surveyAll(second, again);
+  if (settled && droppedRowFails(again, without)) return finish(context, adjustment, surveys, false);
+  return finish(second, fewer, again, !settled);
 }
 
 }  // namespace polyfly

@@ -16,7 +16,7 @@ using ZeroCombination = std::vector<std::pair<int, Integer>>;
 struct Adjustment {
   double regularisation = 0.0;  ///< added to the diagonal of H
   double penalty = 0.0;         ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
-  std::vector<int> dropped;     ///< inequalities that repeat others up to rounding
+  std::vector<int> dropped;     ///< inequalities that others imply up to rounding
   std::vector<int> basis;       ///< rows taken as equalities: independent, and all others follow from them
   std::vector<ZeroCombination> implied;  ///< why inequalities are among them
 };

@@ -110,7 +110,8 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
   result.report = certify(map, program, options);
   std::vector<char> may_drop(static_cast<std::size_t>(program.rowCount()), 0);
   for (const int row : result.report.dropped_rows) may_drop[row] = 1;
-  const Adjustment adjustment = adjust(program, may_drop);
+  Adjustment adjustment = adjust(program, may_drop);
+  adjustment.dropped = result.report.dropped_rows;
   const ExactProgram exact(program, adjustment);
   const SurveyContext context{map, program, exact, options};
   Found found;

@@ -45,7 +45,7 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
   if (!report.implied_equalities.empty())
     text << "  rows that can only hold with equality: " << list(report.implied_equalities) << "\n";
   if (!report.dropped_rows.empty())
-    text << "  rows that repeat others up to rounding, proven to hold within 2^-30 of their size: "
+    text << "  rows that others imply up to rounding, proven to hold within 2^-30 of their size: "
          << list(report.dropped_rows) << "\n";
 }
 

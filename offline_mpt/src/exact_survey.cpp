@@ -141,6 +141,7 @@ void proveRows(const SurveyContext& context, std::uint32_t index, const ExactReg
       ++survey.left_out;
       return;
     }
+    if (row.origin.kind == ExactOrigin::Kind::kSlack) survey.unlisted.push_back(row.origin.index);
     double outside = -row.unit.back();
     for (std::size_t j = 0; j < result.witness.size(); ++j)
       outside += row.unit[j] * result.witness[j].get_d();

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRank = 1e-11;         // relative size below which a pivot or length counts as zero
 constexpr double kSemidefinite = 1e-8;  // share of the mean eigenvalue added to a singular H
+constexpr double kRounding = 0x1.0p-52;
 constexpr double kLinearStart =
     1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
 constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
@@ -158,7 +159,10 @@ Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
   if (least < -kSemidefinite * mean) {
     throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
   }
-  if (least < kSemidefinite * mean) ld.H.diagonal().array() += kSemidefinite * mean;
+  if (least < kSemidefinite * mean) {
+    ld.H.diagonal().array() += kSemidefinite * mean;
+    ld.rounding = kRounding / kSemidefinite;
+  }
   return ld.H.llt().matrixL();
 }
 
@@ -167,6 +171,7 @@ Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
 LeastDistance toLeastDistance(const ParametricProgram& program) {
   LeastDistance ld;
   ld.source = program;
+  ld.rounding = kRounding;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);
   ld.half.resize(ld.p);

@@ -32,6 +32,7 @@ struct LeastDistance {
   Eigen::MatrixXd U;           ///< q x (p + 1)
   Eigen::MatrixXd V;           ///< q x m
   std::vector<double> domain;  ///< rows (a, b): a . t <= b, |a| = 1; the first 2 p are the box
+  double rounding = 0.0;       ///< about what doubles lose in D, gram, U and V, relative
   bool linear = false;         ///< H = 0
   Eigen::MatrixXd cost;        ///< n x (p + 1), of a linear program
   bool domain_empty = false;   ///< a row without z can never hold

@@ -10,7 +10,6 @@ namespace {
 constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
 constexpr double kClear =
     1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
-constexpr double kRounding = 0x1.0p-52;
 constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
 constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
 
@@ -167,7 +166,7 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
   const double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
-  const double growth = kRounding / pivot_;
+  const double growth = program_.rounding / pivot_;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear) {
       const double* price = prices_.data() + r * width_;
@@ -210,7 +209,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
     if (is_active_[i]) continue;
     slackRow(active, i);
     const std::size_t before = origins_.size();
-    const double noise = kRounding * (D_size_[i] + size_);
+    const double noise = program_.rounding * (D_size_[i] + size_);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
     if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
       idle_.push_back(static_cast<std::uint16_t>(i));
@@ -329,7 +328,7 @@ void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
       for (int j = 0; j < width_; ++j) row[j] += weight * multiplier[j];
     }
     for (int j = 0; j < width_; ++j) size = std::max(size, std::abs(row[j]));
-    law_error_ = std::max(law_error_, kRounding * (U_size_[i] + weights * size_) / size);
+    law_error_ = std::max(law_error_, program_.rounding * (U_size_[i] + weights * size_) / size);
   }
 }
 
@@ -383,7 +382,7 @@ bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double
     const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
     double slack = at(D_.data() + static_cast<std::size_t>(i) * width_);
     for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
-    const double noise = kRounding * (D_size_[i] + size_);
+    const double noise = program_.rounding * (D_size_[i] + size_);
     if (slack > kClear * scale + kErrorMargin * noise) continue;
     slackRow(active, i);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);

@@ -111,21 +111,23 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
     enter(active, facet.origin.index, sets);
     return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
   }
-  if (changes.size() == 1) {
-    if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
-      sets.push_back(without(active, facet.origin.index));
-      return Crossing::kSingle;
-    }
-    std::vector<double> weights;
-    if (!depends(active, facet.origin.index, weights)) {
-      sets.push_back(with(active, facet.origin.index));
-      return Crossing::kSingle;
-    }
-    exchange(active, facet.origin.index, sets);
-    return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
+  if (changes.size() > 1) {
+    combine(active, changes, sets);
+    return Crossing::kDegenerate;
   }
-  combine(active, changes, sets);
-  return Crossing::kDegenerate;
+  Crossing crossing = Crossing::kSingle;
+  std::vector<double> weights;
+  if (facet.origin.kind == RowOrigin::Kind::kMultiplier) {
+    sets.push_back(without(active, facet.origin.index));
+  } else if (!depends(active, facet.origin.index, weights)) {
+    sets.push_back(with(active, facet.origin.index));
+  } else {
+    exchange(active, facet.origin.index, sets);
+    if (sets.empty()) return Crossing::kEdge;
+    crossing = Crossing::kDegenerate;
+  }
+  // Rows that are tight all over the region without a multiplier may get one beyond the facet.
+  return idle_.empty() ? crossing : Crossing::kDegenerate;
 }
 
 // Several rows change at once in the facet: every combination of the changes is a candidate, and every

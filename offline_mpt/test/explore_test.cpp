@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <atomic>
 #include <random>
 
@@ -118,6 +119,32 @@ TEST(Explore, DuplicateAndScaledRowsChangeNothing) {
   doubled.S << program.S, 2.5 * program.S;
   doubled.b << program.b, 2.5 * program.b;
   EXPECT_EQ(explore(doubled).regions.size(), explore(program).regions.size());
+}
+
+// A row that touches the unconstrained minimiser everywhere is active beyond the facets only.
+TEST(Explore, RowsThatAreTightWithoutAMultiplierAreFollowed) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    ParametricProgram program = randomProgram(3, 10, 2, seed);
+    const Eigen::LDLT<Eigen::MatrixXd> H(program.H);
+    program.b(9) = -program.A.row(9).dot(H.solve(program.f));
+    program.S.row(9) = -program.A.row(9) * H.solve(program.F);
+    const Partition partition = explore(program);
+    ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+    DenseQp qp(program.H, program.A);
+    std::mt19937_64 random(seed);
+    for (int k = 0; k < 300; ++k) {
+      const Eigen::VectorXd theta = randomTheta(2, random);
+      double u = 0.0;
+      if (!solveAt(program, qp, theta, u)) continue;
+      bool held = false;
+      for (const CriticalRegion& region : partition.regions) {
+        if ((region.G * theta - region.g).maxCoeff() > kInside) continue;
+        held = true;
+        EXPECT_NEAR((region.K * theta + region.k)(0), u, 1e-6) << program.name;
+      }
+      EXPECT_TRUE(held) << program.name << " " << theta.transpose();
+    }
+  }
 }
 
 TEST(Explore, OppositeInequalitiesAreAnEquality) {

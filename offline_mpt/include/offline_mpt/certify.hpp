@@ -66,7 +66,7 @@ struct CertifyReport {
   bool linear = false;
   std::vector<int>
       implied_equalities;         ///< inequalities that hold with equality wherever the program is feasible
-  std::vector<int> dropped_rows;  ///< rows that repeat others up to rounding; proven within 2^-30 of theirs
+  std::vector<int> dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
   std::vector<Defect> defects;    ///< by region, then row
   bool interrupted = false;
   std::string certificate;
