@@ -80,15 +80,12 @@ Symmetric weightOf(const HorizonStage& stage) noexcept {
 
 bool HorizonQp::recursion() noexcept {
   Symmetric P = weightOf(stages_[N_]);
+  double p[kStates];
+  for (int i = 0; i < kStates; ++i) p[i] = stages_[N_].q[i];
   for (int k = N_ - 1; k >= 0; --k) {
     const HorizonStage& s = stages_[k];
     Gain& gain = gains_[k];
-    const Column gap = times(P, {s.gap[0], s.gap[1], s.gap[2], s.gap[3], s.gap[4]});
-    gain.P_gap[kNorth] = gap.n;
-    gain.P_gap[kEast] = gap.e;
-    gain.P_gap[kHeading] = gap.h;
-    gain.P_gap[kRoll] = gap.r;
-    gain.P_gap[kRate] = gap.p;
+    const Column P_gap = times(P, {s.gap[0], s.gap[1], s.gap[2], s.gap[3], s.gap[4]});
     // Columns of A and B; those of n and e are unit vectors.
     const Column heading{s.n_psi, s.e_psi, 1.0, 0.0, 0.0};
     const Column bank{s.n_phi, s.e_phi, s.psi_phi, roll.phi_phi, roll.p_phi};
@@ -128,25 +125,16 @@ bool HorizonQp::recursion() noexcept {
     next.rp = dot(bank, P_rate) + K.r * BPA.p;
     next.pp = s.Q_p + dot(rate, P_rate) + K.p * BPA.p;
     P = next;
-  }
-  return true;
-}
 
-// The linear term of the cost to go, and with it the moves' constant part.
-void HorizonQp::linearPass() noexcept {
-  double* p = &adjoint_[kStates * N_];
-  for (int i = 0; i < kStates; ++i) p[i] = stages_[N_].q[i];
-  for (int k = N_ - 1; k >= 0; --k) {
-    const HorizonStage& stage = stages_[k];
-    const Gain& gain = gains_[k];
-    double y[kStates];
-    for (int i = 0; i < kStates; ++i) y[i] = p[i] + gain.P_gap[i];
-    const double h = stage.r + alongInput(stage, roll, y);
-    feedforward_[k] = -h * gain.inverse_D;
-    p -= kStates;
-    transposed(stage, roll, y, p);
-    for (int i = 0; i < kStates; ++i) p[i] += stage.q[i] + gain.K[i] * h;
+    // The linear term of the cost to go, and with it the move's constant part.
+    const double y[kStates] = {p[kNorth] + P_gap.n, p[kEast] + P_gap.e, p[kHeading] + P_gap.h,
+                               p[kRoll] + P_gap.r, p[kRate] + P_gap.p};
+    const double h = s.r + alongInput(s, roll, y);
+    feedforward_[k] = -h * inverse_D;
+    transposed(s, roll, y, p);
+    for (int i = 0; i < kStates; ++i) p[i] += s.q[i] + gain.K[i] * h;
   }
+  return std::isfinite(dot(p, p));
 }
 
 void HorizonQp::rollOut(const double* x_0) noexcept {

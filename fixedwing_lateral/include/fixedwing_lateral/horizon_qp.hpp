@@ -90,11 +90,9 @@ class HorizonQp {
   struct Gain {
     double K[5];       // u = K x + feedforward
     double inverse_D;  // of the curvature along u
-    double P_gap[5];   // P_{k+1} gap_k
   };
 
   bool recursion() noexcept;
-  void linearPass() noexcept;
   void rollOut(const double* x_0) noexcept;
   void followMoves(const double* x_0) noexcept;
   void respond(int channel) noexcept;
@@ -130,7 +128,6 @@ class HorizonQp {
   std::vector<Gain> gains_;
   std::vector<double> feedforward_;
   std::vector<double> feedforward_response_;
-  std::vector<double> adjoint_;      // 5 (N + 1)
   std::vector<double> x_;            // 5 (N + 1)
   std::vector<double> free_value_;   // of the channels, without multipliers
   std::vector<double> value_;        // of the channels
