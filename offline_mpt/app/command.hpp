@@ -23,6 +23,7 @@ void addReduce(CLI::App& app, ExitCode& exit_code);
 void addPlot(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
+void addBounds(CLI::App& app, ExitCode& exit_code);
 
 /// A flag that SIGINT and SIGTERM set from now on. The second signal ends the program at once.
 const std::atomic<bool>& stopOnSignal();

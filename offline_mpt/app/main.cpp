@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   polyfly::addPlot(app, exit_code);
   polyfly::addAnalyze(app, exit_code);
   polyfly::addSet(app, exit_code);
+  polyfly::addBounds(app, exit_code);
   if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
     return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());
   }

@@ -1,0 +1,62 @@
+#include <cstdio>
+#include <memory>
+
+#include "command.hpp"
+#include "csv.hpp"
+#include "robust_mpc/disturbance_bounds.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "FLIGHT has one row for each sampling time of the problem: its states and inputs, under their names. A "
+    "row with a\n"
+    "NaN splits the flight. The range of each channel is between order statistics of the disturbances that "
+    "explain each\n"
+    "step; it needs no distribution, but independent samples: choose --every so that they are.\n"
+    "\n"
+    "Example:\n"
+    "  offline_mpt bounds aslquad_lateral.yaml hover.csv figure.csv --coverage 0.999 --every 5";
+
+struct Options {
+  std::string problem;
+  std::vector<std::string> flights;
+  std::string json;
+  BoundsOptions bounds;
+};
+
+ExitCode bound(const Options& options) {
+  if (!options.json.empty()) checkWritable(options.json);
+  const RobustProblem problem = loadRobustProblem(options.problem);
+  std::vector<std::string> names;
+  for (const auto* signals : {&problem.states, &problem.inputs}) {
+    for (const Signal& signal : *signals) names.push_back(signal.name);
+  }
+  std::vector<std::vector<std::vector<double>>> flights;
+  for (const std::string& path : options.flights) flights.push_back(readCsv(path, names));
+  const DisturbanceBounds bounds = boundDisturbances(problem, flights, options.bounds);
+  if (!options.json.empty()) writeText(options.json, boundsJson(bounds, options.bounds));
+  std::fputs(boundsText(bounds, options.bounds).c_str(), stdout);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+void addBounds(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("bounds", "Ranges of the disturbances of a robust MPC from recorded flights");
+  command->footer(kFooter);
+  command->add_option("PROBLEM", options->problem, "problem file of type robust_mpc")->required();
+  command->add_option("FLIGHT", options->flights, "CSV files")->required();
+  command->add_option("--coverage", options->bounds.coverage, "share of disturbances that a range shall hold")
+      ->capture_default_str();
+  command->add_option("--confidence", options->bounds.confidence, "of that")->capture_default_str();
+  command->add_option("--every", options->bounds.every, "steps between samples that count as independent")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--json", options->json, "write the result as JSON");
+  command->callback([options, &exit_code] { exit_code = bound(*options); });
+}
+
+}  // namespace polyfly
