@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "mpc_core/qp_kernels.hpp"
 #include "mpc_core_allocations.hpp"
 #include "mpc_core_support.hpp"
 
@@ -283,6 +284,22 @@ TEST(BoundedQp, TouchingBoundsWithZeroMultipliersEnd) {
   }
 }
 
+TEST(BoundedQp, IllConditionedProblemsAreRefined) {
+  std::mt19937_64 random(12);
+  for (int round = 0; round < 60; ++round) {
+    Qp qp = randomQp(20, round % 2 == 0 ? 0 : 6, 0.5, random);
+    const Eigen::MatrixXd Q = gaussian(20, 20, random).householderQr().householderQ();
+    Eigen::VectorXd eigenvalues(20);
+    for (int i = 0; i < 20; ++i) eigenvalues(i) = std::pow(10.0, -4.0 + 0.4 * i);
+    qp.H = Q * eigenvalues.asDiagonal() * Q.transpose();
+    qp.H = (0.5 * (qp.H + qp.H.transpose())).eval();
+    qp.g = -qp.H * gaussian(20, 1, random);
+    BoundedQp solver = solverFor(qp, round % 3 == 0);
+    ASSERT_EQ(solver.solve(qp.vectors()), QpStatus::kOptimal) << "round " << round;
+    EXPECT_LT(kktResidual(qp, solver), tolerance(qp)) << "round " << round;
+  }
+}
+
 TEST(BoundedQp, StopsEarlyInsideTheBox) {
   std::mt19937_64 random(8);
   int stopped = 0;
@@ -342,6 +359,38 @@ TEST(BoundedQp, NeverAllocates) {
   EXPECT_EQ(polyfly_test::allocationCount(), before);
   EXPECT_EQ(cold, QpStatus::kOptimal);
   EXPECT_EQ(warm, QpStatus::kOptimal);
+}
+
+/// All that the kernels make of one matrix, with the factor checked against Eigen's.
+std::vector<double> kernelResults(const QpKernels& kernels, int n, const Eigen::MatrixXd& H) {
+  Eigen::MatrixXd factor = H;
+  std::vector<double> blocks(static_cast<std::size_t>(n / kPack * kBlockInverse));
+  EXPECT_EQ(kernels.factorise(factor.data(), n, n, 1e-15, blocks.data()), n);
+  const Eigen::MatrixXd lower = factor.triangularView<Eigen::Lower>();
+  EXPECT_LT((lower * lower.transpose() - H).cwiseAbs().maxCoeff(), 1e-10 * H.cwiseAbs().maxCoeff());
+  Eigen::VectorXd x = H.col(0), sums = H.col(1), gradient = H.col(n - 1);
+  kernels.solveLower(factor.data(), blocks.data(), n, n, x.data());
+  kernels.solveUpper(factor.data(), blocks.data(), n, n, x.data());
+  EXPECT_LT((x - Eigen::VectorXd::Unit(n, 0)).cwiseAbs().maxCoeff(), 1e-8);
+  kernels.addColumns(H.data(), n, n, nullptr, n, gradient.data(), sums.data());
+  kernels.addMultiple(n, 0.3, x.data(), sums.data());
+  sums(0) += kernels.dot(n, sums.data(), H.data());
+  const Eigen::VectorXd lower_bound = Eigen::VectorXd::Constant(n, -0.1), upper_bound = -lower_bound;
+  kernels.sweep(H.data(), n, n, n, lower_bound.data(), upper_bound.data(), gradient.data(), x.data());
+  std::vector<double> results(blocks);
+  for (const Eigen::VectorXd& vector : {x, sums, gradient}) {
+    results.insert(results.end(), vector.data(), vector.data() + n);
+  }
+  results.insert(results.end(), lower.data(), lower.data() + lower.size());
+  return results;
+}
+
+TEST(QpKernels, GiveTheSameBitsOnEveryProcessor) {
+  std::mt19937_64 random(10);
+  for (int n = kPack; n <= 64; n += kPack) {
+    const Qp qp = randomQp(n, 0, 1.0, random);
+    EXPECT_EQ(kernelResults(qpKernels(), n, qp.H), kernelResults(plainQpKernels(), n, qp.H)) << n;
+  }
 }
 
 class ReferenceQps : public testing::TestWithParam<const char*> {};

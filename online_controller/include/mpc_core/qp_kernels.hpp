@@ -35,4 +35,7 @@ constexpr int wholePacks(int n) { return (n + kPack - 1) / kPack * kPack; }
 /// in the same order, and none fuses a product with a sum.
 const QpKernels& qpKernels() noexcept;
 
+/// The version for any processor.
+const QpKernels& plainQpKernels() noexcept;
+
 }  // namespace polyfly

@@ -75,7 +75,7 @@ bool BoundedQp::dualIsCheaper() const noexcept {
   const double f = free_count_;
   const double rows = working_count_ - bound_count_;
   double missing = has_base_ || partial_ >= 0 ? 0.0 : 1.0;
-  for (int j = 0; j < working_count_; ++j) {
+  for (int j = constant_ ? bound_count_ : 0; j < working_count_; ++j) {
     if (!has_inverse_[static_cast<std::size_t>(working_[static_cast<std::size_t>(j)])]) missing += 1.0;
   }
   const double dual = missing * n * n + k * k * k / 6.0 + k * k * (1.0 + rows) + k * n;

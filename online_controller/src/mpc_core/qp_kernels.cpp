@@ -35,6 +35,8 @@ namespace avx2 {
 
 }  // namespace
 
+const QpKernels& plainQpKernels() noexcept { return plain::kKernels; }
+
 const QpKernels& qpKernels() noexcept {
 #if defined(__x86_64__)
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
