@@ -54,6 +54,8 @@ const std::vector<KnownType>& knownTypes() {
   return types;
 }
 
+constexpr int kTruthRank = 10;  // added to that of the type
+
 bool endsWith(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() &&
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
@@ -154,7 +156,9 @@ class Collector {
         if (!isChosen(use.signal)) uses.push_back(use);
       }
       const bool odometry = std::string(known.type) == "nav_msgs/Odometry";
-      sources.push_back(source(connection, uses, odometry, known.rank));
+      // What a simulator knows is not what a controller saw.
+      const bool truth = connection.topic.find("ground_truth") != std::string::npos;
+      sources.push_back(source(connection, uses, odometry, known.rank + (truth ? kTruthRank : 0)));
       break;
     }
     if (sources.empty()) return false;

@@ -64,13 +64,18 @@ class BagSignalsTest : public testing::Test {
   ~BagSignalsTest() override { fs::remove(path_); }
 
   // A made flight on the given topics; `clock` is added to the headers' time after half of it.
-  void writeFlight(const std::vector<std::string>& vehicles, double clock = 0.0, bool shuffled = false) {
+  void writeFlight(const std::vector<std::string>& vehicles, double clock = 0.0, bool shuffled = false,
+                   const std::string& also = "") {
     const LoopRecord record = test::makeFlight({}, 1);
     MadeBag bag;
     for (const std::string& vehicle : vehicles) {
       const auto command = bag.connect(vehicle + "/command/roll_pitch_yawrate_thrust",
                                        "mav_msgs/RollPitchYawrateThrust", kCommand);
       const auto odometry = bag.connect(vehicle + "/odometry", "nav_msgs/Odometry", kOdometry);
+      if (!also.empty()) {
+        bag.write(bag.connect(vehicle + also + "/odometry", "nav_msgs/Odometry", kOdometry), kStart,
+                  odometryMessage(kStart, 0.0));
+      }
       // All commands of a chunk come before its odometry: out of order if shuffled.
       std::size_t next = 0;
       for (std::size_t i = 0; i < record.response.time.size(); ++i) {
@@ -153,6 +158,11 @@ TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
   BagSignalOptions options;
   options.topics = {"/two/odometry", "/two/command/roll_pitch_yawrate_thrust"};
   EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("roll"), "/two/odometry");
+}
+
+TEST_F(BagSignalsTest, TakesASimulatorsTruthLast) {
+  writeFlight({"/firefly"}, 0.0, false, "/ground_truth");
+  EXPECT_EQ(signalsFromBag(path_, {}).signals.origin.at("roll"), "/firefly/odometry");
 }
 
 TEST_F(BagSignalsTest, TakesSignalsFromChosenFields) {

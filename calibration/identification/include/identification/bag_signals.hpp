@@ -25,10 +25,10 @@ struct BagSignals {
 
 /// Finds the signals by the messages' types: commands in mav_msgs/RollPitchYawrateThrust, or in
 /// geometry_msgs/PoseStamped on a topic called attitude with std_msgs/Float64 on one called throttle or
-/// thrust; measurements in nav_msgs/Odometry (twist in the body's frame), else in sensor_msgs/Imu. Times are
-/// those of the headers, where there are any; where a header's clock jumps against the recorder's, the
-/// recorder's. Throws Error naming file, topic and rule: two topics for one signal, a chosen topic or field
-/// that is not there, no bag.
+/// thrust; measurements in nav_msgs/Odometry (twist in the body's frame), else in sensor_msgs/Imu, last on
+/// topics of a ground_truth. Times are those of the headers, where there are any; where a header's clock
+/// jumps against the recorder's, the recorder's. Throws Error naming file, topic and rule: two topics for one
+/// signal, a chosen topic or field that is not there, no bag.
 BagSignals signalsFromBag(const std::string& path, const BagSignalOptions& options);
 
 }  // namespace polyfly
