@@ -128,6 +128,9 @@ AxisValidation validateAxis(const std::vector<ReplaySample>& samples, const Regi
     }
   }
   axis.visited = visited.size();
+  for (std::uint32_t region = 0; region < axis.regions; ++region) {
+    if (visited.count(region) == 0) axis.never_visited.push_back(region);
+  }
   axis.qp = qp.result();
   axis.qp_compared = qp.count();
   axis.tracking = tracking.result();
@@ -286,6 +289,12 @@ void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport
 
 std::size_t ValidationReport::regionCount() const {
   return axes[0].regions + axes[1].regions + axes[2].regions;
+}
+
+std::pair<double, double> ParameterUse::proposedRange() const {
+  constexpr double kBeyond = 0.1;  // of the range that was met
+  const double more = kBeyond * (greatest - least);
+  return {least < lower ? least - more : lower, greatest > upper ? greatest + more : upper};
 }
 
 std::size_t ValidationReport::visitedCount() const {

@@ -31,6 +31,9 @@ Json json(const ParameterUse& use) {
   out["least"] = use.least;
   out["greatest"] = use.greatest;
   out["outside"] = use.outside;
+  out["margin"] = use.margin();
+  const auto [lower, upper] = use.proposedRange();
+  out["proposed_range"] = {lower, upper};
   return out;
 }
 
@@ -41,6 +44,7 @@ Json json(const AxisValidation& axis) {
   out["input_unit"] = axis.input_unit;
   out["regions"] = axis.regions;
   out["regions_visited"] = axis.visited;
+  out["regions_never_visited"] = axis.never_visited;
   out["samples"] = axis.samples;
   out["inside"] = axis.inside;
   out["outside_box"] = axis.outside_box;
@@ -106,7 +110,8 @@ void writeAxis(const AxisValidation& axis, std::ostream& out) {
     for (const ParameterUse& use : axis.parameters) {
       if (use.outside == 0) continue;
       out << "    " << use.name << " out of " << use.lower << " .. " << use.upper << " " << use.unit << " in "
-          << use.outside << " samples (went from " << use.least << " to " << use.greatest << ")\n";
+          << use.outside << " samples (went from " << use.least << " to " << use.greatest << "); range: ["
+          << use.proposedRange().first << ", " << use.proposedRange().second << "] would have held it\n";
     }
   }
   out << "    explicit against online: at most " << axis.qp.max << " " << axis.input_unit << " over "

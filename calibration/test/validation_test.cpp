@@ -79,6 +79,17 @@ TEST_F(Validation, countsSamplesOutsideByTheirParameter) {
   ASSERT_EQ(report.axes[0].parameters[0].name, "e_p_x");
   EXPECT_EQ(report.axes[0].parameters[0].outside, kAway);
   EXPECT_GT(report.axes[0].parameters[0].greatest, 1.9);
+  const ParameterUse& away = report.axes[0].parameters[0];
+  EXPECT_LT(away.margin(), 0.0);
+  EXPECT_GT(away.proposedRange().second, away.greatest);
+  EXPECT_EQ(away.proposedRange().first, away.lower);
+  for (const AxisValidation& axis : report.axes) {
+    EXPECT_EQ(axis.never_visited.size() + axis.visited, axis.regions);
+    for (const ParameterUse& use : axis.parameters) {
+      EXPECT_LE(use.proposedRange().first, use.lower);
+      EXPECT_GE(use.proposedRange().second, use.upper);
+    }
+  }
   EXPECT_EQ(report.statuses.replayed[static_cast<std::size_t>(ControlStatus::kClipped)], kAway);
   const auto broken = brokenThresholds(report, {});
   ASSERT_EQ(broken.size(), 1u);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/flight_log.hpp"
@@ -22,6 +24,12 @@ struct ParameterUse {
   double least = 0.0;  ///< met in flight [unit]
   double greatest = 0.0;
   std::size_t outside = 0;  ///< samples beyond the range
+
+  /// Distance from what was met to the nearer end of the range; negative beyond it [unit].
+  double margin() const { return std::min(least - lower, upper - greatest); }
+  /// The range that would have held the flight: as it is, or, where an end was passed, a tenth of what was
+  /// met beyond.
+  std::pair<double, double> proposedRange() const;
 };
 
 /// Greatest and root-mean-square difference of two series.
@@ -37,8 +45,9 @@ struct AxisValidation {
   std::string input_unit;
   std::string map_path;
   std::size_t regions = 0;
-  std::size_t visited = 0;  ///< different regions that held a sample
-  std::size_t samples = 0;  ///< samples with a reference
+  std::size_t visited = 0;                   ///< different regions that held a sample
+  std::vector<std::uint32_t> never_visited;  ///< the others, by their number in the map
+  std::size_t samples = 0;                   ///< samples with a reference
   std::size_t inside = 0;
   std::size_t outside_box = 0;        ///< a parameter out of its range
   std::size_t outside_partition = 0;  ///< in range, but in no region
