@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace polyfly {
 namespace {
@@ -20,7 +19,7 @@ double greatest(const ScenarioRow& row) {
 }  // namespace
 
 ScenarioLp::ScenarioLp(int variables, int parameters, std::vector<ScenarioRow> rows)
-    : n_(variables), h_(parameters), rows_(std::move(rows)), simplex_(variables, parameters) {
+    : n_(variables), rows_(std::move(rows)), simplex_(variables, parameters) {
   for (ScenarioRow& row : rows_) {
     const double scale = greatest(row) > 0.0 ? 1.0 / greatest(row) : 1.0;
     scale_.push_back(scale);
@@ -81,8 +80,7 @@ void ScenarioLp::forget() {
   const int limit = kRowsPerVariable * n_;
   if (simplex_.rowCount() <= limit || !simplex_.dropSlackest(limit / 2)) return;
   std::map<Scenario, int> kept;
-  std::vector<Scenario> scenarios = scenarios_;
-  for (const int tag : simplex_.tags()) kept.emplace(scenarios[static_cast<std::size_t>(tag)], tag);
+  for (const int tag : simplex_.tags()) kept.emplace(scenarios_[static_cast<std::size_t>(tag)], tag);
   tags_ = std::move(kept);
 }
 

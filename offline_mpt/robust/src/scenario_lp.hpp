@@ -52,7 +52,6 @@ class ScenarioLp {
   void forget();
 
   int n_;
-  int h_;
   std::vector<ScenarioRow> rows_;
   std::vector<double> scale_;
   std::vector<Scenario> scenarios_;  // by tag

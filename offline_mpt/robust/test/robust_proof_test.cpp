@@ -56,7 +56,7 @@ TEST(RobustProof, ProvesRightMaps) {
   }
 }
 
-// Sect. 5 of the method: four steps are enough for the chapter's axis, three are not.
+// Four steps are enough for this axis, three are not.
 TEST(RobustProof, ShowsWhereFeasibilityIsLost) {
   MadeRobust made;
   made.horizon = 3;
