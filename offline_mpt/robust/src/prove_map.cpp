@@ -140,6 +140,9 @@ class Comparison {
 }  // namespace
 
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem, const ProveOptions& options) {
+  if (map.reducedFrom() != 0)
+    throw Error(map.path() +
+                ": is a reduced map: prove the one that it was made from, and then --reduced-from");
   const RobustProgram program = buildRobustProgram(problem);
   ProjectOptions project;
   project.threads = options.threads;

@@ -165,6 +165,10 @@ TEST(RobustProof, RefusesChangedMaps) {
   shorter.parameters[0].upper = 1.0;
   const MapInMemory other(shorter);
   EXPECT_THROW(proveRobustMap(other.map(), solved.problem), Error);
+  MapContent reduced = content;
+  reduced.reduced_from = 1;
+  const MapInMemory fewer(reduced);
+  EXPECT_THROW(proveRobustMap(fewer.map(), solved.problem), Error);
 }
 
 TEST(RobustProof, SamplesAgreeAndSeeAWrongLaw) {

@@ -61,7 +61,7 @@ struct ProveOptions {
 };
 
 /// Computes the exact law of `problem` anew, proves it, and compares the map with it. Throws Error when the
-/// map is not of this problem (names, units, boxes), or the work was stopped.
+/// map is not of this problem (names, units, boxes), is a reduced one, or the work was stopped.
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
                            const ProveOptions& options = {});
 
