@@ -47,13 +47,13 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
   } else if (key == "convexity") {
     regularisation_ = line.real();
     penalty_ = line.real();
-  } else if (key == "equalities" || key == "dropped" || key == "basis") {
+  } else if (key == "equalities" || key == "dropped" || key == "relaxed" || key == "basis") {
     for (std::size_t k = line.count(kMany); k > 0; --k) {
       const std::size_t row = line.count(kMany);
       if (key == "basis") {
         basis_.push_back(row);
       } else {
-        (key == "dropped" ? dropped_ : equalities_).insert(row);
+        (key == "dropped" ? dropped_ : key == "relaxed" ? relaxed_ : equalities_).insert(row);
       }
     }
   } else if (key == "implied") {
@@ -130,7 +130,7 @@ void Certificate::checkSizes() {
   }
   linear_ = std::all_of(data("H").entries.begin(), data("H").entries.end(),
                         [](const Fraction& h) { return h == 0; });
-  for (const auto* rows : {&equalities_, &dropped_})
+  for (const auto* rows : {&equalities_, &dropped_, &relaxed_})
     require(rows->empty() || *rows->rbegin() < m_, "no such row");
   require(claims_.size() >= map_.regions.size() && !map_.regions.empty(), "regions are missing");
 }
@@ -148,6 +148,8 @@ std::string Certificate::conditions() const {
         std::to_string(slivers) + " slivers are left to the regions about them, within the same distance\n";
   if (linear_) text += "linear program: of several optima the shortest\n";
   if (regularisation_ > 0) text += "of H with something added to its diagonal, as the certificate states\n";
+  if (!relaxed_.empty())
+    text += std::to_string(relaxed_.size()) + " rows have bounds that are greater by 2^-40 of their size\n";
   if (!dropped_.empty())
     text += std::to_string(dropped_.size()) + " rows hold within 2^-30 of their size only\n";
   return text;
@@ -202,6 +204,17 @@ Vector Certificate::affine(const std::string& matrix, const std::string& vector,
   return result;
 }
 
+/// b + S theta of a row in t, greater where the row is relaxed.
+Vector Certificate::bound(std::size_t row) const {
+  constexpr unsigned long kRelaxedBits = 40;
+  Vector result = affine("S", "b", row, 1);
+  if (relaxed_.count(row) == 0) return result;
+  Fraction greatest;
+  for (std::size_t j = 0; j < n_; ++j) greatest = std::max(greatest, Fraction(abs(data("A").at(row, j))));
+  result.back() += greatest / Fraction(Integer(1) << kRelaxedBits);
+  return result;
+}
+
 /// Equalities, convexity: what holds for the program as a whole.
 void Certificate::checkProgram() const {
   std::set<std::size_t> allowed = equalities_;
@@ -218,6 +231,7 @@ void Certificate::checkProgram() const {
   }
   for (const std::size_t row : basis_) require(allowed.count(row) > 0, "a row is no equality");
   for (const std::size_t row : dropped_) require(allowed.count(row) == 0, "an equality is dropped");
+  for (const std::size_t row : relaxed_) require(allowed.count(row) == 0, "an equality is relaxed");
   require(regularisation_ >= 0 && penalty_ >= 0, "convexity: negative");
   if (linear_) return;
   Matrix H = data("H");

@@ -64,6 +64,7 @@ class Certificate {
   void checkSizes();
   void checkProgram() const;
   Vector affine(const std::string& matrix, const std::string& vector, std::size_t row, int sign) const;
+  Vector bound(std::size_t row) const;
   std::set<std::size_t> activeSet(std::size_t index) const;
   Region describe(std::size_t index) const;
   void addSlacks(const std::vector<Row>& z, const Integer& determinant, const std::set<std::size_t>& used,
@@ -85,7 +86,7 @@ class Certificate {
 
   const Map& map_;
   std::map<std::string, Matrix> data_;
-  std::set<std::size_t> equalities_, dropped_;
+  std::set<std::size_t> equalities_, dropped_, relaxed_;
   std::vector<std::size_t> basis_;
   std::vector<Weights> implied_;
   Fraction law_tolerance_, plane_tolerance_, regularisation_, penalty_;

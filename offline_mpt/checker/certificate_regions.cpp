@@ -138,8 +138,8 @@ Region Certificate::describe(std::size_t index) const {
       for (std::size_t j = 0; j < width; ++j) equation[size + (linear_ ? width : 0) + j] = -cost[j];
     } else {
       for (std::size_t j = 0; j < n_; ++j) equation[j] = data("A").at(rows[i - n_], j);
-      const Vector bound = affine("S", "b", rows[i - n_], 1);
-      std::copy(bound.begin(), bound.end(), equation.begin() + static_cast<std::ptrdiff_t>(size));
+      const Vector own = bound(rows[i - n_]);
+      std::copy(own.begin(), own.end(), equation.begin() + static_cast<std::ptrdiff_t>(size));
     }
     system.push_back(primitive(equation));
   }
@@ -172,8 +172,8 @@ void Certificate::addSlacks(const std::vector<Row>& z, const Integer& determinan
     if (used.count(i) > 0) continue;
     Vector coefficients(data("A").entries.begin() + static_cast<std::ptrdiff_t>(i * n_),
                         data("A").entries.begin() + static_cast<std::ptrdiff_t>((i + 1) * n_));
-    const Vector bound = affine("S", "b", i, 1);
-    coefficients.insert(coefficients.end(), bound.begin(), bound.end());
+    const Vector own = bound(i);
+    coefficients.insert(coefficients.end(), own.begin(), own.end());
     const Row row = primitive(coefficients);
     Row slack;
     for (std::size_t j = 0; j <= p_; ++j) {
@@ -386,7 +386,7 @@ void Certificate::checkEdge(Line& line, const Row& plane) const {
         equalities_.count(row) > 0 || std::find(basis_.begin(), basis_.end(), row) != basis_.end();
     require(any_sign || weight >= 0, "an edge has a negative weight");
     for (std::size_t j = 0; j < n_; ++j) sum[j] += weight * data("A").at(row, j);
-    const Vector own = affine("S", "b", row, 1);
+    const Vector own = this->bound(row);
     for (std::size_t j = 0; j <= p_; ++j) bound[j] += weight * own[j];
   }
   for (const Fraction& value : sum) require(value == 0, "an edge's rows do not cancel");

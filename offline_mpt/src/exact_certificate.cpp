@@ -74,6 +74,7 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
     text += "\n";
   }
   appendList("dropped", adjustment.dropped, text);
+  appendList("relaxed", adjustment.relaxed, text);
   text += "convexity " + hex(adjustment.regularisation) + " " + hex(adjustment.penalty) + "\n";
   text += "regions " + std::to_string(map.regionCount()) + "\n";
   return text;

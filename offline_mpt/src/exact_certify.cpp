@@ -102,6 +102,7 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
   report.regularisation = adjustment.regularisation;
   report.linear = program.linear;
   report.dropped_rows = adjustment.dropped;
+  report.relaxed_rows = adjustment.relaxed;
   for (const ZeroCombination& proof : adjustment.implied) {
     for (const auto& [row, weight] : proof) {
       const bool given =
@@ -163,24 +164,20 @@ bool surveyAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys)
                  [&](std::uint32_t r) { surveys[r] = surveyRegion(context, r); });
 }
 
-/// Rows whose slack is negative in regions that claim otherwise, although no region counts them as active:
-/// others may imply them up to rounding.
-std::vector<int> doubtfulRows(const std::vector<RegionSurvey>& surveys, const std::vector<char>& may_drop) {
+/// Rows whose slack is negative in regions that claim otherwise may hold there up to rounding: those that no
+/// region counts as active are dropped, the others relaxed. False where there are none.
+bool giveWay(const std::vector<RegionSurvey>& surveys, const std::vector<char>& may_drop,
+             const ExactProgram& program, Adjustment& adjustment) {
   std::set<int> rows;
-  for (const RegionSurvey& survey : surveys) {
-    for (const int row : survey.unlisted) {
-      if (may_drop[static_cast<std::size_t>(row)] != 0) rows.insert(row);
-    }
+  for (const RegionSurvey& survey : surveys) rows.insert(survey.unlisted.begin(), survey.unlisted.end());
+  for (const int row : rows) {
+    const auto at = static_cast<std::size_t>(row);
+    if (program.is_dropped[at] != 0 || program.in_basis[at] != 0 || program.is_equality[at] != 0)
+      return false;
+    (may_drop[at] != 0 ? adjustment.dropped : adjustment.relaxed).push_back(row);
   }
-  return {rows.begin(), rows.end()};
-}
-
-/// Whether a region's slack of a row that was dropped is less than what dropped rows may fall short.
-bool droppedRowFails(const std::vector<RegionSurvey>& surveys, const ExactProgram& program) {
-  return std::any_of(surveys.begin(), surveys.end(), [&](const RegionSurvey& survey) {
-    return std::any_of(survey.unlisted.begin(), survey.unlisted.end(),
-                       [&](int row) { return program.is_dropped[static_cast<std::size_t>(row)] != 0; });
-  });
+  std::sort(adjustment.dropped.begin(), adjustment.dropped.end());
+  return !rows.empty();
 }
 
 CertifyReport finish(const SurveyContext& context, const Adjustment& adjustment,
@@ -215,16 +212,16 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   const SurveyContext context{map, program, exact, options};
   std::vector<RegionSurvey> surveys;
   const bool finished = surveyAll(context, surveys);
-  const std::vector<int> doubtful = finished ? doubtfulRows(surveys, may_drop) : std::vector<int>();
-  if (doubtful.empty()) return finish(context, adjustment, surveys, !finished);
   Adjustment fewer = adjustment;
-  fewer.dropped.insert(fewer.dropped.end(), doubtful.begin(), doubtful.end());
-  std::sort(fewer.dropped.begin(), fewer.dropped.end());
+  if (!finished || !giveWay(surveys, may_drop, exact, fewer))
+    return finish(context, adjustment, surveys, !finished);
   const ExactProgram without(program, fewer);
   const SurveyContext second{map, program, without, options};
   std::vector<RegionSurvey> again;
   const bool settled = surveyAll(second, again);
-  if (settled && droppedRowFails(again, without)) return finish(context, adjustment, surveys, false);
+  const bool fails = std::any_of(again.begin(), again.end(),
+                                 [](const RegionSurvey& survey) { return !survey.unlisted.empty(); });
+  if (settled && fails) return finish(context, adjustment, surveys, false);
   return finish(second, fewer, again, !settled);
 }
 

@@ -85,7 +85,10 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
     for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
   }
   const std::vector<Rational> cost_values = affine(program.F, program.f, *this);
-  const std::vector<Rational> bound_values = affine(program.S, program.b, *this);
+  std::vector<Rational> bound_values = affine(program.S, program.b, *this);
+  for (const int row : adjustment.relaxed)
+    bound_values[row * (p + 1) + p] +=
+        Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
   long H_least = kNoBit, cost_least = kNoBit;
   for (const Rational& value : H_values) include(H_least, value);
   for (const Rational& value : cost_values) include(cost_least, value);

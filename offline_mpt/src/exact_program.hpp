@@ -17,6 +17,7 @@ struct Adjustment {
   double regularisation = 0.0;  ///< added to the diagonal of H
   double penalty = 0.0;         ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
   std::vector<int> dropped;     ///< inequalities that others imply up to rounding
+  std::vector<int> relaxed;     ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
   std::vector<int> basis;       ///< rows taken as equalities: independent, and all others follow from them
   std::vector<ZeroCombination> implied;  ///< why inequalities are among them
 };
@@ -58,6 +59,9 @@ struct ExactProgram {
 
 /// How far below zero a dropped row's slack may be, relative to the row's greatest entry: 2^-kDroppedBits.
 constexpr int kDroppedBits = 30;
+
+/// By how much a relaxed row's bound is greater, relative to the row's greatest entry: 2^-kRelaxedBits.
+constexpr int kRelaxedBits = 40;
 
 /// H, symmetric, with the regularisation, by rows.
 std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment);

@@ -112,6 +112,7 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
   for (const int row : result.report.dropped_rows) may_drop[row] = 1;
   Adjustment adjustment = adjust(program, may_drop);
   adjustment.dropped = result.report.dropped_rows;
+  adjustment.relaxed = result.report.relaxed_rows;
   const ExactProgram exact(program, adjustment);
   const SurveyContext context{map, program, exact, options};
   Found found;

@@ -494,6 +494,28 @@ TEST_F(SliverMutation, NoSliverMayBeMissing) {
   EXPECT_NE(refusal(sealed(without, map_), map_), "");
 }
 
+/// A map whose program counts with a row that is relaxed.
+class RelaxedMutation : public Mutation {
+ protected:
+  RelaxedMutation() : Mutation(touching(1)) {}
+};
+
+TEST_F(RelaxedMutation, RelaxedRowsAreCountedAsSuch) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  if (certificate_.find("\nrelaxed 0\n") != std::string::npos)
+    GTEST_SKIP() << "rounding left nothing to relax";
+  int tried = 0;
+  EXPECT_NE(refusalOfLines(
+                "relaxed ",
+                [](std::vector<std::string>& words) {
+                  words = {"relaxed", "0"};
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_EQ(tried, 1);
+}
+
 /// Certificates small enough to try every bit.
 class BitMutation : public Mutation {
  protected:

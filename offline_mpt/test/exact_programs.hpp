@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
 #include <random>
@@ -59,6 +60,15 @@ inline ParametricProgram nearlyDependent(double distance, unsigned seed) {
     program.A.row(i) = uniform(random) * program.A.row(i - 6) + uniform(random) * program.A.row((i - 5) % 6);
     for (int j = 0; j < 5; ++j) program.A(i, j) += distance * uniform(random);
   }
+  return program;
+}
+
+/// Its last row touches the unconstrained minimiser everywhere, up to rounding.
+inline ParametricProgram touching(unsigned seed) {
+  ParametricProgram program = randomProgram(3, 10, 2, seed);
+  const Eigen::LDLT<Eigen::MatrixXd> H(program.H);
+  program.b(9) = -program.A.row(9).dot(H.solve(program.f));
+  program.S.row(9) = -program.A.row(9) * H.solve(program.F);
   return program;
 }
 

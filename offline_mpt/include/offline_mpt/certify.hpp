@@ -65,9 +65,12 @@ struct CertifyReport {
   double regularisation = 0.0;      ///< added to the diagonal of a singular H, as the solver does
   bool linear = false;
   std::vector<int>
-      implied_equalities;         ///< inequalities that hold with equality wherever the program is feasible
-  std::vector<int> dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
-  std::vector<Defect> defects;    ///< by region, then row
+      implied_equalities;  ///< inequalities that hold with equality wherever the program is feasible
+  std::vector<int>
+      dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
+  std::vector<int> relaxed_rows;  ///< rows whose bounds count as greater by 2^-40 of their size: in some
+                                  ///< regions they are tight up to rounding
+  std::vector<Defect> defects;  ///< by region, then row
   bool interrupted = false;
   std::string certificate;
 
