@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "many_threads.hpp"
+#include "in_parallel.hpp"
 #include "region_maps/error.hpp"
 #include "whole_program.hpp"
 
@@ -177,8 +177,7 @@ class Projection {
     }
     std::vector<std::optional<FeasibleSet::Facet>> cuts(open.size());
     std::vector<char> by_program(open.size(), 0);
-    inManyThreads(open.size(), options_.threads, [&](std::size_t k) {
-      if (stopped()) return;
+    inParallel(open.size(), options_.threads, options_.stop, {}, [&](std::size_t, std::uint64_t k) {
       const HomogeneousPoint& y = *open[k].first;
       Tested& tested = *open[k].second;
       tested.prediction = whole_.predictionAt(y, tested.basis);
