@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "exact_arbiter.hpp"
 #include "in_parallel.hpp"
 #include "offline_mpt/partition.hpp"
 #include "offline_mpt/program_oracle.hpp"
@@ -42,6 +43,7 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   total.uniform += part.uniform;
   total.inside += part.inside;
   total.compared += part.compared;
+  total.settled += part.settled;
   total.infeasible += part.infeasible;
   total.borderline += part.borderline;
   total.max_error = std::max(total.max_error, part.max_error);
@@ -87,6 +89,7 @@ class Checker {
       : map_(map),
         options_(options),
         oracle_(program),
+        arbiter_(program),
         u_(program.inputCount()),
         hit_(map.regionCount(), 0) {}
 
@@ -123,7 +126,7 @@ class Checker {
     switch (answer.verdict) {
       case OracleAnswer::Verdict::kFeasible:
         report.oracle_residual = std::max(report.oracle_residual, answer.residual);
-        if (inside) compare(theta, answer, report);
+        if (inside) compare(theta, lookup.region, answer, report);
         if (!inside || search_differs)
           judgeByPlace(theta, inside ? report.tree_errors : report.missed, report);
         break;
@@ -225,11 +228,31 @@ class Checker {
     if (worst > options_.tolerance) note(report.overlaps, worst, theta);
   }
 
-  void compare(const Eigen::VectorXd& theta, const OracleAnswer& answer, VerifyReport& report) {
+  // Where doubles of the oracle and the map differ, the conditions of optimality are solved exactly for the
+  // region's active set. If they hold at theta, whatever the map says, theirs is the one right answer.
+  bool settle(const Eigen::VectorXd& theta, std::size_t index, double& error, double& scale) {
+    const RegionView region = map_.region(index);
+    Eigen::VectorXd u;
+    if (!arbiter_.optimal(theta, {region.active, region.active + region.active_count}, u)) return false;
+    error = (u_ - u).cwiseAbs().maxCoeff();
+    scale = std::max(1.0, u.cwiseAbs().maxCoeff());
+    return true;
+  }
+
+  void compare(const Eigen::VectorXd& theta, std::size_t region, const OracleAnswer& answer,
+               VerifyReport& report) {
     double error = 0.0, scale = 1.0;
     if (oracle_.strictlyConvex()) {
       error = (u_ - answer.u).cwiseAbs().maxCoeff();
       scale = std::max(1.0, answer.u.cwiseAbs().maxCoeff());
+      if (!(error <= options_.tolerance * scale)) {
+        if (settle(theta, region, error, scale)) {
+          ++report.settled;
+        } else if (oracle_.place(theta, options_.edge_tolerance) == ProgramOracle::Place::kEdge) {
+          ++report.borderline;  // where nothing need be feasible, a steep law and the oracle may well differ
+          return;
+        }
+      }
     } else {
       // u may be off by the tolerance, so rows give way by as much; that can only lower the objective.
       error = oracle_.objectiveWithOutput(theta, u_, options_.tolerance) - answer.objective;
@@ -252,6 +275,7 @@ class Checker {
   const RegionMap& map_;
   const VerifyOptions& options_;
   ProgramOracle oracle_;
+  ExactArbiter arbiter_;
   Eigen::VectorXd u_;
   std::vector<char> hit_;  // per region
 };

@@ -61,7 +61,9 @@ std::string verifyText(const VerifyReport& report) {
       << report.borderline << " (within " << report.edge_tolerance << " of half a range)\n";
   out << "regions hit        " << report.regions_hit << " of " << report.regions << "\n";
   if (report.mode == VerifyMode::kOutput) {
-    out << "compared           u, at " << report.compared << " samples\n";
+    out << "compared           u, at " << report.compared << " samples";
+    if (report.settled > 0) out << ", at " << report.settled << " of them in rational arithmetic";
+    out << "\n";
   } else {
     out << "compared           the best objective that u admits, at " << report.compared
         << " samples: the minimiser is not unique\n";
@@ -101,6 +103,7 @@ std::string verifyJson(const VerifyReport& report) {
   json["uniform"] = report.uniform;
   json["inside"] = report.inside;
   json["compared"] = report.compared;
+  json["settled_exactly"] = report.settled;
   json["infeasible"] = report.infeasible;
   json["borderline"] = report.borderline;
   json["max_error"] = report.max_error;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../src/exact_arbiter.hpp"
 #include "made_program.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
@@ -347,6 +348,30 @@ INSTANTIATE_TEST_SUITE_P(All, VerifyReference,
                                          "multirotor_N20", "rnd_n10_m20_t4", "rnd_n5_m40_t3",
                                          "rnd_n6_m20_t3"),
                          testName);
+
+// The last word where oracle and map differ: only the active set that is optimal at a parameter convinces it.
+TEST_F(Verify, ArbiterIsConvincedByTheOptimalActiveSetOnly) {
+  ExactArbiter arbiter(program);
+  for (const CriticalRegion& region : partition.regions) {
+    Eigen::VectorXd u;
+    ASSERT_TRUE(arbiter.optimal(region.centre, region.active, u));
+    EXPECT_LE((u - region.K * region.centre - region.k).cwiseAbs().maxCoeff(), 1e-11);
+    for (const CriticalRegion& other : partition.regions) {
+      if (&other == &region) continue;
+      EXPECT_FALSE(arbiter.optimal(region.centre, other.active, u));
+    }
+  }
+}
+
+// A law that is off must not be excused by it.
+TEST_F(Verify, ArbiterDoesNotExcuseAWrongLaw) {
+  const std::size_t width = content.parameters.size() + 1;
+  for (std::size_t i = width - 1; i < content.laws.size(); i += width) content.laws[i] += 1e-5;
+  const VerifyReport wrong = report();
+  EXPECT_FALSE(wrong.passed());
+  EXPECT_GT(wrong.errors.count, wrong.compared * 9 / 10);
+  EXPECT_GT(wrong.settled, 0u);
+}
 
 }  // namespace
 }  // namespace polyfly

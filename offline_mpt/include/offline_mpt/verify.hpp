@@ -46,8 +46,11 @@ struct VerifyReport {
   std::uint64_t samples = 0;  ///< tried
   std::uint64_t uniform =
       0;  ///< of them uniform in the box; the others near faces, edges, vertices and centres
-  std::uint64_t inside = 0;      ///< of them the map answers
-  std::uint64_t compared = 0;    ///< of them compared with the program
+  std::uint64_t inside = 0;    ///< of them the map answers
+  std::uint64_t compared = 0;  ///< of them compared with the program
+  /// Of `compared`: oracle and map differed by more than the tolerance, and the region's active set met the
+  /// conditions of optimality in rational arithmetic, so that its solution took the oracle's place.
+  std::uint64_t settled = 0;
   std::uint64_t infeasible = 0;  ///< the program has no solution there
   std::uint64_t borderline =
       0;                   ///< map and program differ, but within edge_tolerance of the feasible set's edge
