@@ -360,9 +360,9 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
                    "write MAP.checkpoint every so many seconds (default: 300; 0: at the end only)")
       ->check(CLI::NonNegativeNumber);
   command
-      ->add_option(
-          "--tree-nodes", options->tree_nodes,
-          "interior nodes that the search tree may have (default: 64 per region); each takes 12 bytes")
+      ->add_option("--tree-nodes", options->tree_nodes,
+                   "interior nodes that the search tree may have (default: 64 per region up to 131072, 2 per "
+                   "region beyond); each takes 12 bytes and time")
       ->check(CLI::PositiveNumber);
   command->add_flag("--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--force", options->force,

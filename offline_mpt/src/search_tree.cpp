@@ -10,14 +10,16 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kLarge = 1500;          // regions above which a tree is built more cheaply
-constexpr std::size_t kManyMembers = 200;     // members above which estimates are trusted
-constexpr std::size_t kMembersScored = 8192;  // that planes are scored by, evenly drawn from more
-constexpr std::size_t kHopeless = 64;         // planes tried before regions count as inseparable
-constexpr std::size_t kEntangled = 24;        // members above which a cell is split in any case
-constexpr double kLateDepth = 4.0;            // beyond that of a balanced tree
-constexpr double kRepeated = 1.6;             // members on both sides together, relative to those before
-constexpr double kNodesPerRegion = 64.0;      // the default budget
+constexpr std::size_t kLarge = 1500;           // regions above which a tree is built more cheaply
+constexpr std::size_t kManyMembers = 200;      // members above which estimates are trusted
+constexpr std::size_t kMembersScored = 8192;   // that planes are scored by, evenly drawn from more
+constexpr std::size_t kHopeless = 64;          // planes tried before regions count as inseparable
+constexpr std::size_t kEntangled = 24;         // members above which a cell is split in any case
+constexpr double kLateDepth = 4.0;             // beyond that of a balanced tree
+constexpr double kRepeated = 1.6;              // members on both sides together, relative to those before
+constexpr std::uint64_t kNodesPerRegion = 64;  // the default budget, but not more than kNodes,
+constexpr std::uint64_t kNodes = 131072;       // which take a minute or two,
+constexpr std::uint64_t kLeastPerRegion = 2;   // and not less than so many per region
 constexpr std::size_t kTasks = 32;  // a cell with one in so many of all regions is a task of its own
 constexpr std::uint32_t kPending = 1u << 30;  // marks the number of a task in place of a node's
 
@@ -43,7 +45,7 @@ TreeOptions decided(TreeOptions options, std::size_t regions) {
   if (options.leaf_regions <= 0) options.leaf_regions = large ? 6 : 4;
   if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
   if (options.node_limit == 0) {
-    options.node_limit = static_cast<std::uint64_t>(kNodesPerRegion * static_cast<double>(regions));
+    options.node_limit = std::max(std::min(kNodesPerRegion * regions, kNodes), kLeastPerRegion * regions);
   }
   return options;
 }
