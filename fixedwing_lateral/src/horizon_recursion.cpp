@@ -98,16 +98,16 @@ bool HorizonQp::recursion() noexcept {
     const Column P_input = times(P, input);
     const double D = s.R + dot(input, P_input);
     if (!(D > 0.0) || !std::isfinite(D)) return false;
-    const double inverse_D = 1.0 / D;
+    const double D_inverse = 1.0 / D;
     const Column BPA{P_input.n, P_input.e, dot(heading, P_input), dot(bank, P_input), dot(rate, P_input)};
-    const Column K{-inverse_D * BPA.n, -inverse_D * BPA.e, -inverse_D * BPA.h, -inverse_D * BPA.r,
-                   -inverse_D * BPA.p};
+    const Column K{-D_inverse * BPA.n, -D_inverse * BPA.e, -D_inverse * BPA.h, -D_inverse * BPA.r,
+                   -D_inverse * BPA.p};
     gain.K[kNorth] = K.n;
     gain.K[kEast] = K.e;
     gain.K[kHeading] = K.h;
     gain.K[kRoll] = K.r;
     gain.K[kRate] = K.p;
-    gain.inverse_D = inverse_D;
+    gain.D_inverse = D_inverse;
     Symmetric next;
     next.nn = s.Q_nn + P.nn + K.n * BPA.n;
     next.ne = s.Q_ne + P.ne + K.n * BPA.e;
@@ -130,7 +130,7 @@ bool HorizonQp::recursion() noexcept {
     const double y[kStates] = {p[kNorth] + P_gap.n, p[kEast] + P_gap.e, p[kHeading] + P_gap.h,
                                p[kRoll] + P_gap.r, p[kRate] + P_gap.p};
     const double h = s.r + alongInput(s, roll, y);
-    feedforward_[k] = -h * inverse_D;
+    feedforward_[k] = -h * D_inverse;
     transposed(s, roll, y, p);
     for (int i = 0; i < kStates; ++i) p[i] += s.q[i] + gain.K[i] * h;
   }
@@ -169,7 +169,7 @@ void HorizonQp::respond(int channel) noexcept {
   double y[kStates] = {0.0, 0.0, 0.0, is_move ? 0.0 : -1.0, 0.0};
   for (int k = last; k >= 0; --k) {
     const double h = alongInput(stages_[k], roll, y) - (is_move && k == last ? 1.0 : 0.0);
-    feedforward_response_[k] = -h * gains_[k].inverse_D;
+    feedforward_response_[k] = -h * gains_[k].D_inverse;
     double p[kStates];
     transposed(stages_[k], roll, y, p);
     for (int i = 0; i < kStates; ++i) y[i] = p[i] + gains_[k].K[i] * h;

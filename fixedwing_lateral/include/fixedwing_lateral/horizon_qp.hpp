@@ -89,7 +89,7 @@ class HorizonQp {
   enum class Place : std::uint8_t { kFree, kActive, kRelaxed };
   struct Gain {
     double K[5];       // u = K x + feedforward
-    double inverse_D;  // of the curvature along u
+    double D_inverse;  // of the curvature along u
   };
 
   bool recursion() noexcept;
