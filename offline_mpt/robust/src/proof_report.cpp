@@ -55,15 +55,16 @@ std::string proofText(const RobustProblem& problem, const RobustProof& proof) {
        << "  bounds and tau after one step, " << proof.steps
        << " vertices of region and disturbance: " << answer(!proof.broken_bound) << "\n";
   if (proof.broken_bound) describe(*proof.broken_bound, text);
-  text << "  feasibility is never lost: " << (proof.recursivelyFeasible() ? "proven" : "NO") << "\n";
+  text << "  feasibility is never lost within the box: " << (proof.recursivelyFeasible() ? "proven" : "NO")
+       << "\n";
   if (proof.lost) {
     describe(*proof.lost, text);
     if (problem.invariance == InvarianceRule::kNone)
       text << "    (invariance: first_step would make it hold)\n";
   }
   if (proof.box_excess > 0.0)
-    text << "  a successor may leave the box of a state without bounds, by " << proof.box_excess
-         << " of its half width: feasible there, but the map ends\n";
+    text << "  a successor may leave the box of the parameters, by " << proof.box_excess
+         << " of its half width: the map ends there\n";
   text << "  greatest difference from the exact solution: law " << proof.law_error << ", plane "
        << proof.plane_error << " (scaled)\n";
   for (std::size_t k = 0; k < proof.defects.size() && k < kDefectsShown; ++k)

@@ -126,7 +126,8 @@ class LawProof {
     proof_.covered = sum == proof_.volume;
   }
 
-  /// A facet of the domain that only says where the map ends: that of a state without bounds.
+  /// A facet of the domain that only says where the map ends. Where the box ends at a bound of the state,
+  /// checkBounds watches that.
   bool isOfExploration(const ExactHalfSpace& row) const {
     int entry = -1;
     for (int j = 0; j < np_; ++j) {
@@ -135,7 +136,7 @@ class LawProof {
       entry = j;
     }
     const int state = problem_.parameters[at(entry)].state;
-    if (state < 0 || problem_.state_ranges[at(state)]) return false;
+    if (state < 0) return false;
     const RobustProblem::Range& range = problem_.parameters[at(entry)].range;
     const Rational end = row.b / row.a[at(entry)];
     return end == range.lower || end == range.upper;

@@ -35,9 +35,9 @@ struct RobustProof {
   Rational volume;
   std::uint64_t steps = 0;                    ///< vertex of a region with vertex of the disturbances
   std::optional<RobustWitness> broken_bound;  ///< after one step
-  std::optional<RobustWitness> lost;          ///< a successor for which the program is infeasible
-  /// A successor may leave the box of a state that has no range of its own: by so much of the box's half
-  /// width. The program is feasible there, the map has no answer.
+  std::optional<RobustWitness> lost;  ///< a successor beyond what has a plan, not for the box of theta
+  /// A successor may leave the box of an error without breaking a bound, by so much of the box's half width:
+  /// the map has no answer there, and whether the program has is not decided.
   double box_excess = 0.0;
 
   std::vector<std::string> defects;  ///< of the map's numbers
