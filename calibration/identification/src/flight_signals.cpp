@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <regex>
 
 #include "interpolate.hpp"
 #include "region_maps/error.hpp"
@@ -14,32 +13,53 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kGravity = 9.8066;       // [m/s^2]
 constexpr double kThrustSmoothing = 0.1;  // half width of the mean over noisy accelerations [s]
 
-// How a signal may be called in a table; the first pattern that matches a column wins. `sign` turns z down
-// into z up.
+// How a signal may be called in a table: one of the stems, and one of the units behind it; any unit, or none,
+// where there is no list. The first pattern that matches a column wins. `sign` turns z down into z up.
 struct Pattern {
   const char* signal;
-  const char* columns;
-  double sign;
+  std::vector<const char*> stems;
+  std::vector<const char*> units;
+  double sign = 1.0;
 };
 
-constexpr Pattern kPatterns[] = {
-    {"roll_cmd", "roll_(cmd|ref|sp|des)_(rad|deg)", 1.0},
-    {"pitch_cmd", "pitch_(cmd|ref|sp|des)_(rad|deg)", 1.0},
-    {"yaw_rate_cmd", "yaw_?rate_(cmd|ref|sp|des)_(radps|degps)", 1.0},
-    {"thrust_cmd", "(thrust|throttle)_(cmd|ref|sp|out)(_[a-z0-9]+)?", 1.0},
-    {"roll", "roll(_vicon|_imu|_est)?_(rad|deg)", 1.0},
-    {"pitch", "pitch(_vicon|_imu|_est)?_(rad|deg)", 1.0},
-    {"yaw", "(yaw|heading)(_vicon|_imu|_est)?_(rad|deg)", 1.0},
-    {"yaw_rate", "(wz|gz|yaw_?rate)_(radps|degps)", 1.0},
-    {"specific_force_z", "az_mps2", 1.0},
-    {"vx", "vx_mps", 1.0},
-    {"vy", "vy_mps", 1.0},
-    {"vz", "vz_mps", 1.0},
-    {"vz", "vd_mps", -1.0},
-    {"vn", "vn_mps", 1.0},
-    {"ve", "ve_mps", 1.0},
-    {"airspeed", "(tas|ias|airspeed)_mps", 1.0},
-};
+const std::vector<Pattern>& patterns() {
+  static const std::vector<const char*> kAngle = {"rad", "deg"};
+  static const std::vector<const char*> kRate = {"radps", "degps"};
+  static const std::vector<const char*> kSpeed = {"mps"};
+  static const std::vector<Pattern> list = {
+      {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
+      {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
+      {"yaw_rate_cmd", {"yaw_rate_cmd", "yawrate_cmd", "yaw_rate_ref", "yaw_rate_sp", "yaw_rate_des"}, kRate},
+      {"thrust_cmd",
+       {"thrust_cmd", "thrust_ref", "thrust_sp", "thrust_out", "throttle_cmd", "throttle_ref", "throttle_sp",
+        "throttle_out"},
+       {}},
+      {"roll", {"roll", "roll_vicon", "roll_imu", "roll_est"}, kAngle},
+      {"pitch", {"pitch", "pitch_vicon", "pitch_imu", "pitch_est"}, kAngle},
+      {"yaw", {"yaw", "yaw_vicon", "yaw_imu", "yaw_est", "heading"}, kAngle},
+      {"yaw_rate", {"wz", "gz", "yaw_rate", "yawrate"}, kRate},
+      {"specific_force_z", {"az"}, {"mps2"}},
+      {"vx", {"vx"}, kSpeed},
+      {"vy", {"vy"}, kSpeed},
+      {"vz", {"vz"}, kSpeed},
+      {"vz", {"vd"}, kSpeed, -1.0},
+      {"vn", {"vn"}, kSpeed},
+      {"ve", {"ve"}, kSpeed},
+      {"airspeed", {"tas", "ias", "airspeed"}, kSpeed},
+  };
+  return list;
+}
+
+bool matches(const Pattern& pattern, const std::string& column) {
+  for (const std::string stem : pattern.stems) {
+    if (column == stem) return pattern.units.empty();
+    if (column.compare(0, stem.size() + 1, stem + "_") != 0) continue;
+    if (pattern.units.empty()) return true;
+    const std::string unit = column.substr(stem.size() + 1);
+    if (std::find(pattern.units.begin(), pattern.units.end(), unit) != pattern.units.end()) return true;
+  }
+  return false;
+}
 
 double unitOf(const std::string& column) {
   const auto ends = [&column](const std::string& ending) {
@@ -65,12 +85,10 @@ TimeSeries seriesOf(const CsvLog& log, const std::string& signal, const std::str
   return series;
 }
 
-std::string findColumn(const CsvLog& log, const char* pattern) {
-  const std::regex expression(pattern);
-  for (const std::string& name : log.names) {
-    if (std::regex_match(name, expression)) return name;
-  }
-  return {};
+std::string findColumn(const CsvLog& log, const Pattern& pattern) {
+  const auto found = std::find_if(log.names.begin(), log.names.end(),
+                                  [&pattern](const std::string& name) { return matches(pattern, name); });
+  return found == log.names.end() ? std::string() : *found;
 }
 
 // Acceleration along the body's z without gravity's, from what the vehicle did vertically.
@@ -108,7 +126,7 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
 const std::vector<std::string>& signalNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
-    for (const Pattern& pattern : kPatterns) {
+    for (const Pattern& pattern : patterns()) {
       if (std::find(list.begin(), list.end(), pattern.signal) == list.end())
         list.emplace_back(pattern.signal);
     }
@@ -132,9 +150,9 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
     signals.series[signal] = seriesOf(log, signal, column.substr(turned ? 1 : 0), turned ? -1.0 : 1.0);
     signals.origin[signal] = column;
   }
-  for (const Pattern& pattern : kPatterns) {
+  for (const Pattern& pattern : patterns()) {
     if (signals.has(pattern.signal)) continue;
-    const std::string column = findColumn(log, pattern.columns);
+    const std::string column = findColumn(log, pattern);
     if (column.empty()) continue;
     signals.series[pattern.signal] = seriesOf(log, pattern.signal, column, pattern.sign);
     signals.origin[pattern.signal] = column;
