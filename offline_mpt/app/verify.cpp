@@ -46,6 +46,7 @@ struct Options {
   std::string certificate;
   std::string reduced_from;
   std::string output;
+  double time_limit = 0.0;
 };
 
 ExitCode verifyMap(const Options& options) {
@@ -99,6 +100,9 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
   CLI::Option* output = command->add_option("-o,--output", options->output, "with --repair: the new map");
   output->needs(repair);
   repair->needs(output);
+  command->add_option("--time-limit", options->time_limit, "with --exact: stop after so long [s]")
+      ->check(CLI::PositiveNumber)
+      ->needs(exact);
   CLI::Option* reduced =
       command->add_option("--reduced-from", options->reduced_from,
                           "prove in rational arithmetic that MAP, made by `reduce`, answers "
@@ -138,10 +142,11 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
           {options->map, options->reduced_from, options->json, options->verify.threads, options->quiet});
       return;
     }
-    exit_code = options->exact
-                    ? verifyExact({options->map, options->problem, options->certificate, options->json,
-                                   options->output, options->verify.threads, options->quiet})
-                    : verifyMap(*options);
+    exit_code =
+        options->exact
+            ? verifyExact({options->map, options->problem, options->certificate, options->json,
+                           options->output, options->verify.threads, options->quiet, options->time_limit})
+            : verifyMap(*options);
   });
 }
 

@@ -1,5 +1,6 @@
 #include "verify_exact.hpp"
 
+#include <atomic>
 #include <cstdio>
 
 #include "mpc_core/mpc_problem.hpp"
@@ -14,36 +15,53 @@
 namespace polyfly {
 namespace {
 
-CertifyOptions withProgress(const VerifyExactOptions& options, Progress& progress) {
-  CertifyOptions result;
-  result.threads = options.threads;
-  result.stop = &stopOnSignal();
-  result.progress = [&progress](std::uint64_t done, std::uint64_t total) {
+/// Progress on the terminal; ends the work at a signal or after the time limit.
+class Watch {
+ public:
+  explicit Watch(const VerifyExactOptions& options) : limit_(options.time_limit), progress_(options.quiet) {}
+
+  const std::atomic<bool>& stop() const { return stop_; }
+
+  void look(std::uint64_t done, std::uint64_t total) {
+    if (stopOnSignal() || (limit_ > 0.0 && progress_.elapsed() > limit_)) stop_ = true;
     // The second half, what lies behind the facets, may take longer than the first: no forecast before it.
     const bool second = 2 * done > total;
     const double remaining =
-        second ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
+        second ? progress_.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
     const std::uint64_t regions = total / 2;
-    progress.show(
+    progress_.show(
         (second ? "facets of " + std::to_string(done - regions) : "conditions of " + std::to_string(done)) +
             " of " + std::to_string(regions) + " regions",
         remaining, true);
-  };
+  }
+
+ private:
+  const double limit_;
+  Progress progress_;
+  std::atomic<bool> stop_{false};
+};
+
+CertifyOptions watched(const VerifyExactOptions& options, Watch& watch) {
+  CertifyOptions result;
+  result.threads = options.threads;
+  result.stop = &watch.stop();
+  result.progress = [&watch](std::uint64_t done, std::uint64_t total) { watch.look(done, total); };
   return result;
 }
 
 CertifyReport certifyFile(const VerifyExactOptions& options, const std::string& map,
                           const ParametricProgram& program) {
-  Progress progress(options.quiet);
-  return certify(RegionMap::open(map), program, withProgress(options, progress));
+  Watch watch(options);
+  return certify(RegionMap::open(map), program, watched(options, watch));
 }
 
 /// Repairs and writes the new map where that succeeds. Says what was done.
-bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& program) {
+bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& program, bool& interrupted) {
   RepairResult result;
   {
-    Progress progress(options.quiet);
-    result = repair(RegionMap::open(options.map), program, withProgress(options, progress));
+    Watch watch(options);
+    result = repair(RegionMap::open(options.map), program, watched(options, watch));
+    interrupted = result.report.interrupted;
   }
   if (!options.quiet) {
     std::printf("repair: %llu regions added, %llu removed, %s\n",
@@ -87,7 +105,9 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
   CertifyReport report = certifyFile(options, options.map, program);
   if (!report.passed() && !report.interrupted && !options.output.empty()) {
     if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
-    if (!writeRepaired(options, program)) return stopOnSignal() ? ExitCode::kStopped : ExitCode::kFailed;
+    bool interrupted = false;
+    if (!writeRepaired(options, program, interrupted))
+      return interrupted ? ExitCode::kStopped : ExitCode::kFailed;
     report = certifyFile(options, options.output, program);
   } else if (report.passed() && !options.output.empty() && !options.quiet) {
     std::printf("repair: nothing to do, %s was not written\n", options.output.c_str());

@@ -15,6 +15,7 @@ struct VerifyExactOptions {
   std::string output;       ///< of the repaired map; empty: no repair
   int threads = 1;
   bool quiet = false;
+  double time_limit = 0.0;  ///< [s], 0: none
 };
 
 /// Proves the map in rational arithmetic, or refutes it; with `output`, repairs it, writes the new map and
