@@ -42,7 +42,8 @@ bool better(const Estimate& a, const Estimate& b) {
 /// The options with all that they leave open decided.
 TreeOptions decided(TreeOptions options, std::size_t regions) {
   const bool large = regions > kLarge;
-  if (options.leaf_regions <= 0) options.leaf_regions = large ? 6 : 4;
+  if (options.leaf_regions <= 0) options.leaf_regions = large ? 6 : 5;
+  if (options.law_rows <= 0) options.law_rows = large ? 80 : 40;
   if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
   if (options.node_limit == 0) {
     options.node_limit = std::max(std::min(kNodesPerRegion * regions, kNodes), kLeastPerRegion * regions);
