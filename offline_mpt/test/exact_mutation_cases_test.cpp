@@ -1,0 +1,176 @@
+// Certificates with slivers and relaxed rows, every bit of a small one, and what the checker reads beside it.
+#include <cctype>
+
+#include "certificate.hpp"
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+/// A map that leaves slivers to the regions about them.
+class SliverMutation : public Mutation {
+ protected:
+  SliverMutation() : Mutation(nearlyDependent(1e-5, 3)) {}
+};
+
+TEST_F(SliverMutation, NothingChangedIsConfirmed) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  EXPECT_NE(certificate_.find("\nG "), std::string::npos);
+  EXPECT_NE(certificate_.find("\nV N "), std::string::npos);
+}
+
+TEST_F(SliverMutation, ASliverIsDescribedByItsActiveSet) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines(
+                "G ",
+                [](std::vector<std::string>& words) {
+                  words[1] = std::to_string(words.size() - 3);
+                  words.pop_back();
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_NE(refusalOfLines(
+                "G ",
+                [](std::vector<std::string>& words) {
+                  words.back() = "12";
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_GT(tried, 0);
+}
+
+TEST_F(SliverMutation, ASliverMustLieInRegionsOfTheMap) {
+  int tried = 0;
+  const std::size_t count = content_.regions.size();
+  EXPECT_NE(refusalOfLines("V ", replacing({"V", "e", "1", "0", "1"}), tried), "");
+  EXPECT_NE(refusalOfLines("V ", setting(2, std::to_string(count)), tried), "");
+  EXPECT_NE(refusalOfLines(
+                "V ",
+                [&](std::vector<std::string>& words) {
+                  words[2] = std::to_string((std::stoul(words[2]) + count / 2) % count);
+                  return true;
+                },
+                tried),
+            "");
+  EXPECT_GT(tried, 0);
+}
+
+TEST_F(SliverMutation, ATighterToleranceIsRefused) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("tolerances ", setting(2, "0x1p-60"), tried), "");
+}
+
+TEST_F(SliverMutation, NoSliverMayBeMissing) {
+  const std::size_t first = certificate_.find("\nG ");
+  std::string without = certificate_;
+  without.erase(first + 1, without.rfind("\nend ") - first);
+  EXPECT_NE(refusal(sealed(without, map_), map_), "");
+}
+
+/// A map whose program counts with a row that is relaxed.
+class RelaxedMutation : public Mutation {
+ protected:
+  RelaxedMutation() : Mutation(touching(1)) {}
+};
+
+TEST_F(RelaxedMutation, RelaxedRowsAreCountedAsSuch) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  if (certificate_.find("\nrelaxed 0\n") != std::string::npos)
+    GTEST_SKIP() << "rounding left nothing to relax";
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("relaxed ", replacing({"relaxed", "0"}), tried), "");
+  EXPECT_EQ(tried, 1);
+}
+
+/// Certificates small enough to try every bit.
+class BitMutation : public Mutation {
+ protected:
+  BitMutation() : Mutation(randomProgram(2, 8, 1, 1)) {}
+
+  /// A wrong map, with whatever checksum the certificate then needs, is never confirmed.
+  void expectNeverConfirmed(const MapContent& wrong) const {
+    const std::string map = bytesOf(wrong);
+    ASSERT_NE(refusal(sealed(certificate_, map), map), "");
+    const std::size_t first = certificate_.find("\ntolerances ");
+    for (std::size_t at = certificate_.find("\nregions "); at < certificate_.rfind("\nend "); ++at) {
+      if (at <= first || std::isxdigit(static_cast<unsigned char>(certificate_[at])) == 0) continue;
+      for (int bit = 0; bit < 8; ++bit) {
+        std::string changed = certificate_;
+        changed[at] = static_cast<char>(changed[at] ^ (1 << bit));
+        EXPECT_NE(refusal(sealed(changed, map), map), "") << at << " " << bit;
+      }
+    }
+  }
+};
+
+TEST_F(BitMutation, EveryBitOfTheCertificateIsCaught) {
+  for (std::size_t at = 0; at < certificate_.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string changed = certificate_;
+      changed[at] = static_cast<char>(changed[at] ^ (1 << bit));
+      EXPECT_NE(refusal(changed, map_), "") << at << " " << bit;
+    }
+  }
+}
+
+TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongLawRight) {
+  MapContent wrong = content_;
+  wrong.laws[0] += 1e-6;
+  expectNeverConfirmed(wrong);
+}
+
+TEST_F(BitMutation, NoBitOfTheCertificateMakesAWrongPlaneRight) {
+  MapContent wrong = content_;
+  wrong.planes[1] += 1e-6;
+  expectNeverConfirmed(wrong);
+}
+
+TEST(CheckerInput, Xxh64KnownValues) {
+  EXPECT_EQ(checker::xxh64(""), 0xef46db3751d8e999ull);
+  EXPECT_EQ(checker::xxh64("abc"), 0x44bc2cf5ad770999ull);
+}
+
+TEST(CheckerInput, JsonNumbersOfAKey) {
+  const std::string text =
+      R"({"a": [[1, -2.5], [3e2, 4]], "s": "\"b\": [7]", "n": {"b": 8}, "b": [9], "x": 5})";
+  EXPECT_EQ(checker::jsonNumbers(text, "a"), (std::vector<double>{1, -2.5, 300, 4}));
+  EXPECT_EQ(checker::jsonNumbers(text, "b"), (std::vector<double>{9}));
+  EXPECT_EQ(checker::jsonNumbers(text, "none"), (std::vector<double>{}));
+}
+
+constexpr char kJsonProblem[] = R"({
+  "H": [[1.5064, 0.4838], [0.4838, 1.5258]], "f": [0, 0],
+  "F": [[9.6652, 5.2115], [7.0732, -7.0879]],
+  "A": [[1, 0], [-1, 0], [0, 1], [0, -1]], "b": [2, 2, 2, 2],
+  "B": [[0, 0], [0, 0], [0, 0], [0, 0]], "eq_ids": [], "lb": [-1.5, -1.5], "ub": [1.5, 1.5], "out": [0]
+})";
+
+TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
+  const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
+  const MapContent content = encode(program, explore(program));
+  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  const std::string map = bytesOf(content);
+  EXPECT_EQ(refusal(report.certificate, map, kJsonProblem), "");
+  std::string other = kJsonProblem;
+  other.replace(other.find("1.5064"), 6, "1.5065");
+  EXPECT_NE(refusal(report.certificate, map, other), "");
+  // The map and the certificate carry the other text, but the numbers of the first.
+  MapContent relabelled = content;
+  relabelled.problem_text = other;
+  EXPECT_THROW(certify(MapInMemory(relabelled).map(), program), Error);
+  ParametricProgram liar = program;
+  liar.text = other;
+  const CertifyReport forged = certify(MapInMemory(relabelled).map(), liar);
+  ASSERT_TRUE(forged.passed());
+  EXPECT_NE(refusal(forged.certificate, bytesOf(relabelled), other).find("H is not"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly
