@@ -81,4 +81,12 @@ struct MadeRobust {
   }
 };
 
+/// Solved in a moment, its peak in the map.
+inline MadeRobust smallRobust() {
+  MadeRobust made;
+  made.horizon = 4;
+  made.peak_in_map = true;
+  return made;
+}
+
 }  // namespace polyfly

@@ -26,15 +26,8 @@ class RobustCommand : public ::testing::Test {
   ScratchFolder scratch_;
 };
 
-MadeRobust small() {
-  MadeRobust made;
-  made.horizon = 4;
-  made.peak_in_map = true;
-  return made;
-}
-
 TEST_F(RobustCommand, SolvesInfoEvalPlotAndVerify) {
-  const std::string problem = write("made.yaml", small().text());
+  const std::string problem = write("made.yaml", smallRobust().text());
   const Outcome solved = run({"solve", problem, "-o", path("made.map"), "--stats", path("stats.json")});
   ASSERT_EQ(solved.exit_code, 0) << solved.err;
   EXPECT_NE(solved.out.find("made.map: complete, "), std::string::npos) << solved.out;
@@ -63,7 +56,7 @@ TEST_F(RobustCommand, SolvesInfoEvalPlotAndVerify) {
 }
 
 TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {
-  const std::string problem = write("made.yaml", small().text());
+  const std::string problem = write("made.yaml", smallRobust().text());
   std::string rows = "p,v,phi,u\n";
   for (int k = 0; k < 50; ++k) rows += "0," + std::to_string(0.008 * (k % 2)) + ",0,0\n";
   write("flight.csv", rows);
@@ -78,9 +71,9 @@ TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {
 }
 
 TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
-  const std::string problem = write("made.yaml", small().text());
+  const std::string problem = write("made.yaml", smallRobust().text());
   ASSERT_EQ(run({"solve", problem, "-o", path("made.map"), "--quiet"}).exit_code, 0);
-  MadeRobust other = small();
+  MadeRobust other = smallRobust();
   other.disturbance = "[-0.6, 0.6]";
   const std::string windy = write("windy.yaml", other.text());
   EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--problem", windy, "--quiet"}).exit_code, 1);
@@ -92,13 +85,13 @@ TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
 }
 
 TEST_F(RobustCommand, SaysWhatIsWrongInAProblem) {
-  MadeRobust made = small();
+  MadeRobust made = smallRobust();
   made.horizon = 0;
   const Outcome refused = run({"solve", write("bad.yaml", made.text()), "-o", path("bad.map")});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("bad.yaml:"), std::string::npos) << refused.err;
   EXPECT_NE(refused.err.find("horizon"), std::string::npos) << refused.err;
-  made = small();
+  made = smallRobust();
   made.disturbance = "[-50, 50]";
   const Outcome hopeless = run({"solve", write("windy.yaml", made.text()), "-o", path("windy.map")});
   EXPECT_EQ(hopeless.exit_code, 2);

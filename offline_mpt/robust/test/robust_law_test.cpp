@@ -10,23 +10,13 @@
 #include "made_robust.hpp"
 #include "offline_mpt/encode.hpp"
 #include "robust_mpc/online_lp.hpp"
+#include "solved_robust.hpp"
 
 namespace polyfly {
 namespace {
 
-struct Solved {
-  RobustProblem problem;
-  RobustProgram program;
-  FeasibleSet set;
-  RobustLaw law;
-
-  explicit Solved(const MadeRobust& made, int threads = 1) : problem(made.problem()) {
-    program = buildRobustProgram(problem);
-    ProjectOptions options;
-    options.threads = threads;
-    set = projectFeasibleSet(program, options);
-    law = explicitLaw(problem, set);
-  }
+struct Solved : SolvedRobust {
+  using SolvedRobust::SolvedRobust;
 
   ExactPolytope domain() const {
     std::vector<RationalVector> points;

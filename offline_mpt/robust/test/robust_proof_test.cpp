@@ -7,21 +7,14 @@
 #include "offline_mpt/encode.hpp"
 #include "region_maps/error.hpp"
 #include "robust_mpc/prove_map.hpp"
+#include "solved_robust.hpp"
 
 namespace polyfly {
 namespace {
 
-struct Solved {
-  RobustProblem problem;
-  RobustProgram program;
-  FeasibleSet set;
-  RobustLaw law;
+struct Solved : SolvedRobust {
+  using SolvedRobust::SolvedRobust;
 
-  explicit Solved(const MadeRobust& made) : problem(made.problem()) {
-    program = buildRobustProgram(problem);
-    set = projectFeasibleSet(program);
-    law = explicitLaw(problem, set);
-  }
   RobustProof proof() const { return proveLaw(problem, program, set, law); }
   MapContent content() const {
     const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
@@ -29,15 +22,8 @@ struct Solved {
   }
 };
 
-MadeRobust small() {
-  MadeRobust made;
-  made.horizon = 4;
-  made.peak_in_map = true;
-  return made;
-}
-
 TEST(RobustProof, ProvesRightMaps) {
-  std::vector<MadeRobust> made(5, small());
+  std::vector<MadeRobust> made(5, smallRobust());
   made[1].stack = "shift";
   made[1].torque = true;
   made[2].floor = "0.05";
@@ -98,7 +84,7 @@ TEST(RobustProof, ShowsWhereFeasibilityIsLost) {
 }
 
 TEST(RobustProof, RefusesWrongLaws) {
-  const Solved right(small());
+  const Solved right(smallRobust());
   ASSERT_TRUE(right.proof().passed());
   for (std::size_t r = 0; r < right.law.regions.size(); r += 5) {
     Solved wrong = right;
@@ -117,7 +103,7 @@ TEST(RobustProof, RefusesWrongLaws) {
 }
 
 TEST(RobustProof, RefusesASetThatIsTooLargeOrTooSmall) {
-  const Solved right(small());
+  const Solved right(smallRobust());
   Solved large = right;
   // a vertex moved outwards, as where a facet is missing: its plan does not follow
   for (FeasibleSet::Vertex& vertex : large.set.vertices) {
@@ -138,19 +124,19 @@ TEST(RobustProof, RefusesASetThatIsTooLargeOrTooSmall) {
 
 // With bounds narrower than those that the law was made for, one step breaks them: the enumeration sees it.
 TEST(RobustProof, SeesBrokenBounds) {
-  Solved solved(small());
+  Solved solved(smallRobust());
   solved.problem.state_ranges[1]->upper = Rational(14, 10);
   const RobustProof proof = solved.proof();
   ASSERT_TRUE(proof.broken_bound.has_value());
   EXPECT_NE(proof.broken_bound->rule.find("v above its range"), std::string::npos);
   EXPECT_FALSE(proof.passed());
-  Solved windy(small());
+  Solved windy(smallRobust());
   windy.problem.G(1, 0) *= 3;
   EXPECT_FALSE(windy.proof().passed());
 }
 
 TEST(RobustProof, RefusesChangedMaps) {
-  const Solved solved(small());
+  const Solved solved(smallRobust());
   const MapContent content = solved.content();
   Random random(3);
   for (int k = 0; k < 20; ++k) {
@@ -172,7 +158,7 @@ TEST(RobustProof, RefusesChangedMaps) {
 }
 
 TEST(RobustProof, SamplesAgreeAndSeeAWrongLaw) {
-  const Solved solved(small());
+  const Solved solved(smallRobust());
   MapContent content = solved.content();
   {
     const MapInMemory memory(content);
