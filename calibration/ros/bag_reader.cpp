@@ -16,23 +16,20 @@
 
 #include "bags/message_layout.hpp"
 #include "bags/scan_bag.hpp"
+#include "mpc_core/read_text.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
 
+using polyfly::endsWith;
 using polyfly::Error;
 using polyfly::FlightLog;
 
 template <class Message>
 std::string typeOf() {
   return ros::message_traits::DataType<Message>::value();
-}
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 // The namespace in which the bag's only vehicle lives, with slashes on both sides.

@@ -1,7 +1,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -19,6 +18,7 @@
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "solve_robust.hpp"
+#include "stopwatch.hpp"
 
 namespace polyfly {
 namespace {
@@ -100,20 +100,6 @@ class Session {
  private:
   std::unique_ptr<MpiTeam> team_;
   bool left_ = false;
-};
-
-class Stopwatch {
- public:
-  /// Seconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 Partition exploreWithProgress(const ParametricProgram& program, const Options& options, Team* team) {

@@ -1,6 +1,5 @@
 #include "solve_robust.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -10,26 +9,10 @@
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
+#include "stopwatch.hpp"
 
 namespace polyfly {
 namespace {
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-class Clock {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 FeasibleSet projectWithProgress(const RobustProgram& program, const SolveRobustOptions& options) {
   Progress progress(options.quiet);
@@ -74,7 +57,7 @@ bool isRobustFile(const std::string& path) {
 ExitCode solveRobust(const SolveRobustOptions& options) {
   checkWritable(options.map);
   if (!options.stats.empty()) checkWritable(options.stats);
-  Clock clock;
+  Stopwatch watch;
   const RobustProblem problem = loadRobustProblem(options.problem);
   const RobustProgram program = buildRobustProgram(problem);
   const FeasibleSet set = projectWithProgress(program, options);
@@ -82,16 +65,16 @@ ExitCode solveRobust(const SolveRobustOptions& options) {
     std::fprintf(stderr, "offline_mpt: %s: interrupted, nothing was written\n", options.map.c_str());
     return ExitCode::kStopped;
   }
-  const double project_time = clock.lap();
+  const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
-  const double region_time = clock.lap();
+  const double region_time = watch.lap();
   TreeOptions tree;
   tree.threads = options.threads;
   tree.node_limit = options.tree_nodes;
   writeMap(encode(rounded.program, rounded.partition, tree), options.map);
   const RegionMap map = RegionMap::open(options.map);
-  const double encode_time = clock.lap();
+  const double encode_time = watch.lap();
   if (!options.stats.empty())
     writeText(options.stats, statsOf(set, law, map, project_time, region_time, encode_time));
   if (!options.quiet) {

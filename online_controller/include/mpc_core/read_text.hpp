@@ -8,4 +8,7 @@ namespace polyfly {
 /// large.
 std::string readText(const std::string& path);
 
+/// Whether a file's or a topic's name has this ending.
+bool endsWith(const std::string& text, const std::string& ending);
+
 }  // namespace polyfly

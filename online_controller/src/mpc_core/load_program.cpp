@@ -5,15 +5,6 @@
 #include "region_maps/error.hpp"
 
 namespace polyfly {
-namespace {
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
-}  // namespace
-
 ParametricProgram loadProgram(const std::string& path) {
   const bool yaml = endsWith(path, ".yaml") || endsWith(path, ".yml");
   if (!yaml && !endsWith(path, ".json")) throw Error(path + ": file: name must end in .yaml, .yml or .json");

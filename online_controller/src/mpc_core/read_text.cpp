@@ -38,4 +38,9 @@ std::string readText(const std::string& path) {
   return text;
 }
 
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
 }  // namespace polyfly
