@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
-#include <iostream>
 #include <map>
 
 #include "identification/bag_signals.hpp"
+#include "read_progress.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -28,16 +28,6 @@ std::map<std::string, std::string> parseSignals(const std::vector<std::string>& 
 bool isBag(const std::string& path) {
   constexpr std::size_t kEnding = 4;
   return path.size() > kEnding && path.compare(path.size() - kEnding, kEnding, ".bag") == 0;
-}
-
-// The share that was read, on one line of a terminal.
-void showProgress(double share) {
-  constexpr double kStep = 0.01;
-  static double shown = 0.0;
-  if (share < shown + kStep && share < 1.0) return;
-  shown = share;
-  std::cerr << "\rreading " << static_cast<int>(100.0 * share) << " %"
-            << (share < 1.0 ? "" : "\r            \r") << std::flush;
 }
 
 }  // namespace
@@ -88,7 +78,7 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   BagSignalOptions options;
   options.choice = choice;
   options.topics = arguments.topics;
-  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showProgress;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
   provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;

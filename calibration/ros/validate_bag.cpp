@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../app/read_progress.hpp"
 #include "calibration/controller_options.hpp"
 #include "calibration/report.hpp"
 #include "calibration/validation.hpp"
@@ -95,16 +96,6 @@ void writeText(const std::string& text, const std::string& path) {
   if (!file) throw polyfly::Error(path + ": cannot be written");
 }
 
-// The share that was read, on one line of a terminal.
-void showProgress(double share) {
-  constexpr double kStep = 0.01;
-  static double shown = 0.0;
-  if (share < shown + kStep && share < 1.0) return;
-  shown = share;
-  std::cerr << "\rreading " << static_cast<int>(100.0 * share) << " %"
-            << (share < 1.0 ? "" : "\r            \r") << std::flush;
-}
-
 int run(const Arguments& arguments) {
   std::vector<polyfly::RegionMap> maps;
   std::vector<const polyfly::RegionMap*> views;
@@ -115,7 +106,7 @@ int run(const Arguments& arguments) {
                                                  ? polyfly::MultirotorOptions{}
                                                  : polyfly::loadControllerOptions(arguments.options);
   polyfly_ros::BagProgress progress;
-  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = showProgress;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
   const polyfly::FlightLog log = polyfly_ros::readBag(arguments.bag, arguments.topics, progress);
   for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
 

@@ -1,7 +1,5 @@
 #include "calibration/identification_report.hpp"
 
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 
@@ -9,13 +7,6 @@
 
 namespace polyfly {
 namespace {
-
-std::string number(double value, int digits = 3) {
-  if (!std::isfinite(value)) return "–";
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
 
 void writeVerdict(const AttitudeCalibration& calibration, std::ostream& out) {
   std::vector<std::string> sentences = calibration.remarks;

@@ -11,13 +11,6 @@
 namespace polyfly {
 namespace {
 
-std::string number(double value, int digits = 3) {
-  if (!std::isfinite(value)) return "–";
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
 std::string percent(double share) {
   if (share >= 1.0) return "100 %";
   // Never rounded up to 100.

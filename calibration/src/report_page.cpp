@@ -1,6 +1,7 @@
 #include "report_page.hpp"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -48,6 +49,13 @@ tr.bad td { color: var(--bad); font-weight: 600; }
 .track i.bad { background: #d55e00; }
 .scroll { overflow-x: auto; }
 )css";
+
+std::string number(double value, int digits) {
+  if (!std::isfinite(value)) return "–";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
 
 std::string escaped(const std::string& text) {
   std::string result;

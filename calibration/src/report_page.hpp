@@ -13,6 +13,9 @@ extern const char* const kReportStyle;
 /// The text with the characters replaced that mean something in HTML.
 std::string escaped(const std::string& text);
 
+/// A number with so many significant digits, a dash where there is none.
+std::string number(double value, int digits = 3);
+
 /// The picture as an element of the page. Runs gnuplot. Throws Error.
 std::string inlineSvg(const Figure& figure);
 
