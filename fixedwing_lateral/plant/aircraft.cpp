@@ -9,6 +9,13 @@ namespace {
 constexpr double kStep = 0.005;  // of the simulations [s]
 constexpr double kGravity = 9.81;
 
+DrydenOptions levelGusts(const RoughOptions& options) {
+  DrydenOptions gusts;
+  gusts.deviation = {options.gust, options.gust, 0.0};
+  gusts.scale.setConstant(options.gust_scale);
+  return gusts;
+}
+
 int stepsIn(double duration) { return std::max(1, static_cast<int>(std::lround(duration / kStep))); }
 
 }  // namespace
@@ -56,7 +63,7 @@ AircraftState ChapterAircraft::state() const {
 
 RoughAircraft::RoughAircraft(const RoughOptions& options, const AircraftState& start, std::uint32_t seed)
     : options_(options),
-      random_(seed),
+      gusts_(levelGusts(options), seed),
       delayed_(static_cast<std::size_t>(std::lround(options.roll_delay / kStep)), start.roll),
       time_(start.stamp),
       position_(start.position),
@@ -73,37 +80,21 @@ void RoughAircraft::fly(double roll_reference, double duration) {
   for (int i = 0; i < steps; ++i) step(roll_reference, duration / steps);
 }
 
-// Dryden spectra with white noise of unit intensity: sigma sqrt(2 w) / (s + w) along the path, and
-// sigma sqrt(w) (w + sqrt(3) s) / (s + w)^2 across it, with w = V / L.
-void RoughAircraft::stepGusts(double step) {
-  const double w = airspeed_ / options_.gust_scale;
-  const double noise = 1.0 / std::sqrt(step);
-  gust_along_ += step * (options_.gust * std::sqrt(2.0 * w) * noise * normal_(random_) - w * gust_along_);
-  const Eigen::Vector2d before = gust_across_;
-  gust_across_.x() += step * w * before.y();
-  gust_across_.y() += step * w * (noise * normal_(random_) - 2.0 * before.y() - before.x());
-}
-
-double RoughAircraft::crossGust() const {
-  const double w = airspeed_ / options_.gust_scale;
-  return options_.gust / std::sqrt(w) * (gust_across_.x() + std::sqrt(3.0) * gust_across_.y());
-}
-
 Eigen::Vector2d RoughAircraft::wind() const {
   const Eigen::Vector2d ahead(std::cos(heading_), std::sin(heading_));
   const Eigen::Vector2d right(-ahead.y(), ahead.x());
-  return options_.wind + gust_along_ * ahead + crossGust() * right;
+  return options_.wind + gusts_.velocity().x() * ahead + gusts_.velocity().y() * right;
 }
 
 void RoughAircraft::step(double roll_reference, double step) {
-  stepGusts(step);
+  gusts_.step(airspeed_, step);
   delayed_.push_back(roll_reference);
   const double reference = options_.roll_gain * delayed_.front() + options_.roll_trim;
   delayed_.pop_front();
 
   const double w = options_.roll_frequency;
   rate_ += step * (w * w * (reference - roll_) - 2.0 * options_.roll_damping * w * rate_ -
-                   options_.gust_roll * crossGust());
+                   options_.gust_roll * gusts_.velocity().y());
   rate_ = std::clamp(rate_, -options_.roll_rate_max, options_.roll_rate_max);
   roll_ += step * rate_;
   const double wanted = options_.turn_gain * kGravity * std::tan(roll_) / airspeed_;

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <deque>
-#include <random>
 
 #include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_plant/dryden.hpp"
 
 namespace polyfly {
 
@@ -17,6 +17,7 @@ class Aircraft {
   virtual AircraftState state() const = 0;                       ///< the truth, stamped
   virtual double airspeed() const = 0;                           ///< [m/s]
   virtual Eigen::Vector2d wind() const = 0;                      ///< of the air around it [m/s]
+  virtual double altitude() const { return 0.0; }                ///< [m]
 };
 
 /// The model that the controller predicts with (Eq. 45), integrated with a step of its own.
@@ -71,24 +72,19 @@ class RoughAircraft : public Aircraft {
   AircraftState state() const override;
   double airspeed() const override { return airspeed_; }
   Eigen::Vector2d wind() const override;
-  double altitude() const { return altitude_; }
+  double altitude() const override { return altitude_; }
 
  private:
-  void stepGusts(double step);
-  double crossGust() const;
   void step(double roll_reference, double step);
 
   RoughOptions options_;
-  std::mt19937 random_;
-  std::normal_distribution<double> normal_;
+  DrydenGusts gusts_;
   std::deque<double> delayed_;
   double time_ = 0.0;
   Eigen::Vector2d position_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   double roll_ = 0.0, rate_ = 0.0, heading_ = 0.0, turn_ = 0.0;
   double airspeed_ = 14.0, altitude_ = 80.0, climb_ = 0.0;
-  double gust_along_ = 0.0;                // along the flight path [m/s]
-  Eigen::Vector2d gust_across_{0.0, 0.0};  // the two states of the gust across it
 };
 
 }  // namespace polyfly

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+#include "fixedwing_plant/aircraft.hpp"
+#include "fixedwing_plant/airframe.hpp"
+#include "fixedwing_plant/autopilot.hpp"
+#include "fixedwing_plant/dryden.hpp"
+
+namespace polyfly {
+
+struct SixDofOptions {
+  Airframe airframe;
+  AutopilotOptions autopilot;
+  double command_delay = 0.08;     ///< from a roll reference to the autopilot [s]
+  double actuator_lag = 0.05;      ///< of the surfaces [s]
+  double motor_lag = 0.25;         ///< of the thrust [s]
+  double aileron_trim = 0.015;     ///< deflection of a warped wing: makes a steady error of roll [rad]
+  double roll_mounting = 0.01;     ///< of the attitude sensor, which all measure by [rad]
+  Eigen::Vector2d wind{0.0, 0.0};  ///< mean (north, east) [m/s]
+  double turbulence = 0.0;         ///< wind at 6 m above ground that the gusts belong to; 0: none [m/s]
+};
+
+/// A rigid aircraft in six degrees of freedom with published coefficients, an autopilot of its own,
+/// actuators, and Dryden gusts. The controller knows nothing of it: neither its roll loop nor its slip in
+/// turns, its trim errors, or that airspeed and altitude give way to a bank.
+class SixDofAircraft : public Aircraft {
+ public:
+  /// Begins in level trimmed flight at the heading of `start` and the autopilot's airspeed and altitude.
+  SixDofAircraft(const SixDofOptions& options, const AircraftState& start, std::uint32_t seed);
+
+  void fly(double roll_reference, double duration) override;
+  AircraftState state() const override;
+  double airspeed() const override;
+  Eigen::Vector2d wind() const override;  ///< with the gusts
+  double altitude() const override { return -body_.position.z(); }
+
+  const BodyState& body() const { return body_; }
+  const Controls& controls() const { return surfaces_; }  ///< as the actuators have them
+  double slip() const;                                    ///< beta, without gusts [rad]
+
+ private:
+  void step(double roll_reference, double duration);
+  AutopilotInput measured() const;
+
+  SixDofOptions options_;
+  Autopilot autopilot_;
+  DrydenGusts gusts_;
+  std::deque<double> delayed_;
+  BodyState body_;
+  AirMotion air_;
+  Controls surfaces_;
+  double time_ = 0.0;
+  double heading_ = 0.0;  // not wrapped [rad]
+};
+
+}  // namespace polyfly
