@@ -310,6 +310,12 @@ TEST(BoundedQp, StopsEarlyInsideTheBox) {
       solver.setIterationLimit(limit);
       const QpStatus status = solver.solve(qp.vectors());
       stopped += status == QpStatus::kIterationLimit ? 1 : 0;
+      // its own residual tells the one from the other
+      if (status == QpStatus::kIterationLimit) {
+        EXPECT_GT(solver.kktResidual(), 1e-7);
+      } else if (status == QpStatus::kOptimal) {
+        EXPECT_LT(solver.kktResidual(), 1e-8);
+      }
       EXPECT_LE(solver.iterations(), limit + 1);
       for (int i = 0; i < 30; ++i) {
         EXPECT_GE(solver.x()[i], qp.lower(i));

@@ -82,6 +82,11 @@ class BoundedQp {
   const QpSide* activeSet() const noexcept { return side_.data(); }  ///< n + m, bounds first
   int iterations() const noexcept { return iterations_; }            ///< working sets tried
 
+  /// Greatest violation of the KKT conditions at x() and multipliers(): stationarity relative to the
+  /// greatest entry of g (at least 1), bounds, signs of multipliers and complementarity by the distance to
+  /// the bound. Costs as much as n (n + m) multiplications; it shares nothing with the solution but H and A.
+  double kktResidual() const noexcept;
+
   /// Greatest amount by which x() violates a row, 0 without rows.
   double violation() const noexcept { return violation_; }
 

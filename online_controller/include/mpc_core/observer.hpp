@@ -49,6 +49,9 @@ class DisturbanceObserver {
   /// Forgets the state and sets the disturbance to 0.
   void reset() noexcept;
 
+  /// Goes on with the estimate of another observer; one with another number of states is ignored.
+  void takeOver(const DisturbanceObserver& other) noexcept;
+
   const double* state() const noexcept { return estimate_.data(); }  ///< stateCount() entries
   double disturbance() const noexcept { return estimate_[static_cast<std::size_t>(state_count_)]; }
   int stateCount() const noexcept { return state_count_; }

@@ -96,6 +96,9 @@ class NonlinearMpc {
   /// not; then the solution is unchanged. Call prepare() before each call.
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
+  /// Goes on with the solution of another one. False, and nothing is done, when its stages are others.
+  bool takeOver(const NonlinearMpc& other) noexcept;
+
   int horizon() const noexcept { return options_.horizon; }
   const NonlinearMpcOptions& options() const noexcept { return options_; }
   const MultirotorInput& input(int k) const noexcept { return inputs_[static_cast<std::size_t>(k)]; }
@@ -104,6 +107,7 @@ class NonlinearMpc {
   /// Length of the last step: greatest change of an input [rad, m/s^2].
   double stepLength() const noexcept { return step_length_; }
   int iterations() const noexcept { return qp_.iterations(); }        ///< working sets of the last QP
+  double kktResidual() const noexcept { return qp_.kktResidual(); }   ///< of the last QP
   double speedViolation() const noexcept { return qp_.violation(); }  ///< of the linearised limit [m/s]
 
  private:

@@ -82,6 +82,12 @@ class Axis {
 
   void reset() noexcept;
 
+  /// Goes on with the observer of another axis of the same model; one whose states stand in another order
+  /// is ignored.
+  void takeOver(const Axis& other) noexcept;
+
+  double kktResidual() const noexcept { return law_->kktResidual(); }
+
   /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
   /// input is left alone. Where a minimum-peak robust MPC has no plan that meets all bounds (a disturbance
   /// beyond its range has been at work), the errors are scaled down until it has one, by 12 halvings:

@@ -28,6 +28,10 @@ class AxisLaw {
   virtual Lookup evaluate(const double* theta, double* input) noexcept = 0;
 
   virtual void reset() noexcept = 0;
+
+  /// Of the last evaluate(), see ControlLaw::kktResidual.
+  virtual double kktResidual() const noexcept { return -1.0; }
+  virtual int iterations() const noexcept { return 0; }  ///< working sets of the last evaluate()
 };
 
 /// Keeps a reference to `map`. Throws Error unless the map is complete and was made from a

@@ -32,6 +32,16 @@ class ControlLaw {
   /// command, so that the next step() goes on from there.
   virtual void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
 
+  /// Goes on where `from` is, a law of the same kind made from other options or maps: observer, last
+  /// command (within the limits of this one), solution. For the time after step() and before prepare(). A
+  /// law of another kind is ignored.
+  virtual void takeOver(const ControlLaw& from) noexcept = 0;
+
+  /// How far the last step's answer is from the optimum that it was asked for: the greatest violation of
+  /// the KKT conditions of its quadratic program, relative to its gradient. Negative where nothing was
+  /// solved, as with an explicit law. Costs some microseconds: not for the way from odometry to command.
+  virtual double kktResidual() const noexcept { return -1.0; }
+
   /// As after construction.
   virtual void reset() noexcept = 0;
 

@@ -42,6 +42,8 @@ class LawSwitch : public ControlLaw {
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void takeOver(const ControlLaw& from) noexcept override;
+  double kktResidual() const noexcept override { return current().kktResidual(); }
   void reset() noexcept override;
   const ControlReport& report() const noexcept override { return current().report(); }
 

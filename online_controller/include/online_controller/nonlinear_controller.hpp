@@ -33,6 +33,8 @@ class NonlinearController : public ControlLaw {
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void takeOver(const ControlLaw& from) noexcept override;
+  double kktResidual() const noexcept override { return iterating_ ? mpc_.kktResidual() : -1.0; }
   void reset() noexcept override;
   const ControlReport& report() const noexcept override { return report_; }
 

@@ -67,6 +67,7 @@ struct AxisReport {
   std::int64_t region = -1;                        ///< region used, or -1
   double input = 0.0;                              ///< u of the axis (angle [rad] or acceleration [m/s^2])
   double disturbance = 0.0;                        ///< observer's estimate [m/s^2]
+  int iterations = 0;                              ///< of the linear law: working sets of its QP
 };
 
 /// Everything that one control step produced.

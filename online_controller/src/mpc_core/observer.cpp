@@ -74,6 +74,12 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
   }
 }
 
+void DisturbanceObserver::takeOver(const DisturbanceObserver& other) noexcept {
+  if (state_count_ != other.state_count_) return;
+  estimate_ = other.estimate_;
+  started_ = other.started_;
+}
+
 void DisturbanceObserver::reset() noexcept {
   estimate_.fill(0.0);
   started_ = false;

@@ -94,6 +94,13 @@ void NonlinearMpc::start(const MultirotorState& x, const MultirotorInput& u,
   }
 }
 
+bool NonlinearMpc::takeOver(const NonlinearMpc& other) noexcept {
+  if (options_.horizon != other.options_.horizon || options_.period != other.options_.period) return false;
+  std::copy(other.states_.begin(), other.states_.end(), states_.begin());
+  std::copy(other.inputs_.begin(), other.inputs_.end(), inputs_.begin());
+  return true;
+}
+
 void NonlinearMpc::shift(double share) noexcept {
   const std::size_t N = stages_.size();
   for (std::size_t k = 0; k + 1 < N; ++k) inputs_[k] += share * (inputs_[k + 1] - inputs_[k]);

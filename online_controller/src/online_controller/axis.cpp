@@ -43,6 +43,13 @@ void Axis::reset() noexcept {
   law_->reset();
 }
 
+void Axis::takeOver(const Axis& other) noexcept {
+  if (position_state_ != other.position_state_ || velocity_state_ != other.velocity_state_ ||
+      angle_state_ != other.angle_state_)
+    return;
+  observer_.takeOver(other.observer_);
+}
+
 void Axis::bindSignals(const AxisNames& names) {
   struct Wanted {
     const char* name;
@@ -193,6 +200,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   double input = 0.0;
   Lookup lookup = law_->evaluate(report.theta.data(), &input);
   report.lookup = lookup.status;
+  report.iterations = law_->iterations();
   ControlStatus status = ControlStatus::kOptimal;
   if (lookup.status == LookupStatus::kOutsideBox) {
     std::array<double, kMaxParameters> clipped{};

@@ -73,6 +73,8 @@ class OnlineAxisLaw final : public AxisLaw {
     return lookup;
   }
   void reset() noexcept override { program_.reset(); }
+  double kktResidual() const noexcept override { return program_.solver().kktResidual(); }
+  int iterations() const noexcept override { return program_.solver().iterations(); }
 
  private:
   MpcProblem problem_;

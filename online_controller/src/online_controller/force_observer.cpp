@@ -50,6 +50,13 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
   started_ = true;
 }
 
+void ForceObserver::takeOver(const ForceObserver& other) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].takeOver(other.axes_[i]);
+  last_attitude_ = other.last_attitude_;
+  last_velocity_ = other.last_velocity_;
+  started_ = other.started_;
+}
+
 void ForceObserver::reset() noexcept {
   for (DisturbanceObserver& axis : axes_) axis.reset();
   started_ = false;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+
+namespace polyfly {
+
+/// The latest of the values that one thread writes, for one thread that reads now and then. Neither waits for
+/// the other, and a value is never seen half written: three buffers, of which the writer fills one, the
+/// reader looks at one and one lies between.
+template <class T>
+class LatestValue {
+ public:
+  /// All three buffers are copies of `value`, so that they may hold memory of their own.
+  explicit LatestValue(const T& value) : buffers_{value, value, value} {}
+
+  /// Writer: the buffer to fill; it holds an older value.
+  T& draft() noexcept { return buffers_[written_]; }
+
+  /// Writer: the draft is the latest value from now on.
+  void publish() noexcept {
+    written_ = between_.exchange(written_ | kFresh, std::memory_order_acq_rel) & kIndex;
+  }
+
+  /// Reader: the latest value, unchanged until the next call. nullptr before the first.
+  const T* read() noexcept {
+    if ((between_.load(std::memory_order_relaxed) & kFresh) != 0) {
+      read_ = between_.exchange(read_, std::memory_order_acq_rel) & kIndex;
+      has_value_ = true;
+    }
+    return has_value_ ? &buffers_[read_] : nullptr;
+  }
+
+ private:
+  static constexpr unsigned kIndex = 3;
+  static constexpr unsigned kFresh = 4;
+
+  std::array<T, 3> buffers_;
+  unsigned written_ = 0;  // the writer's
+  unsigned read_ = 1;     // the reader's
+  bool has_value_ = false;
+  std::atomic<unsigned> between_{2};
+};
+
+}  // namespace polyfly

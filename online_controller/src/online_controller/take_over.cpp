@@ -1,0 +1,72 @@
+// How a law made from other options goes on where the one before it is, and what it tells of itself.
+#include <algorithm>
+
+#include "online_controller/law_switch.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+
+namespace polyfly {
+namespace {
+
+/// A command to be repeated meets the limits that hold now.
+void limit(const MultirotorOptions& options, AttitudeCommand& command) noexcept {
+  command.roll = std::clamp(command.roll, -options.angle_max, options.angle_max);
+  command.pitch = std::clamp(command.pitch, -options.angle_max, options.angle_max);
+  command.yaw_rate = std::clamp(command.yaw_rate, -options.yaw_rate_max, options.yaw_rate_max);
+  command.thrust =
+      std::clamp(command.thrust, options.mass * options.thrust_min, options.mass * options.thrust_max);
+}
+
+}  // namespace
+
+void MultirotorController::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const MultirotorController*>(&from);
+  if (other == nullptr) return;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].takeOver(other->axes_[i]);
+    inputs_[i] = std::clamp(other->inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
+  }
+  report_ = other->report_;
+  limit(options_, report_.command);
+  applied_ = other->applied_;
+  observed_until_ = other->observed_until_;
+  observing_ = other->observing_;
+  has_command_ = other->has_command_;
+  unanswered_ = std::min(other->unanswered_, options_.hold_periods + 1);
+}
+
+double MultirotorController::kktResidual() const noexcept {
+  double worst = -1.0;
+  for (const Axis& axis : axes_) worst = std::max(worst, axis.kktResidual());
+  return worst;
+}
+
+void NonlinearController::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const NonlinearController*>(&from);
+  if (other == nullptr) return;
+  observer_.takeOver(other->observer_);
+  report_ = other->report_;
+  limit(options_, report_.command);
+  yaw_ = other->yaw_;
+  observed_until_ = other->observed_until_;
+  observing_ = other->observing_;
+  has_command_ = other->has_command_;
+  unanswered_ = std::min(other->unanswered_, options_.hold_periods + 1);
+  prepared_ = false;
+  // One that was prepared is shifted to the next sample already, and begins anew.
+  iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);
+  if (!iterating_) return;
+  std::copy(other->stages_.begin(), other->stages_.end(), stages_.begin());
+  std::copy(other->preview_.begin(), other->preview_.end(), preview_.begin());
+}
+
+void LawSwitch::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const LawSwitch*>(&from);
+  if (other == nullptr) return;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->takeOver(*other->laws_[i]);
+  }
+  if (has(other->active_)) active_ = other->active_;
+}
+
+}  // namespace polyfly

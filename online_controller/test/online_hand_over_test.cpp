@@ -1,0 +1,264 @@
+// What passes between the control thread and the others: objects handed over, values, durations; and laws
+// that go on where others were.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "online_controller/hand_over.hpp"
+#include "online_controller/latency_histogram.hpp"
+#include "online_controller/latest_value.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "online_support.hpp"
+
+namespace polyfly {
+namespace {
+
+struct Counted {
+  explicit Counted(int value) : number(value) { ++alive; }
+  ~Counted() { --alive; }
+  int number;
+  int seen = 0;
+  static std::atomic<int> alive;
+};
+std::atomic<int> Counted::alive{0};
+
+TEST(HandOver, TheNewestOfferIsTakenAndTheOldOneComesBack) {
+  {
+    HandOver<Counted> slot;
+    auto current = std::make_unique<Counted>(0);
+    const auto adopt = [](Counted& next, const Counted& old) { next.seen = old.number + 10; };
+    EXPECT_FALSE(slot.take(current, adopt));
+    slot.offer(std::make_unique<Counted>(1));
+    slot.offer(std::make_unique<Counted>(2));
+    EXPECT_EQ(Counted::alive, 2);  // the first offer is gone
+    EXPECT_TRUE(slot.waits());
+    EXPECT_TRUE(slot.take(current, adopt));
+    EXPECT_FALSE(slot.waits());
+    EXPECT_EQ(current->number, 2);
+    EXPECT_EQ(current->seen, 10);
+    EXPECT_EQ(Counted::alive, 2);  // the control thread frees nothing
+    slot.collect();
+    EXPECT_EQ(Counted::alive, 1);
+    slot.offer(std::make_unique<Counted>(3));
+    EXPECT_TRUE(slot.take(current, adopt));
+    EXPECT_EQ(current->seen, 12);
+  }
+  EXPECT_EQ(Counted::alive, 0);
+}
+
+TEST(HandOver, NothingIsTakenBeforeTheLastOneWasCollected) {
+  HandOver<Counted> slot;
+  auto current = std::make_unique<Counted>(0);
+  const auto adopt = [](Counted&, const Counted&) {};
+  slot.offer(std::make_unique<Counted>(1));
+  ASSERT_TRUE(slot.take(current, adopt));
+  slot.offer(std::make_unique<Counted>(2));  // collects, too
+  ASSERT_TRUE(slot.take(current, adopt));
+  EXPECT_EQ(current->number, 2);
+}
+
+TEST(HandOver, TwoThreads) {
+  {
+    HandOver<Counted> slot;
+    std::atomic<bool> done{false};
+    int taken = 0;
+    int last = 0;
+    std::thread control([&] {
+      auto current = std::make_unique<Counted>(0);
+      while (!done || slot.waits()) {
+        if (slot.take(current, [](Counted& next, const Counted& old) { next.seen = old.seen + 1; })) {
+          ++taken;
+          ASSERT_GT(current->number, last);
+          ASSERT_EQ(current->seen, taken);
+          last = current->number;
+        }
+        slot.waits();
+      }
+    });
+    for (int i = 1; i <= 20000; ++i) slot.offer(std::make_unique<Counted>(i));
+    done = true;
+    while (slot.waits()) slot.collect();
+    control.join();
+    EXPECT_EQ(last, 20000);
+    EXPECT_GT(taken, 0);
+  }
+  EXPECT_EQ(Counted::alive, 0);
+}
+
+TEST(LatestValue, IsNeverHalfWritten) {
+  struct Pair {
+    long a = 0;
+    long b = 0;
+  };
+  LatestValue<Pair> value{Pair{}};
+  EXPECT_EQ(value.read(), nullptr);
+  constexpr long kLast = 200000;
+  std::thread writer([&] {
+    for (long i = 1; i <= kLast; ++i) {
+      value.draft().a = i;
+      value.draft().b = -i;
+      value.publish();
+    }
+  });
+  long seen = 0;
+  while (seen < kLast) {
+    const Pair* pair = value.read();
+    if (pair == nullptr) continue;
+    ASSERT_EQ(pair->a, -pair->b);
+    ASSERT_GE(pair->a, seen);
+    seen = pair->a;
+  }
+  writer.join();
+}
+
+TEST(LatencyHistogram, PercentilesAreThoseOfTheSortedDurations) {
+  LatencyHistogram histogram;
+  EXPECT_EQ(histogram.percentile(0.5), 0);
+  std::mt19937 random(7);
+  std::lognormal_distribution<double> spread(9.0, 1.5);
+  std::vector<std::int64_t> all{-5, 0, 1, 15, 16, 17, std::int64_t{1} << 45};
+  for (int i = 0; i < 20000; ++i) all.push_back(std::llround(spread(random)));
+  for (const std::int64_t duration : all) histogram.record(duration);
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(histogram.count(), static_cast<std::int64_t>(all.size()));
+  EXPECT_EQ(histogram.greatest(), all.back());
+  EXPECT_EQ(histogram.percentile(1.0), all.back());
+  for (const double share : {0.001, 0.1, 0.5, 0.9, 0.99, 0.999}) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(all.size()))) - 1;
+    const auto exact = static_cast<double>(all[rank]);
+    const auto told = static_cast<double>(histogram.percentile(share));
+    EXPECT_GE(told, exact);
+    EXPECT_LE(told, exact * (1.0 + 1.0 / 16.0) + 1.0);
+  }
+  histogram.clear();
+  EXPECT_EQ(histogram.count(), 0);
+}
+
+// A vehicle that wanders about, and what it shall follow.
+VehicleState wandering(int sample) {
+  const double t = 0.01 * sample;
+  VehicleState state;
+  state.stamp = 3.0 + t;
+  state.position = {0.3 * std::sin(t), 0.2 * std::cos(1.3 * t), 1.0 + 0.1 * std::sin(2.1 * t)};
+  state.velocity = {0.3 * std::cos(t), -0.26 * std::sin(1.3 * t), 0.21 * std::cos(2.1 * t)};
+  state.attitude = Eigen::AngleAxisd(0.3 * std::sin(0.4 * t), Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(0.05 * std::cos(3.0 * t), Eigen::Vector3d::UnitY());
+  return state;
+}
+
+std::array<MpcProblem, 3> axisProblems() {
+  std::array<MpcProblem, 3> problems;
+  for (std::size_t i = 0; i < 3; ++i) problems[i] = parseProblem(polyfly_test::axisProblem(i), "problem");
+  return problems;
+}
+
+std::unique_ptr<ControlLaw> linearLaw(double yaw_gain) {
+  MultirotorOptions options;
+  options.yaw_gain = yaw_gain;
+  return std::make_unique<MultirotorController>(axisProblems(), options);
+}
+
+std::unique_ptr<ControlLaw> nonlinearLaw(double yaw_gain) {
+  MultirotorOptions options;
+  options.yaw_gain = yaw_gain;
+  return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});
+}
+
+std::unique_ptr<ControlLaw> switched(double yaw_gain, Law first) {
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws;
+  laws[static_cast<std::size_t>(Law::kLinear)] = linearLaw(yaw_gain);
+  laws[static_cast<std::size_t>(Law::kNonlinear)] = nonlinearLaw(yaw_gain);
+  return std::make_unique<LawSwitch>(std::move(laws), first);
+}
+
+double difference(const AttitudeCommand& a, const AttitudeCommand& b) {
+  return std::max({std::abs(a.roll - b.roll), std::abs(a.pitch - b.pitch), std::abs(a.yaw_rate - b.yaw_rate),
+                   std::abs(a.thrust - b.thrust)});
+}
+
+// A law of the same options that takes over in mid-flight answers as the old one would have.
+void expectSeamless(const std::function<std::unique_ptr<ControlLaw>()>& make) {
+  const std::unique_ptr<ControlLaw> steady = make();
+  std::unique_ptr<ControlLaw> current = make();
+  std::vector<Reference> preview(static_cast<std::size_t>(steady->previewLength()));
+  for (Reference& reference : preview) reference.position = {0.4, -0.2, 1.3};
+  for (int sample = 0; sample < 300; ++sample) {
+    const VehicleState state = wandering(sample);
+    const AttitudeCommand expected = steady->step(state, preview.data()).command;
+    const ControlReport& report = current->step(state, preview.data());
+    ASSERT_EQ(report.status, ControlStatus::kOptimal);
+    ASSERT_LT(difference(expected, report.command), 1e-8) << "sample " << sample;
+    EXPECT_LT(current->kktResidual(), 1e-9);
+    EXPECT_GE(current->kktResidual(), 0.0);
+    if (sample % 3 == 1) {
+      std::unique_ptr<ControlLaw> next = make();
+      next->takeOver(*current);
+      current = std::move(next);
+    }
+    steady->prepare();
+    current->prepare();
+  }
+}
+
+TEST(TakeOver, LinearGoesOn) {
+  expectSeamless([] { return linearLaw(1.8); });
+}
+TEST(TakeOver, NonlinearGoesOn) {
+  expectSeamless([] { return nonlinearLaw(1.8); });
+}
+TEST(TakeOver, TheSwitchGoesOn) {
+  expectSeamless([] { return switched(1.8, Law::kNonlinear); });
+}
+
+TEST(TakeOver, TheLawThatFliesStaysAndNewOptionsHold) {
+  const std::unique_ptr<ControlLaw> old = switched(1.0, Law::kNonlinear);
+  dynamic_cast<LawSwitch&>(*old).select(Law::kLinear);
+  const std::unique_ptr<ControlLaw> next = switched(2.0, Law::kNonlinear);
+  std::vector<Reference> preview(static_cast<std::size_t>(old->previewLength()));
+  for (Reference& reference : preview) reference.yaw = 0.5;
+  const double slow = old->step(wandering(0), preview.data()).command.yaw_rate;
+  next->takeOver(*old);
+  EXPECT_EQ(dynamic_cast<LawSwitch&>(*next).active(), Law::kLinear);
+  EXPECT_NEAR(next->step(wandering(0), preview.data()).command.yaw_rate, 2.0 * slow, 1e-9);
+}
+
+TEST(TakeOver, AHeldCommandMeetsTheNewLimits) {
+  const std::unique_ptr<ControlLaw> old = linearLaw(1.8);
+  std::vector<Reference> preview(1);
+  preview[0].position = {20.0, 0.0, 1.2};
+  const AttitudeCommand before = old->step(wandering(0), preview.data()).command;
+  ASSERT_GT(before.pitch, 0.25);
+  ASSERT_GT(before.thrust, 1.52 * 10.0);
+  MultirotorOptions narrow;
+  narrow.angle_max = 0.2;
+  narrow.thrust_max = 10.0;
+  MultirotorController next(axisProblems(), narrow);
+  next.takeOver(*old);
+  VehicleState bad = wandering(1);
+  bad.position.x() = std::nan("");
+  const ControlReport& report = next.step(bad, preview.data());
+  EXPECT_EQ(report.status, ControlStatus::kHoldLast);
+  EXPECT_EQ(report.command.pitch, 0.2);
+  EXPECT_LE(report.command.thrust, narrow.mass * narrow.thrust_max);
+}
+
+TEST(TakeOver, AnotherKindOfLawIsIgnored) {
+  const std::unique_ptr<ControlLaw> linear = linearLaw(1.8);
+  const std::unique_ptr<ControlLaw> nonlinear = nonlinearLaw(1.8);
+  std::vector<Reference> preview(static_cast<std::size_t>(nonlinear->previewLength()));
+  linear->step(wandering(0), preview.data());
+  nonlinear->takeOver(*linear);
+  EXPECT_EQ(nonlinear->report().status, ControlStatus::kNoReference);
+}
+
+}  // namespace
+}  // namespace polyfly
