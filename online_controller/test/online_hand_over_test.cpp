@@ -234,7 +234,7 @@ TEST(TakeOver, TheLawThatFliesStaysAndNewOptionsHold) {
 TEST(TakeOver, AHeldCommandMeetsTheNewLimits) {
   const std::unique_ptr<ControlLaw> old = linearLaw(1.8);
   std::vector<Reference> preview(1);
-  preview[0].position = {20.0, 0.0, 1.2};
+  preview[0].position = {20.0, 0.0, 1.5};
   const AttitudeCommand before = old->step(wandering(0), preview.data()).command;
   ASSERT_GT(before.pitch, 0.25);
   ASSERT_GT(before.thrust, 1.52 * 10.0);
