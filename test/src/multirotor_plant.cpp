@@ -13,13 +13,22 @@ namespace {
 
 constexpr double kWholeSteps = 1e-6;  // how far a ratio of times may be from a whole number
 constexpr std::uint64_t kSensorStream = 0x9e3779b97f4a7c15u;  // keeps gusts and sensor noise apart
+constexpr std::uint64_t kTurbulenceStream = 0xd1b54a32d192ed03u;
 
-// What is integrated: position, velocity, roll, pitch, yaw, yaw rate, thrust.
-using StateVector = Eigen::Matrix<double, 11, 1>;
+// What is integrated: position, velocity, roll, pitch, yaw, yaw rate, thrust; the load's offset and velocity.
+using StateVector = Eigen::Matrix<double, 17, 1>;
+
+// What acts besides the command, constant over a substep.
+struct Surroundings {
+  Eigen::Vector3d push;          // [m/s^2]
+  Eigen::Vector3d air_velocity;  // [m/s]
+  Eigen::Vector3d hit;           // on the load [N]
+};
 
 StateVector pack(const PlantState& state) {
   StateVector x;
-  x << state.position, state.velocity, state.roll, state.pitch, state.yaw, state.yaw_rate, state.thrust;
+  x << state.position, state.velocity, state.roll, state.pitch, state.yaw, state.yaw_rate, state.thrust,
+      state.load_offset, state.load_velocity;
   return x;
 }
 
@@ -32,6 +41,8 @@ PlantState unpack(const StateVector& x) {
   state.yaw = x[8];
   state.yaw_rate = x[9];
   state.thrust = x[10];
+  state.load_offset = x.segment<3>(11);
+  state.load_velocity = x.segment<3>(14);
   return state;
 }
 
@@ -39,16 +50,34 @@ double lagRate(double target, double value, double time) {
   return time > 0.0 ? (target - value) / time : 0.0;
 }
 
-// Eq. 37, with the yaw rate and the thrust as further first-order lags.
+double rollRate(const PlantOptions& options, const AttitudeCommand& command, double roll) {
+  return (options.roll_gain * command.roll + options.roll_offset - roll) / options.roll_time;
+}
+
+double pitchRate(const PlantOptions& options, const AttitudeCommand& command, double pitch) {
+  return (options.pitch_gain * command.pitch + options.pitch_offset - pitch) / options.pitch_time;
+}
+
+// Eq. 37, with the yaw rate and the thrust as further first-order lags, and a load on a string.
 StateVector derivative(const PlantOptions& options, const StateVector& x, const AttitudeCommand& command,
-                       const Eigen::Vector3d& disturbance) {
-  StateVector rate;
+                       const Surroundings& around) {
+  StateVector rate = StateVector::Zero();
   const Eigen::Vector3d velocity = x.segment<3>(3);
   rate.segment<3>(0) = velocity;
-  rate.segment<3>(3) = bodyZ(x[6], x[7], x[8]) * x[10] - options.drag.cwiseProduct(velocity) + disturbance;
+  rate.segment<3>(3) = bodyZ(x[6], x[7], x[8]) * x[10] -
+                       options.drag.cwiseProduct(velocity - around.air_velocity) + around.push;
+  if (options.load.mass > 0.0) {
+    const Eigen::Vector3d load_velocity = x.segment<3>(14);
+    const Eigen::Vector3d pull = options.load.pull(x.segment<3>(11), load_velocity - velocity);
+    rate.segment<3>(3) += pull / options.mass;
+    rate.segment<3>(11) = load_velocity - velocity;
+    rate.segment<3>(14) =
+        (around.hit - pull - options.load.drag * (load_velocity - around.air_velocity)) / options.load.mass;
+    rate[16] -= options.gravity;
+  }
   rate[5] -= options.gravity;
-  rate[6] = (options.roll_gain * command.roll - x[6]) / options.roll_time;
-  rate[7] = (options.pitch_gain * command.pitch - x[7]) / options.pitch_time;
+  rate[6] = rollRate(options, command, x[6]);
+  rate[7] = pitchRate(options, command, x[7]);
   rate[8] = x[9];
   rate[9] = lagRate(command.yaw_rate, x[9], options.yaw_rate_time);
   rate[10] = lagRate(command.thrust / options.mass, x[10], options.thrust_time);
@@ -75,8 +104,7 @@ VehicleState toVehicleState(const PlantOptions& options, const PlantState& state
                      Eigen::AngleAxisd(state.pitch, Eigen::Vector3d::UnitY()) *
                      Eigen::AngleAxisd(state.roll, Eigen::Vector3d::UnitX());
   vehicle.angular_velocity =
-      bodyRates(state, (options.roll_gain * acting.roll - state.roll) / options.roll_time,
-                (options.pitch_gain * acting.pitch - state.pitch) / options.pitch_time);
+      bodyRates(state, rollRate(options, acting, state.roll), pitchRate(options, acting, state.pitch));
   return vehicle;
 }
 
@@ -97,6 +125,9 @@ void checkPlantOptions(const PlantOptions& options) {
   visitPlantOptions(options, RangeCheck{"vehicle"});
   if (options.thrust_min > options.thrust_max) {
     throw Error("vehicle: thrust_min: must not exceed thrust_max");
+  }
+  if (options.turbulence_sigma.norm() > 0.0 && !(options.air_velocity.norm() > 0.0)) {
+    throw Error("vehicle: turbulence_sigma: needs an air_velocity that carries it");
   }
   if (wholeSteps(options.period, options.substep, "period") < 1) {
     throw Error("vehicle: substep: must not exceed period");
@@ -128,23 +159,57 @@ MultirotorPlant::MultirotorPlant(const PlantOptions& options, const PlantState& 
   command_delay_steps_ = wholeSteps(options.command_delay, options.substep, "command_delay");
   odometry_delay_steps_ = wholeSteps(options.odometry_delay, options.substep, "odometry_delay");
   // The attitude that the start holds, so that nothing moves before the first command.
-  acting_.roll = start.roll / options.roll_gain;
-  acting_.pitch = start.pitch / options.pitch_gain;
+  acting_.roll = (start.roll - options.roll_offset) / options.roll_gain;
+  acting_.pitch = (start.pitch - options.pitch_offset) / options.pitch_gain;
   acting_.yaw_rate = start.yaw_rate;
   acting_.thrust = start.thrust * options.mass;
   gust_ = options_.gust_sigma.cwiseProduct(gust_noise_.next3());  // stationary from the beginning
+  if (options_.air_velocity.norm() > 0.0 && options_.turbulence_sigma.norm() > 0.0) {
+    turbulence_.emplace(options_.air_velocity, options_.turbulence_sigma, options_.turbulence_length,
+                        options_.substep, static_cast<std::uint64_t>(options_.seed) ^ kTurbulenceStream);
+  }
+  hangLoad();
   history_.push_back(truth());
 }
 
 double MultirotorPlant::time() const { return static_cast<double>(step_) * options_.substep; }
 
-Eigen::Vector3d MultirotorPlant::disturbance() const {
-  const double since_kick = time() - options_.kick_start;
-  // Half a substep of play, so that rounding of the time does not decide.
+void MultirotorPlant::hangLoad() {
+  if (options_.load.mass <= 0.0 || state_.load_offset.norm() > 0.0) return;
+  state_.load_offset = {0.0, 0.0, -options_.load.hangingLength(options_.gravity)};
+  state_.load_velocity = state_.velocity;
+}
+
+// Whether something of that start and duration acts now; with half a substep of play, so that rounding of the
+// time does not decide.
+bool MultirotorPlant::during(double start, double duration) const {
+  const double since = time() - start;
   const double play = 0.5 * options_.substep;
-  const bool kicked = since_kick > -play && since_kick < options_.kick_time - play;
+  return since > -play && since < duration - play;
+}
+
+Eigen::Vector3d MultirotorPlant::push() const {
+  const bool kicked = during(options_.kick_start, options_.kick_time);
   return kicked ? Eigen::Vector3d(options_.wind + gust_ + options_.kick)
                 : Eigen::Vector3d(options_.wind + gust_);
+}
+
+Eigen::Vector3d MultirotorPlant::airVelocity() const {
+  return turbulence_ ? Eigen::Vector3d(options_.air_velocity + turbulence_->velocity())
+                     : options_.air_velocity;
+}
+
+Eigen::Vector3d MultirotorPlant::hit() const {
+  return during(options_.load_hit_start, options_.load_hit_time) ? options_.load_hit
+                                                                 : Eigen::Vector3d::Zero();
+}
+
+Eigen::Vector3d MultirotorPlant::disturbance() const {
+  Eigen::Vector3d all = push() + options_.drag.cwiseProduct(airVelocity());
+  if (options_.load.mass > 0.0) {
+    all += options_.load.pull(state_.load_offset, state_.load_velocity - state_.velocity) / options_.mass;
+  }
+  return all;
 }
 
 AttitudeCommand MultirotorPlant::saturate(const AttitudeCommand& command) {
@@ -188,15 +253,16 @@ void MultirotorPlant::substep() {
     state_.thrust = acting_.thrust / options_.mass;
   }
   const double h = options_.substep;
-  const Eigen::Vector3d disturbance = this->disturbance();
+  const Surroundings around{push(), airVelocity(), hit()};
   const StateVector x = pack(state_);
-  const StateVector k1 = derivative(options_, x, acting_, disturbance);
-  const StateVector k2 = derivative(options_, x + 0.5 * h * k1, acting_, disturbance);
-  const StateVector k3 = derivative(options_, x + 0.5 * h * k2, acting_, disturbance);
-  const StateVector k4 = derivative(options_, x + h * k3, acting_, disturbance);
+  const StateVector k1 = derivative(options_, x, acting_, around);
+  const StateVector k2 = derivative(options_, x + 0.5 * h * k1, acting_, around);
+  const StateVector k3 = derivative(options_, x + 0.5 * h * k2, acting_, around);
+  const StateVector k4 = derivative(options_, x + h * k3, acting_, around);
   state_ = unpack(x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4));
   ++step_;
   drawGust();
+  if (turbulence_) turbulence_->advance();
   history_.push_back(truth());
   while (static_cast<std::int64_t>(history_.size()) > odometry_delay_steps_ + 1) {
     history_.pop_front();

@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "online_controller/options.hpp"
 #include "online_controller/types.hpp"
+#include "polyfly_test/dryden_turbulence.hpp"
 #include "polyfly_test/gaussian_source.hpp"
+#include "polyfly_test/slung_load.hpp"
 
 namespace polyfly {
 
@@ -21,6 +24,8 @@ struct PlantOptions {
   double roll_time = 0.25;     ///< tau_phi [s]
   double pitch_gain = 0.9;     ///< K_theta [-]
   double pitch_time = 0.255;   ///< tau_theta [s]
+  double roll_offset = 0.0;    ///< true roll where the attitude controller sees none: misalignment [rad]
+  double pitch_offset = 0.0;   ///< [rad]
   double yaw_rate_time = 0.0;  ///< lag of the yaw rate behind its command [s], 0: none
   double thrust_time = 0.0;    ///< lag of the thrust behind its command [s], 0: none
 
@@ -35,6 +40,16 @@ struct PlantOptions {
   Eigen::Vector3d gust_sigma =
       Eigen::Vector3d::Zero();  ///< standard deviation of its Gauss-Markov part [m/s^2]
   double gust_time = 1.0;       ///< correlation time of the gusts [s]
+
+  Eigen::Vector3d air_velocity = Eigen::Vector3d::Zero();  ///< mean wind; acts through `drag` [m/s]
+  Eigen::Vector3d turbulence_sigma =
+      Eigen::Vector3d::Zero();     ///< of Dryden turbulence in it: along, across, up [m/s]
+  double turbulence_length = 1.0;  ///< its length scale [m]
+
+  SlungLoad load;                                      ///< hangs below the vehicle's centre
+  Eigen::Vector3d load_hit = Eigen::Vector3d::Zero();  ///< a short force on the load [N]
+  double load_hit_start = 0.0;                         ///< [s]
+  double load_hit_time = 0.0;                          ///< for so long, 0: never [s]
 
   Eigen::Vector3d kick = Eigen::Vector3d::Zero();  ///< a short push, added to d(t) [m/s^2]
   double kick_start = 0.0;                         ///< [s]
@@ -63,6 +78,8 @@ void visitPlantOptions(Options& self, Visitor&& visit) {
   visit("roll_time", self.roll_time, "s", Range{0.001, 10.0});
   visit("pitch_gain", self.pitch_gain, "-", Range{0.01, 10.0});
   visit("pitch_time", self.pitch_time, "s", Range{0.001, 10.0});
+  visit("roll_offset", self.roll_offset, "rad", Range{-0.5, 0.5});
+  visit("pitch_offset", self.pitch_offset, "rad", Range{-0.5, 0.5});
   visit("yaw_rate_time", self.yaw_rate_time, "s", Range{0.0, 10.0});
   visit("thrust_time", self.thrust_time, "s", Range{0.0, 10.0});
   visit("drag", self.drag, "1/s", Range{0.0, 100.0});
@@ -73,6 +90,17 @@ void visitPlantOptions(Options& self, Visitor&& visit) {
   visit("wind", self.wind, "m/s^2", Range{-100.0, 100.0});
   visit("gust_sigma", self.gust_sigma, "m/s^2", Range{0.0, 100.0});
   visit("gust_time", self.gust_time, "s", Range{0.001, 1000.0});
+  visit("air_velocity", self.air_velocity, "m/s", Range{-100.0, 100.0});
+  visit("turbulence_sigma", self.turbulence_sigma, "m/s", Range{0.0, 100.0});
+  visit("turbulence_length", self.turbulence_length, "m", Range{0.01, 10000.0});
+  visit("load/mass", self.load.mass, "kg", Range{0.0, 1000.0});
+  visit("load/length", self.load.length, "m", Range{0.01, 1000.0});
+  visit("load/stiffness", self.load.stiffness, "N/m", Range{0.01, 1e7});
+  visit("load/damping", self.load.damping, "N s/m", Range{0.0, 1e5});
+  visit("load/drag", self.load.drag, "N s/m", Range{0.0, 1000.0});
+  visit("load/hit", self.load_hit, "N", Range{-1000.0, 1000.0});
+  visit("load/hit_start", self.load_hit_start, "s", Range{0.0, 1000000.0});
+  visit("load/hit_time", self.load_hit_time, "s", Range{0.0, 1000.0});
   visit("kick", self.kick, "m/s^2", Range{-100.0, 100.0});
   visit("kick_start", self.kick_start, "s", Range{0.0, 1000000.0});
   visit("kick_time", self.kick_time, "s", Range{0.0, 1000.0});
@@ -100,6 +128,10 @@ struct PlantState {
   double yaw = 0.0;                                    ///< not wrapped [rad]
   double yaw_rate = 0.0;                               ///< psi' [rad/s]
   double thrust = 0.0;                                 ///< T, per mass [m/s^2]
+  /// The slung load from the vehicle in W [m]; zero at the start: it hangs at rest, and moves with the
+  /// vehicle.
+  Eigen::Vector3d load_offset = Eigen::Vector3d::Zero();
+  Eigen::Vector3d load_velocity = Eigen::Vector3d::Zero();  ///< in W, not relative [m/s]
 };
 
 /// Third column of R(psi, theta, phi): the body's z axis in W.
@@ -122,8 +154,9 @@ class MultirotorPlant {
 
   double time() const;  ///< simulated seconds since the start
   const PlantState& state() const { return state_; }
-  VehicleState truth() const;                                    ///< the state now, without noise or delay
-  Eigen::Vector3d disturbance() const;                           ///< d(t) that acts now [m/s^2]
+  VehicleState truth() const;  ///< the state now, without noise or delay
+  /// d(t) that acts now: wind, gusts, kick, the air's velocity times the drag, the string's pull [m/s^2].
+  Eigen::Vector3d disturbance() const;
   std::int64_t saturatedCommands() const { return saturated_; }  ///< commands cut to the vehicle's limits
   std::int64_t ignoredCommands() const { return ignored_; }      ///< commands that were not finite
 
@@ -134,10 +167,16 @@ class MultirotorPlant {
   };
 
   AttitudeCommand saturate(const AttitudeCommand& command);
+  void hangLoad();
   void substep();
   void drawGust();
+  bool during(double start, double duration) const;
+  Eigen::Vector3d push() const;         // what does not depend on the state [m/s^2]
+  Eigen::Vector3d airVelocity() const;  // [m/s]
+  Eigen::Vector3d hit() const;          // on the load [N]
 
   PlantOptions options_;
+  std::optional<DrydenTurbulence> turbulence_;
   Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();
   GaussianSource gust_noise_;
   GaussianSource sensor_noise_;
