@@ -88,6 +88,20 @@ class Axis {
 
   double kktResidual() const noexcept { return law_->kktResidual(); }
 
+  /// The axis in error coordinates, one stage after the other: open loop along the plan of an online law,
+  /// closed loop through the map of an explicit one.
+  struct Prediction {
+    int stage = 0;
+    double position_error = 0.0;   ///< [m]
+    double velocity_error = 0.0;   ///< [m/s]
+    double angle_error = 0.0;      ///< [rad]
+    double input = 0.0;            ///< u over the stage [rad or m/s^2]
+    double input_reference = 0.0;  ///< [rad or m/s^2]
+  };
+  Prediction beginPrediction(const AxisReport& report) const noexcept;
+  void advance(Prediction& at) const noexcept;
+  double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
+
   /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
   /// input is left alone. Where a minimum-peak robust MPC has no plan that meets all bounds (a disturbance
   /// beyond its range has been at work), the errors are scaled down until it has one, by 12 halvings:
@@ -112,6 +126,7 @@ class Axis {
 
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
+  double nextInput(const Prediction& at) const noexcept;
   Lookup retreat(const std::array<double, kMaxParameters>& theta, double& input) const noexcept;
 
   std::unique_ptr<AxisLaw> law_;
@@ -127,11 +142,14 @@ class Axis {
   int position_state_ = 0;
   int velocity_state_ = 1;
   int angle_state_ = 2;
-  double velocity_gain_ = 0.0;     // dv'/dv = -drag [1/s]
-  double drive_gain_ = 0.0;        // dv'/ds
-  double disturbance_gain_ = 0.0;  // dv'/dd
-  double lag_pole_ = 0.0;          // ds'/ds [1/s]
-  double lag_gain_ = 0.0;          // ds'/du
+  double velocity_gain_ = 0.0;                    // dv'/dv = -drag [1/s]
+  double drive_gain_ = 0.0;                       // dv'/ds
+  double disturbance_gain_ = 0.0;                 // dv'/dd
+  double lag_pole_ = 0.0;                         // ds'/ds [1/s]
+  double lag_gain_ = 0.0;                         // ds'/du
+  double stage_period_ = 0.0;                     // Ts of the problem [s]
+  std::array<std::array<double, 3>, 3> stage_{};  // A over Ts, for predictions
+  std::array<double, 3> stage_input_{};           // B over Ts
   bool offset_free_ = true;
   DisturbanceObserver observer_;
 };

@@ -29,6 +29,15 @@ class AxisLaw {
 
   virtual void reset() noexcept = 0;
 
+  /// The input u of stage `stage` as the last evaluate() planned it under the steady input `reference`, for a
+  /// law that plans. False otherwise.
+  virtual bool planned(int /*stage*/, double /*reference*/, double* /*input*/) const noexcept {
+    return false;
+  }
+
+  /// As evaluate(), of a law that keeps nothing from one parameter to the next; others leave `input` alone.
+  virtual void lookUp(const double*, double*) const noexcept {}
+
   /// Of the last evaluate(), see ControlLaw::kktResidual.
   virtual double kktResidual() const noexcept { return -1.0; }
   virtual int iterations() const noexcept { return 0; }  ///< working sets of the last evaluate()

@@ -37,6 +37,12 @@ class ControlLaw {
   /// law of another kind is ignored.
   virtual void takeOver(const ControlLaw& from) noexcept = 0;
 
+  /// Where the last step expects the vehicle: at its sample, and at each stagePeriod() after it, at most
+  /// `count` positions in W [m]. `preview` holds the references of these times. Returns how many there are, 0
+  /// after a step without an answer. For people to look at, between step() and prepare().
+  virtual int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept = 0;
+  virtual double stagePeriod() const noexcept = 0;  ///< [s]
+
   /// How far the last step's answer is from the optimum that it was asked for: the greatest violation of
   /// the KKT conditions of its quadratic program, relative to its gradient. Negative where nothing was
   /// solved, as with an explicit law. Costs some microseconds: not for the way from odometry to command.

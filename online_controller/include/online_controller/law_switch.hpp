@@ -43,6 +43,10 @@ class LawSwitch : public ControlLaw {
   const ControlReport& onSilence(double now) noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
+  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override {
+    return current().predict(preview, count, positions);
+  }
+  double stagePeriod() const noexcept override { return current().stagePeriod(); }
   double kktResidual() const noexcept override { return current().kktResidual(); }
   void reset() noexcept override;
   const ControlReport& report() const noexcept override { return current().report(); }

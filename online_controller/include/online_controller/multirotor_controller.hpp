@@ -45,6 +45,8 @@ class MultirotorController : public ControlLaw {
   const ControlReport& onSilence(double now) noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
+  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
+  double stagePeriod() const noexcept override { return axes_[0].stagePeriod(); }
   double kktResidual() const noexcept override;
   void reset() noexcept override;
 

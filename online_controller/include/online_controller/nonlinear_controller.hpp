@@ -34,6 +34,8 @@ class NonlinearController : public ControlLaw {
   const ControlReport& onSilence(double now) noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
+  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
+  double stagePeriod() const noexcept override { return mpc_.options().period; }
   double kktResidual() const noexcept override { return iterating_ ? mpc_.kktResidual() : -1.0; }
   void reset() noexcept override;
   const ControlReport& report() const noexcept override { return report_; }

@@ -138,6 +138,14 @@ void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
     require(B(v, 0) != 0.0, "the velocity must be driven by the input");
   }
 
+  const DiscreteModel stage = discretise(problem, problem.sampling_time);
+  stage_period_ = stage.period;
+  for (int i = 0; i < states; ++i) {
+    stage_input_[static_cast<std::size_t>(i)] = stage.B(i, 0);
+    for (int j = 0; j < states; ++j)
+      stage_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = stage.A(i, j);
+  }
+
   position_state_ = p;
   velocity_state_ = v;
   angle_state_ = s;

@@ -1,5 +1,6 @@
 #include "online_controller/axis_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mpc_core/online_program.hpp"
@@ -37,6 +38,7 @@ class ExplicitAxisLaw final : public AxisLaw {
   Lookup evaluate(const double* theta, double* input) noexcept override {
     return map_->evaluate(theta, input);
   }
+  void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
   void reset() noexcept override {}
 
  private:
@@ -73,6 +75,12 @@ class OnlineAxisLaw final : public AxisLaw {
     return lookup;
   }
   void reset() noexcept override { program_.reset(); }
+  bool planned(int stage, double input_reference, double* input) const noexcept override {
+    const BoundedQp& solver = program_.solver();
+    if (solver.variableCount() != problem_.horizon) return false;
+    *input = input_reference + solver.x()[std::min(stage, problem_.horizon - 1)];
+    return true;
+  }
   double kktResidual() const noexcept override { return program_.solver().kktResidual(); }
   int iterations() const noexcept override { return program_.solver().iterations(); }
 

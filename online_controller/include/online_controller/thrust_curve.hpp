@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+namespace polyfly {
+
+/// What an autopilot makes of thrust: a number from 0 to 1 in place of newtons.
+struct ThrustCurveOptions {
+  /// Coefficients c of c[0] + c[1] F + c[2] F^2 + ... with F in N; empty: proportional to F, with hover at
+  /// hover_thrust.
+  std::vector<double> polynomial;
+  double hover_thrust = 0.5;  ///< what the autopilot takes to hover, without a polynomial
+  double least = 0.0;         ///< never less is sent
+  double greatest = 1.0;      ///< never more is sent
+};
+
+/// Thrust in newtons to an autopilot's thrust.
+class ThrustCurve {
+ public:
+  /// `thrust_min`, `thrust_max` [N] are the limits of what the controller asks for, `hover` [N] the weight.
+  /// Throws Error: limits outside 0 to 1 or crossed, a polynomial that does not increase over all that can be
+  /// asked for or leaves the limits at hover.
+  ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max, double hover);
+
+  /// Within the limits for every `thrust` [N], NaN included (the lower limit).
+  double operator()(double thrust) const noexcept;
+
+ private:
+  double value(double thrust) const noexcept;
+
+  std::vector<double> coefficients_;
+  double least_;
+  double greatest_;
+};
+
+}  // namespace polyfly

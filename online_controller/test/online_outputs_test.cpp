@@ -1,0 +1,138 @@
+// What leaves the controller besides its command: an autopilot's thrust, the tuning of the linear problems,
+// and where the laws expect the vehicle.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "online_controller/linear_tuning.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/thrust_curve.hpp"
+#include "online_support.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kWeight = 1.52 * 9.8066;  // [N]
+
+std::array<MpcProblem, 3> axisProblems() {
+  std::array<MpcProblem, 3> problems;
+  for (std::size_t i = 0; i < 3; ++i) problems[i] = parseProblem(polyfly_test::axisProblem(i), "problem");
+  return problems;
+}
+
+TEST(ThrustCurve, HoverThrustIsProportional) {
+  ThrustCurveOptions options;
+  options.hover_thrust = 0.4;
+  const ThrustCurve curve(options, 7.6, 30.4, kWeight);
+  EXPECT_NEAR(curve(kWeight), 0.4, 1e-15);
+  EXPECT_NEAR(curve(0.5 * kWeight), 0.2, 1e-15);
+  EXPECT_EQ(curve(100.0), 1.0);
+  EXPECT_EQ(curve(-1.0), 0.0);
+  EXPECT_EQ(curve(std::nan("")), 0.0);
+}
+
+TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {
+  ThrustCurveOptions options;
+  options.polynomial = {0.05, 0.02, 0.0005};
+  options.least = 0.25;
+  options.greatest = 0.8;
+  const ThrustCurve curve(options, 7.6, 30.4, kWeight);
+  EXPECT_NEAR(curve(20.0), 0.05 + 0.02 * 20.0 + 0.0005 * 400.0, 1e-15);
+  EXPECT_EQ(curve(30.4), 0.8);
+  EXPECT_EQ(curve(7.6), 0.25);
+}
+
+TEST(ThrustCurve, RefusesWhatCannotBeFlown) {
+  const auto refused = [](const ThrustCurveOptions& options) {
+    EXPECT_THROW(ThrustCurve(options, 7.6, 30.4, kWeight), Error);
+  };
+  ThrustCurveOptions options;
+  options.polynomial = {0.0, 0.05, -0.001};  // falls from 25 N
+  refused(options);
+  options.polynomial = {0.0, std::nan("")};
+  refused(options);
+  options.polynomial = {1.0, 0.01};  // hover above the limit
+  refused(options);
+  options = {};
+  options.least = 0.6;  // above hover
+  refused(options);
+  options = {};
+  options.greatest = 1.2;
+  refused(options);
+}
+
+TEST(LinearTuning, IsWhatTheProblemsHold) {
+  const LinearTuning tuning = linearTuning(axisProblems());
+  EXPECT_EQ(tuning[0].position_weight, 40.0);
+  EXPECT_EQ(tuning[1].angle_weight, 20.0);
+  EXPECT_EQ(tuning[2].velocity_weight, 25.0);
+  EXPECT_EQ(tuning[2].rate_weight, 0.0025);
+  EXPECT_EQ(tuning[2].command_max, 10.1934);
+  LinearTuning changed = tuning;
+  changed[1].velocity_weight = 7.0;
+  changed[0].command_max = 0.1;
+  const std::array<MpcProblem, 3> problems = tuned(axisProblems(), changed);
+  EXPECT_EQ(problems[1].Q(1, 1), 7.0);
+  EXPECT_EQ(problems[0].inputs[0].upper, 0.1);
+  EXPECT_EQ(linearTuning(problems)[1].velocity_weight, 7.0);
+}
+
+// The problems made from the model are those of the files, in every command.
+TEST(LinearTuning, ProblemsFromParametersAnswerAsTheFiles) {
+  MultirotorController made(linearProblems(MultirotorModel{}, 0.1, 20), MultirotorOptions{});
+  MultirotorController read(axisProblems(), MultirotorOptions{});
+  Reference reference;
+  for (int i = 0; i < 50; ++i) {
+    VehicleState state;
+    state.stamp = 0.01 * i;
+    reference.position = {3.0 * std::sin(i), 2.0 * std::cos(2.0 * i), 0.05 * i};
+    const AttitudeCommand a = made.step(state, reference).command;
+    const AttitudeCommand b = read.step(state, reference).command;
+    EXPECT_NEAR(a.roll, b.roll, 1e-6);
+    EXPECT_NEAR(a.pitch, b.pitch, 1e-6);
+    EXPECT_NEAR(a.thrust, b.thrust, 1e-5);
+  }
+}
+
+TEST(LinearTuning, ChangedLimitsHold) {
+  LinearTuning tuning = linearTuning(axisProblems());
+  tuning[0].command_max = 0.1;
+  MultirotorController law(tuned(axisProblems(), tuning), MultirotorOptions{});
+  Reference reference;
+  reference.position.x() = 2.0;
+  EXPECT_NEAR(law.step(VehicleState{}, reference).axis[0].input, 0.1, 1e-12);
+}
+
+/// The prediction begins at the vehicle, its first stage is what the model makes of the first command, and it
+/// ends nearer the reference.
+void expectPrediction(ControlLaw& law) {
+  VehicleState state;
+  state.position = {0.1, -0.1, 1.0};
+  std::vector<Reference> preview(21);
+  for (Reference& reference : preview) reference.position = {0.9, 0.5, 1.5};
+  std::vector<Eigen::Vector3d> positions(21);
+  ASSERT_EQ(law.predict(preview.data(), 21, positions.data()), 0);
+  const ControlReport& report = law.step(state, preview.data());
+  ASSERT_EQ(report.status, ControlStatus::kOptimal);
+  ASSERT_EQ(law.stagePeriod(), 0.1);
+  ASSERT_EQ(law.predict(preview.data(), 21, positions.data()), 21);
+  EXPECT_LT((positions[0] - state.position).norm(), 1e-12);
+  const double climb = 0.5 * report.axis[2].input * 0.1 * 0.1;
+  EXPECT_NEAR(positions[1].z(), 1.0 + climb, 0.02 * climb);
+  EXPECT_LT((positions[20] - preview[20].position).norm(), 0.2);
+}
+
+TEST(Prediction, OfEachLaw) {
+  MultirotorController linear(axisProblems(), MultirotorOptions{});
+  expectPrediction(linear);
+  NonlinearController nonlinear(MultirotorOptions{}, NonlinearMpcOptions{});
+  expectPrediction(nonlinear);
+  polyfly_test::Flight mapped;
+  expectPrediction(*mapped.controller);
+}
+
+}  // namespace
+}  // namespace polyfly
