@@ -14,6 +14,7 @@
 
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
+#include "fixedwing_plant/six_dof_aircraft.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -74,27 +75,44 @@ AircraftState startAt(const Vector2d& position) {
 struct Case {
   std::string figure;
   bool windy = false;
-  bool rough = false;
+  std::string plant;  // model, rough or six_dof; the last two in gusts
 };
 
-std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, bool usual) {
+// The laws in the order of the tables: published weights, e_t counting more, the usual guidance.
+const std::vector<std::string> kLaws = {"mpc", "close", "l1"};
+
+std::unique_ptr<Aircraft> aircraftOf(const Case& chosen) {
   const Vector2d wind = chosen.windy ? kWind : Vector2d(0.0, 0.0);
-  RoughOptions rough;
-  rough.wind = wind;
-  rough.gust = 0.7;
-  std::unique_ptr<Aircraft> aircraft;
-  if (chosen.rough)
-    aircraft = std::make_unique<RoughAircraft>(rough, startAt({0.0, 0.0}), 1);
-  else
-    aircraft = std::make_unique<ChapterAircraft>(LateralModel{}, startAt({0.0, 0.0}), kAirspeed, wind);
-  Sensors sensors({}, 1);
-  if (usual) {
+  const AircraftState start = startAt({0.0, 0.0});
+  if (chosen.plant == "rough") {
+    RoughOptions options;
+    options.wind = wind;
+    options.gust = 0.7;
+    return std::make_unique<RoughAircraft>(options, start, 1);
+  }
+  if (chosen.plant == "six_dof") {
+    SixDofOptions options;
+    options.wind = wind;
+    options.turbulence = kWind.norm();
+    return std::make_unique<SixDofAircraft>(options, start, 1);
+  }
+  return std::make_unique<ChapterAircraft>(LateralModel{}, start, kAirspeed, wind);
+}
+
+std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const std::string& law) {
+  const std::unique_ptr<Aircraft> aircraft = aircraftOf(chosen);
+  SensorOptions late;
+  if (chosen.plant != "model") late.wind_lag = 3.0;  // of the estimate
+  Sensors sensors(late, 1);
+  if (law == "l1") {
     L1Guidance guidance(mission, SwitchCriterion{}, L1Options{});
     return flyLaw(
         *aircraft, sensors, [&](const GuidanceInput& input) { return guidance.update(input); }, kPeriod,
         kDuration);
   }
-  LateralGuidance guidance(GuidanceOptions{}, "experiment");
+  GuidanceOptions options;
+  if (law == "close") options.weights = closeTracking();
+  LateralGuidance guidance(options, "experiment");
   guidance.setMission(mission);
   return flyLaw(*aircraft, sensors, lawOf(guidance), kPeriod, kDuration);
 }
@@ -107,15 +125,15 @@ class Report {
 
   void add(const Case& chosen) {
     const Mission mission = chosen.figure == "box" ? boxFigure() : dubinsFigure();
-    const std::string name =
-        chosen.figure + (chosen.windy ? "_wind" : "_calm") + (chosen.rough ? "_rough" : "");
+    const std::string name = chosen.figure + (chosen.windy ? "_wind" : "_calm") +
+                             (chosen.plant == "model" ? "" : "_" + chosen.plant);
     writePath(folder_ / (name + "_path.csv"), mission.segments);
-    for (const bool usual : {false, true}) {
-      const std::string flight = name + (usual ? "_l1" : "_mpc");
-      const std::vector<FlightSample> samples = fly(chosen, mission, usual);
+    for (const std::string& law : kLaws) {
+      const std::string flight = name + "_" + law;
+      const std::vector<FlightSample> samples = fly(chosen, mission, law);
       writeFlight(folder_ / (flight + ".csv"), mission.segments, samples);
       addMetrics(flight, flightMetrics(mission.segments, samples, kSettle, kWindow));
-      if (!usual) addConvergence(name, segmentMetrics(mission.segments, samples, kSettle, kWindow));
+      if (law == "mpc") addConvergence(name, segmentMetrics(mission.segments, samples, kSettle, kWindow));
     }
   }
 
@@ -273,9 +291,9 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     Report report(folder);
-    for (const bool rough : {false, true}) {
+    for (const std::string plant : {"model", "rough", "six_dof"}) {
       for (const std::string figure : {"box", "dubins"}) {
-        for (const bool windy : {false, true}) report.add({figure, windy, rough});
+        for (const bool windy : {false, true}) report.add({figure, windy, plant});
       }
     }
     for (const std::string& recording : recordings) report.addRecording(recording);

@@ -168,6 +168,9 @@ void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
   message.airspeed = output.airspeed;
   message.wind_north = output.wind.x();
   message.wind_east = output.wind.y();
+  message.roll_bias = output.roll_bias;
+  message.turn_gain = output.turn_gain;
+  message.turn_bias = output.turn_bias;
   message.solver_status = static_cast<std::uint8_t>(output.nmpc.status);
   message.kkt = output.nmpc.kkt;
   message.cost = output.nmpc.cost;

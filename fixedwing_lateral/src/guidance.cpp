@@ -77,6 +77,7 @@ void checkGuidance(const GuidanceOptions& options, const std::string& where) {
 LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::string& where)
     : options_((checkGuidance(options, where), options)),
       air_(options),
+      observer_(options.model),
       nmpc_(options.model, options.horizon, where),
       kept_moves_(options.horizon.horizon) {
   nmpc_.setTuning(options.weights, options.limits);
@@ -104,6 +105,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.nmpc = NmpcReport{};
   const GuidanceReason bad = fault(input);
   if (bad != GuidanceReason::kNone) {
+    observer_.interrupt();
     output_.reason = bad;
     holdOrLevel(input.time);
     return output_;
@@ -112,6 +114,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   air_.update(input.time, input.airspeed, input.wind, state.ground_velocity, state.heading);
   output_.airspeed = air_.airspeed();
   output_.wind = air_.wind();
+  learn(input);
   if (track_.advance(state.position, state.ground_velocity)) {
     nmpc_.clearSwitch();
     prepared_ = false;
@@ -214,10 +217,27 @@ LateralState LateralGuidance::predicted(const AircraftState& state) const noexce
   LateralConditions conditions;
   conditions.airspeed = air_.airspeed();
   conditions.wind = air_.wind();
+  conditions.roll_bias = output_.roll_bias;
+  conditions.turn_gain = output_.turn_gain;
+  conditions.turn_bias = output_.turn_bias;
   return integrate(options_.model, conditions, now, {output_.roll_reference, options_.delay});
 }
 
+// From the reference of the call before, if the autopilot followed it.
+void LateralGuidance::learn(const GuidanceInput& input) noexcept {
+  if (!options_.learn_disturbance) return;
+  if (output_.mode == GuidanceMode::kStandby || !input.engaged || air_.airspeedAssumed())
+    observer_.interrupt();
+  observer_.update(input.state, air_.airspeed(), output_.roll_reference);
+  output_.roll_bias = observer_.rollBias();
+  output_.turn_gain = observer_.turnGain();
+  output_.turn_bias = observer_.turnBias();
+}
+
 void LateralGuidance::fillData() noexcept {
+  data_.conditions.roll_bias = output_.roll_bias;
+  data_.conditions.turn_gain = output_.turn_gain;
+  data_.conditions.turn_bias = output_.turn_bias;
   data_.conditions.airspeed = air_.airspeed();
   data_.conditions.wind = air_.wind();
   data_.conditions.gate = track_.gate();

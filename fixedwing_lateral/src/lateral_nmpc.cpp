@@ -42,6 +42,7 @@ LateralNmpc::LateralNmpc(const LateralModel& model, const HorizonOptions& option
       previous_(N_),
       switch_rise_(N_),
       roll_along_(N_ + 1),
+      input_along_(N_ + 1),
       trial_nodes_(N_ + 1, LateralState::Zero()),
       trial_moves_(N_) {
   qp_.roll = shooting_.transition();
@@ -99,20 +100,24 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
     const ShootingResult shot = shooting_.shoot(data.conditions, nodes_[k], moves_[k], stage);
     for (int i = 0; i < kStates; ++i) stage.gap[i] = shot.end[i] - nodes_[k + 1][kOrder[i]];
     switch_rise_[k] = shot.switch_rise;
-    addRoll(k, tracking.linearise(nodes_[k], stage));
+    addRoll(k, tracking.linearise(nodes_[k], stage), data.conditions.roll_bias);
     const double deviation = moves_[k] - previous_[k];
-    const double turning = moves_[k] - roll_along_[k];
+    const double turning = moves_[k] - input_along_[k];
     stage.R = weights_.roll_reference + slew_[k];
     stage.r = weights_.roll_reference * turning + slew_[k] * deviation;
     cost_ += weights_.roll_reference * turning * turning + slew_[k] * deviation * deviation;
   }
-  addRoll(N_, tracking.linearise(nodes_[N_], stages[N_]));
+  addRoll(N_, tracking.linearise(nodes_[N_], stages[N_]), data.conditions.roll_bias);
 }
 
 // The cost of a stage and its part in phi, which is counted from roll_along_.
-void LateralNmpc::addRoll(int k, const StageTerms& terms) noexcept {
-  if (!keep_roll_along_)
-    roll_along_[k] = std::clamp(terms.roll_along, -limits_.roll_reference, limits_.roll_reference);
+void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noexcept {
+  const double limit = limits_.roll_reference;
+  if (!keep_roll_along_) {
+    const double holding = model_.a0 / model_.b0 * terms.roll_along - weights_.feedforward * roll_bias;
+    roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);
+    input_along_[k] = std::clamp(holding, -limit, limit);
+  }
   const double roll = nodes_[k][Index::kRoll] - roll_along_[k];
   qp_.stages()[k].q[3] = weights_.roll * roll;
   cost_ += terms.cost + weights_.roll * roll * roll;
@@ -223,7 +228,7 @@ double LateralNmpc::costOf(const HorizonData& data, const std::vector<LateralSta
     if (k > 0) cost += 2.0 * limits_.roll_penalty * std::max(excess, 0.0);
     if (k == N_) break;
     const double deviation = moves[k] - previous_[k];
-    const double turning = moves[k] - roll_along_[k];
+    const double turning = moves[k] - input_along_[k];
     cost += weights_.roll_reference * turning * turning + slew_[k] * deviation * deviation;
   }
   return cost;

@@ -52,9 +52,11 @@ LateralState lateralRate(const LateralModel& model, const LateralConditions& con
   rate[Index::kNorth] = velocity.x();
   rate[Index::kEast] = velocity.y();
   rate[Index::kRoll] = state[Index::kRollRate];
-  rate[Index::kHeading] = model.gravity * std::tan(state[Index::kRoll]) / conditions.airspeed;
-  rate[Index::kRollRate] =
-      model.b0 * roll_reference - model.a1 * state[Index::kRollRate] - model.a0 * state[Index::kRoll];
+  rate[Index::kHeading] =
+      conditions.turn_gain * model.gravity * std::tan(state[Index::kRoll]) / conditions.airspeed +
+      conditions.turn_bias;
+  rate[Index::kRollRate] = model.b0 * (roll_reference + conditions.roll_bias) -
+                           model.a1 * state[Index::kRollRate] - model.a0 * state[Index::kRoll];
   rate[Index::kSwitch] = switching ? model.switch_rate : 0.0;
   return rate;
 }
@@ -67,7 +69,8 @@ LateralJacobian lateralRateJacobian(const LateralModel& model, const LateralCond
   jacobian.state(Index::kNorth, Index::kHeading) = -conditions.airspeed * std::sin(state[Index::kHeading]);
   jacobian.state(Index::kEast, Index::kHeading) = conditions.airspeed * std::cos(state[Index::kHeading]);
   jacobian.state(Index::kRoll, Index::kRollRate) = 1.0;
-  jacobian.state(Index::kHeading, Index::kRoll) = model.gravity / (conditions.airspeed * cos_roll * cos_roll);
+  jacobian.state(Index::kHeading, Index::kRoll) =
+      conditions.turn_gain * model.gravity / (conditions.airspeed * cos_roll * cos_roll);
   jacobian.state(Index::kRollRate, Index::kRoll) = -model.a0;
   jacobian.state(Index::kRollRate, Index::kRollRate) = -model.a1;
   jacobian.input.setZero();

@@ -47,14 +47,15 @@ ShootingResult RollShooting::shoot(const LateralConditions& conditions, const La
   const double phi = state[Index::kRoll];
   const double p = state[Index::kRollRate];
   const double psi = state[Index::kHeading];
-  const double turn = model_.gravity / conditions.airspeed;  // psi' by tan(phi)
+  const double input = roll_reference + conditions.roll_bias;
+  const double turn = conditions.turn_gain * model_.gravity / conditions.airspeed;  // psi' by tan(phi)
   const double half = 0.5 * step_;
 
   std::array<double, 4> rate{};   // psi' at the stages
   std::array<double, 4> slope{};  // its derivative by phi
   for (int i = 0; i < 4; ++i) {
-    const double tangent = std::tan(roll_[i].phi * phi + roll_[i].p * p + roll_[i].u * roll_reference);
-    rate[i] = turn * tangent;
+    const double tangent = std::tan(roll_[i].phi * phi + roll_[i].p * p + roll_[i].u * input);
+    rate[i] = turn * tangent + conditions.turn_bias;
     slope[i] = turn * (1.0 + tangent * tangent);
   }
   const std::array<double, 4> headings = {psi, psi + half * rate[0], psi + half * rate[1],
@@ -95,8 +96,8 @@ ShootingResult RollShooting::shoot(const LateralConditions& conditions, const La
   result.end[0] = state[Index::kNorth] + along_n + step_ * conditions.wind.x();
   result.end[1] = state[Index::kEast] + along_e + step_ * conditions.wind.y();
   result.end[2] = psi + sixth * (rate[0] + 2.0 * (rate[1] + rate[2]) + rate[3]);
-  result.end[3] = transition_.phi_phi * phi + transition_.phi_p * p + transition_.phi_u * roll_reference;
-  result.end[4] = transition_.p_phi * phi + transition_.p_p * p + transition_.p_u * roll_reference;
+  result.end[3] = transition_.phi_phi * phi + transition_.phi_p * p + transition_.phi_u * input;
+  result.end[4] = transition_.p_phi * phi + transition_.p_p * p + transition_.p_u * input;
   result.switch_rise = switchRise(conditions, state, cosines, sines);
   return result;
 }

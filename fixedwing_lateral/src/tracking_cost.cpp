@@ -36,16 +36,18 @@ double TrackingCost::cost(const LateralState& state, double roll_reference) cons
          weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
 }
 
-// With a course rate of v_g / (distance to the centre of curvature), and psi' = chi' v_g / (V cos(chi -
-// psi)).
+// With a course rate of v_g / (distance to the centre of curvature), psi' = chi' v_g / (V cos(chi - psi)),
+// and the roll that turns so.
 double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
                                const Eigen::Vector2d& velocity) const noexcept {
-  if (nearest.curvature == 0.0) return 0.0;
+  const LateralConditions& conditions = data_.conditions;
+  if (nearest.curvature == 0.0 && conditions.turn_bias == 0.0) return 0.0;
   const double curvature = nearest.curvature / std::max(1.0 - nearest.curvature * track, kLeastCentreShare);
   const double speed = velocity.norm();
-  const double crab =
-      speed > kLeastGroundSpeed ? velocity.dot(air) / (speed * data_.conditions.airspeed) : 1.0;
-  return std::atan(speed * speed * curvature / (model_.gravity * std::max(crab, kLeastCrabCosine)));
+  const double crab = speed > kLeastGroundSpeed ? velocity.dot(air) / (speed * conditions.airspeed) : 1.0;
+  const double turning = speed * speed * curvature / std::max(crab, kLeastCrabCosine);
+  return std::atan((turning - conditions.airspeed * conditions.turn_bias) /
+                   (model_.gravity * conditions.turn_gain));
 }
 
 StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {

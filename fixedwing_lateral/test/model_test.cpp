@@ -38,6 +38,9 @@ class Sampler {
     Sample made;
     made.conditions.airspeed = between(9.0, 25.0);
     made.conditions.wind = {between(-12.0, 12.0), between(-12.0, 12.0)};
+    made.conditions.roll_bias = between(-0.05, 0.05);
+    made.conditions.turn_gain = between(0.8, 1.2);
+    made.conditions.turn_bias = between(-0.03, 0.03);
     made.state << between(-300, 300), between(-300, 300), between(-0.8, 0.8), between(-10, 10),
         between(-2, 2), between(0.0, 1.0);
     made.roll_reference = between(-0.7, 0.7);

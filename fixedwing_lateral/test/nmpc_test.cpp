@@ -66,6 +66,9 @@ Scene drawScene(std::mt19937& random) {
   Scene scene;
   scene.data.conditions.airspeed = 14.0 + 3.0 * unit(random);
   scene.data.conditions.wind = {4.0 * unit(random), 4.0 * unit(random)};
+  scene.data.conditions.roll_bias = 0.05 * unit(random);
+  scene.data.conditions.turn_gain = 1.0 + 0.2 * unit(random);
+  scene.data.conditions.turn_bias = 0.03 * unit(random);
   scene.data.current = LineSegment{{0.0, 0.0}, {150.0, 20.0 * unit(random)}};
   scene.data.next = LoiterCircle{{180.0, 60.0 + 10.0 * unit(random)}, 60.0, TurnDirection::kRight};
   if (unit(random) < 0.0) std::swap(scene.data.current, scene.data.next);

@@ -60,7 +60,8 @@ for figure in box dubins; do
   for air in calm wind; do
     drawFlight "${figure}_$air" "$figure, $air" || return
     drawFlight "${figure}_${air}_rough" "$figure, $air, an aircraft that the controller does not know, gusts" || return
-    pictures+=("${figure}_$air" "${figure}_${air}_rough")
+    drawFlight "${figure}_${air}_six_dof" "$figure, $air, a rigid aircraft in six degrees of freedom, gusts" || return
+    pictures+=("${figure}_$air" "${figure}_${air}_rough" "${figure}_${air}_six_dof")
   done
 done
 for file in "$output"/loiter_*_path.csv; do

@@ -8,6 +8,7 @@
 #include "fixedwing_lateral/air_data.hpp"
 #include "fixedwing_lateral/guidance_options.hpp"
 #include "fixedwing_lateral/lateral_nmpc.hpp"
+#include "fixedwing_lateral/lateral_observer.hpp"
 #include "fixedwing_lateral/mission.hpp"
 
 namespace polyfly {
@@ -67,6 +68,9 @@ struct GuidanceOutput {
   TrackError error;       ///< to the current segment, at the state
   double airspeed = 0.0;  ///< as flown by [m/s]
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();
+  double roll_bias = 0.0;  ///< as learnt, see LateralObserver [rad]
+  double turn_gain = 1.0;
+  double turn_bias = 0.0;  ///< [rad/s]
   NmpcReport nmpc;
   bool restarted = false;  ///< the horizon began anew in this call
 };
@@ -102,6 +106,7 @@ class LateralGuidance {
   bool hasJumped(const AircraftState& state) noexcept;
   bool solve(const GuidanceInput& input) noexcept;
   LateralState predicted(const AircraftState& state) const noexcept;
+  void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
   void restart(const LateralState& state) noexcept;
   void keepHorizon(double time) noexcept;
@@ -112,6 +117,7 @@ class LateralGuidance {
   GuidanceOptions options_;
   MissionTrack track_;
   AirData air_;
+  LateralObserver observer_;
   LateralNmpc nmpc_;
   HorizonData data_;
   GuidanceOutput output_;

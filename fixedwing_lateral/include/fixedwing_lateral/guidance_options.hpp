@@ -29,6 +29,14 @@ inline LateralWeights withFeedforward() {
   return weights;
 }
 
+/// For gusts: e_t counts three times as much as published. The path is met sooner and left less, for a little
+/// more roll.
+inline LateralWeights closeTracking() {
+  LateralWeights weights = withFeedforward();
+  weights.track = 0.03;
+  return weights;
+}
+
 struct GuidanceOptions {
   HorizonOptions horizon;
   LateralWeights weights = withFeedforward();
@@ -40,12 +48,13 @@ struct GuidanceOptions {
   double period = 0.05;            ///< between two calls [s]
   double airspeed_nominal = 14.0;  ///< [m/s]
   double wind_correction_time =
-      1.0;                      ///< in which the wind follows what ground and air velocity differ by, so that
-                                ///< the predicted course begins as the measured one; 0: not at all [s]
-  int applied_move = 1;         ///< of the horizon: 1 as published, or 0 with `delay`
-  double delay = 0.0;           ///< from the state to the effect of the command, predicted over [s]
-  int iterations = 1;           ///< at most, in one call
-  double kkt_tolerance = 1e-3;  ///< at which iterations stop
+      0.3;  ///< in which the wind follows what ground and air velocity differ by, so that
+            ///< the predicted course begins as the measured one; 0: not at all [s]
+  bool learn_disturbance = true;  ///< predict with the observer's roll bias, turn gain and turn bias
+  int applied_move = 1;           ///< of the horizon: 1 as published, or 0 with `delay`
+  double delay = 0.0;             ///< from the state to the effect of the command, predicted over [s]
+  int iterations = 1;             ///< at most, in one call
+  double kkt_tolerance = 1e-3;    ///< at which iterations stop
 };
 
 /// The one list of what a running guidance may change.
@@ -83,6 +92,7 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("guidance/period", options.period, "s", Range{0.005, 1.0});
   visit("guidance/airspeed_nominal", options.airspeed_nominal, "m/s", Range{1.0, 200.0});
   visit("guidance/wind_correction_time", options.wind_correction_time, "s", Range{0.0, 60.0});
+  visit("guidance/learn_disturbance", options.learn_disturbance);
   visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
   visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
   visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});

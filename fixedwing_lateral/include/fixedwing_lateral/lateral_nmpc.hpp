@@ -82,7 +82,7 @@ class LateralNmpc {
 
  private:
   void linearise(const HorizonData& data) noexcept;
-  void addRoll(int k, const StageTerms& terms) noexcept;
+  void addRoll(int k, const StageTerms& terms, double roll_bias) noexcept;
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;
@@ -104,7 +104,8 @@ class LateralNmpc {
   std::vector<double> moves_;
   std::vector<double> previous_;
   std::vector<double> switch_rise_;  // of x_sw over an interval
-  std::vector<double> roll_along_;   // from which phi and phi_r are counted
+  std::vector<double> roll_along_;   // from which phi is counted
+  std::vector<double> input_along_;  // from which phi_r is counted: what holds that roll
   std::vector<LateralState> trial_nodes_;
   std::vector<double> trial_moves_;
   bool keep_roll_along_ = false;

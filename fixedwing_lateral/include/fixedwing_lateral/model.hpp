@@ -13,6 +13,9 @@ namespace polyfly {
 //   e'   = V sin psi + w_e        p'   = b0 phi_r - a1 p - a0 phi
 //   psi' = g tan(phi) / V         x_sw' = alpha once the switch condition was met, else 0
 //
+// and, where the aircraft is known to differ: phi_r + roll_bias for phi_r, and turn_gain g tan(phi) / V +
+// turn_bias for psi'.
+//
 // Everything here has a fixed size: nothing allocates, and only checkModel throws.
 
 /// Rows of the state.
@@ -48,6 +51,9 @@ struct LateralModel {
 struct LateralConditions {
   double airspeed = 14.0;                          ///< V [m/s], must be positive
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< where the air moves to: (w_n, w_e) [m/s]
+  double roll_bias = 0.0;                          ///< added to every roll reference [rad]
+  double turn_gain = 1.0;                          ///< of the turn rate by roll [-], must be positive
+  double turn_bias = 0.0;                          ///< added to the turn rate [rad/s]
   SwitchGate gate;                                 ///< at the end of the current segment
 };
 
