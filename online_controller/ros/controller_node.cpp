@@ -30,7 +30,7 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   ParameterReader reader(private_handle);
   setup.laws = LawSetup::read(reader);
   visitNodeOptions(setup.node, reader);
-  reader.refuseUnknown({"maps", "problems", "vehicle", "controller", "nonlinear"});
+  reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "nonlinear"});
   return setup;
 }
 
@@ -151,17 +151,17 @@ void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_ms
   status->odometry_age = odometry_age_;
   status->step_time_ns = step_time_ns;
   status->lookup_time_ns = lookupTime(report);
-  fillStatus(report, laws_.parameters(), *status);
+  fillStatus(report, laws_.parameters(controller_.active()), *status);
   status_publisher_.publish(status);
   logChange(report);
 }
 
 std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) const {
-  if (controller_.active() != polyfly::Law::kExplicitLinear) return 0;
+  const std::vector<polyfly::RegionMap>& maps = laws_.maps(controller_.active());
+  if (maps.empty()) return 0;
   for (const polyfly::AxisReport& axis : report.axis) {
     if (axis.size == 0) return 0;
   }
-  const std::vector<polyfly::RegionMap>& maps = laws_.maps();
   double input = 0.0;
   const Clock::time_point start = Clock::now();
   for (std::size_t i = 0; i < maps.size(); ++i) maps[i].evaluate(report.axis[i].theta.data(), &input);
@@ -172,7 +172,7 @@ void ExplicitMpcNode::logChange(const polyfly::ControlReport& report) {
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
-  const std::string text = describe(report, laws_.parameters());
+  const std::string text = describe(report, laws_.parameters(controller_.active()));
   if (report.status == polyfly::ControlStatus::kOptimal) {
     ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
   } else {

@@ -205,7 +205,8 @@ TEST(Laws, ConstantWindLeavesNoOffset) {
 }
 
 std::unique_ptr<LawSwitch> allLaws(Law first) {
-  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{explicitLaw(), linearLaw(), nonlinearLaw()};
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{explicitLaw(), linearLaw(), nonlinearLaw(),
+                                                          nullptr};
   return std::make_unique<LawSwitch>(std::move(laws), first);
 }
 
@@ -241,11 +242,11 @@ TEST(Laws, SwitchingOnTheWayKeepsTheTrack) {
 }
 
 TEST(Laws, TheirNamesAreKnown) {
-  for (const Law law : {Law::kExplicitLinear, Law::kLinear, Law::kNonlinear}) {
+  for (const Law law : {Law::kExplicitLinear, Law::kLinear, Law::kNonlinear, Law::kRobustExplicit}) {
     EXPECT_EQ(lawOfName(lawName(law)), law);
   }
   EXPECT_THROW(lawOfName("robust"), Error);
-  std::array<std::unique_ptr<ControlLaw>, kLawCount> only{nullptr, linearLaw(), nullptr};
+  std::array<std::unique_ptr<ControlLaw>, kLawCount> only{nullptr, linearLaw(), nullptr, nullptr};
   LawSwitch laws(std::move(only), Law::kLinear);
   EXPECT_FALSE(laws.select(Law::kNonlinear));
   EXPECT_EQ(laws.active(), Law::kLinear);

@@ -9,6 +9,7 @@
 #include "online_controller/multirotor_controller.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
+#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 
@@ -96,10 +97,11 @@ TEST(RobustFlights, DegradesAndRecoversAtOneAndAHalfTimesTheBound) {
 class Aslquad {
  public:
   struct Flight {
-    double greatest_position = 0.0;  ///< [m]
-    double greatest_speed = 0.0;     ///< along one axis [m/s]
-    double last_position = 0.0;      ///< at the end [m]
-    int no_answer = 0;               ///< samples
+    std::vector<std::array<double, 3>> inputs;  ///< of each sample, on the axes
+    double greatest_position = 0.0;             ///< [m]
+    double greatest_speed = 0.0;                ///< along one axis [m/s]
+    double last_position = 0.0;                 ///< at the end [m]
+    int no_answer = 0;                          ///< samples
   };
 
   Aslquad() {
@@ -117,11 +119,12 @@ class Aslquad {
     }
   }
 
-  Flight fly(polyfly::PlantOptions plant_options, const Eigen::Vector3d& start, double seconds) const {
-    plant_options.period = 0.08;
+  Flight fly(polyfly::PlantOptions plant_options, const Eigen::Vector3d& start, double seconds,
+             double period = 0.08) const {
+    plant_options.period = period;
     plant_options.roll_time = plant_options.pitch_time = 0.2;
     polyfly::MultirotorOptions options;
-    options.control_period = 0.08;
+    options.control_period = period;
     options.offset_free = false;
     polyfly::MultirotorController controller({&maps_[0], &maps_[1], &maps_[2]}, options);
     polyfly::PlantState state;
@@ -135,6 +138,7 @@ class Aslquad {
     while (plant.time() < seconds) {
       const polyfly::ControlReport& report = controller.step(plant.measure(), &reference);
       flight.no_answer += report.status > polyfly::ControlStatus::kClipped ? 1 : 0;
+      flight.inputs.push_back({report.axis[0].input, report.axis[1].input, report.axis[2].input});
       plant.advance(report.command);
       flight.last_position = plant.state().position.cwiseAbs().maxCoeff();
       flight.greatest_position = std::max(flight.greatest_position, flight.last_position);
@@ -147,8 +151,13 @@ class Aslquad {
   std::vector<polyfly::RegionMap> maps_;
 };
 
+const Aslquad& aslquad() {
+  static const Aslquad once;
+  return once;
+}
+
 TEST(RobustFlights, TheVehicleInWindAndAStep) {
-  const Aslquad vehicle;
+  const Aslquad& vehicle = aslquad();
   polyfly::PlantOptions windy;
   windy.wind = {0.2, -0.25, 0.1};
   windy.gust_sigma = {0.05, 0.05, 0.05};
@@ -163,6 +172,43 @@ TEST(RobustFlights, TheVehicleInWindAndAStep) {
   EXPECT_LT(step.greatest_position, 1.3);
   EXPECT_LT(step.last_position, 0.03);
   EXPECT_LT(step.greatest_speed, 1.55);  // the bound is 1.5 m/s, on the linear model
+}
+
+// Odometry at 100 Hz: the maps decide each 0.08 s all the same, and fly as at 12.5 Hz.
+TEST(RobustFlights, TheMapsAreEvaluatedAtTheirSamplingTime) {
+  const Aslquad& vehicle = aslquad();
+  const Eigen::Vector3d start(0.3, 1.25, -0.5);
+  const Aslquad::Flight fast = vehicle.fly({}, start, 8.0, 0.01);
+  const Aslquad::Flight slow = vehicle.fly({}, start, 8.0);
+  ASSERT_EQ(fast.inputs.size(), 8 * slow.inputs.size());
+  int changes = 0;
+  for (std::size_t i = 1; i < fast.inputs.size(); ++i) {
+    if (fast.inputs[i] == fast.inputs[i - 1]) continue;
+    EXPECT_EQ(i % 8, 0u) << i;
+    ++changes;
+  }
+  EXPECT_GT(changes, 50);
+  // the same but for Eq. 40 and 41, which each sample computes anew
+  EXPECT_LT(fast.greatest_position, slow.greatest_position + 0.01);
+  EXPECT_NEAR(fast.greatest_speed, slow.greatest_speed, 0.05);
+  EXPECT_NEAR(fast.last_position, slow.last_position, 0.01);
+}
+
+TEST(RobustFlights, RefusesAPeriodThatTheMapsAreNotMadeFor) {
+  const Aslquad& vehicle = aslquad();
+  const auto refusal = [&](double period) -> std::string {
+    try {
+      vehicle.fly({}, Eigen::Vector3d::Zero(), 0.1, period);
+    } catch (const polyfly::Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const double period : {0.03, 0.1, 0.05}) {
+    EXPECT_NE(refusal(period).find("controller/control_period: "), std::string::npos) << period;
+    EXPECT_NE(refusal(period).find("0.080000 s"), std::string::npos) << period;
+  }
+  EXPECT_EQ(refusal(0.04), "");
 }
 
 }  // namespace

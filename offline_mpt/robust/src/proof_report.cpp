@@ -62,9 +62,13 @@ std::string proofText(const RobustProblem& problem, const RobustProof& proof) {
     if (problem.invariance == InvarianceRule::kNone)
       text << "    (invariance: first_step would make it hold)\n";
   }
-  if (proof.box_excess > 0.0)
-    text << "  a successor may leave the box of the parameters, by " << proof.box_excess
-         << " of its half width: the map ends there\n";
+  for (const RobustProof::BoxExit& exit : proof.box_exits) {
+    text << "  a successor may leave the box along "
+         << problem.parameters[static_cast<std::size_t>(exit.parameter)].signal.name << ", by " << exit.excess
+         << " of its half width: "
+         << (exit.clips_safely ? "cut to the box it keeps all bounds, as none depends on it\n"
+                               : "the map ends there\n");
+  }
   text << "  greatest difference from the exact solution: law " << proof.law_error << ", plane "
        << proof.plane_error << " (scaled)\n";
   for (std::size_t k = 0; k < proof.defects.size() && k < kDefectsShown; ++k)
@@ -92,7 +96,14 @@ std::string proofJson(const RobustProblem& problem, const RobustProof& proof) {
   json["broken_bound"] = toJson(proof.broken_bound);
   json["recursively_feasible"] = proof.recursivelyFeasible();
   json["lost"] = toJson(proof.lost);
-  json["box_excess"] = proof.box_excess;
+  json["box_exits"] = nlohmann::ordered_json::array();
+  for (const RobustProof::BoxExit& exit : proof.box_exits) {
+    nlohmann::ordered_json entry;
+    entry["parameter"] = exit.parameter;
+    entry["excess"] = exit.excess;
+    entry["clips_safely"] = exit.clips_safely;
+    json["box_exits"].push_back(entry);
+  }
   json["law_error"] = proof.law_error;
   json["plane_error"] = proof.plane_error;
   json["defects"] = proof.defects;

@@ -204,10 +204,25 @@ class LawProof {
       for (int j = 0; j < np_; ++j) {
         const RobustProblem::Range& range = problem_.parameters[at(j)].range;
         const Rational half = (range.upper - range.lower) / 2;
-        if (row.a[at(j)] != 0)
-          proof_.box_excess = std::max(proof_.box_excess, nearestDouble(excess / abs(row.a[at(j)]) / half));
+        if (row.a[at(j)] != 0) noteExit(j, nearestDouble(excess / abs(row.a[at(j)]) / half));
       }
     }
+  }
+
+  void noteExit(int parameter, double excess) {
+    const auto known = std::find_if(proof_.box_exits.begin(), proof_.box_exits.end(),
+                                    [&](const auto& exit) { return exit.parameter == parameter; });
+    if (known != proof_.box_exits.end()) {
+      known->excess = std::max(known->excess, excess);
+      return;
+    }
+    const bool bounded =
+        std::any_of(program_.rows.begin(), program_.rows.end(), [&](const RobustProgram::Row& row) {
+          return row.y[at(parameter)] != 0 &&
+                 (row.kind == RobustProgram::Kind::kState || row.kind == RobustProgram::Kind::kInput ||
+                  row.kind == RobustProgram::Kind::kInvariance);
+        });
+    proof_.box_exits.push_back({parameter, excess, !bounded});
   }
 
   void proveSteps() {

@@ -1,6 +1,8 @@
 // What the exact proof says of right maps, and that it refuses wrong ones.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../../test/map_in_memory.hpp"
 #include "../../test/random.hpp"
 #include "made_robust.hpp"
@@ -133,6 +135,24 @@ TEST(RobustProof, SeesBrokenBounds) {
   Solved windy(smallRobust());
   windy.problem.G(1, 0) *= 3;
   EXPECT_FALSE(windy.proof().passed());
+}
+
+// A position without bounds may leave its box and be cut to it; an error of a bounded state must not, and
+// does where a reference adds to it and the box is but the bound's.
+TEST(RobustProof, TellsWhichErrorsLeaveTheirBox) {
+  const RobustProof alone = Solved(smallRobust()).proof();
+  ASSERT_EQ(alone.box_exits.size(), 1u);
+  EXPECT_EQ(alone.box_exits[0].parameter, 0);
+  EXPECT_TRUE(alone.box_exits[0].clips_safely);
+  // 0.08 s at 1.5 m/s, and what the tilt adds, of 1.5 m
+  EXPECT_GT(alone.box_exits[0].excess, 0.05);
+  EXPECT_LT(alone.box_exits[0].excess, 0.09);
+  MadeRobust moving = smallRobust();
+  moving.horizon = 2;
+  moving.references = true;
+  const RobustProof proof = Solved(moving).proof();
+  EXPECT_TRUE(std::any_of(proof.box_exits.begin(), proof.box_exits.end(),
+                          [](const auto& exit) { return exit.parameter == 1 && !exit.clips_safely; }));
 }
 
 TEST(RobustProof, RefusesChangedMaps) {

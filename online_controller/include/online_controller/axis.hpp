@@ -111,6 +111,7 @@ class Axis {
 
   /// The observer's estimate, 0 with options.offset_free unset [m/s^2].
   double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
+  const MpcProblem& problem() const noexcept { return law_->problem(); }
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
 

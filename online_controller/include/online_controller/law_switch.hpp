@@ -10,10 +10,10 @@
 namespace polyfly {
 
 /// The laws that a multirotor can fly with.
-enum class Law { kExplicitLinear, kLinear, kNonlinear };
-constexpr int kLawCount = 3;
+enum class Law { kExplicitLinear, kLinear, kNonlinear, kRobustExplicit };
+constexpr int kLawCount = 4;
 
-/// `explicit_linear`, `linear`, `nonlinear`.
+/// `explicit_linear`, `linear`, `nonlinear`, `robust_explicit`.
 const char* lawName(Law law) noexcept;
 
 /// The law of that name. Throws Error naming what there is.

@@ -6,6 +6,7 @@
 #include "online_controller/axis.hpp"
 #include "online_controller/control_law.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/sampling_clock.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -24,12 +25,16 @@ namespace polyfly {
 /// - level at once when there is no command to repeat, and on silence;
 /// - the next sample that has an answer ends it. Bad numbers never reach the observer.
 ///
+/// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only: with them the laws
+/// are evaluated that often, and their inputs are held in the world frame in between, where Eq. 40 and 41 are
+/// computed with each sample. The report tells the last evaluation then.
+///
 /// The same calls after construction or reset give the same bits.
 class MultirotorController : public ControlLaw {
  public:
   /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem
   /// text in each map. Throws Error naming map, signal and rule when a map's signals are not those of its
-  /// axis.
+  /// axis, and when the sampling times of minimum-peak maps differ or are not whole control periods.
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
 
   /// The same problems solved online, in the same order. Throws Error.
@@ -70,6 +75,7 @@ class MultirotorController : public ControlLaw {
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;
+  SamplingClock clock_;  // of minimum-peak maps
   ControlReport report_;
 
   std::array<double, 3> inputs_{};   // u of each axis in the last command: u_{-1} of Eq. 4

@@ -18,7 +18,8 @@ namespace polyfly_ros {
 struct LawSetup {
   polyfly::Law law = polyfly::Law::kExplicitLinear;  ///< flies first
   std::array<std::string, 3> map_paths;              ///< empty where there are no maps
-  std::array<std::string, 3> problem_paths;          ///< empty: the problems in the maps
+  std::array<std::string, 3> robust_map_paths;  ///< of minimum-peak robust MPC; empty where there are none
+  std::array<std::string, 3> problem_paths;     ///< empty: the problems in the maps
   polyfly::MultirotorOptions controller;
   polyfly::NonlinearMpcOptions nonlinear;
 
@@ -33,12 +34,19 @@ class Laws {
   explicit Laws(const LawSetup& setup);
 
   polyfly::LawSwitch& flight() { return *switch_; }
-  const std::array<std::vector<polyfly::Signal>, 3>& parameters() const { return parameters_; }
-  const std::vector<polyfly::RegionMap>& maps() const { return maps_; }  ///< none, or three
+  /// What an axis' report has for parameters while `law` flies.
+  const std::array<std::vector<polyfly::Signal>, 3>& parameters(polyfly::Law law) const {
+    return law == polyfly::Law::kRobustExplicit ? robust_parameters_ : parameters_;
+  }
+  /// What an explicit law looks its inputs up in: three; none where there are none, and of the other laws.
+  const std::vector<polyfly::RegionMap>& maps(polyfly::Law law) const;
 
  private:
   std::vector<polyfly::RegionMap> maps_;
+  std::vector<polyfly::RegionMap> robust_maps_;
+  std::vector<polyfly::RegionMap> no_maps_;
   std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
+  std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
   std::unique_ptr<polyfly::LawSwitch> switch_;
 };
 

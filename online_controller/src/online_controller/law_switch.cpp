@@ -7,7 +7,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, kLawCount> kNames{"explicit_linear", "linear", "nonlinear"};
+constexpr std::array<const char*, kLawCount> kNames{"explicit_linear", "linear", "nonlinear",
+                                                    "robust_explicit"};
 
 }  // namespace
 

@@ -26,6 +26,35 @@ const MultirotorOptions& checked(const MultirotorOptions& options) {
   return options;
 }
 
+/// Sampling time of the axes' minimum-peak maps, 0 where there are none.
+double decisionPeriod(const std::array<Axis, 3>& axes) {
+  const double first = axes[0].problem().minimum_peak ? axes[0].problem().sampling_time : 0.0;
+  for (const Axis& axis : axes) {
+    const double period = axis.problem().minimum_peak ? axis.problem().sampling_time : 0.0;
+    if (period != first) {
+      throw Error(axis.problem().source +
+                  ": sampling_time: maps of a minimum-peak robust MPC must all have the same, got " +
+                  std::to_string(period) + " s beside " + std::to_string(first) + " s (0: of another type)");
+    }
+  }
+  return first;
+}
+
+SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_period) {
+  constexpr double kWhole = 1e-6;  // how far a ratio of periods may be from a whole number
+  const double period = decisionPeriod(axes);
+  if (period == 0.0) return {};
+  const double samples = period / control_period;
+  if (samples < 1.0 - kWhole || std::abs(samples - std::round(samples)) > kWhole * samples) {
+    throw Error(
+        "controller/control_period: what the maps of a minimum-peak robust MPC promise holds at their "
+        "sampling time of " +
+        std::to_string(period) + " s, which must be a whole number of control periods, got " +
+        std::to_string(control_period) + " s");
+  }
+  return {period, control_period};
+}
+
 AxisReference along(const Reference& reference, int axis) noexcept {
   return {reference.position[axis], reference.velocity[axis], reference.acceleration[axis],
           reference.jerk[axis]};
@@ -47,12 +76,13 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : options_(options), axes_(std::move(axes)) {
+    : options_(options), axes_(std::move(axes)), clock_(decisionClock(axes_, options.control_period)) {
   reset();
 }
 
 void MultirotorController::reset() noexcept {
   for (Axis& axis : axes_) axis.reset();
+  clock_.reset();
   observing_ = false;
   observed_until_ = 0.0;
   unanswered_ = 0;
@@ -74,6 +104,10 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     return report_;
   }
 
+  if (report_.status <= ControlStatus::kClipped && !clock_.due(state.stamp)) {
+    send(measured.tilt, measured.yaw, reference);
+    return report_;
+  }
   ControlStatus worst = ControlStatus::kOptimal;
   ControlReason reason = ControlReason::kNone;
   std::array<AxisReport, 3>& reports = report_.axis;
@@ -92,6 +126,7 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input;
   send(measured.tilt, measured.yaw, reference);
+  clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
   has_command_ = true;
@@ -114,6 +149,7 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
   if (!isSane(state)) return;
   const Measured measured = measure(state);
   observe(state, measured.axes);
+  clock_.reset();
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
   const double scale = thrust / options_.gravity;

@@ -29,6 +29,7 @@ void MultirotorController::takeOver(const ControlLaw& from) noexcept {
   report_ = other->report_;
   limit(options_, report_.command);
   applied_ = other->applied_;
+  if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
   has_command_ = other->has_command_;

@@ -36,9 +36,15 @@ struct RobustProof {
   std::uint64_t steps = 0;                    ///< vertex of a region with vertex of the disturbances
   std::optional<RobustWitness> broken_bound;  ///< after one step
   std::optional<RobustWitness> lost;  ///< a successor beyond what has a plan, not for the box of theta
-  /// A successor may leave the box of an error without breaking a bound, by so much of the box's half width:
-  /// the map has no answer there, and whether the program has is not decided.
-  double box_excess = 0.0;
+  /// A successor may leave the box of an error without breaking a bound: the map ends there.
+  struct BoxExit {
+    int parameter = 0;
+    double excess = 0.0;  ///< greatest, of the box's half width
+    /// No row of the program but those of the peak depends on it, as on a position without bounds: with the
+    /// parameter cut to its box the map's plan still meets all bounds, and only tau is not promised.
+    bool clips_safely = false;
+  };
+  std::vector<BoxExit> box_exits;
 
   std::vector<std::string> defects;  ///< of the map's numbers
   double law_error = 0.0;            ///< greatest difference of map and exact law at vertices of its regions
