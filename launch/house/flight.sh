@@ -29,6 +29,16 @@ solveAxes() {
   done
 }
 
+# solveRobustAxes [MAPS]: the minimum-peak robust MPC of the ASLquad.
+solveRobustAxes() {
+  local axis maps=${1:-build/demo/maps}
+  own demo
+  mkdir -p "$maps"
+  for axis in $map_axes; do
+    solveMap "region_maps/problems/robust/aslquad_$axis.yaml" "$maps/aslquad_$axis.map" || return
+  done
+}
+
 # fly FOLDER MAPS [roslaunch argument...]: one flight, recorded in FOLDER/flight.bag, under a ROS master of its own.
 fly() {
   local folder=$1 maps=$2 port

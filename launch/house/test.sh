@@ -18,6 +18,7 @@ runRostests() {
   rm -rf build/catkin/build/test_results
   catkinBuild tests
   solveAxes || return
+  solveRobustAxes || return
   export POLYFLY_MAPS=$root/build/demo/maps
   inWorkspace catkinBuild -j1 run_tests || true
   [ -d build/catkin/build/test_results ]

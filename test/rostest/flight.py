@@ -28,16 +28,16 @@ def maps_folder():
 
 
 class Launch:
-    """One run of demo.launch: `output` is what it said, `bag` the file if it left one."""
+    """One run of demo.launch, or another: `output` is what it said, `bag` the file if it left one."""
 
-    def __init__(self, folder, name, overrides=None, maps=None, **arguments):
+    def __init__(self, folder, name, overrides=None, maps=None, launch="demo.launch", **arguments):
         self.bag = os.path.join(folder, name + ".bag")
         arguments.update(maps_dir=maps or maps_folder(), bag=self.bag)
         if overrides:
             arguments["overrides"] = os.path.join(folder, name + ".yaml")
             with open(arguments["overrides"], "w") as file:
                 yaml.safe_dump(overrides, file)
-        command = ["roslaunch", "polyfly_launch", "demo.launch"]
+        command = ["roslaunch", "polyfly_launch", launch]
         command += ["%s:=%s" % item for item in sorted(arguments.items())]
         # The launch uses the master of this test. A file takes the output, since a pipe would be held open by stragglers.
         with tempfile.TemporaryFile("w+") as log:
