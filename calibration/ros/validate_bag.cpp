@@ -1,18 +1,23 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "../app/read_progress.hpp"
 #include "calibration/controller_options.hpp"
+#include "calibration/map_comparison.hpp"
+#include "calibration/map_proposal.hpp"
 #include "calibration/report.hpp"
 #include "calibration/validation.hpp"
 #include "calibration_ros/bag_reader.hpp"
+#include "calibration_ros/validation_topics.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -22,19 +27,24 @@ constexpr int kThresholdBroken = 1;
 constexpr int kBadInput = 2;
 
 struct Arguments {
-  std::string bag;
+  std::vector<std::string> bags;
   std::vector<std::string> maps;
   std::string options;
   polyfly_ros::BagTopics topics;
   polyfly::Thresholds thresholds;
   std::string json;
   std::string report;
+  std::string propose;
+  std::uint64_t propose_limit = 20000;
+  std::string topics_bag;
   bool quiet = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--bag", arguments.bag, "Recorded flight")->required()->type_name("FILE");
-  app.add_option("--map", arguments.maps, "Region maps of the three axes, in any order")
+  app.add_option("--bag", arguments.bags, "Recorded flights, one or several")->required()->type_name("FILE");
+  app.add_option("--map", arguments.maps,
+                 "Region maps of the three axes, in any order; further maps of an axis are compared with its "
+                 "first, which flew")
       ->required()
       ->type_name("FILE");
   app.add_option("--options", arguments.options,
@@ -43,6 +53,16 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--json", arguments.json, "Write the numbers here")->type_name("FILE");
   app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder")
       ->type_name("DIR");
+  app.add_option(
+         "--propose", arguments.propose,
+         "Where the flights left a map: write the problems that would have covered them into this folder")
+      ->type_name("DIR");
+  app.add_option("--propose-limit", arguments.propose_limit,
+                 "Regions to count at most of such a problem; 0: do not count nor propose")
+      ->capture_default_str();
+  app.add_option("--topics-bag", arguments.topics_bag,
+                 "Write a bag with the validation as topics, for rviz and rqt")
+      ->type_name("FILE");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds");
 
   auto& topics = arguments.topics;
@@ -96,30 +116,93 @@ void writeText(const std::string& text, const std::string& path) {
   if (!file) throw polyfly::Error(path + ": cannot be written");
 }
 
+// Fills the report's proposals, and writes their problems where that is asked for.
+void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly::ValidationReport* report) {
+  if (arguments.propose_limit == 0) return;
+  for (std::size_t axis = 0; axis < maps.flown.size(); ++axis) {
+    const polyfly::AxisValidation& use = report->axes[axis];
+    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis, arguments.propose_limit);
+    if (!proposal) continue;
+    report->proposals.push_back(*proposal);
+    if (arguments.propose.empty() || proposal->problem.empty()) continue;
+    std::filesystem::create_directories(arguments.propose);
+    const std::string ending(maps.flown[axis]->problemKind());
+    writeText(proposal->problem, (std::filesystem::path(arguments.propose) /
+                                  (std::string(maps.flown[axis]->name()) + "." + ending))
+                                     .string());
+  }
+}
+
+// Reads, replays, judges; writes what belongs to this flight alone.
+polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
+                             const polyfly::MultirotorOptions& options, const Arguments& arguments,
+                             polyfly_ros::ValidationTopics* topics) {
+  polyfly_ros::BagProgress progress;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
+  const polyfly::FlightLog log = polyfly_ros::readBag(bag, arguments.topics, progress);
+  for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
+  const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
+  polyfly::FlightSummary flight;
+  flight.validation = polyfly::validate(log, samples, maps.flown, options);
+  for (const polyfly::OtherMap& other : maps.others) {
+    flight.validation.comparisons.push_back(
+        polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis));
+  }
+  if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
+  flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
+  if (!arguments.quiet) std::cout << polyfly::toText(flight.validation);
+  if (topics != nullptr) topics->write(samples, flight.validation);
+  if (!arguments.report.empty()) {
+    const std::string folder = arguments.bags.size() == 1
+                                   ? arguments.report
+                                   : arguments.report + "/flight_" + std::to_string(number);
+    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken}, folder);
+  }
+  return flight;
+}
+
+// What concerns all flights together, where there are several.
+std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const polyfly::MapChoice& maps,
+                      const Arguments& arguments) {
+  std::vector<polyfly::ValidationReport> reports;
+  for (const polyfly::FlightSummary& flight : flights) reports.push_back(flight.validation);
+  if (flights.size() == 1) return polyfly::toJson(reports.front());
+  polyfly::ValidationReport all = polyfly::together(reports);
+  propose(maps, arguments, &all);
+  if (!arguments.quiet) std::cout << "\n" << polyfly::toText(all);
+  if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
+  return polyfly::toJson(all, reports);
+}
+
 int run(const Arguments& arguments) {
   std::vector<polyfly::RegionMap> maps;
   std::vector<const polyfly::RegionMap*> views;
   for (const std::string& path : arguments.maps) maps.push_back(polyfly::RegionMap::open(path));
   for (const polyfly::RegionMap& map : maps) views.push_back(&map);
-  const polyfly::AxisMaps axes = polyfly::assignAxes(views);
+  const polyfly::MapChoice choice = polyfly::chooseMaps(views);
   const polyfly::MultirotorOptions options = arguments.options.empty()
                                                  ? polyfly::MultirotorOptions{}
                                                  : polyfly::loadControllerOptions(arguments.options);
-  polyfly_ros::BagProgress progress;
-  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
-  const polyfly::FlightLog log = polyfly_ros::readBag(arguments.bag, arguments.topics, progress);
-  for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
-
-  const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, axes, options);
-  const polyfly::ValidationReport report = polyfly::validate(log, samples, axes, options);
-  const std::vector<std::string> broken = polyfly::brokenThresholds(report, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::toText(report);
-  if (!arguments.json.empty()) writeText(polyfly::toJson(report), arguments.json);
-  if (!arguments.report.empty()) {
-    polyfly::writeReport({log, samples, axes, options, report, broken}, arguments.report);
+  std::unique_ptr<polyfly_ros::ValidationTopics> topics;
+  if (!arguments.topics_bag.empty()) {
+    topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
   }
-  for (const std::string& sentence : broken) std::cerr << "broken: " << sentence << "\n";
-  return broken.empty() ? kPassed : kThresholdBroken;
+  std::vector<polyfly::FlightSummary> flights;
+  for (const std::string& bag : arguments.bags) {
+    flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
+  }
+  if (topics) topics->close();
+  const std::string json = summarise(flights, choice, arguments);
+  if (!arguments.json.empty()) writeText(json, arguments.json);
+  bool broken = false;
+  for (const polyfly::FlightSummary& flight : flights) {
+    for (const std::string& sentence : flight.broken) {
+      broken = true;
+      std::cerr << "broken: " << (flights.size() > 1 ? flight.validation.source + ": " : "") << sentence
+                << "\n";
+    }
+  }
+  return broken ? kThresholdBroken : kPassed;
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
   }
   const bool named = met.size() <= kNamedRegions;
   Panel panel = timePanel(
-      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions) + " regions",
+      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions",
       named ? "" : "region");
   panel.series = {overTime(content, "", kAxisColors[axis], [&](const ReplaySample& sample) {
     const std::int64_t region = sample.report.axis[axis].region;
@@ -37,7 +37,7 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
   panel.series[0].style = Style::kSteps;
   panel.series[0].width = 2.2;
   if (!named) {
-    panel.y_range = padded(0.0, static_cast<double>(used.regions), 1.0);
+    panel.y_range = padded(0.0, static_cast<double>(used.regions()), 1.0);
     return panel;
   }
   for (const std::int64_t region : met) {

@@ -28,21 +28,26 @@ std::set<double> answeredStamps(const FlightLog& log) {
 
 }  // namespace
 
+std::size_t axisOf(const RegionMap& map) {
+  const auto fits = std::find_if(kAxisNames.begin(), kAxisNames.end(), [&map](const AxisNames& names) {
+    return hasParameter(map, names.position_error);
+  });
+  if (fits == kAxisNames.end()) {
+    throw Error(map.path() +
+                ": parameters: none is e_p_x, e_p_y or e_p_z, so it serves no axis of a multirotor");
+  }
+  return static_cast<std::size_t>(fits - kAxisNames.begin());
+}
+
 AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
   AxisMaps assigned{};
   for (const RegionMap* map : maps) {
-    const auto fits = std::find_if(kAxisNames.begin(), kAxisNames.end(), [map](const AxisNames& names) {
-      return hasParameter(*map, names.position_error);
-    });
-    if (fits == kAxisNames.end()) {
-      throw Error(map->path() +
-                  ": parameters: none is e_p_x, e_p_y or e_p_z, so it serves no axis of a multirotor");
+    const std::size_t axis = axisOf(*map);
+    if (assigned[axis] != nullptr) {
+      throw Error(map->path() + ": parameters: " + kAxisNames[axis].axis + " axis already has the map " +
+                  assigned[axis]->path());
     }
-    const RegionMap*& place = assigned[static_cast<std::size_t>(fits - kAxisNames.begin())];
-    if (place != nullptr) {
-      throw Error(map->path() + ": parameters: " + fits->axis + " axis already has the map " + place->path());
-    }
-    place = map;
+    assigned[axis] = map;
   }
   for (std::size_t axis = 0; axis < assigned.size(); ++axis) {
     if (assigned[axis] == nullptr) {

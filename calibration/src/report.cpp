@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "report_page.hpp"
+#include "report_parts.hpp"
 
 namespace polyfly {
 namespace {
@@ -24,13 +25,13 @@ void writeTile(const std::string& value, const std::string& label, bool good, st
       << escaped(label) << "</span></div>\n";
 }
 
-void writeVerdict(const ReportContent& content, std::ostream& out) {
-  if (content.broken.empty()) {
+void writeVerdict(const std::vector<std::string>& broken, std::ostream& out) {
+  if (broken.empty()) {
     out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it</div>\n";
     return;
   }
   out << "<div class='verdict bad'>Failed<ul>";
-  for (const std::string& sentence : content.broken) out << "<li>" << escaped(sentence) << "</li>";
+  for (const std::string& sentence : broken) out << "<li>" << escaped(sentence) << "</li>";
   out << "</ul></div>\n";
 }
 
@@ -96,10 +97,10 @@ void writeAxes(const ValidationReport& report, std::ostream& out) {
   out << "</tr>\n";
   using Axis = AxisValidation;
   writeAxisRow(
-      report, "regions in the map", [](const Axis& axis) { return std::to_string(axis.regions); }, false,
+      report, "regions in the map", [](const Axis& axis) { return std::to_string(axis.regions()); }, false,
       out);
   writeAxisRow(
-      report, "regions visited", [](const Axis& axis) { return std::to_string(axis.visited); }, false, out);
+      report, "regions visited", [](const Axis& axis) { return std::to_string(axis.visited()); }, false, out);
   writeAxisRow(
       report, "samples inside the map",
       [](const Axis& axis) { return std::to_string(axis.inside) + " of " + std::to_string(axis.samples); },
@@ -190,28 +191,55 @@ void writeRecord(const ValidationReport& report, std::ostream& out) {
   out << "</table></div></section>\n";
 }
 
-}  // namespace
-
-std::string toHtml(const ReportContent& content) {
-  const ValidationReport& report = content.validation;
-  std::ostringstream out;
+void writeHead(const ValidationReport& report, std::ostream& out) {
   out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
          "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Flight "
          "report</title><style>"
       << kReportStyle << "</style></head><body><main>\n<h1>Flight report</h1>\n<p class='source'>"
       << escaped(std::filesystem::path(report.source).filename().string()) << " · " << number(report.duration)
       << " s · " << report.samples << " samples</p>\n";
-  writeVerdict(content, out);
-  writeTiles(report, out);
+}
+
+void writeFlights(const std::vector<FlightSummary>& flights, std::ostream& out) {
+  out << "<section><h2>The flights</h2><div "
+         "class='scroll'><table><tr><th>flight</th><th>samples</th><th>inside the "
+         "maps</th><th>tracking error, rms</th><th>regions visited</th><th>verdict</th></tr>\n";
+  for (std::size_t index = 0; index < flights.size(); ++index) {
+    const ValidationReport& report = flights[index].validation;
+    const bool good = flights[index].broken.empty();
+    out << "<tr" << (good ? "" : " class='bad'") << "><td><a href='flight_" << index + 1 << "/index.html'>"
+        << escaped(std::filesystem::path(report.source).filename().string()) << "</a></td><td>"
+        << report.samples << "</td><td>" << percent(report.coverage) << "</td><td>"
+        << number(100.0 * report.tracking.rms) << " cm</td><td>" << report.visitedCount() << " of "
+        << report.regionCount() << "</td><td>" << (good ? "passed" : "failed") << "</td></tr>\n";
+  }
+  out << "</table></div></section>\n";
+}
+
+// What follows the pictures.
+void writeNumbers(const ValidationReport& report, std::ostream& out) {
+  writeCoverage(report, out);
+  writeExcursions(report, out);
+  writeProposals(report, out);
+  writeComparisons(report, out);
+  writeAxes(report, out);
+  writeRecord(report, out);
+  out << "</main></body></html>\n";
+}
+
+}  // namespace
+
+std::string toHtml(const ReportContent& content) {
+  std::ostringstream out;
+  writeHead(content.validation, out);
+  writeVerdict(content.broken, out);
+  writeTiles(content.validation, out);
   const std::vector<ReportFigure> figures = reportFigures(content);
   for (const ReportFigure& figure : figures) {
     out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
         << inlineSvg(figure.figure) << "</section>\n";
   }
-  writeCoverage(report, out);
-  writeAxes(report, out);
-  writeRecord(report, out);
-  out << "</main></body></html>\n";
+  writeNumbers(content.validation, out);
   return out.str();
 }
 
@@ -220,6 +248,27 @@ void writeReport(const ReportContent& content, const std::string& folder) {
   const std::filesystem::path base(folder);
   writeWhole(toHtml(content), base / "index.html");
   writeWhole(toJson(content.validation), base / "summary.json");
+}
+
+void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
+                   const std::string& folder) {
+  std::vector<ValidationReport> reports;
+  std::vector<std::string> broken;
+  for (const FlightSummary& flight : flights) {
+    reports.push_back(flight.validation);
+    const std::string name = std::filesystem::path(flight.validation.source).filename().string();
+    for (const std::string& sentence : flight.broken) broken.push_back(name + ": " + sentence);
+  }
+  std::ostringstream out;
+  writeHead(all, out);
+  writeVerdict(broken, out);
+  writeTiles(all, out);
+  writeFlights(flights, out);
+  writeNumbers(all, out);
+  makeFolder(folder);
+  const std::filesystem::path base(folder);
+  writeWhole(out.str(), base / "index.html");
+  writeWhole(toJson(all, reports), base / "summary.json");
 }
 
 }  // namespace polyfly

@@ -224,6 +224,11 @@ std::vector<ReportFigure> reportFigures(const ReportContent& content) {
     for (const std::size_t axis : {std::size_t{1}, std::size_t{0}, std::size_t{2}}) {
       figures.push_back(sliceFigure(content, axis));
     }
+    figures.push_back(heatFigure(content));
+    const auto held = [](const AxisValidation& axis) { return axis.inside > 0; };
+    if (std::any_of(content.validation.axes.begin(), content.validation.axes.end(), held)) {
+      figures.push_back(distanceFigure(content));
+    }
     const auto compared = [](const AxisValidation& axis) { return axis.qp_compared > 0; };
     const auto& axes = content.validation.axes;
     if (std::any_of(axes.begin(), axes.end(), compared)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iosfwd>
 #include <limits>
 #include <string>
 
@@ -43,5 +44,12 @@ ReportFigure regionFigure(const ReportContent& content);
 ReportFigure sliceFigure(const ReportContent& content, std::size_t axis);
 ReportFigure agreementFigure(const ReportContent& content);
 ReportFigure latencyFigure(const ReportContent& content);
+ReportFigure heatFigure(const ReportContent& content);
+ReportFigure distanceFigure(const ReportContent& content);
+
+/// Sections of the page; nothing where there is nothing to tell.
+void writeExcursions(const ValidationReport& report, std::ostream& out);
+void writeProposals(const ValidationReport& report, std::ostream& out);
+void writeComparisons(const ValidationReport& report, std::ostream& out);
 
 }  // namespace polyfly

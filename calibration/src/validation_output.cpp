@@ -1,19 +1,13 @@
-#include <cmath>
-#include <iomanip>
-#include <locale>
+#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "calibration/validation.hpp"
+#include "validation_names.hpp"
 
 namespace polyfly {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kStatusNames[5] = {"optimal", "clipped", "hold_last", "level", "no_reference"};
-constexpr const char* kCommandNames[4] = {"roll", "pitch", "yaw_rate", "thrust"};
-constexpr const char* kCommandUnits[4] = {"rad", "rad", "rad/s", "N"};
 
 Json json(const Difference& difference) {
   return {{"max", difference.max}, {"rms", difference.rms}, {"at_s", difference.stamp}};
@@ -32,8 +26,22 @@ Json json(const ParameterUse& use) {
   out["greatest"] = use.greatest;
   out["outside"] = use.outside;
   out["margin"] = use.margin();
+  out["room"] = use.room;
+  out["histogram"] = use.histogram;
   const auto [lower, upper] = use.proposedRange();
   out["proposed_range"] = {lower, upper};
+  return out;
+}
+
+Json json(const Excursion& excursion) {
+  Json out = {{"from_s", excursion.from}, {"to_s", excursion.to}, {"samples", excursion.samples}};
+  out["cause"] = kCauseNames[static_cast<std::size_t>(excursion.cause)];
+  out["parameter"] = excursion.parameter;
+  out["beyond"] = excursion.beyond;
+  out["unit"] = excursion.unit;
+  for (std::size_t status = 0; status < excursion.statuses.size(); ++status) {
+    if (excursion.statuses[status] > 0) out["status"][kStatusNames[status]] = excursion.statuses[status];
+  }
   return out;
 }
 
@@ -42,15 +50,32 @@ Json json(const AxisValidation& axis) {
   out["axis"] = axis.axis;
   out["input"] = axis.input;
   out["input_unit"] = axis.input_unit;
-  out["regions"] = axis.regions;
-  out["regions_visited"] = axis.visited;
-  out["regions_never_visited"] = axis.never_visited;
+  out["regions"] = axis.regions();
+  out["regions_visited"] = axis.visited();
+  for (std::size_t region = 0; region < axis.regions(); ++region) {
+    if (axis.region_samples[region] > 0)
+      out["region_samples"].push_back({region, axis.region_samples[region]});
+  }
+  out["regions_never_visited"] = axis.neverVisited();
   out["samples"] = axis.samples;
   out["inside"] = axis.inside;
   out["outside_box"] = axis.outside_box;
   out["outside_partition"] = axis.outside_partition;
   out["not_finite"] = axis.not_finite;
   for (const ParameterUse& use : axis.parameters) out["parameters"].push_back(json(use));
+  const double held = axis.inside > 0 ? static_cast<double>(axis.inside) : 1.0;
+  out["face_distance"] = {
+      {"least", axis.face.least}, {"mean", axis.face.sum / held}, {"at_s", axis.face.stamp}};
+  out["edge_distance"] = {
+      {"least", axis.edge.least}, {"mean", axis.edge.sum / held}, {"at_s", axis.edge.stamp}};
+  out["edge_distance"]["parameter"] =
+      axis.edge_parameter < 0 ? Json()
+                              : Json(axis.parameters[static_cast<std::size_t>(axis.edge_parameter)].name);
+  out["excursions"] = Json::array();
+  for (const Excursion& excursion : axis.excursions) out["excursions"].push_back(json(excursion));
+  for (const MapUse::Window& window : axis.windows) {
+    out["by_second"].push_back({window.from, window.samples, window.inside});
+  }
   out["qp_compared"] = axis.qp_compared;
   out["qp_failures"] = axis.qp_failures;
   out["qp_difference"] = json(axis.qp);
@@ -101,107 +126,38 @@ Json json(const HoldOffset& hold) {
   return out;
 }
 
-void writeAxis(const AxisValidation& axis, std::ostream& out) {
-  out << "\n  " << axis.axis << ": " << axis.inside << " of " << axis.samples << " samples inside, "
-      << axis.visited << " of " << axis.regions << " regions visited\n";
-  if (axis.inside != axis.samples) {
-    out << "    outside: box " << axis.outside_box << ", partition " << axis.outside_partition
-        << ", not finite " << axis.not_finite << "\n";
-    for (const ParameterUse& use : axis.parameters) {
-      if (use.outside == 0) continue;
-      out << "    " << use.name << " out of " << use.lower << " .. " << use.upper << " " << use.unit << " in "
-          << use.outside << " samples (went from " << use.least << " to " << use.greatest << "); range: ["
-          << use.proposedRange().first << ", " << use.proposedRange().second << "] would have held it\n";
-    }
-  }
-  out << "    explicit against online: at most " << axis.qp.max << " " << axis.input_unit << " over "
-      << axis.qp_compared << " samples";
-  if (axis.qp.max > 0.0)
-    out << ", at " << std::setprecision(12) << axis.qp.stamp << std::setprecision(4) << " s";
-  if (axis.qp_failures > 0) out << "; no online solution in " << axis.qp_failures;
-  out << "\n    look-up [ns]: median " << axis.lookup_ns.p50 << ", p99 " << axis.lookup_ns.p99 << ", max "
-      << axis.lookup_ns.max << "; in random order median " << axis.lookup_shuffled_ns.p50 << ", p99 "
-      << axis.lookup_shuffled_ns.p99 << "\n    position error: rms " << axis.tracking.rms << " m, max "
-      << axis.tracking.max << " m\n";
+Json json(const MapComparison& other) {
+  Json out = {{"axis", other.axis}, {"map", std::filesystem::path(other.path).filename().string()}};
+  out["regions"] = other.use.regions();
+  out["regions_visited"] = other.use.visited();
+  out["samples"] = other.use.samples;
+  out["inside"] = other.use.inside;
+  out["inside_both"] = other.both;
+  out["inside_only_flown"] = other.only_flown;
+  out["inside_only_other"] = other.only_other;
+  out["difference"] = json(other.difference);
+  out["unit"] = other.input_unit;
+  out["qp_difference"] = json(other.qp);
+  out["qp_failures"] = other.qp_failures;
+  out["lookup_ns"] = json(other.lookup_ns);
+  return out;
 }
 
-void writeCommands(const CommandValidation& commands, std::ostream& out) {
-  out << "\n  commands: " << commands.compared << " of " << commands.recorded << " recorded ones compared";
-  if (commands.unmatched > 0) out << ", " << commands.unmatched << " answer no odometry";
-  if (commands.unanswered > 0) out << ", " << commands.unanswered << " odometry messages unanswered";
-  out << "\n";
-  for (std::size_t entry = 0; entry < 4; ++entry) {
-    const Difference& difference = commands.difference[entry];
-    out << "    " << kCommandNames[entry] << ": recorded - replayed at most " << difference.max << " "
-        << kCommandUnits[entry] << ", rms " << difference.rms << "\n";
+Json json(const MapProposal& proposal) {
+  Json out = {{"axis", proposal.axis}, {"map", std::filesystem::path(proposal.map_path).filename().string()}};
+  out["changes"] = Json::array();
+  for (const MapProposal::Change& change : proposal.changes) {
+    out["changes"].push_back({{"parameter", change.parameter}, {"from", change.from}, {"to", change.to}});
   }
-  out << "    out of bounds: angle " << commands.angle_violations << ", thrust " << commands.thrust_violations
-      << ", yaw rate " << commands.yaw_rate_violations << ", not finite " << commands.not_finite << "\n";
+  out["samples_without_solution"] = proposal.infeasible;
+  out["obstacle"] = proposal.obstacle;
+  out["regions"] = proposal.regions;
+  out["regions_then"] = proposal.regions_then;
+  out["counted_all"] = proposal.counted_all;
+  return out;
 }
 
-}  // namespace
-
-std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds) {
-  std::vector<std::string> broken;
-  // Written so that a NaN breaks its threshold.
-  const auto check = [&broken](bool good, const std::string& what, double value, const char* rule,
-                               double limit) {
-    if (good) return;
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << what << " is " << value << ", " << rule << " " << limit;
-    broken.push_back(text.str());
-  };
-  check(report.coverage >= thresholds.min_coverage, "coverage", report.coverage, "must be at least",
-        thresholds.min_coverage);
-  check(report.maxQpDifference() <= thresholds.max_qp_difference, "difference to the online QP",
-        report.maxQpDifference(), "must be at most", thresholds.max_qp_difference);
-  check(report.commands.max_difference <= thresholds.max_command_difference,
-        "difference to the recorded commands", report.commands.max_difference, "must be at most",
-        thresholds.max_command_difference);
-  check(report.violationCount() <= thresholds.max_violations, "number of commands out of bounds",
-        static_cast<double>(report.violationCount()), "must be at most",
-        static_cast<double>(thresholds.max_violations));
-  check(report.tracked_samples > 0, "number of samples with a reference", 0.0, "must be at least", 1.0);
-  check(report.commands.compared > 0, "number of commands that answer a recorded odometry", 0.0,
-        "must be at least", 1.0);
-  std::size_t failures = 0;
-  for (const AxisValidation& axis : report.axes) failures += axis.qp_failures;
-  check(failures == 0, "number of samples in the map without an online solution",
-        static_cast<double>(failures), "must be at most", 0.0);
-  return broken;
-}
-
-std::string toText(const ValidationReport& report) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << std::setprecision(4);
-  out << report.source << "\n  " << report.samples << " samples over " << report.duration << " s, "
-      << report.tracked_samples << " with a reference, top speed " << report.top_speed << " m/s\n  coverage "
-      << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map\n";
-  for (const AxisValidation& axis : report.axes) writeAxis(axis, out);
-  writeCommands(report.commands, out);
-  out << "\n  status:";
-  for (std::size_t status = 0; status < 5; ++status) {
-    out << (status == 0 ? " " : ", ") << kStatusNames[status] << " " << report.statuses.replayed[status];
-  }
-  if (report.statuses.compared > 0) {
-    out << "; " << report.statuses.differing << " of " << report.statuses.compared
-        << " differ from the record, parameters at most by " << report.statuses.max_theta_difference
-        << "\n  control step in flight [ns]: median " << report.statuses.step_ns.p50 << ", p99 "
-        << report.statuses.step_ns.p99 << ", max " << report.statuses.step_ns.max;
-  }
-  out << "\n  tracking: rms " << report.tracking.rms << " m, max " << report.tracking.max << " m\n";
-  if (report.hold) {
-    out << "  offset at rest: " << report.hold->offset.norm() << " m (" << report.hold->offset.transpose()
-        << "), disturbance estimate " << report.hold->estimate.transpose() << " m/s^2";
-    if (report.hold->disturbance) out << ", true one " << report.hold->disturbance->transpose();
-    out << "\n";
-  }
-  return out.str();
-}
-
-std::string toJson(const ValidationReport& report) {
+Json json(const ValidationReport& report) {
   Json out;
   out["regions"] = report.regionCount();
   out["regions_visited"] = report.visitedCount();
@@ -226,6 +182,24 @@ std::string toJson(const ValidationReport& report) {
   out["commands"] = json(report.commands);
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
+  out["comparisons"] = Json::array();
+  for (const MapComparison& comparison : report.comparisons) out["comparisons"].push_back(json(comparison));
+  out["proposals"] = Json::array();
+  for (const MapProposal& proposal : report.proposals) out["proposals"].push_back(json(proposal));
+  return out;
+}
+
+}  // namespace
+
+std::string toJson(const ValidationReport& report) { return json(report).dump(2) + "\n"; }
+
+std::string toJson(const ValidationReport& all, const std::vector<ValidationReport>& flights) {
+  Json out = json(all);
+  for (const ValidationReport& flight : flights) {
+    Json one = {{"source", std::filesystem::path(flight.source).filename().string()}};
+    one.update(json(flight));
+    out["flights"].push_back(one);
+  }
   return out.dump(2) + "\n";
 }
 

@@ -84,7 +84,7 @@ TEST_F(Validation, countsSamplesOutsideByTheirParameter) {
   EXPECT_GT(away.proposedRange().second, away.greatest);
   EXPECT_EQ(away.proposedRange().first, away.lower);
   for (const AxisValidation& axis : report.axes) {
-    EXPECT_EQ(axis.never_visited.size() + axis.visited, axis.regions);
+    EXPECT_EQ(axis.neverVisited().size() + axis.visited(), axis.regions());
     for (const ParameterUse& use : axis.parameters) {
       EXPECT_LE(use.proposedRange().first, use.lower);
       EXPECT_GE(use.proposedRange().second, use.upper);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "calibration/flight_log.hpp"
@@ -12,6 +13,10 @@ namespace polyfly {
 
 /// Maps of the three axes: longitudinal, lateral, vertical. Not owned.
 using AxisMaps = std::array<const RegionMap*, 3>;
+
+/// The axis that a map serves, by its signals: 0 longitudinal, 1 lateral, 2 vertical. Throws Error naming the
+/// map when it serves none.
+std::size_t axisOf(const RegionMap& map);
 
 /// Puts maps in the order of their axes by their signals. Throws Error naming the map or the axis when a map
 /// fits no axis, two fit the same, or an axis has none.

@@ -1,62 +1,45 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "calibration/difference.hpp"
 #include "calibration/flight_log.hpp"
 #include "calibration/lookup_times.hpp"
+#include "calibration/map_comparison.hpp"
+#include "calibration/map_proposal.hpp"
+#include "calibration/map_use.hpp"
 #include "calibration/replay.hpp"
 
 namespace polyfly {
 
-/// How far a map's parameter went, and how often out of its range.
-struct ParameterUse {
-  std::string name;
+/// A stretch of the flight, of consecutive samples, outside one axis' map.
+struct Excursion {
+  double from = 0.0;  ///< stamps of its first and last sample [s]
+  double to = 0.0;
+  std::size_t samples = 0;
+  LookupStatus cause = LookupStatus::kInside;  ///< of the first sample
+  std::string parameter;                       ///< first one out of its range; empty if none is
+  double beyond = 0.0;  ///< greatest distance of that parameter beyond its range [its unit]
   std::string unit;
-  double lower = 0.0;  ///< of the map [unit]
-  double upper = 0.0;
-  double least = 0.0;  ///< met in flight [unit]
-  double greatest = 0.0;
-  std::size_t outside = 0;  ///< samples beyond the range
-
-  /// Distance from what was met to the nearer end of the range; negative beyond it [unit].
-  double margin() const { return std::min(least - lower, upper - greatest); }
-  /// The range that would have held the flight: as it is, or, where an end was passed, a tenth of what was
-  /// met beyond.
-  std::pair<double, double> proposedRange() const;
+  std::array<std::size_t, 5> statuses{};  ///< what the controller did: samples by ControlStatus
 };
 
-/// Greatest and root-mean-square difference of two series.
-struct Difference {
-  double max = 0.0;
-  double rms = 0.0;
-  double stamp = 0.0;  ///< where the greatest is [s]
-};
-
-struct AxisValidation {
+/// One axis: how its map was used, and whether it answered as the online solver does.
+struct AxisValidation : MapUse {
   std::string axis;   ///< longitudinal, lateral, vertical
   std::string input;  ///< name and unit of what the map answers
   std::string input_unit;
   std::string map_path;
-  std::size_t regions = 0;
-  std::size_t visited = 0;                   ///< different regions that held a sample
-  std::vector<std::uint32_t> never_visited;  ///< the others, by their number in the map
-  std::size_t samples = 0;                   ///< samples with a reference
-  std::size_t inside = 0;
-  std::size_t outside_box = 0;        ///< a parameter out of its range
-  std::size_t outside_partition = 0;  ///< in range, but in no region
-  std::size_t not_finite = 0;
-  std::vector<ParameterUse> parameters;
+  std::vector<Excursion> excursions;
 
   std::size_t qp_compared = 0;
   std::size_t qp_failures = 0;  ///< samples inside the map where the online solver found no solution
-  std::vector<std::array<double, 2>> qp_series;  ///< stamp [s] and |explicit - online| of each sample
+  std::vector<std::array<double, 2>> qp_series;    ///< stamp [s] and |explicit - online| of each sample
+  std::vector<std::array<double, 3>> edge_series;  ///< stamp [s], distances to face and edge (see MapUse)
   Difference qp;  ///< |explicit - online| of the axis' input, over samples inside the map
 
   LookupTimes lookups;
@@ -113,6 +96,9 @@ struct ValidationReport {
   StatusValidation statuses;
   std::optional<HoldOffset> hold;  ///< none if the reference does not rest at the end
 
+  std::vector<MapComparison> comparisons;  ///< with other maps, where compareMaps was asked
+  std::vector<MapProposal> proposals;      ///< where proposeMap was asked
+
   std::size_t regionCount() const;
   std::size_t visitedCount() const;
   double maxQpDifference() const;
@@ -122,6 +108,10 @@ struct ValidationReport {
 /// Judges a replay. Throws Error naming the map when its problem cannot be read.
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
                           const AxisMaps& maps, const MultirotorOptions& options);
+
+/// Several flights with the same maps as one report: counts and windows together, greatest differences, root
+/// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.
+ValidationReport together(const std::vector<ValidationReport>& flights);
 
 /// Limits on a report; what is broken comes back as sentences, nothing when all is well.
 struct Thresholds {
@@ -137,5 +127,8 @@ std::string toText(const ValidationReport& report);
 
 /// The flat numbers of `summary.json` first, then the details. README.md lists the keys.
 std::string toJson(const ValidationReport& report);
+
+/// Of several flights: the numbers of all together, and those of each under `flights`.
+std::string toJson(const ValidationReport& all, const std::vector<ValidationReport>& flights);
 
 }  // namespace polyfly

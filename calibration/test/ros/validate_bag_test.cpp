@@ -1,17 +1,21 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "../synthetic_flight.hpp"
 #include "flight_bag.hpp"
+#include "region_maps/write_map.hpp"
 
 extern char** environ;
 
@@ -128,6 +132,55 @@ TEST_F(ValidateBag, badInputHasItsOwnExitCode) {
   EXPECT_EQ(run({"--bag", folder_ / "flight.bag", "--map", folder_ / "flight.bag"}), kBadInput);
   EXPECT_NE(errors_.find("flight.bag: is not a region map"), std::string::npos);
   EXPECT_EQ(runWith({"--json", folder_ / "missing/numbers.json"}), kBadInput);
+}
+
+TEST_F(ValidateBag, takesSeveralFlightsAndMaps) {
+  writeFlightBag(log_, folder_ / "again.bag");
+  polyfly::MapContent content = polyfly::handMadeMap(1);
+  content.laws.back() += 1e-3;
+  polyfly::writeMap(content, folder_ / "other.map");
+  EXPECT_EQ(runWith({"--bag", folder_ / "again.bag", "--map", folder_ / "other.map", "--json",
+                     folder_ / "all.json", "--report", folder_ / "all"}),
+            kPassed)
+      << errors_;
+  const auto json = nlohmann::json::parse(contents(folder_ / "all.json"));
+  EXPECT_EQ(json["samples"], 600);
+  EXPECT_EQ(json["flights"].size(), 2u);
+  ASSERT_EQ(json["comparisons"].size(), 1u);
+  EXPECT_NEAR(json["comparisons"][0]["difference"]["max"].get<double>(), 1e-3, 1e-9);
+  EXPECT_NE(contents(folder_ / "all/index.html").find("flight_2/index.html"), std::string::npos);
+  EXPECT_NE(contents(folder_ / "all/flight_2/index.html").find("Flight report"), std::string::npos);
+}
+
+TEST_F(ValidateBag, proposesTheProblemThatWouldHaveCoveredTheFlight) {
+  polyfly::FlightRecorder recorder(maps_.axes(), {});
+  recorder.hold(SyntheticFlight::home());
+  for (std::size_t sample = 0; sample < 50; ++sample) {
+    polyfly::VehicleState state = SyntheticFlight::state(sample, {sample > 40 ? 0.6 : 0.0, 0.0, 0.0});
+    state.stamp = ros::Time(state.stamp).toSec();
+    recorder.fly(state);
+  }
+  writeFlightBag(recorder.log(), folder_ / "flight.bag");
+  EXPECT_EQ(runWith({"--propose", folder_ / "wider"}), kThresholdBroken);
+  EXPECT_NE(output_.find("what would have covered it, longitudinal axis"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("regions, counted by solving"), std::string::npos) << output_;
+  const auto name = std::string(maps_.axes()[0]->name()) + ".yaml";
+  EXPECT_NE(contents(folder_ / ("wider/" + name)).find("e_p_x"), std::string::npos);
+}
+
+TEST_F(ValidateBag, writesTopicsForRvizAndRqt) {
+  EXPECT_EQ(runWith({"--quiet", "--topics-bag", folder_ / "topics.bag"}), kPassed) << errors_;
+  rosbag::Bag bag(folder_ / "topics.bag");
+  rosbag::View view(bag);
+  std::map<std::string, std::size_t> counts;
+  for (const rosbag::MessageInstance& message : view) ++counts[message.getTopic()];
+  for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
+    for (const char* topic : {"inside", "region", "edge_distance", "face_distance", "qp_difference"}) {
+      EXPECT_EQ(counts["/validation/" + std::string(axis) + "/" + topic], 300u) << axis << topic;
+    }
+  }
+  EXPECT_EQ(counts["/validation/tracking_error"], 300u);
+  EXPECT_EQ(counts["/validation/markers"], 1u);
 }
 
 TEST_F(ValidateBag, helpTellsExitCodesAndDefaults) {

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace polyfly {
+
+/// What is excited, in the order of the fields of a command.
+enum class ExcitedChannel { kRoll, kPitch, kYawRate, kThrust };
+constexpr std::size_t kExcitedChannels = 4;
+const char* nameOf(ExcitedChannel channel);  ///< roll, pitch, yaw_rate, thrust
+const char* unitOf(ExcitedChannel channel);  ///< rad, rad, rad/s, m/s^2 (thrust per mass)
+
+enum class ExcitationShape {
+  kTwoOneOne,  ///< a pulse of two units of time, one of one against it, one of one along it
+  kDoublet,    ///< a pulse of one unit, then one against it
+  kMultisine,  ///< tones of equal amplitude at equal ratios, phases by Schroeder's rule for a low peak
+  kChirp,      ///< a sine whose frequency grows by equal ratios in equal times
+};
+const char* nameOf(ExcitationShape shape);  ///< 2-1-1, doublet, multisine, chirp
+
+/// One manoeuvre of one channel.
+struct Manoeuvre {
+  ExcitedChannel channel = ExcitedChannel::kRoll;
+  ExcitationShape shape = ExcitationShape::kTwoOneOne;
+  double amplitude = 0.1;       ///< greatest deviation, with its sign [unit of the channel]
+  double unit_time = 0.4;       ///< of 2-1-1 and doublet: the "1" [s]
+  double length = 20.0;         ///< of multisine and chirp [s]
+  double frequency_from = 0.1;  ///< of multisine and chirp [Hz]
+  double frequency_to = 3.0;    ///< [Hz]
+  int tones = 12;               ///< of a multisine
+  double start = 0.0;           ///< in the plan [s]
+
+  double duration() const;  ///< [s]
+  /// Deviation at `time` after the manoeuvre's start; 0 outside of it.
+  double at(double time) const noexcept;
+};
+
+/// What shall be flown: manoeuvres one after the other, with rests between, in which the vehicle settles.
+struct ExcitationPlan {
+  std::vector<Manoeuvre> manoeuvres;  ///< by start, not overlapping
+  double rest = 4.0;                  ///< before each and after the last [s]
+
+  double duration() const;  ///< from the first rest to the end of the last [s]
+  /// Index of the manoeuvre that runs at `time` after the plan's start, -1 in a rest.
+  int running(double time) const noexcept;
+  /// Deviation of each channel at that time.
+  std::array<double, kExcitedChannels> at(double time) const noexcept;
+};
+
+/// Reads a plan from YAML, see calibration/excitation/README.md; `source` is used in errors. Each entry of
+/// `manoeuvres` gives as many manoeuvres as it has channels, amplitudes, signs and repetitions. Throws Error
+/// naming source, entry, field and rule.
+ExcitationPlan parsePlan(const std::string& text, const std::string& source);
+ExcitationPlan loadPlan(const std::string& path);
+
+/// Amplitude spectrum |sum u_k exp(-2 pi i f t_k)| dt of a signal that holds each sample for dt, by
+/// Goertzel's recursion. `frequencies` [Hz] below 1 / (2 dt). Unit: that of the signal times seconds.
+std::vector<double> amplitudeSpectrum(const std::vector<double>& samples, double dt,
+                                      const std::vector<double>& frequencies);
+
+/// The plan in words and numbers: manoeuvres, duration, and for each channel a table of its spectrum with the
+/// share of its energy below each frequency.
+std::string describe(const ExcitationPlan& plan);
+
+}  // namespace polyfly

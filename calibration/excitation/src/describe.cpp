@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+#include "excitation/plan.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kStep = 0.01;            // at which signals are sampled [s]
+constexpr double kLowest = 0.05;          // of the table [Hz]
+constexpr double kHighest = 12.8;         // [Hz]
+constexpr double kRatio = 1.41421356237;  // between its rows
+constexpr double kFine = 0.02;            // of the energy's integral [Hz]
+
+// A channel's signal over the whole plan.
+std::vector<double> samplesOf(const ExcitationPlan& plan, ExcitedChannel channel) {
+  std::vector<double> samples;
+  for (double time = 0.0; time < plan.duration(); time += kStep) {
+    samples.push_back(plan.at(time)[static_cast<std::size_t>(channel)]);
+  }
+  return samples;
+}
+
+// Energy below each of the frequencies as a share of that below half the sampling frequency (Parseval).
+std::vector<double> energyShares(const std::vector<double>& samples, const std::vector<double>& frequencies) {
+  std::vector<double> fine;
+  for (double frequency = 0.5 * kFine; frequency < kHighest; frequency += kFine) fine.push_back(frequency);
+  const std::vector<double> amplitudes = amplitudeSpectrum(samples, kStep, fine);
+  double all = 0.0;
+  for (const double sample : samples) all += 0.5 * sample * sample * kStep;
+  std::vector<double> shares;
+  for (const double frequency : frequencies) {
+    double energy = 0.0;
+    for (std::size_t index = 0; index < fine.size() && fine[index] < frequency; ++index) {
+      energy += amplitudes[index] * amplitudes[index] * kFine;
+    }
+    shares.push_back(all > 0.0 ? std::min(1.0, energy / all) : 0.0);
+  }
+  return shares;
+}
+
+void writeSpectrum(const ExcitationPlan& plan, ExcitedChannel channel, std::ostream& out) {
+  constexpr double kBar = 40.0;  // width of the longest bar
+  std::vector<double> frequencies;
+  for (double frequency = kLowest; frequency <= kHighest; frequency *= kRatio)
+    frequencies.push_back(frequency);
+  const std::vector<double> samples = samplesOf(plan, channel);
+  const std::vector<double> amplitudes = amplitudeSpectrum(samples, kStep, frequencies);
+  const std::vector<double> shares = energyShares(samples, frequencies);
+  const double greatest = *std::max_element(amplitudes.begin(), amplitudes.end());
+  out << "\n"
+      << nameOf(channel) << ": spectrum of all its manoeuvres\n  f [Hz]   |U| [" << unitOf(channel)
+      << " s]   energy below\n";
+  for (std::size_t row = 0; row < frequencies.size(); ++row) {
+    out << "  " << std::setw(6) << std::setprecision(3) << frequencies[row] << "   " << std::setw(10)
+        << std::setprecision(3) << amplitudes[row] << "   " << std::setw(5)
+        << std::lround(100.0 * shares[row]) << " %   "
+        << std::string(static_cast<std::size_t>(kBar * amplitudes[row] / std::max(greatest, 1e-300)), '#')
+        << "\n";
+  }
+}
+
+}  // namespace
+
+std::string describe(const ExcitationPlan& plan) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << plan.manoeuvres.size() << " manoeuvres, " << plan.duration() << " s with rests of " << plan.rest
+      << " s\n";
+  for (const Manoeuvre& manoeuvre : plan.manoeuvres) {
+    out << "  at " << std::setw(7) << manoeuvre.start << " s  " << nameOf(manoeuvre.channel) << " "
+        << nameOf(manoeuvre.shape) << ", amplitude " << manoeuvre.amplitude << " "
+        << unitOf(manoeuvre.channel) << ", " << manoeuvre.duration() << " s\n";
+  }
+  for (std::size_t index = 0; index < kExcitedChannels; ++index) {
+    const auto channel = static_cast<ExcitedChannel>(index);
+    const bool used =
+        std::any_of(plan.manoeuvres.begin(), plan.manoeuvres.end(),
+                    [channel](const Manoeuvre& manoeuvre) { return manoeuvre.channel == channel; });
+    if (used) writeSpectrum(plan, channel, out);
+  }
+  return out.str();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace polyfly {
+
+/// Greatest and root-mean-square difference of two series.
+struct Difference {
+  double max = 0.0;
+  double rms = 0.0;
+  double stamp = 0.0;  ///< where the greatest is [s]
+};
+
+}  // namespace polyfly

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// How far a map's parameter went, how often where, and how near the map's end along it.
+struct ParameterUse {
+  static constexpr std::size_t kBins = 20;  ///< of the range, equally wide
+
+  std::string name;
+  std::string unit;
+  double lower = 0.0;  ///< of the map [unit]
+  double upper = 0.0;
+  double least = std::numeric_limits<double>::infinity();  ///< met in flight [unit]
+  double greatest = -std::numeric_limits<double>::infinity();
+  std::size_t outside = 0;                     ///< samples beyond the range
+  std::array<std::size_t, kBins> histogram{};  ///< samples in each bin; those beyond are in the end bins
+  /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range
+  /// or its last region. Of samples inside; infinite if there are none, and for the previous input where its
+  /// range holds all that the input may be, since nothing leads beyond [unit].
+  double room = std::numeric_limits<double>::infinity();
+
+  /// Distance from what was met to the nearer end of the range; negative beyond it [unit].
+  double margin() const { return std::min(least - lower, upper - greatest); }
+  /// The range that would have held the flight: as it is, or, where an end was passed, a tenth of what was
+  /// met beyond.
+  std::pair<double, double> proposedRange() const;
+};
+
+/// A distance over the samples, in parameters whose ranges are mapped to [-1, 1].
+struct DistanceUse {
+  double least = std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  double stamp = 0.0;  ///< of the least [s]
+};
+
+/// How a flight, or several, used one map.
+struct MapUse {
+  /// One second of flight, or a little more.
+  struct Window {
+    double from = 0.0;  ///< stamp [s]
+    std::size_t samples = 0;
+    std::size_t inside = 0;
+  };
+
+  std::size_t samples = 0;  ///< with a reference
+  std::size_t inside = 0;
+  std::size_t outside_box = 0;        ///< a parameter out of its range
+  std::size_t outside_partition = 0;  ///< in range, but in no region
+  std::size_t not_finite = 0;
+  std::vector<std::size_t> region_samples;  ///< samples that each region of the map held
+  std::vector<ParameterUse> parameters;
+  std::vector<Window> windows;
+  DistanceUse face;  ///< to the nearest face of its own region, but for ends that nothing can pass (room)
+  DistanceUse edge;  ///< to the end of the map along the parameter that is nearest to it
+  int edge_parameter = -1;  ///< the parameter of edge.least
+
+  std::size_t regions() const { return region_samples.size(); }
+  std::size_t visited() const;
+  std::vector<std::uint32_t> neverVisited() const;  ///< by their number in the map
+  double share() const;                             ///< of samples inside, 0 if there are none
+
+  /// Adds another flight's use of the same map.
+  void add(const MapUse& other);
+};
+
+/// Where one sample lies.
+struct SampleUse {
+  Lookup lookup;
+  double face = 0.0;        ///< see MapUse; valid inside
+  double edge = 0.0;        ///< see MapUse; valid inside
+  int edge_parameter = -1;  ///< the parameter along which the edge is nearest
+};
+
+/// Counts sample by sample, from a bag or while flying. Holds the map by reference.
+class MapUseCounter {
+ public:
+  explicit MapUseCounter(const RegionMap& map);
+
+  /// One sample: the map's parameters as they were assembled, before any clipping. `stamp` [s]. Some
+  /// hundred look-ups: not for the control step.
+  SampleUse add(double stamp, const double* theta);
+
+  const MapUse& use() const { return use_; }
+  const RegionMap& map() const { return *map_; }
+
+ private:
+  double faceDistance(std::uint32_t region, const double* theta) const;
+  double room(std::vector<double>* theta, std::size_t parameter, double end) const;
+  void countParameters(const double* theta, LookupStatus status);
+  void countDistances(double stamp, const double* theta, SampleUse* sample);
+
+  const RegionMap* map_;
+  std::vector<bool> enclosed_;  // parameters along which no edge is counted
+  MapUse use_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,126 @@
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "online_axis.hpp"
+#include "online_controller/axis.hpp"
+#include "validation_parts.hpp"
+
+namespace polyfly {
+namespace {
+
+// The status that the controller reported for a sample in flight; where none was recorded, the replay's.
+class StatusOf {
+ public:
+  explicit StatusOf(const FlightLog& log) {
+    for (const FlightLog::Status& status : log.statuses) {
+      if (status.reason != ControlReason::kStale) recorded_[status.stamp] = status.status;
+    }
+  }
+  ControlStatus operator()(const ReplaySample& sample) const {
+    const auto found = recorded_.find(sample.state.stamp);
+    return found == recorded_.end() ? sample.report.status : found->second;
+  }
+
+ private:
+  std::map<double, ControlStatus> recorded_;
+};
+
+// How far a parameter is out of its range; 0 in it.
+double beyondRange(const Signal& signal, double value) {
+  return std::max({0.0, signal.lower - value, value - signal.upper});
+}
+
+// Collects stretches of consecutive samples outside the map.
+class ExcursionCollector {
+ public:
+  ExcursionCollector(const FlightLog& log, const RegionMap& map) : status_(log), map_(map) {}
+
+  void add(const ReplaySample& sample, const AxisReport& report) {
+    if (report.lookup == LookupStatus::kInside) {
+      open_ = false;
+      return;
+    }
+    if (!open_) begin(sample, report);
+    Excursion& excursion = found_.back();
+    excursion.to = sample.state.stamp;
+    ++excursion.samples;
+    ++excursion.statuses.at(static_cast<std::size_t>(status_(sample)));
+    if (parameter_ < 0 || report.size == 0) return;
+    const auto index = static_cast<std::size_t>(parameter_);
+    excursion.beyond = std::max(excursion.beyond, beyondRange(map_.parameters()[index], report.theta[index]));
+  }
+  std::vector<Excursion> take() { return std::move(found_); }
+
+ private:
+  void begin(const ReplaySample& sample, const AxisReport& report) {
+    Excursion excursion;
+    excursion.from = sample.state.stamp;
+    excursion.cause = report.lookup;
+    parameter_ = report.lookup == LookupStatus::kOutsideBox ? report.outside_parameter : -1;
+    if (parameter_ >= 0) {
+      const Signal& signal = map_.parameters()[static_cast<std::size_t>(parameter_)];
+      excursion.parameter = signal.name;
+      excursion.unit = signal.unit;
+    }
+    found_.push_back(excursion);
+    open_ = true;
+  }
+
+  StatusOf status_;
+  const RegionMap& map_;
+  std::vector<Excursion> found_;
+  bool open_ = false;
+  int parameter_ = -1;
+};
+
+}  // namespace
+
+AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                            const RegionMap& map, std::size_t index) {
+  AxisValidation axis;
+  axis.axis = kAxisNames[index].axis;
+  axis.input = map.inputs().front().name;
+  axis.input_unit = map.inputs().front().unit;
+  axis.map_path = map.path();
+  OnlineAxis online(map);
+  MapUseCounter counter(map);
+  ExcursionCollector excursions(log, map);
+  std::vector<double> thetas;
+  std::vector<double> input(map.inputs().size());
+  const std::vector<double> nothing(map.parameters().size(), std::numeric_limits<double>::quiet_NaN());
+  DifferenceCollector qp;
+  DifferenceCollector tracking;
+  for (const ReplaySample& sample : samples) {
+    if (!sample.has_reference) continue;
+    const AxisReport& report = sample.report.axis[index];
+    const double stamp = sample.state.stamp;
+    const auto along = static_cast<Eigen::Index>(index);
+    tracking.add(sample.state.position[along] - sample.reference.position[along], stamp);
+    excursions.add(sample, report);
+    // Where no parameters could be assembled, the odometry or the reference was not finite.
+    const SampleUse use = counter.add(stamp, report.size > 0 ? report.theta.data() : nothing.data());
+    if (use.lookup.status != LookupStatus::kInside) continue;
+    axis.edge_series.push_back({stamp, use.face, use.edge});
+    thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
+    map.evaluate(report.theta.data(), input.data());
+    const std::optional<double> solved = online.input(report.theta.data());
+    if (solved) {
+      qp.add(input.front() - *solved, stamp);
+      axis.qp_series.push_back({stamp, std::abs(input.front() - *solved)});
+    } else {
+      ++axis.qp_failures;
+    }
+  }
+  static_cast<MapUse&>(axis) = counter.use();
+  axis.excursions = excursions.take();
+  axis.qp = qp.result();
+  axis.qp_compared = qp.count();
+  axis.tracking = tracking.result();
+  axis.lookups = measureLookups(map, thetas);
+  axis.lookup_ns = percentiles(axis.lookups.in_order);
+  axis.lookup_shuffled_ns = percentiles(axis.lookups.shuffled);
+  return axis;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace polyfly {
+
+// Words for what is counted, in the order of ControlStatus, LookupStatus and the fields of AttitudeCommand.
+constexpr const char* kStatusNames[5] = {"optimal", "clipped", "hold_last", "level", "no_reference"};
+constexpr const char* kCommandNames[4] = {"roll", "pitch", "yaw_rate", "thrust"};
+constexpr const char* kCommandUnits[4] = {"rad", "rad", "rad/s", "N"};
+constexpr const char* kCauseNames[4] = {"inside", "outside_box", "outside_partition", "not_finite"};
+
+}  // namespace polyfly

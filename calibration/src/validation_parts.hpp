@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calibration/validation.hpp"
+#include "difference_collector.hpp"
+
+namespace polyfly {
+
+// The parts of a validation.
+
+/// One axis' map against the samples: its use, excursions, agreement with the online solver, look-up times.
+AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                            const RegionMap& map, std::size_t index);
+
+/// Recorded commands against the replay's and against the bounds of the options.
+CommandValidation validateCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                                   const MultirotorOptions& options);
+
+/// The node's own account against the replay's.
+StatusValidation validateStatuses(const FlightLog& log, const std::vector<ReplaySample>& samples);
+
+}  // namespace polyfly
