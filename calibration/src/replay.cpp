@@ -5,6 +5,7 @@
 
 #include "online_controller/axis.hpp"
 #include "online_controller/multirotor_controller.hpp"
+#include "online_controller/odometry_gate.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -63,6 +64,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
   const std::set<double> answered = answeredStamps(log);
   MultirotorController controller(maps, options);
   ReferenceSchedule schedule;
+  OdometryGate gate(options);
   std::vector<ReplaySample> samples;
   samples.reserve(log.odometry.size());
   for (const FlightLog::Event& event : log.events) {
@@ -83,8 +85,15 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
         sample.state = state;
         sample.has_reference = reference.has_value();
         sample.reference = reference.value_or(Reference{});
-        sample.report =
-            reference ? controller.step(state, *reference) : controller.stepWithoutReference(state.stamp);
+        const OdometryGate::Verdict verdict = gate.check(state);
+        if (verdict.restarted) controller.restartObserver();
+        if (!reference) {
+          sample.report = controller.stepWithoutReference(state.stamp);
+        } else if (verdict.refusal != ControlReason::kNone) {
+          sample.report = controller.withoutSample(state.stamp, verdict.refusal);
+        } else {
+          sample.report = controller.step(state, *reference);
+        }
         samples.push_back(sample);
         break;
       }

@@ -105,7 +105,7 @@ Json json(const CommandValidation& commands) {
 
 Json json(const StatusValidation& statuses) {
   Json out;
-  for (std::size_t status = 0; status < 5; ++status) {
+  for (std::size_t status = 0; status < kControlStatusCount; ++status) {
     out["replayed"][kStatusNames[status]] = statuses.replayed[status];
     out["recorded"][kStatusNames[status]] = statuses.recorded[status];
   }

@@ -160,7 +160,7 @@ std::string toText(const ValidationReport& report) {
   for (const AxisValidation& axis : report.axes) writeAxis(axis, out);
   writeCommands(report.commands, out);
   out << "\n  status:";
-  for (std::size_t status = 0; status < 5; ++status) {
+  for (std::size_t status = 0; status < kControlStatusCount; ++status) {
     out << (status == 0 ? " " : ", ") << kStatusNames[status] << " " << report.statuses.replayed[status];
   }
   if (report.statuses.compared > 0) {

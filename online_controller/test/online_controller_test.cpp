@@ -311,7 +311,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 11);
+  EXPECT_EQ(count, 15);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

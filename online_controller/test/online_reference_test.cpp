@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/reference_schedule.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
 
+using polyfly::Error;
 using polyfly::Reference;
 using polyfly::ReferenceSchedule;
 using polyfly::ReferenceTrajectory;
@@ -183,8 +184,8 @@ TEST(ReferenceSchedule, ALaterTrajectoryWaitsForItsStart) {
   EXPECT_EQ(schedule.sample(1.0)->position.x(), 1.0);
   schedule.set(ReferenceTrajectory::pose({2, 0, 0}, 0.0), 2.0);
   EXPECT_EQ(schedule.sample(1.9)->position.x(), 1.0);
-  schedule.set(ReferenceTrajectory::pose({3, 0, 0}, 0.0), 3.0);  // replaces the one that waits
-  EXPECT_EQ(schedule.sample(2.5)->position.x(), 1.0);
+  schedule.set(ReferenceTrajectory::pose({3, 0, 0}, 0.0), 3.0);
+  EXPECT_EQ(schedule.sample(2.5)->position.x(), 2.0);
   EXPECT_EQ(schedule.sample(3.0)->position.x(), 3.0);
   EXPECT_EQ(schedule.sample(9.0)->position.x(), 3.0);
 }
@@ -201,6 +202,109 @@ TEST(ReferenceSchedule, PreviewSeesTheTrajectoryThatWaits) {
   EXPECT_EQ(ahead[2].position.x(), 7.0);
   EXPECT_EQ(ahead[3].position.x(), 7.0);
   EXPECT_NEAR(schedule.sample(10.5)->position.x(), quintic(0.5), 1e-12);  // it waits still
+}
+
+/// A line at 1 m/s along x from `x`, points every 0.1 s.
+ReferenceTrajectory lineFrom(double x, int points, double y = 0.0) {
+  std::vector<TrajectorySample> samples;
+  for (int i = 0; i < points; ++i) {
+    TrajectorySample sample = at(0.1 * i, {x + 0.1 * i, y, 0});
+    sample.velocity.x() = 1.0;
+    sample.has_velocity = sample.has_acceleration = true;
+    samples.push_back(sample);
+  }
+  return ReferenceTrajectory(std::move(samples));
+}
+
+TEST(ReferenceSchedule, OneThatStartsWithinTheOldReplacesItFromThereOn) {
+  ReferenceSchedule schedule;
+  schedule.set(lineFrom(0.0, 21), 10.0);
+  schedule.set(lineFrom(100.0, 6), 11.05);
+  for (const double t : {10.0, 10.33, 11.02, 11.049}) {
+    EXPECT_NEAR(schedule.sample(t)->position.x(), t - 10.0, 1e-9) << t;  // the old one to the end
+    EXPECT_NEAR(schedule.sample(t)->velocity.x(), 1.0, 1e-9) << t;
+  }
+  EXPECT_NEAR(schedule.sample(11.05)->position.x(), 100.0, 1e-9);
+  EXPECT_NEAR(schedule.sample(11.25)->position.x(), 100.2, 1e-9);
+  EXPECT_FALSE(schedule.ended(11.5));
+  EXPECT_TRUE(schedule.ended(11.6));
+  EXPECT_NEAR(schedule.sample(11.7)->position.x(), 100.5, 1e-9);
+  EXPECT_EQ(schedule.sample(11.7)->velocity.x(), 0.0);
+}
+
+TEST(ReferenceSchedule, PiecesFollowEachOtherWithoutASeam) {
+  // A line in pieces of five points, each with its own stamp and sent ahead, as planners stream it.
+  ReferenceSchedule schedule;
+  for (int piece = 0; piece < 4; ++piece) schedule.set(lineFrom(0.5 * piece, 5), 10.0 + 0.5 * piece);
+  for (int k = 0; k < 190; ++k) {
+    const double t = 10.0 + 0.01 * k;
+    EXPECT_NEAR(schedule.sample(t)->position.x(), 0.01 * k, 1e-9) << k;
+    EXPECT_NEAR(schedule.sample(t)->velocity.x(), 1.0, 1e-7) << k;
+  }
+}
+
+TEST(ReferenceSchedule, AfterALongGapTheLastPointIsHeldUntilTheNext) {
+  ReferenceSchedule schedule;
+  schedule.set(lineFrom(0.0, 11), 10.0);
+  schedule.set(lineFrom(5.0, 11), 12.0);
+  EXPECT_EQ(schedule.sample(11.5)->position.x(), 1.0);
+  EXPECT_EQ(schedule.sample(11.5)->velocity.x(), 0.0);
+  EXPECT_FALSE(schedule.ended(11.5));
+  EXPECT_EQ(schedule.sample(12.0)->position.x(), 5.0);
+}
+
+TEST(ReferenceSchedule, ALateOneDropsWhatWasToComeAfterIt) {
+  ReferenceSchedule schedule;
+  schedule.set(lineFrom(0.0, 11), 10.0);
+  schedule.set(lineFrom(5.0, 11), 11.0);
+  schedule.set(lineFrom(7.0, 11), 12.0);
+  schedule.set(lineFrom(9.0, 11), 10.5);
+  EXPECT_NEAR(schedule.sample(10.4)->position.x(), 0.4, 1e-9);
+  EXPECT_NEAR(schedule.sample(11.0)->position.x(), 9.5, 1e-9);
+  EXPECT_NEAR(schedule.sample(12.5)->position.x(), 10.0, 1e-9);
+}
+
+TEST(ReferenceSchedule, AStampThatIsPastIsEnteredOnTheWay) {
+  ReferenceSchedule schedule;
+  schedule.set(lineFrom(0.0, 101), 10.0);
+  EXPECT_NEAR(schedule.sample(12.0)->position.x(), 2.0, 1e-9);
+  schedule.set(lineFrom(50.0, 101), 11.0);
+  EXPECT_NEAR(schedule.sample(12.0)->position.x(), 51.0, 1e-9);
+}
+
+TEST(ReferenceSchedule, WaitsForAsManyAsItHasRoomFor) {
+  ReferenceSchedule schedule;
+  for (std::size_t i = 0; i < ReferenceSchedule::kMaxEntries; ++i) {
+    schedule.set(lineFrom(0.0, 5), 10.0 + static_cast<double>(i));
+  }
+  EXPECT_THROW(schedule.set(lineFrom(0.0, 5), 1000.0), Error);
+  EXPECT_NEAR(schedule.sample(20.25)->position.x(), 0.25, 1e-9);
+  schedule.set(lineFrom(3.0, 5), 1000.0);  // ten are over
+  EXPECT_NEAR(schedule.sample(1000.25)->position.x(), 3.25, 1e-9);
+}
+
+TEST(ReferenceSchedule, HoldEndsEverything) {
+  ReferenceSchedule schedule;
+  schedule.hold({1, 2, 3}, 0.5);
+  EXPECT_EQ(schedule.sample(5.0)->position.y(), 2.0);
+  schedule.set(lineFrom(0.0, 11), 10.0);
+  schedule.set(lineFrom(0.0, 11), 12.0);
+  EXPECT_EQ(schedule.sample(9.0)->position.y(), 2.0);
+  EXPECT_NEAR(schedule.sample(10.5)->position.x(), 0.5, 1e-9);
+  schedule.hold({4, 5, 6}, 0.1);
+  EXPECT_TRUE(schedule.ended(10.6));
+  EXPECT_EQ(schedule.sample(12.5)->position.x(), 4.0);
+  EXPECT_EQ(schedule.sample(12.5)->yaw, 0.1);
+}
+
+TEST(ReferenceTrajectory, SaysHowManyDerivativesItComputed) {
+  std::vector<TrajectorySample> samples{at(0.0, {0, 0, 0}), at(1.0, {1, 0, 0}), at(2.0, {2, 0, 0})};
+  EXPECT_EQ(ReferenceTrajectory(samples).computedVelocities(), 3U);
+  EXPECT_EQ(ReferenceTrajectory(samples).computedAccelerations(), 3U);
+  samples[1].has_velocity = true;
+  EXPECT_EQ(ReferenceTrajectory(samples).computedVelocities(), 2U);
+  EXPECT_EQ(lineFrom(0.0, 5).computedAccelerations(), 0U);
+  EXPECT_EQ(ReferenceTrajectory::pose({1, 2, 3}, 0.0).computedVelocities(), 0U);
 }
 
 }  // namespace

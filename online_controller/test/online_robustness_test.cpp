@@ -11,7 +11,7 @@
 
 #include "mpc_core_allocations.hpp"
 #include "online_controller/multirotor_controller.hpp"
-#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/reference_schedule.hpp"
 #include "online_support.hpp"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/reference_schedule.hpp"
 #include "online_controller/types.hpp"
 
 namespace polyfly {

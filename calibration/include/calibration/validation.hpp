@@ -25,7 +25,7 @@ struct Excursion {
   std::string parameter;                       ///< first one out of its range; empty if none is
   double beyond = 0.0;  ///< greatest distance of that parameter beyond its range [its unit]
   std::string unit;
-  std::array<std::size_t, 5> statuses{};  ///< what the controller did: samples by ControlStatus
+  std::array<std::size_t, kControlStatusCount> statuses{};  ///< what the controller did: samples by ControlStatus
 };
 
 /// One axis: how its map was used, and whether it answered as the online solver does.
@@ -64,8 +64,8 @@ struct CommandValidation {
 };
 
 struct StatusValidation {
-  std::array<std::size_t, 5> replayed{};  ///< samples by ControlStatus
-  std::array<std::size_t, 5> recorded{};
+  std::array<std::size_t, kControlStatusCount> replayed{};  ///< samples by ControlStatus
+  std::array<std::size_t, kControlStatusCount> recorded{};
   std::size_t compared = 0;
   std::size_t differing = 0;          ///< recorded status or regions differ from the replay's
   double max_theta_difference = 0.0;  ///< of any parameter, recorded - replayed

@@ -24,9 +24,17 @@ class ControlLaw {
   /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
   virtual const ControlReport& stepWithoutReference(double stamp) noexcept = 0;
 
-  /// When odometry is silent at time `now` [s]: level attitude, hover thrust (kLevel), with the reason
-  /// kStale. That the silence is long enough is for the caller to judge.
+  /// In place of step() when the sample cannot be used: the next rung of the SafetyLadder.
+  virtual const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept = 0;
+
+  /// When odometry is silent at time `now` [s], once in each control period: the SafetyLadder from level
+  /// attitude on, because the receiver has held the last command already; with the reason kStale. That the
+  /// silence is long enough is for the caller to judge.
   virtual const ControlReport& onSilence(double now) noexcept = 0;
+
+  /// The next sample goes on from where it is, however far that is from the last one; what the observer knows
+  /// of the disturbance is kept.
+  virtual void restartObserver() noexcept = 0;
 
   /// In place of step() while another law flies: keeps the observer awake and takes `sent` for its own last
   /// command, so that the next step() goes on from there.

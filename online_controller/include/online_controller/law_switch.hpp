@@ -40,7 +40,9 @@ class LawSwitch : public ControlLaw {
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override { current().prepare(); }
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
+  void restartObserver() noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override {

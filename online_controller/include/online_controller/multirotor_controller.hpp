@@ -6,6 +6,7 @@
 #include "online_controller/axis.hpp"
 #include "online_controller/control_law.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/safety_ladder.hpp"
 #include "online_controller/sampling_clock.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/region_map.hpp"
@@ -47,7 +48,9 @@ class MultirotorController : public ControlLaw {
     return step(state, *preview);
   }
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
+  void restartObserver() noexcept override { observing_ = false; }
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
@@ -71,7 +74,7 @@ class MultirotorController : public ControlLaw {
   void observe(const VehicleState& state, const std::array<AxisSample, 3>& samples) noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
-  void level() noexcept;
+  void forget() noexcept;
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;
@@ -82,8 +85,7 @@ class MultirotorController : public ControlLaw {
   std::array<double, 3> applied_{};  // the same after the limits on what is sent: what the observer is told
   double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
   bool observing_ = false;
-  bool has_command_ = false;  // report_.command is an answer that may be repeated
-  int unanswered_ = 0;        // samples in a row without an answer
+  SafetyLadder ladder_;
 };
 
 }  // namespace polyfly

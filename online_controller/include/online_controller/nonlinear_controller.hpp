@@ -6,6 +6,7 @@
 #include "online_controller/control_law.hpp"
 #include "online_controller/force_observer.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/safety_ladder.hpp"
 
 namespace polyfly {
 
@@ -31,7 +32,9 @@ class NonlinearController : public ControlLaw {
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override;
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
+  void restartObserver() noexcept override { observing_ = false; }
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
@@ -53,7 +56,7 @@ class NonlinearController : public ControlLaw {
   double yawRate(const Reference& reference, double yaw) const noexcept;
   void send(double yaw, const Reference& reference) noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
-  void level() noexcept;
+  void forget() noexcept;
 
   MultirotorOptions options_;
   NonlinearMpc mpc_;
@@ -68,8 +71,7 @@ class NonlinearController : public ControlLaw {
   bool observing_ = false;
   bool iterating_ = false;  // there is a solution to go on from
   bool prepared_ = false;   // for the next sample
-  bool has_command_ = false;
-  int unanswered_ = 0;  // samples in a row without an answer
+  SafetyLadder ladder_;
 };
 
 }  // namespace polyfly

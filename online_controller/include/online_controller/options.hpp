@@ -15,7 +15,11 @@ struct MultirotorOptions {
   double angle_max = 0.4363323;     ///< on the command that is sent, after Eq. 41 [rad]
   double thrust_min = 5.0;          ///< mass-normalised, on the command that is sent [m/s^2]
   double thrust_max = 20.0;         ///< mass-normalised, on the command that is sent [m/s^2]
-  int hold_periods = 10;            ///< samples without an answer during which the last command is repeated
+  int hold_periods = 10;      ///< control periods without an answer during which the last command is repeated
+  int level_periods = 200;    ///< control periods at hover thrust after these
+  int descend_periods = 800;  ///< control periods at descend_thrust after these; then nothing is sent
+  double descend_thrust = 0.95;  ///< share of the hover thrust [1]
+  double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
   double disturbance_drift =
       0.005;                ///< of the observer's model, per control period: greater follows faster [m/s^2]
   bool offset_free = true;  ///< use the disturbance estimate (Eq. 5-6)
@@ -34,6 +38,10 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/thrust_min", options.thrust_min, "m/s^2", Range{0.5, 50.0});
   visit("controller/thrust_max", options.thrust_max, "m/s^2", Range{1.0, 200.0});
   visit("controller/hold_periods", options.hold_periods, "samples", Range{0.0, 1000.0});
+  visit("controller/level_periods", options.level_periods, "samples", Range{0.0, 100000.0});
+  visit("controller/descend_periods", options.descend_periods, "samples", Range{0.0, 1000000.0});
+  visit("controller/descend_thrust", options.descend_thrust, "1", Range{0.5, 1.0});
+  visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
   visit("controller/offset_free", options.offset_free);
 }

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "online_controller/types.hpp"
@@ -47,6 +46,10 @@ class ReferenceTrajectory {
   /// kLargestNumber, times increasing by kLeastInterval or more.
   explicit ReferenceTrajectory(std::vector<TrajectorySample> samples);
 
+  /// Points whose velocity, and whose acceleration, was computed because it was not given. None of a pose.
+  std::size_t computedVelocities() const noexcept { return computed_velocities_; }
+  std::size_t computedAccelerations() const noexcept { return computed_accelerations_; }
+
   /// Holds a pose for ever.
   static ReferenceTrajectory pose(const Eigen::Vector3d& position, double yaw);
 
@@ -60,34 +63,18 @@ class ReferenceTrajectory {
   /// The reference at `time` [s]. Does not allocate.
   Reference sample(double time) const noexcept;
 
+  /// Becomes such a pose. Allocates only where no trajectory was before.
+  void becomePose(const Eigen::Vector3d& position, double yaw);
+
+  /// The trajectory `first` until the start of `second`, which begins `offset` [s] after it, later than its
+  /// end: the way from the last point of the one to the first of the other is part of it.
+  static ReferenceTrajectory joined(const ReferenceTrajectory& first, const ReferenceTrajectory& second,
+                                    double offset);
+
  private:
   std::vector<TrajectorySample> samples_;
-};
-
-/// The trajectory in force, and the one that takes over at its start. Times of its trajectories count from
-/// their start.
-class ReferenceSchedule {
- public:
-  /// Takes over at time `start` [s], or with the next sample when there is none. It replaces a trajectory
-  /// that still waits; the one in force ends when it takes over. The first of all is in force at once and
-  /// holds its first pose until its start. An empty trajectory is ignored.
-  void set(ReferenceTrajectory trajectory, std::optional<double> start);
-
-  /// The reference at `time` [s], nothing before the first trajectory. Does not allocate.
-  std::optional<Reference> sample(double time) noexcept;
-
-  /// The references at `time` and at each `period` [s] after it, `count` of them; a trajectory that waits is
-  /// seen in advance. False, and nothing is written, before the first trajectory. Does not allocate.
-  bool preview(double time, double period, int count, Reference* references) noexcept;
-
- private:
-  struct Entry {
-    ReferenceTrajectory trajectory;
-    std::optional<double> start;
-  };
-  Entry active_;
-  Entry next_;
-  bool next_waits_ = false;
+  std::size_t computed_velocities_ = 0;
+  std::size_t computed_accelerations_ = 0;
 };
 
 }  // namespace polyfly

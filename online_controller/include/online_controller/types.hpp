@@ -43,7 +43,12 @@ enum class ControlStatus : std::uint8_t {
   kHoldLast = 2,  ///< no answer for this sample: the last command is repeated
   kLevel = 3,     ///< no answer for longer: level attitude, hover thrust
   kNoReference = 4,  ///< nothing to track yet: level attitude, hover thrust
+  kDescend = 5,      ///< no answer for longer than that: level attitude, less than hover thrust
+  kStopped = 6,      ///< nothing is sent any more, or yet
+  kManual = 7,       ///< the pilot's sticks, without a law
+  kMotorsOff = 8,    ///< on the ground: no thrust
 };
+constexpr int kControlStatusCount = 9;
 
 /// Why an axis had no answer or a changed one.
 enum class ControlReason : std::uint8_t {
@@ -53,6 +58,11 @@ enum class ControlReason : std::uint8_t {
   kNotFinite = 3,         ///< NaN or infinity in the odometry or reference
   kStale = 4,             ///< odometry silent
   kNoReference = 5,
+  kJump = 6,        ///< position further from the last one than the velocities explain
+  kOutOfOrder = 7,  ///< stamp before that of the last sample
+  kWrongFrame = 8,  ///< odometry in another frame than agreed
+  kOnGround = 9,    ///< landed, or not taken off yet
+  kPilot = 10,      ///< the remote control has the vehicle
 };
 
 constexpr int kMaxParameters = 8;

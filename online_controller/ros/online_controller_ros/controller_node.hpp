@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "online_controller/options.hpp"
-#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/reference_schedule.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/reference_trajectory.hpp"
+#include "online_controller/reference_schedule.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/signal.hpp"
 

@@ -54,6 +54,17 @@ const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
   return report();
 }
 
+// The laws that follow miss the sample, as they would if it had been lost.
+const ControlReport& LawSwitch::withoutSample(double stamp, ControlReason reason) noexcept {
+  return current().withoutSample(stamp, reason);
+}
+
+void LawSwitch::restartObserver() noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->restartObserver();
+  }
+}
+
 const ControlReport& LawSwitch::onSilence(double now) noexcept {
   for (const auto& law : laws_) {
     if (law != nullptr) law->onSilence(now);

@@ -76,7 +76,10 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : options_(options), axes_(std::move(axes)), clock_(decisionClock(axes_, options.control_period)) {
+    : options_(options),
+      axes_(std::move(axes)),
+      clock_(decisionClock(axes_, options.control_period)),
+      ladder_(options) {
   reset();
 }
 
@@ -85,9 +88,9 @@ void MultirotorController::reset() noexcept {
   clock_.reset();
   observing_ = false;
   observed_until_ = 0.0;
-  unanswered_ = 0;
   report_ = ControlReport{};
-  level();
+  report_.command = ladder_.level();
+  forget();
 }
 
 const ControlReport& MultirotorController::step(const VehicleState& state,
@@ -129,8 +132,7 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
-  has_command_ = true;
-  unanswered_ = 0;
+  ladder_.answered();
   return report_;
 }
 
@@ -159,8 +161,7 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  has_command_ = true;
-  unanswered_ = 0;
+  ladder_.answered();
 }
 
 void MultirotorController::observe(const VehicleState& state,
@@ -214,34 +215,36 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
     axis.input = inputs_[i];
     axis.disturbance = axes_[i].disturbance();
     axis.region = -1;
-    if (reason == ControlReason::kNotFinite) {
+    if (reason != ControlReason::kOutsidePartition) {  // no parameters were assembled
       axis.size = 0;
       axis.theta.fill(0.0);
       axis.lookup = LookupStatus::kNotFinite;
       axis.outside_parameter = -1;
     }
   }
-  unanswered_ = std::min(unanswered_ + 1, options_.hold_periods + 1);
   report_.reason = reason;
-  report_.status = ControlStatus::kHoldLast;
-  if (!has_command_ || unanswered_ > options_.hold_periods) {
-    level();
-    report_.status = ControlStatus::kLevel;
-  }
+  report_.status = ladder_.next(report_.command);
+  if (!ladder_.canHold()) forget();
 }
 
-void MultirotorController::level() noexcept {
-  report_.command = AttitudeCommand{};
-  report_.command.thrust = options_.mass * options_.gravity;
+void MultirotorController::forget() noexcept {
   for (AxisReport& axis : report_.axis) axis.input = 0.0;
   inputs_.fill(0.0);
   applied_.fill(0.0);
-  has_command_ = false;
+  applied_[2] = report_.command.thrust / options_.mass - options_.gravity;
+}
+
+const ControlReport& MultirotorController::withoutSample(double stamp, ControlReason reason) noexcept {
+  if (std::isfinite(stamp)) report_.stamp = stamp;
+  withoutAnswer(reason);
+  return report_;
 }
 
 const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
   report_.axis.fill(AxisReport{});
-  level();
+  ladder_.forget();
+  report_.command = ladder_.level();
+  forget();
   report_.stamp = stamp;
   report_.status = ControlStatus::kNoReference;
   report_.reason = ControlReason::kNoReference;
@@ -253,10 +256,10 @@ const ControlReport& MultirotorController::onSilence(double now) noexcept {
     report_.axis[i] = AxisReport{};
     report_.axis[i].disturbance = axes_[i].disturbance();
   }
-  level();
   report_.stamp = now;
-  report_.status = ControlStatus::kLevel;
   report_.reason = ControlReason::kStale;
+  report_.status = ladder_.nextInSilence(report_.command);
+  forget();
   return report_;
 }
 

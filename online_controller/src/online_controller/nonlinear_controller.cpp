@@ -47,7 +47,8 @@ double leadingCommand(double from, double to, double gain, double time, double p
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
     : options_(checked(options)),
       mpc_(completed(mpc, options)),
-      observer_(mpc_.options().model, options.control_period, options.disturbance_drift) {
+      observer_(mpc_.options().model, options.control_period, options.disturbance_drift),
+      ladder_(options) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
   references_.resize(points);
@@ -59,9 +60,9 @@ void NonlinearController::reset() noexcept {
   observer_.reset();
   observing_ = false;
   observed_until_ = 0.0;
-  unanswered_ = 0;
   report_ = ControlReport{};
-  level();
+  report_.command = ladder_.level();
+  forget();
 }
 
 const ControlReport& NonlinearController::step(const VehicleState& state, const Reference* preview) noexcept {
@@ -160,7 +161,7 @@ bool NonlinearController::isFar(const MultirotorState& x) const noexcept {
 void NonlinearController::startIteration(const MultirotorState& x) noexcept {
   const MultirotorInput hover(0.0, 0.0, options_.gravity);
   MultirotorInput u = hover;
-  if (has_command_) {
+  if (ladder_.canHold()) {
     const AttitudeCommand& command = report_.command;
     u << command.roll, command.pitch, command.thrust / options_.mass;
   }
@@ -218,31 +219,31 @@ void NonlinearController::send(double yaw, const Reference& reference) noexcept 
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.status = ControlStatus::kOptimal;
   report_.reason = ControlReason::kNone;
-  has_command_ = true;
-  unanswered_ = 0;
+  ladder_.answered();
 }
 
 void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
-  unanswered_ = std::min(unanswered_ + 1, options_.hold_periods + 1);
   report_.reason = reason;
-  report_.status = ControlStatus::kHoldLast;
-  if (!has_command_ || unanswered_ > options_.hold_periods) {
-    level();
-    report_.status = ControlStatus::kLevel;
-  }
+  report_.status = ladder_.next(report_.command);
+  if (!ladder_.canHold()) forget();
 }
 
-void NonlinearController::level() noexcept {
-  report_.command = AttitudeCommand{};
-  report_.command.thrust = options_.mass * options_.gravity;
+void NonlinearController::forget() noexcept {
   report_.axis.fill(AxisReport{});
-  has_command_ = false;
   iterating_ = false;
   prepared_ = false;
 }
 
+const ControlReport& NonlinearController::withoutSample(double stamp, ControlReason reason) noexcept {
+  if (std::isfinite(stamp)) report_.stamp = stamp;
+  withoutAnswer(reason);
+  return report_;
+}
+
 const ControlReport& NonlinearController::stepWithoutReference(double stamp) noexcept {
-  level();
+  ladder_.forget();
+  report_.command = ladder_.level();
+  forget();
   report_.stamp = stamp;
   report_.status = ControlStatus::kNoReference;
   report_.reason = ControlReason::kNoReference;
@@ -250,10 +251,10 @@ const ControlReport& NonlinearController::stepWithoutReference(double stamp) noe
 }
 
 const ControlReport& NonlinearController::onSilence(double now) noexcept {
-  level();
   report_.stamp = now;
-  report_.status = ControlStatus::kLevel;
   report_.reason = ControlReason::kStale;
+  report_.status = ladder_.nextInSilence(report_.command);
+  forget();
   return report_;
 }
 
@@ -261,8 +262,7 @@ void NonlinearController::follow(const VehicleState& state, const AttitudeComman
   if (!isSane(state)) return;
   observe(state);
   report_.command = sent;
-  has_command_ = true;
-  unanswered_ = 0;
+  ladder_.answered();
   iterating_ = false;
   prepared_ = false;
 }

@@ -3,6 +3,7 @@
 #include <sstream>
 #include <string>
 
+#include "online_controller/flight_options.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -32,5 +33,7 @@ void checkOptions(const MultirotorOptions& options) {
     throw Error(text.str());
   }
 }
+
+void checkFlightOptions(const FlightOptions& options) { visitFlightOptions(options, CheckRange{}); }
 
 }  // namespace polyfly

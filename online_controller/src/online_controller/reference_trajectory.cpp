@@ -117,6 +117,11 @@ ReferenceTrajectory::ReferenceTrajectory(std::vector<TrajectorySample> samples)
     : samples_(std::move(samples)) {
   check(samples_);
   complete(samples_);
+  if (samples_.size() < 2) return;
+  for (const TrajectorySample& sample : samples_) {
+    computed_velocities_ += sample.has_velocity ? 0 : 1;
+    computed_accelerations_ += sample.has_acceleration ? 0 : 1;
+  }
 }
 
 ReferenceTrajectory ReferenceTrajectory::pose(const Eigen::Vector3d& position, double yaw) {
@@ -124,6 +129,32 @@ ReferenceTrajectory ReferenceTrajectory::pose(const Eigen::Vector3d& position, d
   sample.position = position;
   sample.yaw = yaw;
   return ReferenceTrajectory({sample});
+}
+
+void ReferenceTrajectory::becomePose(const Eigen::Vector3d& position, double yaw) {
+  samples_.resize(1);
+  samples_.front() = TrajectorySample{};
+  samples_.front().position = position;
+  samples_.front().yaw = yaw;
+  computed_velocities_ = 0;
+  computed_accelerations_ = 0;
+}
+
+ReferenceTrajectory ReferenceTrajectory::joined(const ReferenceTrajectory& first,
+                                                const ReferenceTrajectory& second, double offset) {
+  std::vector<TrajectorySample> samples = first.samples_;
+  TrajectorySample next = second.samples_.front();
+  next.time += offset;
+  // As they are on the way that follows; at rest where that is a pose.
+  next.has_velocity = true;
+  next.has_acceleration = true;
+  if (second.samples_.size() < 2) {
+    next.velocity.setZero();
+    next.acceleration.setZero();
+    next.yaw_rate = 0.0;
+  }
+  samples.push_back(next);
+  return ReferenceTrajectory(std::move(samples));
 }
 
 Reference ReferenceTrajectory::sample(double time) const noexcept {
@@ -134,35 +165,6 @@ Reference ReferenceTrajectory::sample(double time) const noexcept {
   const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, time,
                                      [](double t, const TrajectorySample& s) { return t < s.time; });
   return between(*(next - 1), *next, time);
-}
-
-void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double> start) {
-  if (trajectory.empty()) return;
-  next_waits_ = !active_.trajectory.empty();
-  (next_waits_ ? next_ : active_) = {std::move(trajectory), start};
-}
-
-std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
-  if (next_waits_ && (!next_.start || time >= *next_.start)) {
-    std::swap(active_, next_);  // what was in force is freed by the next call of set, not here
-    next_waits_ = false;
-  }
-  if (active_.trajectory.empty()) return std::nullopt;
-  if (!active_.start) active_.start = time;
-  return active_.trajectory.sample(time - *active_.start);
-}
-
-bool ReferenceSchedule::preview(double time, double period, int count, Reference* references) noexcept {
-  const std::optional<Reference> now = sample(time);
-  if (!now) return false;
-  references[0] = *now;
-  for (int k = 1; k < count; ++k) {
-    const double ahead = time + k * period;
-    const bool taken_over = next_waits_ && next_.start && ahead >= *next_.start;
-    const Entry& entry = taken_over ? next_ : active_;
-    references[k] = entry.trajectory.sample(ahead - *entry.start);
-  }
-  return true;
 }
 
 }  // namespace polyfly

@@ -32,8 +32,7 @@ void MultirotorController::takeOver(const ControlLaw& from) noexcept {
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  has_command_ = other->has_command_;
-  unanswered_ = std::min(other->unanswered_, options_.hold_periods + 1);
+  ladder_.takeOver(other->ladder_);
 }
 
 double MultirotorController::kktResidual() const noexcept {
@@ -51,8 +50,7 @@ void NonlinearController::takeOver(const ControlLaw& from) noexcept {
   yaw_ = other->yaw_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  has_command_ = other->has_command_;
-  unanswered_ = std::min(other->unanswered_, options_.hold_periods + 1);
+  ladder_.takeOver(other->ladder_);
   prepared_ = false;
   // One that was prepared is shifted to the next sample already, and begins anew.
   iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "online_controller/control_law.hpp"
+#include "online_controller/flight_options.hpp"
+#include "online_controller/flight_state.hpp"
+#include "online_controller/odometry_gate.hpp"
+#include "online_controller/reference_schedule.hpp"
+#include "online_controller/remote_control.hpp"
+#include "online_controller/vertical_ramp.hpp"
+
+namespace polyfly {
+
+/// Whether a remote control must have handed the vehicle over before anything else may start it: always,
+/// never, or when one was heard of.
+enum class PilotRule { kRequired, kNotRequired, kWhenPresent };
+
+/// One flight: the state machine around a control law. It decides which reference the law tracks, refuses
+/// odometry that cannot be, and says why it does what it does.
+///
+/// onOdometry, onSilence, onTime, onRemoteControl and the requests never throw, allocate, lock, log or read a
+/// clock; onReference allocates and may throw.
+class FlightSupervisor {
+ public:
+  /// Keeps a reference to `law`. Throws Error naming an option out of its range.
+  FlightSupervisor(ControlLaw& law, const MultirotorOptions& vehicle, const FlightOptions& options,
+                   PilotRule pilot = PilotRule::kWhenPresent);
+
+  /// Another law from the next step on, made from other options; it has taken over from the one before, which
+  /// may go then.
+  void setLaw(ControlLaw& law) noexcept;
+
+  /// One control period. `frame_fits`: the odometry's frame is the one agreed.
+  const ControlReport& onOdometry(const VehicleState& state, bool frame_fits = true) noexcept;
+
+  /// One control period of silence, which has been long enough, at time `now` [s].
+  const ControlReport& onSilence(double now) noexcept;
+
+  /// The time [s], in every control period: a remote control that has gone silent is noticed here.
+  void onTime(double now) noexcept;
+
+  /// The sticks at time `now` [s]. True when the command of report() is to be sent: manual mode.
+  bool onRemoteControl(const RemoteControl& sticks, double now) noexcept;
+
+  /// A new reference; see ReferenceSchedule::set. Answers why it is refused, nullptr when it is taken.
+  const char* onReference(ReferenceTrajectory trajectory, std::optional<double> start);
+
+  /// Requests; they answer why they are refused, nullptr when they are granted.
+  const char* takeOff() noexcept;
+  const char* land() noexcept;
+  const char* holdPosition() noexcept;
+
+  FlightState state() const noexcept { return state_; }
+  FlightEvent cause() const noexcept { return cause_; }            ///< of the last change of the state
+  unsigned changes() const noexcept { return changes_; }           ///< of the state, so far
+  ControlReason lastRefusal() const noexcept { return refused_; }  ///< of the last odometry
+  const ControlReport& report() const noexcept { return *report_; }
+
+  /// Whether the command of report() is to be sent.
+  bool sends() const noexcept { return report_->status != ControlStatus::kStopped; }
+
+  /// What the law tracked in its last step, at the sample's time and at each previewPeriod() after it:
+  /// previewLength() of them.
+  const std::vector<Reference>& preview() const noexcept { return preview_; }
+
+ private:
+  FlightSituation situation() const noexcept;
+  const char* handle(FlightEvent event) noexcept;
+  void enter(FlightState to, FlightEvent cause) noexcept;
+  FlightState task() const noexcept { return state_ == FlightState::kFailsafe ? interrupted_ : state_; }
+  void prepareRecovery() noexcept;
+
+  const ControlReport& refuse(double stamp, ControlReason reason) noexcept;
+  const ControlReport& idle(double stamp) noexcept;
+  const ControlReport& manual(double stamp) noexcept;
+  const ControlReport& fly(const VehicleState& state) noexcept;
+  void watchTask(const VehicleState& state) noexcept;
+  bool makePreview(double time) noexcept;
+  Reference stop() const noexcept;
+  void startTask(FlightState task, FlightEvent cause) noexcept;
+
+  ControlLaw* law_;  // not owned
+  MultirotorOptions vehicle_;
+  FlightOptions options_;
+  PilotRule pilot_rule_;
+
+  FlightState state_ = FlightState::kInactive;
+  FlightState interrupted_ = FlightState::kInactive;  // by the failsafe
+  bool holding_here_ = false;                         // since its end came in sight
+  FlightEvent cause_ = FlightEvent::kTouchdown;
+  unsigned changes_ = 0;
+
+  OdometryGate gate_;
+  ControlReason refused_ = ControlReason::kNone;
+  VehicleState last_;   // accepted
+  bool fresh_ = false;  // the last odometry was accepted, and there was no silence since
+
+  ReferenceSchedule references_;
+  std::optional<FlightState> after_takeoff_;  // what came during the take-off
+  VerticalRamp ramp_;
+  Reference held_;    // the pose that the sticks move
+  int standing_ = 0;  // control periods in which a landing vehicle seemed to stand
+
+  RemoteControl sticks_;
+  double sticks_time_ = 0.0;  // [s]
+  bool pilot_ = false;        // a remote control is on and heard
+
+  std::vector<Reference> preview_;
+  ControlReport own_;  // of what is sent without a law
+  const ControlReport* report_;
+};
+
+}  // namespace polyfly
