@@ -6,7 +6,6 @@
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <exception>
-#include <optional>
 
 #include "online_controller_ros/conversions.hpp"
 #include "region_maps/error.hpp"
@@ -29,8 +28,10 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   Setup setup;
   ParameterReader reader(private_handle);
   setup.laws = LawSetup::read(reader);
+  setup.flight = FlightSetup::read(reader);
   visitNodeOptions(setup.node, reader);
-  reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "nonlinear"});
+  reader.refuseUnknown(
+      {"maps", "robust_maps", "problems", "vehicle", "controller", "nonlinear", "control_interface", "rc"});
   return setup;
 }
 
@@ -44,7 +45,8 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
 ExplicitMpcNode::ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup)
     : laws_(setup.laws),
       controller_(laws_.flight()),
-      preview_(static_cast<std::size_t>(controller_.previewLength())),
+      flight_(controller_, setup.laws.controller, setup.flight.flight, setup.flight.pilot),
+      interface_(handle, flight_, setup.flight),
       control_period_(setup.laws.controller.control_period),
       silence_(setup.node.stale_periods * control_period_) {
   connect(handle);
@@ -58,9 +60,7 @@ void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
   publishLaw();
   law_service_ = handle.advertiseService("select_law", &ExplicitMpcNode::onSelectLaw, this);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  trajectory_subscriber_ =
-      handle.subscribe("command/trajectory", 1, &ExplicitMpcNode::onTrajectory, this, hints);
-  pose_subscriber_ = handle.subscribe("command/pose", 1, &ExplicitMpcNode::onPose, this, hints);
+  interface_.onManual([this](const ros::Time& now) { onManual(now); });
   odometry_subscriber_ = handle.subscribe("odometry", 1, &ExplicitMpcNode::onOdometry, this, hints);
   watchdog_ =
       handle.createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) { onWatchdog(); });
@@ -74,12 +74,10 @@ void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   frame_ = message->header.frame_id;
   odometry_age_ = (arrival_ - message->header.stamp).toSec();
   const polyfly::VehicleState state = toVehicleState(*message);
-  const bool has_reference = references_.preview(state.stamp, controller_.previewPeriod(),
-                                                 static_cast<int>(preview_.size()), preview_.data());
+  const bool frame_fits = interface_.frameFits(frame_);
 
   const Clock::time_point start = Clock::now();
-  const polyfly::ControlReport& report = has_reference ? controller_.step(state, preview_.data())
-                                                       : controller_.stepWithoutReference(state.stamp);
+  const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   const std::int64_t step_time_ns = nanosecondsSince(start);
   publish(report, message->header, step_time_ns);
   controller_.prepare();
@@ -105,29 +103,22 @@ void ExplicitMpcNode::publishLaw() {
   law_publisher_.publish(message);
 }
 
-void ExplicitMpcNode::onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
-  try {
-    references_.set(toReferenceTrajectory(*message), startOf(*message));
-  } catch (const polyfly::Error& error) {
-    ROS_ERROR("explicit MPC keeps its reference: %s", error.what());
-  }
-}
-
-void ExplicitMpcNode::onPose(const geometry_msgs::PoseStamped::ConstPtr& message) {
-  try {
-    references_.set(toReferenceTrajectory(*message), std::nullopt);
-  } catch (const polyfly::Error& error) {
-    ROS_ERROR("explicit MPC keeps its reference: %s", error.what());
-  }
+void ExplicitMpcNode::onManual(const ros::Time& now) {
+  std_msgs::Header header;
+  header.stamp = now;
+  header.frame_id = frame_;
+  publish(flight_.report(), header, 0);
 }
 
 void ExplicitMpcNode::onWatchdog() {
   const ros::Time now = ros::Time::now();
+  flight_.onTime(now.toSec());
+  interface_.publishChange();
   if (!has_odometry_) return;
   if (now < arrival_) arrival_ = now;  // simulated time began anew
   if (now - arrival_ <= silence_) return;
   const Clock::time_point start = Clock::now();
-  const polyfly::ControlReport& report = controller_.onSilence(now.toSec());
+  const polyfly::ControlReport& report = flight_.onSilence(now.toSec());
   const std::int64_t step_time_ns = nanosecondsSince(start);
   std_msgs::Header header;
   header.stamp = now;
@@ -140,10 +131,12 @@ void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_ms
                               std::int64_t step_time_ns) {
   // A fresh message each time: neighbours in the same nodelet manager share it, so it must not change
   // afterwards.
-  const auto command = boost::make_shared<mav_msgs::RollPitchYawrateThrust>();
-  command->header = header;
-  fillCommand(report.command, *command);
-  command_publisher_.publish(command);
+  if (flight_.sends()) {
+    const auto command = boost::make_shared<mav_msgs::RollPitchYawrateThrust>();
+    command->header = header;
+    fillCommand(report.command, *command);
+    command_publisher_.publish(command);
+  }
 
   const auto status = boost::make_shared<online_controller::ControllerStatus>();
   status->header = header;
@@ -153,6 +146,7 @@ void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_ms
   status->lookup_time_ns = lookupTime(report);
   fillStatus(report, laws_.parameters(controller_.active()), *status);
   status_publisher_.publish(status);
+  interface_.publishChange();
   logChange(report);
 }
 

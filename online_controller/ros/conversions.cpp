@@ -69,6 +69,14 @@ const char* words(ControlStatus status) {
       return "level attitude, hover thrust";
     case ControlStatus::kNoReference:
       return "level attitude, hover thrust";
+    case ControlStatus::kDescend:
+      return "level attitude, less than hover thrust";
+    case ControlStatus::kStopped:
+      return "nothing is sent";
+    case ControlStatus::kManual:
+      return "sticks";
+    case ControlStatus::kMotorsOff:
+      return "motors off";
   }
   return "";
 }
@@ -87,6 +95,16 @@ const char* words(ControlReason reason) {
       return "odometry is silent";
     case ControlReason::kNoReference:
       return "nothing to track yet";
+    case ControlReason::kJump:
+      return "the odometry's position jumped";
+    case ControlReason::kOutOfOrder:
+      return "the odometry's stamp is before the last one";
+    case ControlReason::kWrongFrame:
+      return "the odometry is in another frame";
+    case ControlReason::kOnGround:
+      return "it does not fly";
+    case ControlReason::kPilot:
+      return "the remote control has the vehicle";
   }
   return "";
 }
@@ -164,12 +182,21 @@ void fillStatus(const polyfly::ControlReport& report,
                     static_cast<int>(ControlStatus::kHoldLast) == Message::HOLD_LAST &&
                     static_cast<int>(ControlStatus::kLevel) == Message::LEVEL &&
                     static_cast<int>(ControlStatus::kNoReference) == Message::NO_REFERENCE &&
+                    static_cast<int>(ControlStatus::kDescend) == Message::DESCEND &&
+                    static_cast<int>(ControlStatus::kStopped) == Message::STOPPED &&
+                    static_cast<int>(ControlStatus::kManual) == Message::MANUAL &&
+                    static_cast<int>(ControlStatus::kMotorsOff) == Message::MOTORS_OFF &&
                     static_cast<int>(ControlReason::kNone) == Message::REASON_NONE &&
                     static_cast<int>(ControlReason::kOutsideBox) == Message::REASON_OUTSIDE_BOX &&
                     static_cast<int>(ControlReason::kOutsidePartition) == Message::REASON_OUTSIDE_PARTITION &&
                     static_cast<int>(ControlReason::kNotFinite) == Message::REASON_NOT_FINITE &&
                     static_cast<int>(ControlReason::kStale) == Message::REASON_STALE &&
-                    static_cast<int>(ControlReason::kNoReference) == Message::REASON_NO_REFERENCE,
+                    static_cast<int>(ControlReason::kNoReference) == Message::REASON_NO_REFERENCE &&
+                    static_cast<int>(ControlReason::kJump) == Message::REASON_JUMP &&
+                    static_cast<int>(ControlReason::kOutOfOrder) == Message::REASON_OUT_OF_ORDER &&
+                    static_cast<int>(ControlReason::kWrongFrame) == Message::REASON_WRONG_FRAME &&
+                    static_cast<int>(ControlReason::kOnGround) == Message::REASON_ON_GROUND &&
+                    static_cast<int>(ControlReason::kPilot) == Message::REASON_PILOT,
                 "the message restates the enumerations");
   message.status = static_cast<std::uint8_t>(report.status);
   message.reason = static_cast<std::uint8_t>(report.reason);

@@ -53,6 +53,12 @@ void ParameterReader::operator()(const char* key, bool& field) {
     refuseValue(handle_.resolveName(key), "must be true or false");
 }
 
+bool ParameterReader::flag(const std::string& key, bool& value) {
+  const bool is_set = handle_.hasParam(key);
+  (*this)(key.c_str(), value);
+  return is_set;
+}
+
 std::string ParameterReader::requiredText(const std::string& key, const std::string& what) {
   std::string text;
   if (!given(key)) refuseValue(handle_.resolveName(key), "missing, must be " + what);

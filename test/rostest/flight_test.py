@@ -24,7 +24,7 @@ THRUST_MAX = 20.0 * MASS + 1e-9  # [N]
 FIGURE_END = 34.7  # the vehicle holds from here [s]
 DURATION = 49.7  # [s]
 OPTIMAL, CLIPPED, HOLD_LAST, LEVEL = 0, 1, 2, 3  # ControllerStatus.status
-NOT_FINITE, STALE = 3, 4  # ControllerStatus.reason
+NOT_FINITE, STALE, JUMP = 3, 4, 6  # ControllerStatus.reason
 
 # A flight in which nothing but the wind disturbs.
 CALM = {
@@ -158,11 +158,26 @@ class FlightTest(unittest.TestCase):
         self.assertEqual(flown.statuses[-1].status, OPTIMAL)
         self.assertLess(flown.rms(23.0, FIGURE_END), 0.03)
 
-    def test_a_jump_of_the_odometry_is_clipped_to_the_map(self):
+    def test_a_jump_of_the_odometry_is_not_followed(self):
         flown = self.fly("jump", {"plant": {"faults": {"jump_start": 38.0, "jump_time": 0.1, "jump": [0.0, 5.0, 0.0]}}})
         self.assert_commands_within_limits(flown)
         during = flown.between(flown.statuses, 38.0, 38.1)
+        self.assertEqual(len(during), 10)
         for status in during:
+            self.assertEqual((status.status, status.reason), (HOLD_LAST, JUMP))
+        self.assertEqual(flown.statuses[-1].status, OPTIMAL)
+        self.assertLess(flown.rms(38.0, DURATION), 0.1)
+
+    def test_a_jump_that_is_allowed_is_clipped_to_the_map(self):
+        flown = self.fly(
+            "far",
+            {
+                "plant": {"faults": {"jump_start": 38.0, "jump_time": 0.1, "jump": [0.0, 5.0, 0.0]}},
+                "controller": {"controller": {"jump_distance": 0.0}},
+            },
+        )
+        self.assert_commands_within_limits(flown)
+        for status in flown.between(flown.statuses, 38.0, 38.1):
             self.assertEqual(status.status, CLIPPED)
             self.assertEqual(status.lateral.outside_parameter, "e_p_y")
         self.assertEqual(flown.statuses[-1].status, OPTIMAL)

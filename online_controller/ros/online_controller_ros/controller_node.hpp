@@ -1,10 +1,8 @@
 #pragma once
 
-#include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <online_controller/SelectLaw.h>
 #include <ros/ros.h>
-#include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
 #include <array>
 #include <cstdint>
@@ -12,7 +10,7 @@
 #include <vector>
 
 #include "online_controller/options.hpp"
-#include "online_controller/reference_schedule.hpp"
+#include "online_controller_ros/flight_interface.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 
@@ -40,6 +38,7 @@ class ExplicitMpcNode {
  private:
   struct Setup {
     LawSetup laws;
+    FlightSetup flight;
     NodeOptions node;
   };
 
@@ -48,8 +47,7 @@ class ExplicitMpcNode {
   void connect(ros::NodeHandle& handle);
 
   void onOdometry(const nav_msgs::Odometry::ConstPtr& message);
-  void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);
-  void onPose(const geometry_msgs::PoseStamped::ConstPtr& message);
+  void onManual(const ros::Time& now);
   void onWatchdog();
   bool onSelectLaw(online_controller::SelectLaw::Request& request,
                    online_controller::SelectLaw::Response& response);
@@ -62,18 +60,16 @@ class ExplicitMpcNode {
 
   Laws laws_;
   polyfly::LawSwitch& controller_;
-  polyfly::ReferenceSchedule references_;
-  std::vector<polyfly::Reference> preview_;  // as long as the controller reads
-  double control_period_;                    // [s]
-  ros::Duration silence_;                    // longer than this without odometry is silence
+  polyfly::FlightSupervisor flight_;
+  FlightInterface interface_;
+  double control_period_;  // [s]
+  ros::Duration silence_;  // longer than this without odometry is silence
 
   ros::Publisher command_publisher_;
   ros::Publisher status_publisher_;
   ros::Publisher law_publisher_;
   ros::ServiceServer law_service_;
   ros::Subscriber odometry_subscriber_;
-  ros::Subscriber trajectory_subscriber_;
-  ros::Subscriber pose_subscriber_;
   ros::Timer watchdog_;
 
   bool has_odometry_ = false;

@@ -21,6 +21,9 @@ class ParameterReader {
   void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range);
   void operator()(const char* key, bool& field);
 
+  /// Whether the parameter is set; then it is true or false, or Error is thrown.
+  bool flag(const std::string& key, bool& value);
+
   /// Throws Error unless the parameter is a text that is not empty. `what` says what it is for.
   std::string requiredText(const std::string& key, const std::string& what);
 

@@ -187,8 +187,7 @@ void FlightSupervisor::setLaw(ControlLaw& law) noexcept {
 bool FlightSupervisor::makePreview(double time) noexcept {
   const int count = std::min(law_->previewLength(), static_cast<int>(preview_.size()));
   if (!isRamp(task())) {
-    return references_.preview(time, law_->previewPeriod(), static_cast<int>(preview_.size()),
-                               preview_.data());
+    return references_.preview(time, law_->previewPeriod(), count, preview_.data());
   }
   for (int k = 0; k < count; ++k) {
     preview_[static_cast<std::size_t>(k)] = ramp_.at(time + k * law_->previewPeriod());

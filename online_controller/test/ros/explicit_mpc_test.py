@@ -287,7 +287,8 @@ class ExplicitMpcTest(unittest.TestCase):
         self.assertIn("e_p_x", status.text)
 
     def test_infeasible_parameters_hold(self):
-        controller = self.fly(maps=dict(self.maps, lateral=os.path.join(self.folder.name, "infeasible.map")))
+        maps = dict(self.maps, lateral=os.path.join(self.folder.name, "infeasible.map"))
+        controller = self.fly({"controller/jump_distance": 0.0}, maps)
         controller.pose.publish(pose_at(0.0, 0.0, 0.0))
         controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
 

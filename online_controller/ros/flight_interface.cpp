@@ -1,0 +1,195 @@
+#include "online_controller_ros/flight_interface.hpp"
+
+#include <online_controller/FlightStatus.h>
+#include <std_msgs/String.h>
+
+#include <utility>
+
+#include "online_controller_ros/conversions.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kManualBelow = -0.5;  // of the mode axis
+constexpr double kPositionFrom = 0.5;
+
+double stick(const sensor_msgs::Joy& message, int axis, double scale) {
+  if (axis < 0 || axis >= static_cast<int>(message.axes.size())) return 0.0;
+  return scale * message.axes[static_cast<std::size_t>(axis)];
+}
+
+/// "trajectory of 40 points; velocities of 40 and accelerations of 40 computed from differences".
+std::string summary(const polyfly::ReferenceTrajectory& trajectory) {
+  const std::size_t points = trajectory.samples().size();
+  if (points == 1) return "pose";
+  std::string text = "trajectory of " + std::to_string(points) + " points";
+  const std::size_t velocities = trajectory.computedVelocities();
+  const std::size_t accelerations = trajectory.computedAccelerations();
+  if (velocities + accelerations == 0) return text;
+  text += "; computed from differences:";
+  if (velocities > 0) text += " velocities of " + std::to_string(velocities);
+  if (velocities > 0 && accelerations > 0) text += ",";
+  if (accelerations > 0) text += " accelerations of " + std::to_string(accelerations);
+  return text;
+}
+
+}  // namespace
+
+polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const JoyLayout& layout) {
+  using Mode = polyfly::RemoteControl::Mode;
+  polyfly::RemoteControl sticks;
+  const auto button = static_cast<std::size_t>(layout.button_on);
+  sticks.on = layout.button_on < 0 || (button < message.buttons.size() && message.buttons[button] == 1);
+  if (layout.axis_mode >= static_cast<int>(message.axes.size())) sticks.on = false;
+  sticks.mode = Mode::kPosition;
+  if (layout.axis_mode >= 0) {
+    const double mode = stick(message, layout.axis_mode, 1.0);
+    sticks.mode = mode <= kManualBelow   ? Mode::kManual
+                  : mode < kPositionFrom ? Mode::kAltitude
+                                         : Mode::kPosition;
+  }
+  sticks.forward = stick(message, layout.axis_forward, layout.scale_forward);
+  sticks.left = stick(message, layout.axis_left, layout.scale_left);
+  sticks.up = stick(message, layout.axis_up, layout.scale_up);
+  sticks.turn = stick(message, layout.axis_turn, layout.scale_turn);
+  return sticks;
+}
+
+FlightSetup FlightSetup::read(ParameterReader& reader) {
+  FlightSetup setup;
+  visitFlightOptions(setup.flight, reader);
+  visitJoyLayout(setup.joy, reader);
+  setup.odometry_frame = reader.text("odometry_frame", "a frame", "");
+  bool demanded = true;
+  if (reader.flag("use_rc_teleop", demanded)) {
+    setup.pilot = demanded ? polyfly::PilotRule::kRequired : polyfly::PilotRule::kNotRequired;
+  }
+  return setup;
+}
+
+FlightInterface::FlightInterface(ros::NodeHandle& handle, polyfly::FlightSupervisor& flight,
+                                 const FlightSetup& setup)
+    : flight_(flight),
+      joy_(setup.joy),
+      frame_demanded_(!setup.odometry_frame.empty()),
+      frame_(setup.odometry_frame),
+      name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
+      status_publisher_(handle.advertise<online_controller::FlightStatus>("flight_status", 1, true)) {
+  publish();
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  trajectory_subscriber_ =
+      handle.subscribe("command/trajectory", 1, &FlightInterface::onTrajectory, this, hints);
+  pose_subscriber_ = handle.subscribe("command/pose", 1, &FlightInterface::onPose, this, hints);
+  joy_subscriber_ = handle.subscribe("rc", 1, &FlightInterface::onJoy, this, hints);
+  takeoff_service_ = handle.advertiseService("takeoff", &FlightInterface::onTakeOff, this);
+  hold_service_ = handle.advertiseService("back_to_position_hold", &FlightInterface::onHold, this);
+  land_service_ = handle.advertiseService("land", &FlightInterface::onLand, this);
+}
+
+bool FlightInterface::frameFits(const std::string& frame) {
+  if (frame_.empty()) frame_ = frame;
+  return frame == frame_;
+}
+
+void FlightInterface::publishChange() {
+  if (flight_.changes() == published_changes_) return;
+  published_changes_ = flight_.changes();
+  publish();
+  ROS_INFO("explicit MPC: %s: %s", polyfly::flightStateName(flight_.state()),
+           polyfly::describe(flight_.cause()));
+}
+
+void FlightInterface::publish() {
+  using Message = online_controller::FlightStatus;
+  static_assert(static_cast<int>(polyfly::FlightState::kInactive) == Message::INACTIVE &&
+                    static_cast<int>(polyfly::FlightState::kTakeOff) == Message::TAKE_OFF &&
+                    static_cast<int>(polyfly::FlightState::kPositionHold) == Message::POSITION_HOLD &&
+                    static_cast<int>(polyfly::FlightState::kTrajectory) == Message::TRAJECTORY &&
+                    static_cast<int>(polyfly::FlightState::kRemoteControl) == Message::REMOTE_CONTROL &&
+                    static_cast<int>(polyfly::FlightState::kTeleoperation) == Message::TELEOPERATION &&
+                    static_cast<int>(polyfly::FlightState::kLanding) == Message::LANDING &&
+                    static_cast<int>(polyfly::FlightState::kLanded) == Message::LANDED &&
+                    static_cast<int>(polyfly::FlightState::kFailsafe) == Message::FAILSAFE,
+                "the message restates the enumeration");
+  std_msgs::String name;
+  name.data = polyfly::flightStateName(flight_.state());
+  name_publisher_.publish(name);
+  Message status;
+  status.header.stamp = ros::Time::now();
+  status.header.frame_id = frame_;
+  status.state = static_cast<std::uint8_t>(flight_.state());
+  status.name = name.data;
+  status.reason = flight_.changes() == 0 ? "it has just begun" : polyfly::describe(flight_.cause());
+  status.reference = reference_text_;
+  status_publisher_.publish(status);
+}
+
+template <class Message>
+void FlightInterface::take(const Message& message, std::optional<double> start, const char* topic) {
+  std::string refusal;
+  const std::string& frame = message.header.frame_id;
+  const bool foreign = !frame.empty() && !frame_.empty() && frame != frame_;
+  try {
+    polyfly::ReferenceTrajectory trajectory = toReferenceTrajectory(message);
+    reference_text_ = summary(trajectory);
+    if (foreign && frame_demanded_) {
+      refusal = std::string(topic) + ": frame '" + frame + "' is not that of the odometry, '" + frame_ + "'";
+    } else if (const char* why = flight_.onReference(std::move(trajectory), start)) {
+      refusal = std::string(topic) + ": " + why;
+    }
+  } catch (const polyfly::Error& error) {
+    refusal = error.what();
+  }
+  if (!refusal.empty()) {
+    reference_text_ = "refused: " + refusal;
+    ROS_ERROR("explicit MPC keeps its reference: %s", refusal.c_str());
+  } else if (foreign) {
+    ROS_WARN_ONCE("explicit MPC takes %s in frame '%s' as in '%s'", topic, frame.c_str(), frame_.c_str());
+  } else {
+    ROS_INFO("explicit MPC: %s", reference_text_.c_str());
+  }
+  if (flight_.changes() == published_changes_) {
+    publish();
+  } else {
+    publishChange();
+  }
+}
+
+void FlightInterface::onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
+  take(*message, startOf(*message), "command/trajectory");
+}
+
+void FlightInterface::onPose(const geometry_msgs::PoseStamped::ConstPtr& message) {
+  take(*message, std::nullopt, "command/pose");
+}
+
+void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
+  const ros::Time now = ros::Time::now();
+  const bool command = flight_.onRemoteControl(toRemoteControl(*message, joy_), now.toSec());
+  publishChange();
+  if (command && on_manual_) on_manual_(now);
+}
+
+bool FlightInterface::answer(const char* request, const char* refusal) {
+  publishChange();
+  if (refusal != nullptr) ROS_WARN("explicit MPC refuses to %s: %s", request, refusal);
+  return refusal == nullptr;
+}
+
+bool FlightInterface::onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  return answer("take off", flight_.takeOff());
+}
+
+bool FlightInterface::onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  return answer("hold its position", flight_.holdPosition());
+}
+
+bool FlightInterface::onLand(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const char* refusal = flight_.land();
+  response.success = static_cast<unsigned char>(answer("land", refusal));
+  response.message = refusal == nullptr ? "it lands" : refusal;
+  return true;
+}
+
+}  // namespace polyfly_ros

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/ros.h>
+#include <sensor_msgs/Joy.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
+
+#include <string>
+
+#include "online_controller/flight_supervisor.hpp"
+#include "online_controller_ros/parameter_reader.hpp"
+
+namespace polyfly_ros {
+
+/// Where a sensor_msgs/Joy has what; the defaults are those of mav_control_rw's ACI remote control. A
+/// negative scale turns an axis round.
+struct JoyLayout {
+  int axis_forward = 0;
+  int axis_left = 1;
+  int axis_up = 2;
+  int axis_turn = 3;
+  int axis_mode = 4;  ///< up to -0.5 manual, from 0.5 on position, between them neither; -1: always position
+  int button_on = 0;  ///< 1: the remote control is on; -1: always
+  double scale_forward = 1.0;
+  double scale_left = 1.0;
+  double scale_up = 1.0;
+  double scale_turn = 1.0;
+};
+
+template <class Options, class Visit>
+void visitJoyLayout(Options& options, Visit&& visit) {
+  const polyfly::Range index{-1.0, 100.0}, scale{-10.0, 10.0};
+  visit("rc/axis_forward", options.axis_forward, "", index);
+  visit("rc/axis_left", options.axis_left, "", index);
+  visit("rc/axis_up", options.axis_up, "", index);
+  visit("rc/axis_turn", options.axis_turn, "", index);
+  visit("rc/axis_mode", options.axis_mode, "", index);
+  visit("rc/button_on", options.button_on, "", index);
+  visit("rc/scale_forward", options.scale_forward, "", scale);
+  visit("rc/scale_left", options.scale_left, "", scale);
+  visit("rc/scale_up", options.scale_up, "", scale);
+  visit("rc/scale_turn", options.scale_turn, "", scale);
+}
+
+/// Sticks that a message does not have are at rest; without its mode axis or button it is off.
+polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const JoyLayout& layout);
+
+struct FlightSetup {
+  polyfly::FlightOptions flight;
+  JoyLayout joy;
+  polyfly::PilotRule pilot = polyfly::PilotRule::kWhenPresent;
+  std::string odometry_frame;  ///< empty: that of the first odometry
+
+  /// Throws Error naming a parameter.
+  static FlightSetup read(ParameterReader& reader);
+};
+
+/// References, remote control, services and the published state of a flight. Its callbacks and the
+/// supervisor's other callers must not run concurrently.
+class FlightInterface {
+ public:
+  /// Keeps references to both.
+  FlightInterface(ros::NodeHandle& handle, polyfly::FlightSupervisor& flight, const FlightSetup& setup);
+
+  /// Whether an odometry bears the frame agreed; the first one may agree it.
+  bool frameFits(const std::string& frame);
+
+  /// To be called after each call of the supervisor: publishes and logs a change of the state.
+  void publishChange();
+
+  /// Called when the sticks have made a command that is to be sent at this time.
+  using OnManual = boost::function<void(const ros::Time&)>;
+  void onManual(OnManual callback) { on_manual_ = std::move(callback); }
+
+ private:
+  void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);
+  void onPose(const geometry_msgs::PoseStamped::ConstPtr& message);
+  void onJoy(const sensor_msgs::Joy::ConstPtr& message);
+  bool onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onLand(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
+  bool answer(const char* request, const char* refusal);
+  template <class Message>
+  void take(const Message& message, std::optional<double> start, const char* topic);
+  void publish();
+
+  polyfly::FlightSupervisor& flight_;
+  JoyLayout joy_;
+  bool frame_demanded_;
+  std::string frame_;
+  std::string reference_text_;  // what became of the last reference
+  unsigned published_changes_ = 0;
+  OnManual on_manual_;
+
+  ros::Publisher name_publisher_;
+  ros::Publisher status_publisher_;
+  ros::Subscriber trajectory_subscriber_;
+  ros::Subscriber pose_subscriber_;
+  ros::Subscriber joy_subscriber_;
+  ros::ServiceServer takeoff_service_;
+  ros::ServiceServer hold_service_;
+  ros::ServiceServer land_service_;
+};
+
+}  // namespace polyfly_ros
