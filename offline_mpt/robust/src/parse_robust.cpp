@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "cited_ranges.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_text.hpp"
 #include "mpc_core/yaml_field.hpp"
@@ -263,6 +264,8 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
   return problem;
 }
 
-RobustProblem loadRobustProblem(const std::string& path) { return parseRobustProblem(readText(path), path); }
+RobustProblem loadRobustProblem(const std::string& path) {
+  return parseRobustProblem(withCitedRanges(readText(path), path), path);
+}
 
 }  // namespace polyfly

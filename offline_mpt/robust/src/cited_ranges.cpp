@@ -1,0 +1,99 @@
+#include "cited_ranges.hpp"
+
+#include <filesystem>
+#include <vector>
+
+#include "mpc_core/read_text.hpp"
+#include "mpc_core/yaml_field.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+/// What a file says of one disturbance.
+struct Cited {
+  std::string range;   ///< as in the file
+  std::string remark;  ///< where it is from, without a line break
+};
+
+std::string oneLine(std::string text) {
+  for (char& letter : text) {
+    if (letter == '\n' || letter == '\r') letter = ' ';
+  }
+  return text;
+}
+
+std::string origin(const YamlField& file, const std::string& path, const std::string& name) {
+  std::string remark = name + " of " + path;
+  if (file.has("data")) {
+    const YamlField data = file.at("data");
+    if (data.has("file")) remark += ", from " + data.at("file").text();
+    if (data.has("checksum")) remark += " " + data.at("checksum").text();
+  }
+  for (const char* key : {"share", "confidence"}) {
+    if (file.has(key)) remark += std::string(", ") + key + " " + file.at(key).text();
+  }
+  return oneLine(remark);
+}
+
+Cited cite(const YamlField& channel, const std::string& folder) {
+  const YamlField from = channel.at("range");
+  from.checkKeys({"from", "name"}, {});
+  const std::string path = from.at("from").text(), name = from.at("name").name();
+  const std::string place = (std::filesystem::path(folder) / path).string();
+  const YamlField file = YamlField::parse(readText(place), place);
+  for (const YamlField& entry : file.at("disturbances").items()) {
+    if (entry.at("name").name() != name) continue;
+    if (entry.at("unit").unit() != channel.at("unit").unit())
+      entry.at("unit").fail("must be " + channel.at("unit").unit() + ", as where it is cited");
+    const std::vector<YamlField> ends = entry.at("range").items();
+    if (ends.size() != 2) entry.at("range").fail("must be [lower, upper]");
+    return {"[" + ends[0].text() + ", " + ends[1].text() + "]", origin(file, path, name)};
+  }
+  from.at("name").fail("must be a disturbance of " + place + ", got '" + name + "'");
+}
+
+/// From `begin` on, `range: {from: ...}` on one line: where the braces are, and where the line ends.
+struct Place {
+  std::size_t open = std::string::npos;
+  std::size_t close = 0;
+  std::size_t line_end = 0;
+};
+
+Place nextCitation(const std::string& text, std::size_t begin) {
+  const std::string blank = " \t";
+  for (std::size_t key = text.find("range:", begin); key != std::string::npos;
+       key = text.find("range:", key + 1)) {
+    const std::size_t open = text.find_first_not_of(blank, key + 6);
+    if (open == std::string::npos || text[open] != '{') continue;
+    const std::size_t line = std::min(text.find('\n', open), text.size());
+    const std::size_t word = text.find_first_not_of(blank, open + 1);
+    const std::size_t close = text.find('}', open);
+    if (word == std::string::npos || text.compare(word, 5, "from:") != 0 || close >= line) continue;
+    return {open, close, line};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string withCitedRanges(const std::string& text, const std::string& path) {
+  const YamlField root = YamlField::parse(text, path);
+  if (!root.has("model") || !root.at("model").has("disturbances")) return text;
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  std::string result;
+  std::size_t done = 0;
+  for (const YamlField& channel : root.at("model").at("disturbances").items()) {
+    if (!channel.has("range") || !channel.at("range").has("from")) continue;
+    const Cited cited = cite(channel, folder);
+    const Place place = nextCitation(text, done);
+    if (place.open == std::string::npos)
+      channel.at("range").fail("must be written as range: {from: FILE, name: NAME} on one line");
+    result += text.substr(done, place.open - done) + cited.range +
+              text.substr(place.close + 1, place.line_end - place.close - 1) + "  # " + cited.remark;
+    done = place.line_end;
+  }
+  return result + text.substr(done);
+}
+
+}  // namespace polyfly

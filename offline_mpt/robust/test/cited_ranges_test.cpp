@@ -1,0 +1,100 @@
+// Ranges of disturbances that a problem file takes from another file.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "made_robust.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CitedRanges : public testing::Test {
+ protected:
+  CitedRanges() : folder_(testing::TempDir() + "cited_ranges_" + std::to_string(::getpid())) {
+    fs::create_directories(folder_ + "/data");
+    write("data/bounds.yaml",
+          "kind: disturbance\ndata: {file: hover.bag, checksum: fnv1a:12ab, recorded: x}\nshare: 0.99\n"
+          "disturbances:\n  - {name: d_x, unit: m/s^2, range: [-0.1, 0.2]}\n"
+          "  - {name: d_y, unit: m/s^2, range: [-3.5e-1, 0.4375]}\n  - {name: d_r, unit: rad, range: [-1, "
+          "1]}\n");
+  }
+  ~CitedRanges() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ + "/" + name) << text;
+  }
+  RobustProblem load(const std::string& range) const {
+    MadeRobust made;
+    made.disturbance = range;
+    write("problem.yaml", made.text());
+    return loadRobustProblem(folder_ + "/problem.yaml");
+  }
+  std::string refusal(const std::string& range) const {
+    try {
+      load(range);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::string folder_;
+};
+
+TEST_F(CitedRanges, AreTheNumbersOfTheFileExactly) {
+  const RobustProblem cited = load("{from: data/bounds.yaml, name: d_y}");
+  const RobustProblem written = load("[-3.5e-1, 0.4375]");
+  EXPECT_EQ(cited.drift, written.drift);
+  EXPECT_EQ(cited.G(1, 0), written.G(1, 0));
+  EXPECT_DOUBLE_EQ(cited.disturbances[0].upper, 0.4375);
+}
+
+TEST_F(CitedRanges, LeaveATextThatNeedsNoOtherFileAndSaysWhereTheyAreFrom) {
+  const RobustProblem cited = load("{from: data/bounds.yaml, name: d_y}");
+  fs::remove_all(folder_ + "/data");
+  const RobustProblem again = parseRobustProblem(cited.text, "map");
+  EXPECT_EQ(again.G(1, 0), cited.G(1, 0));
+  EXPECT_EQ(again.text, cited.text);
+  EXPECT_EQ(cited.text.find("from:"), std::string::npos);
+  EXPECT_NE(cited.text.find("# d_y of data/bounds.yaml, from hover.bag fnv1a:12ab, share 0.99"),
+            std::string::npos);
+}
+
+TEST_F(CitedRanges, SeveralChannelsEachHaveTheirOwn) {
+  MadeRobust made;
+  made.torque = true;
+  std::string text = made.text();
+  const std::string torque = "range: [-0.1, 0.2]";
+  ASSERT_NE(text.find(torque), std::string::npos);
+  text.replace(text.find(torque), torque.size(), "range: {from: data/bounds.yaml, name: d_t}");
+  write("two.yaml", text);
+  write("data/bounds.yaml", "disturbances:\n  - {name: d_t, unit: rad/s, range: [-0.3, 0.5]}\n");
+  const RobustProblem problem = loadRobustProblem(folder_ + "/two.yaml");
+  EXPECT_DOUBLE_EQ(problem.disturbances[0].upper, 0.5);
+  EXPECT_DOUBLE_EQ(problem.disturbances[1].lower, -0.3);
+  EXPECT_DOUBLE_EQ(problem.disturbances[1].upper, 0.5);
+}
+
+TEST_F(CitedRanges, RefuseWhatIsNotThere) {
+  EXPECT_NE(refusal("{from: data/none.yaml, name: d_y}").find("data/none.yaml"), std::string::npos);
+  EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_z}").find("must be a disturbance of"),
+            std::string::npos);
+  EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_r}").find("must be m/s^2"), std::string::npos);
+  EXPECT_NE(refusal("{from: data/bounds.yaml}").find("name: missing"), std::string::npos);
+  EXPECT_NE(refusal("{name: d_y, from: data/bounds.yaml}").find("on one line"), std::string::npos);
+  write("data/bounds.yaml", "disturbances:\n  - {name: d_y, unit: m/s^2, range: [1]}\n");
+  EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_y}").find("[lower, upper]"), std::string::npos);
+  // a text alone has no folder to look in
+  MadeRobust made;
+  made.disturbance = "{from: data/bounds.yaml, name: d_y}";
+  EXPECT_THROW(made.problem(), Error);
+}
+
+}  // namespace
+}  // namespace polyfly
