@@ -4,22 +4,25 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <chrono>
+#include <cmath>
 #include <exception>
+#include <limits>
 
 #include "online_controller_ros/conversions.hpp"
+#include "online_controller_ros/stage_clock.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-constexpr std::uint32_t kCommandQueue = 10;  // a recorder over TCP may lag behind for a moment
-constexpr double kLogInterval = 1.0;         // between two warnings [s]
+constexpr double kLogInterval = 1.0;  // between two warnings [s]
+constexpr double kLongGap = 100.0;    // so many control periods without odometry are no loss of single ones
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-using Clock = std::chrono::steady_clock;
-
-std::int64_t nanosecondsSince(Clock::time_point start) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count();
+ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
+  ros::NodeHandle copy(handle);
+  copy.setCallbackQueue(&queue);
+  return copy;
 }
 
 }  // namespace
@@ -30,31 +33,40 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   setup.laws = LawSetup::read(reader);
   setup.flight = FlightSetup::read(reader);
   visitNodeOptions(setup.node, reader);
-  reader.refuseUnknown(
-      {"maps", "robust_maps", "problems", "vehicle", "controller", "nonlinear", "control_interface", "rc"});
+  setup.output = OutputOptions::read(reader);
+  visitRealTimeOptions(setup.real_time, reader);
+  reader.refuseUnknown({"maps", "problems", "vehicle", "controller", "linear", "nonlinear",
+                        "control_interface", "rc", "output", "real_time"});
   return setup;
 }
 
 ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
-    : ExplicitMpcNode(handle, readSetup(private_handle)) {
+    : ExplicitMpcNode(handle, private_handle, readSetup(private_handle)) {
 } catch (const std::exception& error) {
   ROS_FATAL("explicit MPC does not start: %s", error.what());
   throw;
 }
 
-ExplicitMpcNode::ExplicitMpcNode(ros::NodeHandle handle, const Setup& setup)
-    : laws_(setup.laws),
-      controller_(laws_.flight()),
-      flight_(controller_, setup.laws.controller, setup.flight.flight, setup.flight.pilot),
-      interface_(handle, flight_, setup.flight),
+ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                                 const Setup& setup)
+    : handle_(onQueue(handle, queue_)),
+      keeper_(setup.laws),
+      flight_(laws(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
+      interface_(handle_, flight_, setup.flight),
+      output_(handle_, setup.output, setup.laws.controller),
+      record_(flight_.preview().size()),
       control_period_(setup.laws.controller.control_period),
       silence_(setup.node.stale_periods * control_period_) {
-  connect(handle);
+  connect();
+  background_.emplace(handle, private_handle, setup.laws, keeper_, record_);
+  control_thread_.emplace(queue_, "mpc_control", [real_time = setup.real_time] {
+    const std::string refused = becomeRealTime(real_time);
+    if (!refused.empty()) ROS_WARN("explicit MPC: %s", refused.c_str());
+  });
 }
 
-void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
-  command_publisher_ =
-      handle.advertise<mav_msgs::RollPitchYawrateThrust>("command/roll_pitch_yawrate_thrust", kCommandQueue);
+void ExplicitMpcNode::connect() {
+  ros::NodeHandle& handle = handle_;
   status_publisher_ = handle.advertise<online_controller::ControllerStatus>("controller_status", 100);
   law_publisher_ = handle.advertise<std_msgs::String>("active_law", 1, true);
   publishLaw();
@@ -67,28 +79,73 @@ void ExplicitMpcNode::connect(ros::NodeHandle& handle) {
 }
 
 void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
+  StageClock clock;
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
   if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message->header.stamp);
   has_odometry_ = true;
   frame_ = message->header.frame_id;
   odometry_age_ = (arrival_ - message->header.stamp).toSec();
+  countLost(message->header.stamp);
   const polyfly::VehicleState state = toVehicleState(*message);
   const bool frame_fits = interface_.frameFits(frame_);
-
-  const Clock::time_point start = Clock::now();
+  StageTimes times;
+  times.input = clock.lap();
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
-  const std::int64_t step_time_ns = nanosecondsSince(start);
-  publish(report, message->header, step_time_ns);
-  controller_.prepare();
+  times.step = clock.lap();
+  if (flight_.sends()) output_.publish(report.command, message->header, yawOf(state));
+  times.output = clock.lap();
+
+  // The command is out. What follows is for the next one, and for those who watch.
+  publishStatus(report, message->header, times);
+  leaveSnapshot(report, message->header, times);
+  exchangeLaws();
+  laws().prepare();
+  last_prepare_ = times.prepare = clock.lap();
+  record_.latency.record(times.latency());
+  record_.step.record(times.step);
+  if (times.whole() > static_cast<std::int64_t>(1e9 * control_period_)) ++record_.overruns;
+}
+
+void ExplicitMpcNode::exchangeLaws() {
+  if (keeper_.exchange()) flight_.setLaw(laws(), keeper_.laws().options());
+}
+
+void ExplicitMpcNode::countLost(const ros::Time& stamp) {
+  const double periods = (stamp - last_stamp_).toSec() / control_period_;
+  // Half a period late is jitter; a long gap is silence, or another flight.
+  if (!last_stamp_.isZero() && periods > 1.5 && periods < kLongGap) record_.lost += std::lround(periods) - 1;
+  last_stamp_ = stamp;
+}
+
+void ExplicitMpcNode::leaveSnapshot(const polyfly::ControlReport& report, const std_msgs::Header& header,
+                                    const StageTimes& times) {
+  if (!record_.wanted.exchange(false)) return;
+  FlightSnapshot& snapshot = record_.latest.draft();
+  snapshot.header = header;
+  snapshot.law = laws().active();
+  snapshot.report = report;
+  snapshot.kkt_residual = laws().kktResidual();
+  snapshot.odometry_age = odometry_age_;
+  snapshot.times = times;
+  const bool tracks = report.status <= polyfly::ControlStatus::kHoldLast;
+  const bool shows = record_.show_paths.load(std::memory_order_relaxed);
+  snapshot.reference = flight_.preview();
+  snapshot.reference_count = tracks ? (shows ? static_cast<int>(snapshot.reference.size()) : 1) : 0;
+  const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
+  snapshot.predicted_count =
+      shows && tracks && same_stages
+          ? laws().predict(snapshot.reference.data(), snapshot.reference_count, snapshot.predicted.data())
+          : 0;
+  record_.latest.publish();
 }
 
 bool ExplicitMpcNode::onSelectLaw(online_controller::SelectLaw::Request& request,
                                   online_controller::SelectLaw::Response& response) {
   try {
-    response.success = static_cast<unsigned char>(controller_.select(polyfly::lawOfName(request.law)));
+    response.success = static_cast<unsigned char>(laws().select(polyfly::lawOfName(request.law)));
     response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +
-                       std::string(polyfly::lawName(controller_.active())) + " flies";
+                       std::string(polyfly::lawName(laws().active())) + " flies";
   } catch (const polyfly::Error& error) {
     response.success = 0;
     response.message = error.what();
@@ -99,7 +156,7 @@ bool ExplicitMpcNode::onSelectLaw(online_controller::SelectLaw::Request& request
 
 void ExplicitMpcNode::publishLaw() {
   std_msgs::String message;
-  message.data = polyfly::lawName(controller_.active());
+  message.data = polyfly::lawName(laws().active());
   law_publisher_.publish(message);
 }
 
@@ -107,66 +164,72 @@ void ExplicitMpcNode::onManual(const ros::Time& now) {
   std_msgs::Header header;
   header.stamp = now;
   header.frame_id = frame_;
-  publish(flight_.report(), header, 0);
+  output_.publish(flight_.report().command, header, kNan);
+  publishStatus(flight_.report(), header, StageTimes{});
 }
 
 void ExplicitMpcNode::onWatchdog() {
   const ros::Time now = ros::Time::now();
   flight_.onTime(now.toSec());
   interface_.publishChange();
-  if (!has_odometry_) return;
+  if (!has_odometry_) {
+    exchangeLaws();
+    return;
+  }
   if (now < arrival_) arrival_ = now;  // simulated time began anew
   if (now - arrival_ <= silence_) return;
-  const Clock::time_point start = Clock::now();
+  exchangeLaws();  // nothing is prepared in silence
+  StageClock clock;
+  StageTimes times;
   const polyfly::ControlReport& report = flight_.onSilence(now.toSec());
-  const std::int64_t step_time_ns = nanosecondsSince(start);
+  times.step = clock.lap();
   std_msgs::Header header;
   header.stamp = now;
   header.frame_id = frame_;
   odometry_age_ = (now - arrival_).toSec();
-  publish(report, header, step_time_ns);
+  if (flight_.sends()) output_.publish(report.command, header, kNan);
+  times.output = clock.lap();
+  publishStatus(report, header, times);
+  leaveSnapshot(report, header, times);
 }
 
-void ExplicitMpcNode::publish(const polyfly::ControlReport& report, const std_msgs::Header& header,
-                              std::int64_t step_time_ns) {
-  // A fresh message each time: neighbours in the same nodelet manager share it, so it must not change
-  // afterwards.
-  if (flight_.sends()) {
-    const auto command = boost::make_shared<mav_msgs::RollPitchYawrateThrust>();
-    command->header = header;
-    fillCommand(report.command, *command);
-    command_publisher_.publish(command);
-  }
-
+void ExplicitMpcNode::publishStatus(const polyfly::ControlReport& report, const std_msgs::Header& header,
+                                    const StageTimes& times) {
   const auto status = boost::make_shared<online_controller::ControllerStatus>();
   status->header = header;
   status->sequence = sequence_++;
+  status->law = polyfly::lawName(laws().active());
+  status->iterations = report.iterations;
+  status->kkt_residual = laws().kktResidual();
   status->odometry_age = odometry_age_;
-  status->step_time_ns = step_time_ns;
+  status->input_time_ns = times.input;
+  status->step_time_ns = times.step;
+  status->output_time_ns = times.output;
+  status->prepare_time_ns = last_prepare_;
   status->lookup_time_ns = lookupTime(report);
-  fillStatus(report, laws_.parameters(controller_.active()), *status);
+  fillStatus(report, keeper_.laws().parameters(laws().active()), *status);
   status_publisher_.publish(status);
   interface_.publishChange();
   logChange(report);
 }
 
-std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) const {
-  const std::vector<polyfly::RegionMap>& maps = laws_.maps(controller_.active());
+std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) {
+  const std::vector<polyfly::RegionMap>& maps = keeper_.laws().maps(laws().active());
   if (maps.empty()) return 0;
   for (const polyfly::AxisReport& axis : report.axis) {
     if (axis.size == 0) return 0;
   }
   double input = 0.0;
-  const Clock::time_point start = Clock::now();
+  StageClock clock;
   for (std::size_t i = 0; i < maps.size(); ++i) maps[i].evaluate(report.axis[i].theta.data(), &input);
-  return nanosecondsSince(start) / static_cast<std::int64_t>(maps.size());
+  return clock.lap() / static_cast<std::int64_t>(maps.size());
 }
 
 void ExplicitMpcNode::logChange(const polyfly::ControlReport& report) {
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
-  const std::string text = describe(report, laws_.parameters(controller_.active()));
+  const std::string text = describe(report, keeper_.laws().parameters(laws().active()));
   if (report.status == polyfly::ControlStatus::kOptimal) {
     ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
   } else {

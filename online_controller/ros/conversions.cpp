@@ -173,6 +173,28 @@ void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYaw
   message.thrust.z = command.thrust;
 }
 
+void fillAttitudeTarget(const polyfly::AttitudeCommand& command, double yaw,
+                        const polyfly::ThrustCurve& curve, mavros_msgs::AttitudeTarget& message) {
+  using mavros_msgs::AttitudeTarget;
+  const Eigen::Quaterniond attitude = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(command.pitch, Eigen::Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(command.roll, Eigen::Vector3d::UnitX());
+  message.type_mask = AttitudeTarget::IGNORE_ROLL_RATE | AttitudeTarget::IGNORE_PITCH_RATE;
+  message.orientation.w = attitude.w();
+  message.orientation.x = attitude.x();
+  message.orientation.y = attitude.y();
+  message.orientation.z = attitude.z();
+  message.body_rate.x = 0.0;
+  message.body_rate.y = 0.0;
+  message.body_rate.z = command.yaw_rate;
+  message.thrust = static_cast<float>(curve(command.thrust));
+}
+
+double yawOf(const polyfly::VehicleState& state) {
+  return state.attitude.coeffs().allFinite() ? polyfly::eulerAngles(state.attitude).yaw
+                                             : std::numeric_limits<double>::quiet_NaN();
+}
+
 void fillStatus(const polyfly::ControlReport& report,
                 const std::array<std::vector<polyfly::Signal>, 3>& parameters,
                 online_controller::ControllerStatus& message) {
@@ -204,6 +226,11 @@ void fillStatus(const polyfly::ControlReport& report,
   fillAxis(report.axis[0], parameters[0], message.longitudinal);
   fillAxis(report.axis[1], parameters[1], message.lateral);
   fillAxis(report.axis[2], parameters[2], message.vertical);
+}
+
+std::string describe(const polyfly::ControlReport& report) {
+  const std::string text = words(report.status);
+  return report.reason == ControlReason::kNone ? text : text + ": " + words(report.reason);
 }
 
 std::string describe(const polyfly::ControlReport& report,

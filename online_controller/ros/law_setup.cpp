@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "mpc_core/mpc_problem.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/nonlinear_controller.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -26,40 +24,25 @@ std::array<std::string, 3> readPaths(ParameterReader& reader, const std::string&
   return paths;
 }
 
-std::vector<polyfly::RegionMap> openMaps(const std::array<std::string, 3>& paths) {
-  std::vector<polyfly::RegionMap> maps;
-  for (const std::string& path : paths) maps.push_back(polyfly::RegionMap::open(path));
-  return maps;
-}
-
 std::unique_ptr<polyfly::ControlLaw> explicitLaw(const std::vector<polyfly::RegionMap>& maps,
                                                  const polyfly::MultirotorOptions& options) {
+  if (maps.empty()) return nullptr;
   return std::make_unique<polyfly::MultirotorController>(
       std::array<const polyfly::RegionMap*, 3>{&maps[0], &maps[1], &maps[2]}, options);
 }
 
-/// A robust map answers for the whole disturbance: what an observer took away would be answered twice. Throws
-/// Error naming a map that promises nothing.
-std::unique_ptr<polyfly::ControlLaw> robustLaw(const std::vector<polyfly::RegionMap>& maps,
-                                               polyfly::MultirotorOptions options) {
-  for (const polyfly::RegionMap& map : maps) {
-    if (polyfly::parseFlightModel(std::string(map.problemText()), map.path() + ": problem").minimum_peak)
-      continue;
-    throw polyfly::Error(map.path() + ": problem: must be of type robust_mpc to be flown as robust_explicit");
-  }
-  options.offset_free = false;
-  return explicitLaw(maps, options);
+std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::vector<polyfly::RegionMap>& maps) {
+  std::array<std::vector<polyfly::Signal>, 3> parameters;
+  for (std::size_t i = 0; i < maps.size(); ++i) parameters.at(i) = maps[i].parameters();
+  return parameters;
 }
 
-std::array<polyfly::MpcProblem, 3> problemsOf(const LawSetup& setup,
-                                              const std::vector<polyfly::RegionMap>& maps) {
-  std::array<polyfly::MpcProblem, 3> problems;
-  for (std::size_t i = 0; i < 3; ++i) {
-    problems[i] = setup.problem_paths[i].empty() ? polyfly::parseProblem(std::string(maps[i].problemText()),
-                                                                         maps[i].path() + ": problem")
-                                                 : polyfly::loadProblem(setup.problem_paths[i]);
+std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::array<polyfly::MpcProblem, 3>& problems) {
+  std::array<std::vector<polyfly::Signal>, 3> parameters;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    for (const auto& parameter : problems[i].parameters) parameters[i].push_back(parameter.signal);
   }
-  return problems;
+  return parameters;
 }
 
 }  // namespace
@@ -67,49 +50,43 @@ std::array<polyfly::MpcProblem, 3> problemsOf(const LawSetup& setup,
 LawSetup LawSetup::read(ParameterReader& reader) {
   LawSetup setup;
   setup.law = polyfly::lawOfName(reader.text("law", "the name of a law", "explicit_linear"));
-  setup.map_paths =
+  setup.files.maps =
       readPaths(reader, "maps", "the path of a region map", setup.law == polyfly::Law::kExplicitLinear);
-  setup.robust_map_paths = readPaths(reader, "robust_maps", "the path of a map of a minimum-peak robust MPC",
-                                     setup.law == polyfly::Law::kRobustExplicit);
-  setup.problem_paths = readPaths(reader, "problems", "the path of a problem file",
-                                  setup.law == polyfly::Law::kLinear && setup.map_paths[0].empty());
+  setup.files.robust_maps = readPaths(reader, "robust_maps", "the path of a map of a minimum-peak robust MPC",
+                                      setup.law == polyfly::Law::kRobustExplicit);
+  setup.files.problems = readPaths(reader, "problems", "the path of a problem file", false);
   polyfly::visitOptions(setup.controller, reader);
   polyfly::visitNonlinearOptions(setup.nonlinear, reader);
+  polyfly::checkOptions(setup.controller);
+  setup.nonlinear.model.gravity = setup.controller.gravity;
+  setup.sources = LawSources::load(setup.files, setup.nonlinear.model, setup.controller);
+  setup.linear = polyfly::linearTuning(setup.sources->problems);
+  polyfly::visitLinearTuning(setup.linear, reader);
   return setup;
 }
 
-Laws::Laws(const LawSetup& setup) {
+Laws::Laws(const LawSetup& setup) : sources_(setup.sources), options_(setup.controller) {
   std::array<std::unique_ptr<polyfly::ControlLaw>, polyfly::kLawCount> laws;
   const auto place = [&](polyfly::Law law) -> auto& { return laws[static_cast<std::size_t>(law)]; };
-  if (!setup.map_paths[0].empty()) {
-    maps_ = openMaps(setup.map_paths);
-    place(polyfly::Law::kExplicitLinear) = explicitLaw(maps_, setup.controller);
-    for (std::size_t i = 0; i < 3; ++i) parameters_[i] = maps_[i].parameters();
-  }
-  if (!maps_.empty() || !setup.problem_paths[0].empty()) {
-    const std::array<polyfly::MpcProblem, 3> problems = problemsOf(setup, maps_);
-    place(polyfly::Law::kLinear) =
-        std::make_unique<polyfly::MultirotorController>(problems, setup.controller);
-    for (std::size_t i = 0; i < 3 && maps_.empty(); ++i) {
-      for (const auto& parameter : problems[i].parameters) parameters_[i].push_back(parameter.signal);
-    }
-  }
-  if (!setup.robust_map_paths[0].empty()) {
-    robust_maps_ = openMaps(setup.robust_map_paths);
-    place(polyfly::Law::kRobustExplicit) = robustLaw(robust_maps_, setup.controller);
-    for (std::size_t i = 0; i < 3; ++i) robust_parameters_[i] = robust_maps_[i].parameters();
-  }
-  place(polyfly::Law::kNonlinear) =
-      std::make_unique<polyfly::NonlinearController>(setup.controller, setup.nonlinear);
+  place(polyfly::Law::kExplicitLinear) = explicitLaw(sources_->maps, options_);
+  const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
+  place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, options_);
+  // A robust map answers for the whole disturbance: what an observer took away would be answered twice.
+  polyfly::MultirotorOptions without_observer = options_;
+  without_observer.offset_free = false;
+  place(polyfly::Law::kRobustExplicit) = explicitLaw(sources_->robust_maps, without_observer);
+  place(polyfly::Law::kNonlinear) = std::make_unique<polyfly::NonlinearController>(options_, setup.nonlinear);
+  parameters_ = sources_->maps.empty() ? parametersOf(problems) : parametersOf(sources_->maps);
+  robust_parameters_ = parametersOf(sources_->robust_maps);
   switch_ = std::make_unique<polyfly::LawSwitch>(std::move(laws), setup.law);
 }
 
 const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {
   switch (law) {
     case polyfly::Law::kExplicitLinear:
-      return maps_;
+      return sources_->maps;
     case polyfly::Law::kRobustExplicit:
-      return robust_maps_;
+      return sources_->robust_maps;
     case polyfly::Law::kLinear:
     case polyfly::Law::kNonlinear:
       break;

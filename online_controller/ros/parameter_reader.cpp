@@ -53,6 +53,11 @@ void ParameterReader::operator()(const char* key, bool& field) {
     refuseValue(handle_.resolveName(key), "must be true or false");
 }
 
+void ParameterReader::operator()(const char* key, std::vector<double>& field) {
+  if (given(key) && !handle_.getParam(key, field))
+    refuseValue(handle_.resolveName(key), "must be a list of numbers");
+}
+
 bool ParameterReader::flag(const std::string& key, bool& value) {
   const bool is_set = handle_.hasParam(key);
   (*this)(key.c_str(), value);

@@ -30,7 +30,7 @@ class FlightSupervisor {
 
   /// Another law from the next step on, made from other options; it has taken over from the one before, which
   /// may go then.
-  void setLaw(ControlLaw& law) noexcept;
+  void setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept;
 
   /// One control period. `frame_fits`: the odometry's frame is the one agreed.
   const ControlReport& onOdometry(const VehicleState& state, bool frame_fits = true) noexcept;

@@ -87,7 +87,7 @@ struct ControlReport {
   ControlReason reason = ControlReason::kNoReference;
   AttitudeCommand command;
   std::array<AxisReport, 3> axis;  ///< longitudinal (x), lateral (y), vertical (z)
-  int iterations = 0;              ///< of the nonlinear law: working sets of its QP
+  int iterations = 0;              ///< working sets of the QPs of the laws that solve online
   double step_length = 0.0;        ///< of the nonlinear law: greatest change of an input [rad, m/s^2]
 };
 

@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <mav_msgs/RollPitchYawrateThrust.h>
+#include <mavros_msgs/AttitudeTarget.h>
 #include <nav_msgs/Odometry.h>
 #include <online_controller/AxisStatus.h>
 #include <online_controller/ControllerStatus.h>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "online_controller/reference_schedule.hpp"
+#include "online_controller/thrust_curve.hpp"
 #include "online_controller/types.hpp"
 #include "region_maps/signal.hpp"
 
@@ -37,11 +39,23 @@ polyfly::ReferenceTrajectory toReferenceTrajectory(const geometry_msgs::PoseStam
 /// Roll, pitch, yaw rate and thrust; the caller sets the header.
 void fillCommand(const polyfly::AttitudeCommand& command, mav_msgs::RollPitchYawrateThrust& message);
 
+/// For mavros: attitude of the body (forward, left, up) in the world (east, north, up), which is what it
+/// wants on setpoint_raw/attitude; `yaw` is the vehicle's own [rad], since autopilots take the rate of yaw
+/// from body_rate.z. Thrust through the curve. The caller sets the header.
+void fillAttitudeTarget(const polyfly::AttitudeCommand& command, double yaw,
+                        const polyfly::ThrustCurve& curve, mavros_msgs::AttitudeTarget& message);
+
+/// Yaw of the vehicle [rad], NaN where its attitude is not finite.
+double yawOf(const polyfly::VehicleState& state);
+
 /// Status, reason and axes; the caller sets header, sequence and times. `parameters` names those of each
 /// axis.
 void fillStatus(const polyfly::ControlReport& report,
                 const std::array<std::vector<polyfly::Signal>, 3>& parameters,
                 online_controller::ControllerStatus& message);
+
+/// As below, without names: "clipped: outside the range of its map".
+std::string describe(const polyfly::ControlReport& report);
 
 /// "clipped: e_p_x outside the range of its map", for logs and the status message.
 std::string describe(const polyfly::ControlReport& report,

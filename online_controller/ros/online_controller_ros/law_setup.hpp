@@ -7,7 +7,9 @@
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/law_switch.hpp"
+#include "online_controller/linear_tuning.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/signal.hpp"
@@ -17,23 +19,26 @@ namespace polyfly_ros {
 /// What the laws are made from, as parameters tell it. Axes in the order longitudinal, lateral, vertical.
 struct LawSetup {
   polyfly::Law law = polyfly::Law::kExplicitLinear;  ///< flies first
-  std::array<std::string, 3> map_paths;              ///< empty where there are no maps
-  std::array<std::string, 3> robust_map_paths;  ///< of minimum-peak robust MPC; empty where there are none
-  std::array<std::string, 3> problem_paths;     ///< empty: the problems in the maps
+  LawFiles files;
   polyfly::MultirotorOptions controller;
   polyfly::NonlinearMpcOptions nonlinear;
+  polyfly::LinearTuning linear;
+  std::shared_ptr<const LawSources> sources;  ///< what the files hold
 
-  /// Throws Error naming a parameter.
+  /// Reads the files too. Throws Error naming a parameter, or a file.
   static LawSetup read(ParameterReader& reader);
 };
 
-/// Every law that the setup has the files for.
+/// Every law that the setup has what it needs for.
 class Laws {
  public:
-  /// Throws Error naming file, signal and rule.
+  /// Shares the sources. Throws Error naming file, signal and rule.
   explicit Laws(const LawSetup& setup);
 
   polyfly::LawSwitch& flight() { return *switch_; }
+  const polyfly::LawSwitch& flight() const { return *switch_; }
+  const polyfly::MultirotorOptions& options() const { return options_; }
+
   /// What an axis' report has for parameters while `law` flies.
   const std::array<std::vector<polyfly::Signal>, 3>& parameters(polyfly::Law law) const {
     return law == polyfly::Law::kRobustExplicit ? robust_parameters_ : parameters_;
@@ -42,8 +47,8 @@ class Laws {
   const std::vector<polyfly::RegionMap>& maps(polyfly::Law law) const;
 
  private:
-  std::vector<polyfly::RegionMap> maps_;
-  std::vector<polyfly::RegionMap> robust_maps_;
+  std::shared_ptr<const LawSources> sources_;
+  polyfly::MultirotorOptions options_;
   std::vector<polyfly::RegionMap> no_maps_;
   std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
   std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;

@@ -20,6 +20,7 @@ class ParameterReader {
   void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range);
   void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range);
   void operator()(const char* key, bool& field);
+  void operator()(const char* key, std::vector<double>& field);  ///< a list of numbers
 
   /// Whether the parameter is set; then it is true or false, or Error is thrown.
   bool flag(const std::string& key, bool& value);

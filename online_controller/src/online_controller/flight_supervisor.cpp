@@ -179,8 +179,9 @@ void FlightSupervisor::prepareRecovery() noexcept {
   holding_here_ = true;
 }
 
-void FlightSupervisor::setLaw(ControlLaw& law) noexcept {
+void FlightSupervisor::setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept {
   law_ = &law;
+  vehicle_ = vehicle;
   if (report_ != &own_) report_ = &law.report();
 }
 

@@ -112,11 +112,13 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     return report_;
   }
   ControlStatus worst = ControlStatus::kOptimal;
+  report_.iterations = 0;
   ControlReason reason = ControlReason::kNone;
   std::array<AxisReport, 3>& reports = report_.axis;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const ControlStatus status =
         axes_[i].evaluate(measured.axes[i], along(reference, static_cast<int>(i)), inputs_[i], reports[i]);
+    report_.iterations += reports[i].iterations;
     if (status > worst) {
       worst = status;
       reason =

@@ -1,0 +1,120 @@
+#include "online_controller_ros/background.hpp"
+
+#include <ros/ros.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "online_controller_ros/map_swap.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kTick = 0.05;               // [s]
+constexpr int kTicksPerWrite = 20;           // of changed parameters to the master
+constexpr double kExchangePatience = 1.0;    // until a swap that was not taken is said to wait [s]
+constexpr double kExchangeInterval = 0.002;  // between two looks [s]
+
+ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
+  ros::NodeHandle copy(handle);
+  copy.setCallbackQueue(&queue);
+  return copy;
+}
+
+/// Every weight, limit and gain; not what the memory of the laws depends on.
+OptionTable tableOf(LawSetup& setup) {
+  OptionTable table({"controller/control_period", "nonlinear/horizon", "nonlinear/period"});
+  polyfly::visitOptions(setup.controller, table);
+  polyfly::visitLinearTuning(setup.linear, table);
+  polyfly::visitNonlinearOptions(setup.nonlinear, table);
+  return table;
+}
+
+std::string joined(const std::array<std::string, 3>& paths) {
+  return paths[0] + ", " + paths[1] + ", " + paths[2];
+}
+
+}  // namespace
+
+Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                       const LawSetup& setup, LawKeeper& keeper, FlightRecord& record)
+    : handle_(onQueue(handle, queue_)),
+      private_handle_(onQueue(private_handle, queue_)),
+      setup_(setup),
+      keeper_(keeper),
+      record_(record),
+      table_(tableOf(setup_)),
+      reconfigure_(
+          private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return bakedIn(); }),
+      display_(handle_),
+      diagnostics_(handle_, private_handle_, record, keeper),
+      swap_service_(handle_.advertiseService("swap_maps", &Background::onSwapMaps, this)),
+      tick_(handle_.createSteadyTimer(ros::WallDuration(kTick),
+                                      [this](const ros::SteadyTimerEvent&) { onTick(); })),
+      thread_(queue_, "mpc_background", {}) {}
+
+void Background::apply() { keeper_.offer(setup_); }
+
+// The maps hold the solution for the values that they were solved with.
+std::string Background::bakedIn() const {
+  if (setup_.sources->maps.empty()) return "no region maps are loaded";
+  const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
+  std::ostringstream text;
+  text << "baked into the region maps (law explicit_linear): model, weights and command limits; linear/* "
+          "changes "
+          "the law linear only. ";
+  polyfly::visitLinearTuning(solved, [&](const char* key, double value, const char*, const polyfly::Range&) {
+    const OptionTable::Option* option = table_.find(key);
+    if (option != nullptr && OptionTable::get(*option) != value)
+      text << key << " is " << value << " in the maps, " << OptionTable::get(*option) << " here. ";
+  });
+  text << "To re-solve: change `weights` and `inputs` in a copy of the problem file, then\n";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string& path = setup_.files.maps[i];
+    text << "  offline_mpt solve " << setup_.sources->maps[i].name() << ".yaml -o "
+         << path.substr(0, path.rfind('.')) << ".new.map\n";
+  }
+  text << "and call the service " << handle_.resolveName("swap_maps") << " with the new maps.";
+  return text.str();
+}
+
+bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
+                            online_controller::SwapMaps::Response& response) {
+  const FlightSnapshot* snapshot = record_.latest.read();
+  std::array<double, 3> change{};
+  try {
+    LawSetup next = withOtherMaps(setup_, request, snapshot, change);
+    keeper_.offer(next);  // throws before anything has changed
+    setup_ = next;        // the table keeps pointing into it
+    response.success = 1;
+    response.message =
+        joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForExchange();
+    reconfigure_.publish();
+    ROS_INFO("region maps: %s", response.message.c_str());
+  } catch (const polyfly::Error& error) {
+    response.success = 0;
+    response.message = std::string(error.what()) + "; the maps in force stay";
+    ROS_ERROR("region maps: %s", response.message.c_str());
+  }
+  std::copy(change.begin(), change.end(), response.change.begin());
+  return true;
+}
+
+std::string Background::waitForExchange() const {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kExchangePatience);
+  while (keeper_.waits() && ros::WallTime::now() < end) ros::WallDuration(kExchangeInterval).sleep();
+  return keeper_.waits() ? " (from the next control period on; there is none at present)" : "";
+}
+
+void Background::onTick() {
+  keeper_.collect();
+  const FlightSnapshot* snapshot = record_.latest.read();
+  record_.show_paths.store(display_.isWatched(), std::memory_order_relaxed);
+  record_.wanted.store(true, std::memory_order_relaxed);
+  if (snapshot != nullptr) display_.show(*snapshot);
+  diagnostics_.update(snapshot);
+  if (++ticks_ % kTicksPerWrite == 0) reconfigure_.writeParameters();
+}
+
+}  // namespace polyfly_ros

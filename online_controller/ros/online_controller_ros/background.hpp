@@ -1,0 +1,52 @@
+#pragma once
+
+#include <online_controller/SwapMaps.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+
+#include <string>
+
+#include "online_controller_ros/callback_thread.hpp"
+#include "online_controller_ros/flight_diagnostics.hpp"
+#include "online_controller_ros/flight_display.hpp"
+#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/law_keeper.hpp"
+#include "online_controller_ros/option_table.hpp"
+#include "online_controller_ros/reconfigure_server.hpp"
+
+namespace polyfly_ros {
+
+/// All that a flight needs and its control thread must not wait for, in a thread of its own: options and maps
+/// that change, display, diagnostics.
+class Background {
+ public:
+  /// Keeps references to the last three.
+  Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
+             LawKeeper& keeper, FlightRecord& record);
+
+ private:
+  void apply();
+  std::string bakedIn() const;
+  bool onSwapMaps(online_controller::SwapMaps::Request& request,
+                  online_controller::SwapMaps::Response& response);
+  std::string waitForExchange() const;
+  void onTick();
+
+  ros::CallbackQueue queue_;  // outlives all that is served on it
+  ros::NodeHandle handle_;
+  ros::NodeHandle private_handle_;
+  LawSetup setup_;  // what was offered last
+  LawKeeper& keeper_;
+  FlightRecord& record_;
+  OptionTable table_;  // of setup_
+  ReconfigureServer reconfigure_;
+  FlightDisplay display_;
+  FlightDiagnostics diagnostics_;
+  ros::ServiceServer swap_service_;
+  ros::SteadyTimer tick_;
+  int ticks_ = 0;
+  CallbackThread thread_;  // last: begins when all is there, ends before it goes
+};
+
+}  // namespace polyfly_ros

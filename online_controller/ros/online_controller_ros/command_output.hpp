@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <std_msgs/Header.h>
+
+#include <optional>
+#include <vector>
+
+#include "online_controller/options.hpp"
+#include "online_controller/thrust_curve.hpp"
+#include "online_controller/types.hpp"
+#include "online_controller_ros/parameter_reader.hpp"
+
+namespace polyfly_ros {
+
+/// In which messages commands leave.
+struct OutputOptions {
+  bool roll_pitch_yawrate_thrust = true;  ///< mav_msgs/RollPitchYawrateThrust
+  bool attitude_target = false;           ///< mavros_msgs/AttitudeTarget
+  polyfly::ThrustCurveOptions thrust;     ///< of the latter
+
+  /// Throws Error naming a parameter.
+  static OutputOptions read(ParameterReader& reader);
+};
+
+/// Publishes commands. A message is made anew each time and shared: neighbours in the same nodelet manager
+/// get it without a copy, so it does not change afterwards.
+class CommandOutput {
+ public:
+  /// Throws Error when the thrust curve does not fit the limits.
+  CommandOutput(ros::NodeHandle& handle, const OutputOptions& options,
+                const polyfly::MultirotorOptions& vehicle);
+
+  /// `yaw` is that of the vehicle [rad]. Where it is not finite, as with an odometry that is none, the
+  /// last one counts; until there is one, no AttitudeTarget is sent.
+  void publish(const polyfly::AttitudeCommand& command, const std_msgs::Header& header, double yaw);
+
+ private:
+  ros::Publisher thrust_publisher_;
+  ros::Publisher target_publisher_;
+  std::optional<polyfly::ThrustCurve> curve_;
+  double yaw_;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/law_keeper.hpp"
+
+namespace polyfly_ros {
+
+/// Tells /diagnostics how the controller fares: status, percentiles of its times, what it missed. Lives in
+/// the other thread.
+class FlightDiagnostics {
+ public:
+  /// Keeps references. `period`: of control [s].
+  FlightDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                    const FlightRecord& record, const LawKeeper& keeper);
+
+  /// Publishes when it is time to. `snapshot` may be nullptr before the first step, and must live until the
+  /// next call.
+  void update(const FlightSnapshot* snapshot);
+
+ private:
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void summarise(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  diagnostic_updater::Updater updater_;
+  const FlightRecord& record_;
+  const LawKeeper& keeper_;
+  const FlightSnapshot* snapshot_ = nullptr;
+  std::int64_t told_overruns_ = 0;
+  std::int64_t told_lost_ = 0;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <string>
+
+#include "online_controller_ros/flight_snapshot.hpp"
+
+namespace polyfly_ros {
+
+/// Shows a flight: the reference as a tf2 frame, reference and prediction as markers for rviz. Lives in the
+/// other thread and works on snapshots.
+class FlightDisplay {
+ public:
+  explicit FlightDisplay(ros::NodeHandle& handle);
+
+  /// Whether somebody looks at paths: only then does it need them.
+  bool isWatched() const;
+
+  void show(const FlightSnapshot& snapshot);
+
+ private:
+  ros::Publisher tf_publisher_;
+  ros::Publisher reference_publisher_;
+  ros::Publisher reference_marker_publisher_;
+  ros::Publisher predicted_marker_publisher_;
+  std::string frame_;  // of the reference
+};
+
+}  // namespace polyfly_ros

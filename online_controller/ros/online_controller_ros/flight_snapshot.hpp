@@ -1,0 +1,65 @@
+#pragma once
+
+#include <std_msgs/Header.h>
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "online_controller/latency_histogram.hpp"
+#include "online_controller/latest_value.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/types.hpp"
+
+namespace polyfly_ros {
+
+/// How long the stages of one control period took [ns].
+struct StageTimes {
+  std::int64_t input = 0;    ///< message to state, references looked up
+  std::int64_t step = 0;     ///< the law
+  std::int64_t output = 0;   ///< command to message, published
+  std::int64_t prepare = 0;  ///< status published, laws exchanged, next step prepared
+
+  std::int64_t latency() const noexcept { return input + step + output; }
+  std::int64_t whole() const noexcept { return latency() + prepare; }
+};
+
+/// What the flight looked like after one step, for those who watch.
+struct FlightSnapshot {
+  std_msgs::Header header;
+  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::ControlReport report;
+  double kkt_residual = -1.0;
+  double odometry_age = 0.0;  ///< [s]
+  StageTimes times;
+  double stage_period = 0.0;                  ///< between the points that follow [s]
+  std::vector<polyfly::Reference> reference;  ///< the first one at the sample; as many as count
+  int reference_count = 0;                    ///< 0 without a reference
+  std::vector<Eigen::Vector3d> predicted;     ///< in the world [m]
+  int predicted_count = 0;
+};
+
+/// What the control thread counts and leaves for the other thread to read, without a lock.
+struct FlightRecord {
+  explicit FlightRecord(std::size_t points) : latest(blank(points)) {}
+
+  polyfly::LatestValue<FlightSnapshot> latest;
+  std::atomic<bool> wanted{true};       ///< somebody waits for a snapshot
+  std::atomic<bool> show_paths{false};  ///< with reference and prediction
+
+  polyfly::LatencyHistogram latency;      ///< odometry to command
+  polyfly::LatencyHistogram step;         ///< the law alone
+  std::atomic<std::int64_t> overruns{0};  ///< periods that took longer than the control period
+  std::atomic<std::int64_t> lost{0};      ///< odometry missing between two that came
+
+ private:
+  static FlightSnapshot blank(std::size_t points) {
+    FlightSnapshot snapshot;
+    snapshot.reference.resize(points);
+    snapshot.predicted.resize(points);
+    return snapshot;
+  }
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "nonlinear_mpc/multirotor_model.hpp"
+#include "online_controller/options.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly_ros {
+
+/// Files that laws are made from, empty where there is none. Axes in the order longitudinal, lateral,
+/// vertical.
+struct LawFiles {
+  std::array<std::string, 3> maps;
+  std::array<std::string, 3> robust_maps;  ///< of minimum-peak robust MPC
+  std::array<std::string, 3> problems;
+};
+
+/// What the files hold, read and checked once and shared by all laws that are made from it.
+struct LawSources {
+  std::vector<polyfly::RegionMap> maps;         ///< none, or three
+  std::vector<polyfly::RegionMap> robust_maps;  ///< none, or three
+  /// Of the linear law: from the problem files, else the problems in the maps, else made from the model.
+  std::array<polyfly::MpcProblem, 3> problems;
+
+  /// Throws Error naming file, signal and rule.
+  static std::shared_ptr<const LawSources> load(const LawFiles& files, const polyfly::MultirotorModel& model,
+                                                const polyfly::MultirotorOptions& options);
+};
+
+/// Whether a map is of a minimum-peak robust MPC. Throws Error.
+bool isRobust(const polyfly::RegionMap& map);
+
+}  // namespace polyfly_ros

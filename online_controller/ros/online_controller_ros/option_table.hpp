@@ -1,0 +1,57 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "mpc_core/range.hpp"
+
+namespace polyfly_ros {
+
+/// Options by name, for dynamic_reconfigure. It is the visitor of the options' lists, so that names, units
+/// and ranges stand in one place. Keeps pointers to the fields.
+class OptionTable {
+ public:
+  struct Option {
+    std::string name;   ///< as of the parameter, below the node's private namespace
+    std::string group;  ///< what comes before the slash
+    std::string unit;
+    polyfly::Range range;
+    std::variant<double*, int*, bool*> field;
+  };
+
+  /// Leaves out the options of these names: they cannot change while the node runs.
+  explicit OptionTable(std::set<std::string> fixed) : fixed_(std::move(fixed)) {}
+
+  void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range) {
+    add(key, &field, unit, range);
+  }
+  void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range) {
+    add(key, &field, unit, range);
+  }
+  void operator()(const char* key, bool& field) { add(key, &field, "", {0.0, 1.0}); }
+
+  const std::vector<Option>& options() const noexcept { return options_; }
+  std::vector<std::string> groups() const;  ///< in the order of the options
+
+  /// nullptr when there is none.
+  const Option* find(const std::string& name) const;
+
+  /// All values, and putting them back.
+  std::vector<double> values() const;
+  void restore(const std::vector<double>& values);
+
+  /// Clamped to the range. Whether the option has another value now.
+  static bool set(const Option& option, double value);
+  static double get(const Option& option);
+
+ private:
+  void add(const std::string& name, std::variant<double*, int*, bool*> field, const char* unit,
+           const polyfly::Range& range);
+
+  std::set<std::string> fixed_;
+  std::vector<Option> options_;
+};
+
+}  // namespace polyfly_ros

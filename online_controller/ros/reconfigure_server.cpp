@@ -1,0 +1,154 @@
+#include "online_controller_ros/reconfigure_server.hpp"
+
+#include <ros/console.h>
+
+#include <algorithm>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+using dynamic_reconfigure::Config;
+using dynamic_reconfigure::Group;
+using dynamic_reconfigure::ParamDescription;
+using Option = OptionTable::Option;
+
+const char* typeOf(const Option& option) {
+  if (std::holds_alternative<double*>(option.field)) return "double";
+  return std::holds_alternative<int*>(option.field) ? "int" : "bool";
+}
+
+ParamDescription describe(const std::string& name, const std::string& type, const std::string& text) {
+  ParamDescription description;
+  description.name = name;
+  description.type = type;
+  description.description = text;
+  return description;
+}
+
+Group makeGroup(const std::string& name, int id) {
+  Group group;
+  group.name = name;
+  group.id = id;
+  group.parent = 0;
+  return group;
+}
+
+}  // namespace
+
+ReconfigureServer::ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
+                                     std::string note_name, Note note)
+    : handle_(private_handle),
+      table_(table),
+      apply_(std::move(apply)),
+      note_name_(std::move(note_name)),
+      note_(std::move(note)) {
+  description_publisher_ =
+      handle_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+  description_publisher_.publish(description());
+  update_publisher_ = handle_.advertise<Config>("parameter_updates", 1, true);
+  publish();
+  service_ = handle_.advertiseService("set_parameters", &ReconfigureServer::onRequest, this);
+}
+
+void ReconfigureServer::publish() { update_publisher_.publish(current()); }
+
+bool ReconfigureServer::onRequest(dynamic_reconfigure::Reconfigure::Request& request,
+                                  dynamic_reconfigure::Reconfigure::Response& response) {
+  const std::vector<double> before = table_.values();
+  try {
+    take(request.config);
+    if (table_.values() != before) apply_();
+  } catch (const polyfly::Error& error) {
+    table_.restore(before);
+    ROS_ERROR("reconfigure refused, the values in force stay: %s", error.what());
+  }
+  response.config = current();
+  update_publisher_.publish(response.config);
+  return true;
+}
+
+void ReconfigureServer::take(const Config& wanted) {
+  for (const auto& entry : wanted.doubles) take(entry.name, entry.value);
+  for (const auto& entry : wanted.ints) take(entry.name, entry.value);
+  for (const auto& entry : wanted.bools) take(entry.name, entry.value != 0 ? 1.0 : 0.0);
+}
+
+void ReconfigureServer::take(const std::string& name, double value) {
+  const Option* option = table_.find(name);
+  if (option == nullptr) {
+    ROS_WARN("reconfigure: there is no '%s'", name.c_str());
+  } else if (OptionTable::set(*option, value)) {
+    changed_.insert(name);
+  }
+}
+
+void ReconfigureServer::writeParameters() {
+  for (const std::string& name : changed_) {
+    const Option* option = table_.find(name);
+    if (auto* const* number = std::get_if<double*>(&option->field)) handle_.setParam(name, **number);
+    if (auto* const* whole = std::get_if<int*>(&option->field)) handle_.setParam(name, **whole);
+    if (auto* const* flag = std::get_if<bool*>(&option->field)) handle_.setParam(name, **flag);
+  }
+  changed_.clear();
+}
+
+Config ReconfigureServer::current() const {
+  Config all = config(OptionTable::get);
+  all.strs.front().value = note_();
+  return all;
+}
+
+Config ReconfigureServer::config(const std::function<double(const Option&)>& value) const {
+  Config all;
+  all.strs.emplace_back();
+  all.strs.front().name = note_name_;
+  for (const Option& option : table_.options()) {
+    if (std::holds_alternative<double*>(option.field)) {
+      all.doubles.emplace_back();
+      all.doubles.back().name = option.name;
+      all.doubles.back().value = value(option);
+    } else if (std::holds_alternative<int*>(option.field)) {
+      all.ints.emplace_back();
+      all.ints.back().name = option.name;
+      all.ints.back().value = static_cast<int>(value(option));
+    } else {
+      all.bools.emplace_back();
+      all.bools.back().name = option.name;
+      all.bools.back().value = static_cast<unsigned char>(value(option) != 0.0);
+    }
+  }
+  int id = 0;
+  const auto addGroup = [&](const std::string& name) {
+    all.groups.emplace_back();
+    all.groups.back().name = name;
+    all.groups.back().state = 1;
+    all.groups.back().id = id++;
+    all.groups.back().parent = 0;
+  };
+  addGroup("Default");
+  for (const std::string& name : table_.groups()) addGroup(name);
+  return all;
+}
+
+dynamic_reconfigure::ConfigDescription ReconfigureServer::description() const {
+  dynamic_reconfigure::ConfigDescription all;
+  all.groups.push_back(makeGroup("Default", 0));
+  all.groups.front().parameters.push_back(
+      describe(note_name_, "str", "what the region maps hold; cannot be changed here"));
+  for (const std::string& name : table_.groups()) {
+    Group group = makeGroup(name, static_cast<int>(all.groups.size()));
+    for (const Option& option : table_.options()) {
+      if (option.group == name)
+        group.parameters.push_back(describe(option.name, typeOf(option), "[" + option.unit + "]"));
+    }
+    all.groups.push_back(group);
+  }
+  all.min = config([](const Option& option) { return option.range.least; });
+  all.max = config([](const Option& option) { return option.range.greatest; });
+  all.dflt = current();
+  return all;
+}
+
+}  // namespace polyfly_ros
