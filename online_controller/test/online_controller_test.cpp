@@ -135,7 +135,9 @@ TEST(MultirotorController, WithoutErrorADisturbanceGivesTheInputReference) {
   EXPECT_EQ(report.axis[0].theta[0], 0.0);
   // v' = 0 = g theta + d with theta = 0.1, up to what the command being held back from 0.1 / K leaves of it.
   EXPECT_LT(report.axis[0].disturbance, -0.5);
-  EXPECT_NEAR(report.axis[0].theta[2], 0.1 + report.axis[0].disturbance / kGravity, kRounding);
+  // The angle is the force of the rotors over g, under the thrust that was sent.
+  const double angle = 0.1 * report.command.thrust / (1.52 * kGravity);
+  EXPECT_NEAR(report.axis[0].theta[2], angle + report.axis[0].disturbance / kGravity, 1e-9);
   EXPECT_NEAR(report.axis[0].theta[4], -report.axis[0].disturbance / kGravity / kGain, kRounding);
   EXPECT_NEAR(report.axis[0].input, report.axis[0].theta[4] - report.axis[0].theta[2], kRounding);
   EXPECT_NEAR(report.axis[1].disturbance, 0.0, 1e-9);

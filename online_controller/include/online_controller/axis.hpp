@@ -39,7 +39,7 @@ constexpr std::array<AxisNames, 3> kAxisNames{{
 struct AxisSample {
   double position = 0.0;  ///< [m]
   double velocity = 0.0;  ///< [m/s]
-  double angle = 0.0;     ///< tilt that accelerates the axis [rad]; 0 for the vertical
+  double angle = 0.0;     ///< specific force that accelerates the axis over g [rad]; 0 for the vertical
 };
 
 /// What the axis shall do, with the derivatives that the model needs to follow it without lag.

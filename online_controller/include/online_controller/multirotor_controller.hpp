@@ -70,7 +70,7 @@ class MultirotorController : public ControlLaw {
   };
 
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
-  static Measured measure(const VehicleState& state) noexcept;
+  Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const std::array<AxisSample, 3>& samples) noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
   void withoutAnswer(ControlReason reason) noexcept;

@@ -138,14 +138,18 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   return report_;
 }
 
-MultirotorController::Measured MultirotorController::measure(const VehicleState& state) noexcept {
+// The angle of an axis is the specific force of the rotors over g: the tilt times T / g, as Eq. 41 has it. Taken
+// for the tilt itself it would not obey the lag of the model, and one disturbance cannot explain two errors: some
+// centimetres would be left in a wind that changes the thrust.
+MultirotorController::Measured MultirotorController::measure(const VehicleState& state) const noexcept {
+  const double share = report_.command.thrust / (options_.mass * options_.gravity);
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   const TiltAngles tilt{angles.roll, angles.pitch};
   const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
   return {tilt,
           angles.yaw,
-          {{{state.position.x(), state.velocity.x(), world.pitch},
-            {state.position.y(), state.velocity.y(), world.roll},
+          {{{state.position.x(), state.velocity.x(), share * world.pitch},
+            {state.position.y(), state.velocity.y(), share * world.roll},
             {state.position.z(), state.velocity.z(), 0.0}}}};
 }
 
