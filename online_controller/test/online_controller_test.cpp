@@ -198,7 +198,7 @@ TEST(MultirotorController, OutsideTheBoxIsClippedAndSaysWhich) {
 TEST(MultirotorController, AnInputReferenceBeyondItsRangeIsClipped) {
   Flight flight(withoutObserver());
   Reference reference;
-  reference.acceleration = {4.0, 0.0, 0.0};  // asks for 0.45 rad, range 0.2 rad
+  reference.acceleration = {4.0, 0.0, 0.0};  // asks for 0.45 rad, range 0.25 rad
   const ControlReport& report = flight.controller->step(VehicleState{}, reference);
   EXPECT_EQ(report.status, ControlStatus::kClipped);
   EXPECT_EQ(report.axis[0].outside_parameter, 4);

@@ -60,7 +60,7 @@ TEST(FlightFigure, StartsAndEndsAtRest) {
 }
 
 // The demonstration's figure is fast, and yet its steady-state input with lead, under any horizontal wind of
-// 0.5 m/s^2, stays in the range |u_ref| <= 0.2 rad of the region maps with room for estimation errors.
+// 0.5 m/s^2, stays in the range |u_ref| <= 0.25 rad of the region maps with room for estimation errors.
 TEST(FlightFigure, TheDefaultIsFastAndFitsTheMaps) {
   constexpr double kGravity = 9.8066;
   constexpr double kGain = 0.9;

@@ -190,13 +190,12 @@ TEST(Laws, ConstantWindLeavesNoOffset) {
   course.figure.settle_time = 30.0;
   course.from = 15.0;
   course.until = 20.0;
-  course.plant.wind = Eigen::Vector3d(2.0, -1.5, 0.0) / kMass;  // what the maps' box allows
-  EXPECT_LT(fly(*explicitLaw(), course).greatest, 0.01);
-  // 3 N from every side, beyond the box of the maps too.
+  // 3 N from every side.
   for (const Eigen::Vector3d& side :
        {Eigen::Vector3d(1.0, 0.0, 0.0), Eigen::Vector3d(0.0, -1.0, 0.0), Eigen::Vector3d(0.0, 0.0, 1.0),
         Eigen::Vector3d(0.0, 0.0, -1.0), Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(-1.0, 1.0, -1.0)}) {
     course.plant.wind = 3.0 * side.normalized() / kMass;
+    EXPECT_LT(fly(*explicitLaw(), course).greatest, 0.002) << side.transpose();
     EXPECT_LT(fly(*linearLaw(), course).greatest, 0.002) << side.transpose();
     EXPECT_LT(fly(*nonlinearLaw(), course).greatest, 0.002) << side.transpose();
   }
