@@ -44,7 +44,7 @@ Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loit
     checkSegment(end, where + ": loiter");
     segments.push_back(end);
   }
-  return {std::move(segments)};
+  return {std::move(segments), {}};
 }
 
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,

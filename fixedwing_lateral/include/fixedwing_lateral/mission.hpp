@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct LoiterOptions {
 /// Segments in order of flight; the last is a loiter.
 struct Mission {
   std::vector<PathSegment> segments;
+  std::vector<std::shared_ptr<const PathCurve>> curves;  ///< that segments point to, if they are to be owned
 };
 
 /// The segments, with a loiter that begins where the last one ends, unless that is one already. Throws

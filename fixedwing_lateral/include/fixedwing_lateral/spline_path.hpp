@@ -19,6 +19,8 @@ class SplinePath : public PathCurve {
   double length() const noexcept override { return samples_.back().distance; }
   PathPoint pointAt(double distance) const noexcept override;
 
+  const std::vector<Eigen::Vector2d>& points() const noexcept { return points_; }
+
  private:
   /// Position and derivatives by the parameter.
   struct Local {

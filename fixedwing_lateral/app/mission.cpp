@@ -1,0 +1,84 @@
+// Reads a mission file and shows what it amounts to: a table of segments, or points along the path as CSV.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "fixedwing_lateral/mission_file.hpp"
+
+namespace {
+
+using namespace polyfly;
+
+constexpr double kDegree = 180.0 / kPi;
+
+const char* nameOf(const PathSegment& segment) {
+  if (std::holds_alternative<LineSegment>(segment)) return "line";
+  if (std::holds_alternative<ArcSegment>(segment)) return "arc";
+  if (std::holds_alternative<LoiterCircle>(segment)) return "circle";
+  return "spline";
+}
+
+double radiusOf(const PathSegment& segment) {
+  if (const auto* arc = std::get_if<ArcSegment>(&segment)) return arc->radius;
+  if (const auto* circle = std::get_if<LoiterCircle>(&segment)) return circle->radius;
+  return 0.0;
+}
+
+/// Once round, for a circle.
+double shownLength(const PathSegment& segment) {
+  return std::holds_alternative<LoiterCircle>(segment) ? 2.0 * kPi * radiusOf(segment) : length(segment);
+}
+
+void printTable(const Mission& mission) {
+  std::printf("%4s  %-7s %10s %8s %9s %9s %8s\n", "", "segment", "length [m]", "R [m]", "north [m]",
+              "east [m]", "course");
+  double whole = 0.0;
+  for (std::size_t i = 0; i < mission.segments.size(); ++i) {
+    const PathSegment& segment = mission.segments[i];
+    const PathPoint start = pointAt(segment, 0.0);
+    const double course = kDegree * std::atan2(start.tangent.y(), start.tangent.x());
+    std::printf("%4zu  %-7s %10.1f %8.1f %9.1f %9.1f %6.0f deg\n", i, nameOf(segment), shownLength(segment),
+                radiusOf(segment), start.position.x(), start.position.y(), course);
+    if (!std::holds_alternative<LoiterCircle>(segment)) whole += length(segment);
+  }
+  std::printf("%.1f m, then the circle for ever\n", whole);
+}
+
+void printPoints(const Mission& mission, double step) {
+  std::printf("segment,north,east\n");
+  for (std::size_t i = 0; i < mission.segments.size(); ++i) {
+    const double whole = shownLength(mission.segments[i]);
+    const int count = std::max(1, static_cast<int>(whole / step));
+    for (int k = 0; k <= count; ++k) {
+      const PathPoint point = pointAt(mission.segments[i], whole * k / count);
+      std::printf("%zu,%.3f,%.3f\n", i, point.position.x(), point.position.y());
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Checks a mission of the fixed wing and shows its segments.", "mission");
+  std::string path;
+  LoiterOptions loiter;
+  double step = 0.0;
+  app.add_option("file", path, "mission, see fixedwing_lateral/README.md")->required();
+  app.add_option("--loiter-radius", loiter.radius, "of the circle at the end, where the file has none [m]")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--points", step, "print the path as CSV instead, a point every so many metres")
+      ->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const Mission mission = loadMission(path, loiter);
+    if (step > 0.0)
+      printPoints(mission, step);
+    else
+      printTable(mission);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mission: %s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
