@@ -15,6 +15,8 @@ import house_test
 
 BENCH = os.path.join(house_test.ROOT, "test", "bench")
 sys.path.insert(0, BENCH)
+import fixedwing  # noqa: E402
+import offline_peer  # noqa: E402
 import offline_score as score  # noqa: E402
 
 # Answers as bench_offline does, each time with half the seconds that the problem's name ends in.
@@ -201,6 +203,16 @@ class Score(unittest.TestCase):
 
     def test_leaves_count_as_nodes_of_a_tree(self):
         self.assertEqual(score.treeSize({"nodes": 13}), 27)
+
+
+class FixedWing(unittest.TestCase):
+    def test_noted_times_of_peers_are_scaled_to_this_machine(self):
+        rows = [{"name": "a", "value": 7.0, "unit": "us", "peer": "acados (noted)", "peer_value": 74}, {"name": "b", "value": 1.0, "unit": "us"}]
+        slow = fixedwing.scaled(rows, 2.0 * offline_peer.CALIBRATION_SECONDS)
+        self.assertEqual(slow[0]["value"], 2.0 * offline_peer.CALIBRATION_SECONDS)
+        self.assertAlmostEqual(slow[1]["peer_value"], 74 * 2.0 * offline_peer.PEER_TO_NOTED, places=1)
+        self.assertIn("scaled by 1.76", slow[1]["peer"])
+        self.assertNotIn("peer", slow[2])
 
 
 if __name__ == "__main__":

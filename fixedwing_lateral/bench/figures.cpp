@@ -15,6 +15,7 @@
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
 #include "fixedwing_plant/six_dof_aircraft.hpp"
+#include "recorded_figures.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -140,6 +141,9 @@ class Report {
   /// A recorded loiter beside ours, from the same start in the same wind.
   void addRecording(const std::string& path);
 
+  /// The guidance over a log of a real aircraft.
+  void addLog(const std::string& text);
+
   void finish() const {
     nlohmann::json all = summary_;
     const auto& calm = summary_["flights"]["box_calm_mpc"];
@@ -238,6 +242,19 @@ Spread spreadOf(const Rows& rows, double radius) {
   return spread;
 }
 
+void Report::addLog(const std::string& text) {
+  const RecordedLog log = parseLog(text);
+  const std::string name = std::filesystem::path(log.path).stem().string();
+  const nlohmann::json metrics = replayLog(log, folder_);
+  summary_["logs"][name] = metrics;
+  recordings_ << "<p>" << name << ", open loop over " << metrics["samples"] << " states, "
+              << metrics["tracking"] << " answered by a horizon";
+  for (const auto& [key, value] : metrics.items())
+    if (value.is_number_float())
+      recordings_ << "; " << key << ' ' << std::round(1e6 * value.get<double>()) / 1e6;
+  recordings_ << "</p>\n";
+}
+
 void Report::addRecording(const std::string& path) {
   constexpr double kRadius = 60.0;
   const Vector2d wind(0.0, -10.0);
@@ -288,6 +305,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", folder, "folder for what was flown")->required();
   app.add_option("--recording", recordings,
                  "CSV of a loiter to fly beside: t, north, east, roll, heading, ...");
+  std::vector<std::string> logs;
+  app.add_option("--log", logs, "FILE,BEGIN,END: CSV of a real flight to replay open loop, and its part [s]");
   CLI11_PARSE(app, argc, argv);
   try {
     Report report(folder);
@@ -297,6 +316,7 @@ int main(int argc, char** argv) {
       }
     }
     for (const std::string& recording : recordings) report.addRecording(recording);
+    for (const std::string& log : logs) report.addLog(log);
     report.finish();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fixedwing_figures: %s\n", error.what());

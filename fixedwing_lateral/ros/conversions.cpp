@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fixedwing_lateral/spline_path.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
@@ -38,7 +39,18 @@ polyfly::TurnDirection toDirection(int direction, const std::string& where) {
                        std::to_string(direction));
 }
 
-polyfly::PathSegment toSegment(const fixedwing_lateral::PathSegment& message, const std::string& where) {
+polyfly::PathSegment toSpline(const fixedwing_lateral::PathSegment& message, const std::string& where,
+                              std::vector<std::shared_ptr<const polyfly::PathCurve>>& curves) {
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(message.points.size());
+  for (const geometry_msgs::Point& point : message.points) points.push_back(swapAxes(point.x, point.y));
+  curves.push_back(std::make_shared<polyfly::SplinePath>(points, where));
+  return polyfly::CurveSegment{curves.back().get()};
+}
+
+/// A curve goes to `curves` and must live as long as the segment.
+polyfly::PathSegment toSegment(const fixedwing_lateral::PathSegment& message, const std::string& where,
+                               std::vector<std::shared_ptr<const polyfly::PathCurve>>& curves) {
   const Eigen::Vector2d a = swapAxes(message.a.x, message.a.y);
   switch (message.type) {
     case fixedwing_lateral::PathSegment::LINE:
@@ -48,8 +60,10 @@ polyfly::PathSegment toSegment(const fixedwing_lateral::PathSegment& message, co
                                  message.start_bearing, message.sweep};
     case fixedwing_lateral::PathSegment::LOITER:
       return polyfly::LoiterCircle{a, message.radius, toDirection(message.direction, where)};
+    case fixedwing_lateral::PathSegment::SPLINE:
+      return toSpline(message, where, curves);
     default:
-      throw polyfly::Error(where + ": type: must be 0 (line), 1 (arc) or 2 (loiter), got " +
+      throw polyfly::Error(where + ": type: must be 0 (line), 1 (arc), 2 (loiter) or 3 (spline), got " +
                            std::to_string(message.type));
   }
 }
@@ -60,6 +74,38 @@ geometry_msgs::Point toPoint(const Eigen::Vector2d& place, double altitude) {
   point.y = place.x();
   point.z = altitude;
   return point;
+}
+
+std::int8_t fromDirection(polyfly::TurnDirection direction) noexcept {
+  return direction == polyfly::TurnDirection::kRight ? 1 : -1;
+}
+
+fixedwing_lateral::PathSegment fromSegment(const polyfly::PathSegment& segment) {
+  fixedwing_lateral::PathSegment message;
+  if (const auto* line = std::get_if<polyfly::LineSegment>(&segment)) {
+    message.type = fixedwing_lateral::PathSegment::LINE;
+    message.a = toPoint(line->a, 0.0);
+    message.b = toPoint(line->b, 0.0);
+  } else if (const auto* arc = std::get_if<polyfly::ArcSegment>(&segment)) {
+    message.type = fixedwing_lateral::PathSegment::ARC;
+    message.a = toPoint(arc->centre, 0.0);
+    message.radius = arc->radius;
+    message.direction = fromDirection(arc->direction);
+    message.start_bearing = arc->start_bearing;
+    message.sweep = arc->sweep;
+  } else if (const auto* loiter = std::get_if<polyfly::LoiterCircle>(&segment)) {
+    message.type = fixedwing_lateral::PathSegment::LOITER;
+    message.a = toPoint(loiter->centre, 0.0);
+    message.radius = loiter->radius;
+    message.direction = fromDirection(loiter->direction);
+  } else {
+    const auto* spline =
+        dynamic_cast<const polyfly::SplinePath*>(std::get<polyfly::CurveSegment>(segment).curve);
+    if (spline == nullptr) throw polyfly::Error("mission: a curve that is no spline has no message");
+    message.type = fixedwing_lateral::PathSegment::SPLINE;
+    for (const Eigen::Vector2d& point : spline->points()) message.points.push_back(toPoint(point, 0.0));
+  }
+  return message;
 }
 
 void setColour(visualization_msgs::Marker& marker, float red, float green, float blue, float opacity) {
@@ -114,9 +160,12 @@ polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const poly
     throw polyfly::Error("mission: has segments and waypoints; give one of them");
   if (!message.segments.empty()) {
     std::vector<polyfly::PathSegment> segments;
+    std::vector<std::shared_ptr<const polyfly::PathCurve>> curves;
     for (std::size_t i = 0; i < message.segments.size(); ++i)
-      segments.push_back(toSegment(message.segments[i], "mission: segment " + std::to_string(i)));
-    return polyfly::makeMission(std::move(segments), loiter, "mission");
+      segments.push_back(toSegment(message.segments[i], "mission: segment " + std::to_string(i), curves));
+    polyfly::Mission mission = polyfly::makeMission(std::move(segments), loiter, "mission");
+    mission.curves = std::move(curves);
+    return mission;
   }
   if (message.turn_radius == 0.0) {
     std::vector<Eigen::Vector2d> points;
@@ -129,6 +178,13 @@ polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const poly
     poses.push_back(
         {swapAxes(pose.position.x, pose.position.y), swapAngle(yawOf(toAttitude(pose.orientation)))});
   return polyfly::makeMission(polyfly::planDubins(poses, message.turn_radius, "mission"), loiter, "mission");
+}
+
+fixedwing_lateral::Mission toMessage(const polyfly::Mission& mission) {
+  fixedwing_lateral::Mission message;
+  for (const polyfly::PathSegment& segment : mission.segments)
+    message.segments.push_back(fromSegment(segment));
+  return message;
 }
 
 void fillTwist(double roll_reference, geometry_msgs::TwistStamped& message) noexcept {

@@ -64,7 +64,11 @@ LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle)
   reader("output/attitude_target", setup.publish_attitude);
   reader("output/pitch", setup.attitude.pitch, "rad", Range{-0.5, 0.5});
   reader("output/thrust", setup.attitude.thrust, "", Range{-1.0, 1.0});
+  reader("output/stream_in_standby", setup.stream_in_standby);
   reader("input/require_engaged", setup.require_engaged);
+  reader("input/watch_autopilot", setup.watch_autopilot);
+  reader("input/autopilot_timeout", setup.autopilot_timeout, "s", Range{0.1, 60.0});
+  setup.engaged_modes = reader.text("input/engaged_modes", "modes of the autopilot that follow", "OFFBOARD");
   reader("input/imu_timeout", setup.imu_timeout, "s", Range{0.0, 10.0});
   reader.refuseUnknown(
       {"horizon", "weights", "limits", "safety", "model", "path", "guidance", "output", "input"});
@@ -82,8 +86,10 @@ LateralNode::LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
 LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup)
     : setup_(setup),
       guidance_(setup.guidance, private_handle.getNamespace()),
-      diagnostics_(handle, private_handle, private_handle.getNamespace()) {
-  input_.engaged = !setup.require_engaged;
+      diagnostics_(handle, private_handle, private_handle.getNamespace()),
+      autopilot_(setup.engaged_modes, setup.autopilot_timeout,
+                 private_handle.getNamespace() + "/input/engaged_modes"),
+      engaged_(!setup.require_engaged) {
   shown_.reason = polyfly::GuidanceReason::kNone;
   startReconfigure(private_handle);
   diagnostics_.setHardwareID("none");
@@ -101,6 +107,8 @@ void LateralNode::connect(ros::NodeHandle& handle) {
   marker_publisher_ = handle.advertise<visualization_msgs::MarkerArray>("lateral_markers", 1);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   mission_subscriber_ = handle.subscribe("mission", 1, &LateralNode::onMission, this, hints);
+  if (setup_.watch_autopilot)
+    autopilot_subscriber_ = handle.subscribe("mavros/state", 1, &LateralNode::onAutopilot, this, hints);
   engaged_subscriber_ = handle.subscribe("engaged", 1, &LateralNode::onEngaged, this, hints);
   imu_subscriber_ = handle.subscribe("mavros/imu/data", 1, &LateralNode::onImu, this, hints);
   hud_subscriber_ = handle.subscribe("mavros/vfr_hud", 1, &LateralNode::onHud, this, hints);
@@ -178,14 +186,18 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
   }
 }
 
-void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { input_.engaged = message->data; }
+void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { engaged_ = message->data; }
+
+void LateralNode::onAutopilot(const mavros_msgs::State::ConstPtr& message) { autopilot_.take(*message); }
 
 void LateralNode::step(const ros::Time& now) {
   const double period = setup_.guidance.period;
   input_.time = now.toSec();
   next_ = std::max(next_, input_.time - period) + period;  // a missed step is not made up for
+  input_.engaged = engaged_ && (!setup_.watch_autopilot || autopilot_.follows(input_.time));
   const Clock::time_point start = Clock::now();
   const polyfly::GuidanceOutput& output = guidance_.update(input_);
+  improve(start);
   feedback_time_ = secondsSince(start);
   publishCommand(output, odometry_header_);
   publishStatus(output, odometry_header_);
@@ -196,9 +208,21 @@ void LateralNode::step(const ros::Time& now) {
   preparation_time_ = secondsSince(published);
 }
 
+// Further iterations, as long as the longest of them so far still fits into what is left of the budget.
+void LateralNode::improve(const Clock::time_point& start) {
+  double longest = 0.0;
+  double before = secondsSince(start);
+  while (before + longest < setup_.guidance.time_budget && guidance_.improve()) {
+    const double after = secondsSince(start);
+    longest = std::max(longest, after - before);
+    before = after;
+  }
+}
+
 void LateralNode::publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header) {
-  // Nothing that the autopilot might take for a command while it does not follow.
-  if (output.mode == polyfly::GuidanceMode::kStandby) return;
+  // Nothing that the autopilot might take for a command while it does not follow; but some autopilots begin
+  // to follow only where set-points come in already, and get the roll that is flown.
+  if (output.mode == polyfly::GuidanceMode::kStandby && !setup_.stream_in_standby) return;
   const auto twist = boost::make_shared<geometry_msgs::TwistStamped>();
   twist->header = header;
   fillTwist(output.roll_reference, *twist);
@@ -236,6 +260,7 @@ void LateralNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) 
                                          : DiagnosticStatus::ERROR,
                    std::string(toString(shown_.mode)) + ": " + toString(shown_.reason));
   }
+  if (setup_.watch_autopilot) status.add("autopilot", autopilot_.text(input_.time));
   status.add("steps", steps_);
   status.add("steps without new odometry", late_steps_);
   status.add("feedback [us]", 1e6 * feedback_time_);

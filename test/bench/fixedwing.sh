@@ -1,3 +1,3 @@
 # shellcheck shell=bash
 # The fixed wing's real-time iteration: whole, preparation and feedback, by the length of the horizon.
-build/bin/bench_fixedwing > "$output"
+python3 test/bench/fixedwing.py "$output"

@@ -6,6 +6,11 @@ recordings=()
 for file in "${recorded[@]}"; do
   if [ -s "$file" ]; then recordings+=(--recording "$file"); fi
 done
+# Logs of real aircraft, and the seconds in which the autopilot flew.
+for log in fw_px4_proto_flt09.csv,306,500 fw_umn_thor75.csv,240,530; do
+  file="${POLYFLY_DATA:-../shared/data}/flight_logs/$log"
+  if [ -s "${file%%,*}" ]; then recordings+=(--log "$file"); fi
+done
 rm -rf "$output"
 mkdir -p "$output/report"
 build/bin/fixedwing_figures --output "$output" "${recordings[@]}" || return
@@ -55,6 +60,32 @@ plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "pat
 PLOT
 }
 
+# drawLog NAME: the flown path, the roll that was flown and the one that the guidance asks for at each state.
+drawLog() {
+  gnuplot << PLOT
+set terminal svg size 1100,700 font "sans,12" background "white"
+set output "$output/report/$1.svg"
+set datafile separator ","
+set multiplot layout 2,2
+set grid lc rgb "#dddddd"
+set size ratio -1
+set xlabel "east [m]"
+set ylabel "north [m]"
+plot "$output/$1.csv" every ::1 using 3:2 with lines lc rgb "#1f77b4" title "flown"
+set size noratio
+set xlabel "time [s]"
+set ylabel "wind, as estimated [m/s]"
+plot "$output/$1.csv" every ::1 using 1:6 with lines title "north", "$output/$1.csv" every ::1 using 1:7 with lines title "east"
+set ylabel "roll [deg]"
+plot "$output/$1.csv" every ::1 using 1:4 with lines lc rgb "#1f77b4" title "flown", \
+     "$output/$1.csv" every ::1 using 1:5 with lines lc rgb "#d62728" title "asked for"
+set xlabel "roll flown half a second later [deg]"
+set ylabel "roll asked for [deg]"
+plot "< awk -F, 'NR > 1 {asked[NR] = \$5; flown[NR] = \$4; if (NR > 11) print asked[NR - 10] \",\" flown[NR]}' $output/$1.csv" \
+     using 2:1 with dots lc rgb "#d62728" notitle, x with lines lc rgb "#999999" notitle
+PLOT
+}
+
 pictures=()
 for figure in box dubins; do
   for air in calm wind; do
@@ -68,6 +99,12 @@ for file in "$output"/loiter_*_path.csv; do
   [ -s "$file" ] || continue
   name=$(basename "${file%_path.csv}")
   drawLoiter "$name" || return
+  pictures+=("$name")
+done
+for file in "$output"/log_*.csv; do
+  [ -s "$file" ] || continue
+  name=$(basename "${file%.csv}")
+  drawLog "$name" || return
   pictures+=("$name")
 done
 {

@@ -78,9 +78,11 @@ struct GuidanceOutput {
 /// The fixed wing's lateral guidance: mission, optimisation and what to do when something is missing.
 ///
 ///     output = guidance.update(input);   // as soon as the state is in: feedback
+///     while (thereIsTime() && guidance.improve()) {}   // by choice: until it has converged
 ///     guidance.prepare();                // when the command is out: preparation of the next call
 ///
-/// `update` and `prepare` do not allocate, throw, log or read a clock. One object serves one thread.
+/// `update`, `improve` and `prepare` do not allocate, throw, log or read a clock. One object serves one
+/// thread.
 class LateralGuidance {
  public:
   /// Throws polyfly::Error, beginning with `where`.
@@ -95,8 +97,14 @@ class LateralGuidance {
                  const SafetyOptions& safety) noexcept;
 
   const GuidanceOutput& update(const GuidanceInput& input) noexcept;
+
+  /// One more iteration from the state of the last `update`, which may change the output. False, and nothing
+  /// is changed, where there is nothing to gain: KKT is below the tolerance, or it is not tracking. Reads no
+  /// clock: the caller decides between two iterations whether there is time for another.
+  bool improve() noexcept;
   void prepare() noexcept;
 
+  const GuidanceOutput& output() const noexcept { return output_; }  ///< of the last call
   const GuidanceOptions& options() const noexcept { return options_; }
   const MissionTrack& track() const noexcept { return track_; }
   const LateralNmpc& nmpc() const noexcept { return nmpc_; }  ///< for the predicted path
@@ -121,6 +129,8 @@ class LateralGuidance {
   LateralNmpc nmpc_;
   HorizonData data_;
   GuidanceOutput output_;
+  LateralState solved_from_ = LateralState::Zero();  // of the last optimisation
+  bool can_improve_ = false;
   std::vector<double> kept_moves_;  // of the last horizon that was good
   bool prepared_ = false;           // for data_ as it is
   bool needs_restart_ = true;       // the nodes are of another flight

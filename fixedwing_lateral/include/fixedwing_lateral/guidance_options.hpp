@@ -54,7 +54,8 @@ struct GuidanceOptions {
   int applied_move = 1;           ///< of the horizon: 1 as published, or 0 with `delay`
   double delay = 0.0;             ///< from the state to the effect of the command, predicted over [s]
   int iterations = 1;             ///< at most, in one call
-  double kkt_tolerance = 1e-3;    ///< at which iterations stop
+  double time_budget = 0.0;     ///< of a node for further iterations before the command goes out; 0: none [s]
+  double kkt_tolerance = 1e-3;  ///< at which iterations stop
 };
 
 /// The one list of what a running guidance may change.
@@ -96,6 +97,7 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
   visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
   visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});
+  visit("guidance/time_budget", options.time_budget, "s", Range{0.0, 0.1});
   visit("guidance/kkt_tolerance", options.kkt_tolerance, "", Range{1e-12, 1e3});
 }
 

@@ -61,6 +61,9 @@ class LateralNmpc {
   /// Linearises about the nodes and factorises. False where something is not finite; then `feedback` says so.
   bool prepare(const HorizonData& data) noexcept;
 
+  /// The KKT measure at the nodes, as of the last `prepare`: of the iterations so far, before the next.
+  double kkt() const noexcept { return kkt_; }
+
   /// One iteration from the state, whose heading may be off by whole turns. Needs `prepare`.
   NmpcReport feedback(const LateralState& state) noexcept;
 

@@ -30,6 +30,11 @@ polyfly::StampedWind toWind(const geometry_msgs::TwistWithCovarianceStamped& mes
 
 /// Throws polyfly::Error naming segment or waypoint and rule. The message must not be empty.
 polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const polyfly::LoiterOptions& loiter);
+
+/// What toMission makes the same mission of; waypoints have become segments. Throws polyfly::Error on a curve
+/// that messages have no form for.
+fixedwing_lateral::Mission toMessage(const polyfly::Mission& mission);
+
 bool isEmpty(const fixedwing_lateral::Mission& message) noexcept;
 
 /// The roll reference as angular.x; the caller sets the header.

@@ -5,6 +5,7 @@
 #include <fixedwing_lateral/LateralNmpcConfig.h>
 #include <fixedwing_lateral/Mission.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <mavros_msgs/State.h>
 #include <mavros_msgs/VFR_HUD.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
@@ -12,11 +13,13 @@
 #include <std_msgs/Bool.h>
 
 #include <boost/thread/recursive_mutex.hpp>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 
 #include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral_ros/autopilot_watch.hpp"
 #include "fixedwing_lateral_ros/conversions.hpp"
 
 namespace polyfly_ros {
@@ -35,6 +38,10 @@ class LateralNode {
     AttitudeOptions attitude;
     bool publish_attitude = false;
     bool require_engaged = false;
+    bool watch_autopilot = false;
+    double autopilot_timeout = 3.0;  ///< age of the autopilot's state [s]
+    std::string engaged_modes;
+    bool stream_in_standby = false;
     double imu_timeout = 0.2;  ///< age of an angular rate, after which the odometry's is taken [s]
   };
 
@@ -48,11 +55,13 @@ class LateralNode {
   void onHud(const mavros_msgs::VFR_HUD::ConstPtr& message);
   void onWind(const geometry_msgs::TwistWithCovarianceStamped::ConstPtr& message);
   void onMission(const fixedwing_lateral::Mission::ConstPtr& message);
+  void onAutopilot(const mavros_msgs::State::ConstPtr& message);
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
   void onReconfigure(const fixedwing_lateral::LateralNmpcConfig& config);
 
   void step(const ros::Time& now);
+  void improve(const std::chrono::steady_clock::time_point& start);
   void publishCommand(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void publishStatus(const polyfly::GuidanceOutput& output, const std_msgs::Header& header);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -62,13 +71,15 @@ class LateralNode {
   polyfly::LateralGuidance guidance_;
   ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
   ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
-      mission_subscriber_, engaged_subscriber_;
+      mission_subscriber_, engaged_subscriber_, autopilot_subscriber_;
   ros::Timer timer_;
   diagnostic_updater::Updater diagnostics_;
   boost::recursive_mutex reconfigure_mutex_;
   std::unique_ptr<dynamic_reconfigure::Server<fixedwing_lateral::LateralNmpcConfig>> reconfigure_;
 
   polyfly::GuidanceInput input_;
+  AutopilotWatch autopilot_;
+  bool engaged_ = true;  // as `engaged` has it
   std_msgs::Header odometry_header_;
   double altitude_ = 0.0;
   double imu_rate_ = 0.0;

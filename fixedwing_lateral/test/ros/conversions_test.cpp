@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fixedwing_lateral/mission_file.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -164,6 +165,36 @@ TEST(Conversions, MarkersInTheWorldOfTheOdometry) {
   EXPECT_EQ(markers.markers[1].header.frame_id, "map");
   EXPECT_NEAR(markers.markers[1].points.back().y, 200.0, 1e-9);  // north
   EXPECT_NEAR(markers.markers[1].points.back().z, 80.0, 1e-9);
+}
+
+TEST(Conversions, AMissionThereAndBack) {
+  const polyfly::Mission mission = polyfly::parseMission(
+      "path:\n"
+      "  - lines: [[0, 0], [300, 0]]\n"
+      "  - dubins: {radius: 50, poses: [[300, 0, 0.5], [100, 420, 3.1416]]}\n"
+      "  - spline: [[100, 420], [50, 410], [0, 440]]\n"
+      "  - circle: {centre: [0, 500], radius: 70, direction: left}\n",
+      "text", {});
+  const polyfly::Mission back = toMission(polyfly_ros::toMessage(mission), {});
+  ASSERT_EQ(back.segments.size(), mission.segments.size());
+  for (std::size_t i = 0; i < mission.segments.size(); ++i) {
+    EXPECT_EQ(back.segments[i].index(), mission.segments[i].index());
+    for (const double distance : {0.0, 20.0, 1000.0}) {
+      const polyfly::PathPoint one = pointAt(mission.segments[i], distance);
+      const polyfly::PathPoint other = pointAt(back.segments[i], distance);
+      EXPECT_EQ(one.position, other.position);
+      EXPECT_EQ(one.tangent, other.tangent);
+    }
+  }
+  EXPECT_EQ(back.curves.size(), 1U);
+}
+
+TEST(Conversions, RefusesASplineOfOnePoint) {
+  fixedwing_lateral::Mission message;
+  message.segments.resize(1);
+  message.segments[0].type = fixedwing_lateral::PathSegment::SPLINE;
+  message.segments[0].points.resize(1);
+  EXPECT_THROW(toMission(message, {}), polyfly::Error);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 """The lateral guidance over its topics: `node` or `nodelet`. By hand for single states, and against an aircraft."""
 import hashlib
 import math
+import os
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
@@ -13,7 +15,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from fixedwing_lateral.msg import LateralStatus, Mission, PathSegment
 from geometry_msgs.msg import Pose, TwistStamped, TwistWithCovarianceStamped
-from mavros_msgs.msg import VFR_HUD, AttitudeTarget
+from mavros_msgs.msg import VFR_HUD, AttitudeTarget, State
 from nav_msgs.msg import Odometry
 from roslib.packages import find_node
 from sensor_msgs.msg import Imu
@@ -77,6 +79,7 @@ class Guidance:
         self.hud = self.publisher("mavros/vfr_hud", VFR_HUD)
         self.wind = self.publisher("mavros/wind_estimation", TwistWithCovarianceStamped)
         self.mission = self.publisher("mission", Mission, latch=True)
+        self.state = self.publisher("mavros/state", State, latch=True)
         self.engaged = self.publisher("engaged", Bool, latch=True)
         self.commands = Collector(self.namespace + "/mavros/setpoint_attitude/cmd_vel", TwistStamped)
         self.attitudes = Collector(self.namespace + "/mavros/setpoint_raw/attitude", AttitudeTarget)
@@ -224,6 +227,96 @@ class LateralNmpcTest(unittest.TestCase):
         guidance.engaged.publish(Bool(data=True))
         guidance.exchange(accept=tracks)
 
+    def test_follows_the_modes_of_the_autopilot(self):
+        guidance = self.start({"input/watch_autopilot": True, "input/autopilot_timeout": 30.0,
+                               "input/engaged_modes": "OFFBOARD, GUIDED", "output/stream_in_standby": True})
+        guidance.mission.publish(northward())
+
+        def say(**fields):
+            state = State(connected=True, armed=True, mode="OFFBOARD")
+            state.header.stamp = rospy.Time.now()
+            for name, value in fields.items():
+                setattr(state, name, value)
+            guidance.state.publish(state)
+
+        def expect_standby():
+            status = guidance.exchange(bank, lambda s: s.mode == LateralStatus.STANDBY)
+            self.assertEqual(status.reason, LateralStatus.REASON_NOT_ENGAGED)
+            self.assertIn("another mode", status.text)
+            # what is streamed is the roll that is flown
+            self.assertAlmostEqual(guidance.command_of(status).twist.angular.x, 0.2, places=6)
+
+        def bank(odometry):
+            odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = math.sqrt(0.5) * math.cos(0.1)
+            odometry.pose.pose.orientation.x = odometry.pose.pose.orientation.y = math.sqrt(0.5) * math.sin(0.1)
+
+        expect_standby()  # the autopilot has not said anything yet
+        for mode in ("OFFBOARD", "GUIDED"):
+            say(mode=mode)
+            guidance.exchange(bank, accept=tracks)
+            first = guidance.statuses.wait(tracks)
+            self.assertTrue(first.restarted)  # it begins anew from the roll that is flown
+            self.assertLess(abs(first.roll_reference - 0.2), 0.2)
+            guidance.statuses.messages.clear()
+            for fields in ({"mode": "AUTO.LOITER"}, {"armed": False}, {"connected": False}):
+                say(**fields)
+                expect_standby()
+                say(mode=mode)
+                guidance.exchange(bank, accept=tracks)
+            say(mode="MANUAL")
+            expect_standby()
+            guidance.statuses.messages.clear()
+
+    def test_a_silent_autopilot_does_not_follow(self):
+        guidance = self.start({"input/watch_autopilot": True, "input/autopilot_timeout": 1.0})
+        guidance.mission.publish(northward())
+        state = State(connected=True, armed=True, mode="OFFBOARD")
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        followed = False
+        while not followed and rospy.Time.now() < deadline:
+            state.header.stamp = rospy.Time.now()
+            guidance.state.publish(state)
+            followed = tracks(guidance.exchange())
+        self.assertTrue(followed)
+        guidance.exchange(accept=lambda s: s.mode == LateralStatus.STANDBY)
+
+    def test_iterates_on_while_there_is_time(self):
+        guidance = self.start({"guidance/time_budget": 0.1, "guidance/kkt_tolerance": 1e-6})
+        guidance.mission.publish(northward())
+        # turned away from the line: the first iteration is not the last
+        def away(odometry):
+            odometry.pose.pose.orientation.w, odometry.pose.pose.orientation.z = 1.0, 0.0
+
+        guidance.exchange(away, accept=tracks)
+        first = guidance.statuses.wait(lambda s: tracks(s) and s.restarted)
+        self.assertGreater(first.iterations, 1)
+        self.assertLess(first.kkt, 1e-6)
+
+    def test_flies_a_mission_from_a_file(self):
+        guidance = self.start()
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml", delete=False) as file:
+            file.write("path:\n  - spline: [[0, 0], [400, 5], [800, 0]]\n"
+                       "  - lines: [[800, 0], [1200, 0]]\n")
+        self.addCleanup(os.remove, file.name)
+        command = [find_node("fixedwing_lateral", "publish_mission")[0], "__ns:=" + guidance.namespace,
+                   "__name:=publisher", "_file:=" + file.name]
+        process = subprocess.Popen(command)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        status = guidance.exchange(accept=tracks)
+        self.assertEqual(status.segment_count, 3)
+        self.assertLess(status.roll_reference, -0.01)
+
+    def test_a_bad_mission_file_is_refused_with_its_place(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml", delete=False) as file:
+            file.write("path:\n  - lines: [[0, 0]]\n")
+        self.addCleanup(os.remove, file.name)
+        command = [find_node("fixedwing_lateral", "publish_mission")[0], "__name:=bad", "_file:=" + file.name]
+        ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                               timeout=PATIENCE, check=False)
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn(file.name + ":2: path[0].lines: must be at least two points", ended.stdout)
+
     def test_reconfigures_in_flight(self):
         guidance = self.start({"limits/roll_reference": 0.5})
         guidance.mission.publish(northward())
@@ -280,6 +373,9 @@ class LateralNmpcTest(unittest.TestCase):
         text = "%s header\nfloat32 airspeed\nfloat32 groundspeed\nint16 heading\nfloat32 throttle\nfloat32 altitude\n" \
                "float32 climb" % header
         self.assertEqual(VFR_HUD._md5sum, hashlib.md5(text.encode()).hexdigest())
+        text = "%s header\nbool connected\nbool armed\nbool guided\nbool manual_input\nstring mode\nuint8 system_status" % header
+        self.assertEqual(State._md5sum, hashlib.md5(text.encode()).hexdigest())
+        self.assertEqual(State._md5sum, "ce783f756cab1193cb71ba9e90fece50")  # as mavros 1 has it
 
 
 if __name__ == "__main__":
