@@ -130,8 +130,8 @@ void ExplicitMpcNode::leaveSnapshot(const polyfly::ControlReport& report, const 
   snapshot.times = times;
   const bool tracks = report.status <= polyfly::ControlStatus::kHoldLast;
   const bool shows = record_.show_paths.load(std::memory_order_relaxed);
-  snapshot.reference = flight_.preview();
-  snapshot.reference_count = tracks ? (shows ? static_cast<int>(snapshot.reference.size()) : 1) : 0;
+  snapshot.reference_count = !tracks ? 0 : shows ? laws().previewLength() : 1;
+  std::copy_n(flight_.preview().begin(), snapshot.reference_count, snapshot.reference.begin());
   const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
   snapshot.predicted_count =
       shows && tracks && same_stages

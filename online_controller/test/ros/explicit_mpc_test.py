@@ -135,7 +135,7 @@ def is_level(command):
     return (command.roll, command.pitch, command.yaw_rate) == (0.0, 0.0, 0.0) and abs(command.thrust.z - HOVER) < 1e-9
 
 
-class ExplicitMpcTest(unittest.TestCase):
+class ExplicitMpcFixture(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -154,6 +154,17 @@ class ExplicitMpcTest(unittest.TestCase):
         self.addCleanup(controller.stop)
         return controller.connect()
 
+    def refusal(self, maps=None, parameters=None):
+        """What the twin says when it must not start."""
+        controller = Controller("refusal_" + self.id().split(".")[-1], self.maps if maps is None else maps, parameters)
+        output = controller.output_at_end()
+        self.assertNotEqual(controller.process.returncode, 0)
+        rospy.delete_param(controller.namespace)
+        self.assertEqual(output.count("explicit MPC does not start"), 1, output)
+        return output
+
+
+class ExplicitMpcTest(ExplicitMpcFixture):
     def test_answers_each_odometry_with_its_stamp(self):
         controller = self.fly()
         command, status = controller.exchange()
@@ -313,15 +324,6 @@ class ExplicitMpcTest(unittest.TestCase):
         self.assertTrue(is_level(command))
         command, status = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
         self.assertFalse(is_level(command))
-
-    def refusal(self, maps=None, parameters=None):
-        """What the twin says when it must not start."""
-        controller = Controller("refusal_" + self.id().split(".")[-1], self.maps if maps is None else maps, parameters)
-        output = controller.output_at_end()
-        self.assertNotEqual(controller.process.returncode, 0)
-        rospy.delete_param(controller.namespace)
-        self.assertEqual(output.count("explicit MPC does not start"), 1, output)
-        return output
 
     def test_refuses_maps_that_do_not_fit(self):
         def with_lateral(name):

@@ -27,6 +27,20 @@ int main(int argc, char** argv) try {
   polyfly_test::cutOff(infeasible, 0, 1.0);
   polyfly::writeMap(infeasible, folder + "infeasible.map");
 
+  // To be swapped in flight: one that answers alike, and some that must not fly.
+  polyfly::MapContent firmer = polyfly_test::axisContent(1);
+  for (std::size_t i = 0; i < 3; ++i) firmer.laws[i] *= 1.2;
+  polyfly::writeMap(firmer, folder + "firmer.map");
+  polyfly::MapContent wild = polyfly_test::axisContent(1);
+  for (std::size_t i = 0; i < 3; ++i) wild.laws[i] *= -5.0;
+  polyfly::writeMap(wild, folder + "wild.map");
+  polyfly::MapContent restless = polyfly_test::axisContent(1);
+  restless.laws.back() = 0.05;
+  polyfly::writeMap(restless, folder + "restless.map");
+  polyfly::MapContent slow = polyfly_test::axisContent(1);
+  slow.period *= 2.0;
+  polyfly::writeMap(slow, folder + "slow.map");
+
   std::vector<std::byte> bytes = polyfly::layOut(polyfly_test::axisContent(1));
   bytes.resize(bytes.size() / 2);
   polyfly::writeFileAtomically(folder + "truncated.map", bytes);

@@ -1,0 +1,18 @@
+// The controller under the names of mav_control_rw's nodes: POLYFLY_LAW and POLYFLY_NODE tell which.
+#include <ros/ros.h>
+
+#include <exception>
+
+#include "online_controller_ros/controller_node.hpp"
+#include "online_controller_ros/foreign_parameters.hpp"
+
+int main(int argc, char** argv) try {
+  ros::init(argc, argv, POLYFLY_NODE);
+  const ros::NodeHandle private_handle("~");
+  const std::string taken = polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
+  if (!taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", taken.c_str());
+  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle);
+  ros::spin();
+} catch (const std::exception&) {
+  return 1;  // the node has said why
+}

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""What changes and what is shown while the controller flies: options, maps, messages for autopilots and for people, and
+the names of mav_control_rw. Launched by in_flight.test with the argument node or nodelet."""
+
+import math
+import os
+import subprocess
+import sys
+import unittest
+
+import rospkg
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from mavros_msgs.msg import AttitudeTarget
+from online_controller.msg import ControllerStatus
+from online_controller.srv import SwapMaps
+from roslib.packages import find_node
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker
+
+import explicit_mpc_test as harness
+from explicit_mpc_test import HOVER, PATIENCE, Collector, pose_at
+
+HALF = math.sqrt(0.5)
+
+
+def heading_left(odometry):
+    odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = HALF
+
+
+def is_optimal(status):
+    return status.status == ControllerStatus.OPTIMAL
+
+
+class InFlightTest(harness.ExplicitMpcFixture):
+    def options(self, controller):
+        client = Client(controller.namespace + "/controller", timeout=PATIENCE)
+        self.addCleanup(client.close)
+        return client
+
+    def test_options_change_in_flight(self):
+        controller = self.fly({"law": "linear", "controller/offset_free": False})  # the vehicle does not move
+        turned = pose_at(0.0, 0.3, 0.0)
+        turned.pose.orientation.w, turned.pose.orientation.z = math.cos(0.1), math.sin(0.1)
+        controller.pose.publish(turned)
+        controller.exchange(accept=is_optimal)
+        for _ in range(5):  # until the command depends on the one before no more
+            first, _ = controller.exchange()
+        options = self.options(controller)
+        described = {p["name"]: p for p in options.get_parameter_descriptions(PATIENCE)}
+        self.assertEqual(described["controller/yaw_gain"]["max"], 20.0)
+        self.assertEqual(described["controller/hold_periods"]["type"], "int")
+        self.assertNotIn("nonlinear/horizon", described)
+
+        answer = options.update_configuration({"controller/yaw_gain": 3.6})
+        self.assertEqual(answer["controller/yaw_gain"], 3.6)
+        faster, _ = controller.exchange(accept=lambda s: s.law == "linear")
+        faster, _ = controller.exchange()  # laws are exchanged after a command is out
+        self.assertAlmostEqual(faster.yaw_rate, 2.0 * first.yaw_rate)
+        self.assertAlmostEqual(faster.roll, first.roll, places=6)
+
+        options.update_configuration({"linear/position_weight_y": 4.0})
+        controller.exchange()
+        softer, _ = controller.exchange()
+        self.assertLess(abs(softer.roll), 0.8 * abs(first.roll))
+        # Clamped to its range; refused as a whole, because hover thrust would be out of the limits.
+        self.assertEqual(options.update_configuration({"controller/angle_max": 7.0})["controller/angle_max"], 1.0)
+        refused = options.update_configuration({"controller/thrust_min": 15.0, "controller/yaw_gain": 1.0})
+        self.assertEqual((refused["controller/thrust_min"], refused["controller/yaw_gain"]), (5.0, 3.6))
+        command, _ = controller.exchange()
+        self.assertAlmostEqual(command.yaw_rate, faster.yaw_rate)
+
+        note = refused["explicit_maps"]
+        self.assertIn("linear/position_weight_y is 40 in the maps, 4 here", note)
+        self.assertRegex(note, "offline_mpt solve made.yaml -o .*/lateral.new.map")
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        name = controller.namespace + "/controller/controller/yaw_gain"
+        while rospy.get_param(name, 0.0) != 3.6 and rospy.Time.now() < deadline:
+            rospy.sleep(0.05)
+        self.assertEqual(rospy.get_param(name), 3.6)
+
+    def test_maps_are_swapped_only_for_good_ones(self):
+        controller = self.fly({"controller/offset_free": False})  # the vehicle does not move
+        controller.pose.publish(pose_at(0.0, 0.3, 0.0))
+        before, _ = controller.exchange(accept=is_optimal)
+        rospy.wait_for_service(controller.namespace + "/swap_maps", PATIENCE)
+        swap = rospy.ServiceProxy(controller.namespace + "/swap_maps", SwapMaps)
+        rospy.sleep(0.2)  # until the last sample has been looked at
+
+        def lateral(name, most_change=0.0):
+            return swap(lateral=os.path.join(self.folder.name, name), most_change=most_change)
+
+        for name, rule in (
+                ("nowhere.map", "nowhere.map"), ("truncated.map", "truncated.map"), ("flipped.map", "flipped.map"),
+                ("limited.map", "must be 'complete'"), ("longitudinal.map", "not a signal of this axis"),
+                ("wild.map", "would change the command"), ("restless.map", "must command nothing at rest"),
+                ("slow.map", "period must be that of the map in force")):
+            answer = lateral(name)
+            self.assertFalse(answer.success, name)
+            self.assertIn(rule, answer.message)
+            self.assertIn("the maps in force stay", answer.message)
+            command, _ = controller.exchange(accept=is_optimal)
+            self.assertEqual(command.roll, before.roll)
+        self.assertFalse(swap(lateral="", most_change=float("nan")).success)
+        self.assertFalse(swap(robust=True).success)
+
+        for name, gain in (("firmer.map", 1.2), ("lateral.map", 1.0)):
+            answer = lateral(name)
+            self.assertTrue(answer.success, answer.message)
+            self.assertTrue(math.isnan(answer.change[0]) or answer.change[0] == 0.0)
+            controller.exchange()
+            command, status = controller.exchange(accept=is_optimal)
+            self.assertAlmostEqual(status.lateral.input, gain * 0.3 * -0.3, places=9)
+        self.assertFalse(lateral("firmer.map", most_change=0.001).success)
+
+    def test_attitude_target_for_an_autopilot(self):
+        controller = self.fly({"output/attitude_target": True, "output/hover_thrust": 0.4,
+                               "output/thrust_greatest": 0.45})
+        targets = Collector(controller.namespace + "/mavros/setpoint_raw/attitude", AttitudeTarget)
+        controller.pose.publish(pose_at(0.1, -0.1, 0.05))
+        command, status = controller.exchange(heading_left, is_optimal)
+        target = targets.wait(lambda m: m.header.stamp == status.header.stamp)
+        self.assertEqual(target.type_mask, AttitudeTarget.IGNORE_ROLL_RATE | AttitudeTarget.IGNORE_PITCH_RATE)
+        self.assertEqual(target.body_rate.z, command.yaw_rate)
+        self.assertAlmostEqual(target.thrust, 0.4 * command.thrust.z / HOVER, places=6)
+        # Body z of q = (w, x, y, z) in the world; at yaw 90 degrees pitch leans to +y and roll to +x.
+        q = target.orientation
+        up = (2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x), 1.0 - 2.0 * (q.x ** 2 + q.y ** 2))
+        self.assertAlmostEqual(up[0], math.sin(command.roll), places=9)
+        self.assertAlmostEqual(up[1], math.cos(command.roll) * math.sin(command.pitch), places=9)
+        self.assertAlmostEqual(2.0 * math.atan2(q.z, q.w), math.pi / 2.0, delta=0.05)
+        controller.pose.publish(pose_at(0.0, 0.0, 2.0))
+        _, status = controller.exchange(heading_left, lambda s: s.vertical.input > 2.0)
+        self.assertAlmostEqual(targets.wait(lambda m: m.header.stamp == status.header.stamp).thrust, 0.45, places=6)
+
+    def test_a_thrust_curve_that_cannot_be_flown_is_refused(self):
+        self.assertIn("output/thrust: must increase", self.refusal(
+            parameters={"output/attitude_target": True, "output/thrust_polynomial": [0.0, 0.05, -0.002]}))
+        self.assertIn("output: one of", self.refusal(parameters={"output/roll_pitch_yawrate_thrust": False}))
+
+    def test_status_display_and_diagnostics(self):
+        controller = self.fly({"law": "nonlinear"})
+        markers = {name: Collector(controller.namespace + "/" + name, Marker)
+                   for name in ("reference_trajectory", "predicted_state")}
+        frames = Collector("/tf", TFMessage)
+        diagnostics = Collector("/diagnostics", DiagnosticArray)
+        controller.pose.publish(pose_at(0.2, 0.1, 0.3))
+        wanted = controller.namespace[1:] + "/current_reference"
+        frame, shown = None, {}
+        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+        while (frame is None or len(shown) < 2) and rospy.Time.now() < deadline:
+            _, status = controller.exchange(accept=is_optimal)
+            frame = frame or frames.wait(lambda m: m.transforms[0].child_frame_id == wanted, 0.02)
+            for name, collector in markers.items():
+                marker = collector.wait(lambda m: len(m.points) == 21, 0.02)
+                if marker:
+                    shown[name] = marker
+        self.assertAlmostEqual(frame.transforms[0].transform.translation.z, 0.3)
+        self.assertAlmostEqual(shown["reference_trajectory"].points[20].x, 0.2)
+        self.assertAlmostEqual(shown["predicted_state"].points[0].x, 0.0)
+        self.assertAlmostEqual(shown["predicted_state"].points[20].x, 0.2, delta=0.1)
+        _, status = controller.exchange()  # with times of the one before
+        self.assertEqual(status.law, "nonlinear")
+        self.assertGreater(status.iterations, 0)
+        self.assertLess(status.kkt_residual, 1e-6)
+        self.assertGreaterEqual(status.kkt_residual, 0.0)
+        for time in (status.input_time_ns, status.step_time_ns, status.output_time_ns, status.prepare_time_ns):
+            self.assertGreater(time, 0)
+        name = controller.namespace + "/controller: control"
+        said = diagnostics.wait(lambda m: any(
+            s.name.endswith(name[1:]) and any(v.key == "steps" and int(v.value) > 0 for v in s.values) for s in m.status))
+        self.assertIsNotNone(said)
+        values = {v.key: v.value for s in said.status for v in s.values}
+        self.assertGreaterEqual(float(values["odometry to command, p99.9 [us]"]),
+                                float(values["odometry to command, median [us]"]))
+
+    def test_the_control_thread_runs_where_it_shall(self):
+        controller = self.fly({"real_time/core": 0, "real_time/priority": 10, "real_time/lock_memory": False})
+        controller.exchange()
+        tasks = "/proc/%d/task" % controller.process.pid
+        names = {open("%s/%s/comm" % (tasks, task)).read().strip(): int(task) for task in os.listdir(tasks)}
+        self.assertEqual(os.sched_getaffinity(names["mpc_control"]), {0})
+        granted = os.sched_getscheduler(names["mpc_control"]) == os.SCHED_FIFO
+        self.assertNotEqual(os.sched_getscheduler(names["mpc_background"]), os.SCHED_FIFO)
+        controller.process.terminate()
+        said = controller.output_at_end()
+        self.assertEqual("real_time/priority 10" in said, not granted, said)
+
+    def test_what_is_not_permitted_is_said_and_it_flies_on(self):
+        controller = self.fly({"real_time/core": 1023})
+        controller.exchange()
+        controller.process.terminate()
+        said = controller.output_at_end()
+        self.assertIn("real_time/core 1023: Invalid argument; goes on without", said)
+
+    @unittest.skipIf("nodelet" in sys.argv, "nodes only")
+    def test_launch_files_of_mav_control_rw_need_another_package_name_only(self):
+        resources = os.path.join(rospkg.RosPack().get_path("online_controller"), "resources")
+        for node, law in (("mav_linear_mpc_node", "linear"), ("nonlinear_mpc_node", "nonlinear")):
+            namespace = "/peer_" + law
+            name = "mav_%s_mpc" % law
+            subprocess.run(["rosparam", "load", os.path.join(
+                resources, "%s_mpc_firefly.yaml" % law), namespace + "/" + name], check=True)
+            rospy.set_param(namespace + "/" + name + "/controller/stale_periods", 10000)
+            controller = harness.Controller.__new__(harness.Controller)
+            controller.namespace = namespace
+            controller.process = subprocess.Popen(
+                [find_node("online_controller", node)[0], "__ns:=" + namespace, "__name:=" + name],
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+            self.addCleanup(controller.stop)
+            controller.connect()
+            controller.pose.publish(pose_at(0.5, 0.0, 0.0))
+            command, status = controller.exchange(accept=is_optimal)
+            self.assertEqual(status.law, law)
+            self.assertGreater(command.pitch, 0.03)
+            self.assertLessEqual(command.pitch, math.radians(25.0) + 1e-12)
+            mass = 1.52 if law == "linear" else 1.56
+            self.assertAlmostEqual(command.thrust.z, mass * 9.8066, delta=1.0)
+            self.assertEqual(rospy.get_param(namespace + "/" + name + "/vehicle/mass"), mass)
+
+
+if __name__ == "__main__":
+    harness.TWIN = "nodelet" if "nodelet" in sys.argv else "node"
+    rospy.init_node("in_flight_test")
+    rostest.rosrun("online_controller", "in_flight_" + harness.TWIN, InFlightTest, sys.argv)
