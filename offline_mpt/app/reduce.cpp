@@ -34,7 +34,8 @@ const char kFooter[] =
     "proven of MAP then holds for it too. Where the proof fails nothing is written (exit code 1).\n"
     "\n"
     "Examples:\n"
-    "  offline_mpt reduce lateral.map -o small.map --stats saved.json\n"
+    "  offline_mpt reduce lateral.map -o small.map --stats saved.json --certificate small.cert\n"
+    "  check_certificate small.cert --map small.map --reduced-from lateral.map\n"
     "  offline_mpt reduce lateral.map -o small.map --merge optimal --separate\n"
     "  offline_mpt verify small.map --reduced-from lateral.map";
 
@@ -42,6 +43,7 @@ struct Options {
   std::string map;
   std::string output;
   std::string stats;
+  std::string certificate;
   ReduceOptions reduce;
   bool no_proof = false;
   bool quiet = false;
@@ -94,8 +96,8 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
     attempt.stats = result.stats;
     attempt.image = std::make_unique<Image>(result.content);
     if (options.no_proof) break;
-    attempt.report =
-        proveReduction(attempt.image->view(options.output), map, options.reduce.threads, options.quiet);
+    attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
+                                    options.quiet, !options.certificate.empty());
     if (attempt.report.passed() || attempt.report.interrupted) break;
   }
   return attempt;
@@ -103,7 +105,9 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
 
 ExitCode reduceMap(const Options& options) {
   checkWritable(options.output);
-  if (!options.stats.empty()) checkWritable(options.stats);
+  for (const std::string* file : {&options.stats, &options.certificate}) {
+    if (!file->empty()) checkWritable(*file);
+  }
   const RegionMap map = RegionMap::open(options.map);
   const Attempt attempt = reduceAndProve(map, options);
   if (!options.no_proof && attempt.report.interrupted) {
@@ -119,6 +123,7 @@ ExitCode reduceMap(const Options& options) {
   const RegionMap reduced = attempt.image->view(options.output);
   endOnSignal();
   writeFileAtomically(options.output, attempt.image->bytes());
+  if (!options.certificate.empty()) writeCertificate(attempt.report, options.certificate);
   if (!options.stats.empty())
     writeText(options.stats, reduceJson(attempt.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
   if (!options.quiet) {
@@ -158,6 +163,8 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--threads", options->reduce.threads, "worker threads (default: all processors)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--no-proof", options->no_proof, "write the map without proving it");
+  command->add_option("--certificate", options->certificate, "write the proof, for check_certificate")
+      ->excludes(command->get_option("--no-proof"));
   command->add_flag("--quiet", options->quiet, "say nothing but errors");
   command->callback([options, &exit_code] { exit_code = reduceMap(*options); });
 }

@@ -32,7 +32,9 @@ const char kFooter[] =
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
     "  offline_mpt verify lateral.map --exact --certificate lateral.cert    (a proof; see CERTIFICATE.md)\n"
     "  offline_mpt verify lateral.map --exact --repair -o repaired.map\n"
-    "  offline_mpt verify small.map --reduced-from lateral.map              (a proof; see reduce --help)\n"
+    "  offline_mpt verify small.map --reduced-from lateral.map --certificate small.cert    (a proof; see "
+    "reduce "
+    "--help)\n"
     "  offline_mpt verify lateral.map --json report.json    (against the problem that the map carries)";
 
 struct Options {
@@ -90,10 +92,8 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
       "--exact", options->exact, "prove the map in rational arithmetic instead of sampling, or refute it");
   for (const char* sampling : {"--samples", "--seed", "--tolerance"})
     exact->excludes(command->get_option(sampling));
-  command
-      ->add_option("--certificate", options->certificate,
-                   "with --exact: write the proof, for check_certificate")
-      ->needs(exact);
+  command->add_option("--certificate", options->certificate,
+                      "with --exact or --reduced-from: write the proof, for check_certificate");
   CLI::Option* repair =
       command->add_flag("--repair", options->repair, "with --exact: add what is missing, into a new map")
           ->needs(exact);
@@ -138,10 +138,12 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
   addExact(command, options);
   command->callback([options, &exit_code] {
     if (!options->reduced_from.empty()) {
-      exit_code = verifyReducedMap(
-          {options->map, options->reduced_from, options->json, options->verify.threads, options->quiet});
+      exit_code = verifyReducedMap({options->map, options->reduced_from, options->json, options->certificate,
+                                    options->verify.threads, options->quiet});
       return;
     }
+    if (!options->certificate.empty() && !options->exact)
+      throw CLI::ValidationError("--certificate requires --exact or --reduced-from");
     exit_code =
         options->exact
             ? verifyExact({options->map, options->problem, options->certificate, options->json,

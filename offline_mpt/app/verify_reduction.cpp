@@ -6,10 +6,12 @@
 
 namespace polyfly {
 
-ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet) {
+ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet,
+                               bool certificate) {
   Progress progress(quiet);
   ReductionOptions options;
   options.threads = threads;
+  options.certificate = certificate;
   options.stop = &stopOnSignal();
   options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
     const double remaining =
@@ -20,11 +22,15 @@ ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& origin
 }
 
 ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
-  if (!options.json.empty()) checkWritable(options.json);
+  for (const std::string* file : {&options.json, &options.certificate}) {
+    if (!file->empty()) checkWritable(*file);
+  }
   const RegionMap reduced = RegionMap::open(options.map);
   const RegionMap original = RegionMap::open(options.original);
-  const ReductionReport report = proveReduction(reduced, original, options.threads, options.quiet);
+  const ReductionReport report =
+      proveReduction(reduced, original, options.threads, options.quiet, !options.certificate.empty());
   if (!options.json.empty()) writeText(options.json, reductionJson(report));
+  if (!options.certificate.empty() && report.passed()) writeCertificate(report, options.certificate);
   if (!options.quiet) std::fputs(reductionText(report).c_str(), stdout);
   if (report.interrupted) {
     std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing is proven\n", options.map.c_str());

@@ -11,7 +11,8 @@ namespace polyfly {
 struct VerifyReductionOptions {
   std::string map;
   std::string original;
-  std::string json;  ///< file to write, empty: none
+  std::string json;         ///< file to write, empty: none
+  std::string certificate;  ///< likewise
   int threads = 1;
   bool quiet = false;
 };
@@ -19,7 +20,8 @@ struct VerifyReductionOptions {
 /// Proves that a reduced map answers as the original, or refutes it. kDone when it is proven.
 ExitCode verifyReducedMap(const VerifyReductionOptions& options);
 
-/// verifyReduction with a progress line, stopped by a signal.
-ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet);
+/// verifyReduction with a progress line, stopped by a signal. With `certificate` the report has the proof.
+ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet,
+                               bool certificate);
 
 }  // namespace polyfly

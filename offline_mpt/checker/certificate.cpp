@@ -5,23 +5,8 @@
 
 namespace checker {
 
-Weights Certificate::readWeights(Line& line) const {
-  Weights weights;
-  for (std::size_t k = line.count(kMany); k > 0; --k) {
-    const std::size_t place = line.count(kMany);
-    weights.emplace_back(place, line.integer());
-  }
-  return weights;
-}
-
-Certificate::Certificate(const std::string& text, const Map& map) : map_(map) {
-  const std::size_t end = text.rfind("\nend ");
-  require(end != std::string::npos, "the certificate is cut off");
-  char sum[32];
-  std::snprintf(sum, sizeof sum, "end %016llx\n",
-                static_cast<unsigned long long>(xxh64(text.substr(0, end + 1))));
-  require(text.substr(end + 1) == sum, "the certificate is damaged: its checksum does not match");
-  std::istringstream lines(text.substr(0, end));
+Certificate::Certificate(const std::string& text, const Map& map) : map_(map), scaling_(map) {
+  std::istringstream lines(unsealed(text));
   std::string line;
   require(std::getline(lines, line) && line == "polyfly certificate 2", "not a certificate of version 2");
   claims_.reserve(map.regions.size());
@@ -33,13 +18,11 @@ Certificate::Certificate(const std::string& text, const Map& map) : map_(map) {
 void Certificate::readLine(const std::string& text, Claim*& claim) {
   Line line(text);
   const std::string key = line.word();
-  char sum[32];
   if (key == "map") {
-    std::snprintf(sum, sizeof sum, "%016llx", static_cast<unsigned long long>(map_.checksum));
-    require(line.word() == sum && line.count(SIZE_MAX) == map_.size, "the certificate is of another map");
+    require(line.word() == hexText(map_.checksum) && line.count(SIZE_MAX) == map_.size,
+            "the certificate is of another map");
   } else if (key == "problem") {
-    std::snprintf(sum, sizeof sum, "%016llx", static_cast<unsigned long long>(xxh64(map_.problem)));
-    require(line.word() == sum && line.count(SIZE_MAX) == map_.problem.size(),
+    require(line.word() == hexText(xxh64(map_.problem)) && line.count(SIZE_MAX) == map_.problem.size(),
             "the certificate is of another problem");
   } else if (key == "tolerances") {
     law_tolerance_ = line.real();
@@ -125,8 +108,6 @@ void Certificate::checkSizes() {
     require(
         lower == Fraction(map_.bounds[2 * j]) && upper == Fraction(map_.bounds[2 * j + 1]) && lower < upper,
         "the box is not the map's");
-    centre_.push_back((lower + upper) / 2);
-    half_.push_back((upper - lower) / 2);
   }
   linear_ = std::all_of(data("H").entries.begin(), data("H").entries.end(),
                         [](const Fraction& h) { return h == 0; });
@@ -197,8 +178,8 @@ Vector Certificate::affine(const std::string& matrix, const std::string& vector,
   Vector result;
   Fraction constant = data(vector).at(row, 0);
   for (std::size_t j = 0; j < p_; ++j) {
-    result.push_back(sign * data(matrix).at(row, j) * half_[j]);
-    constant += sign * data(matrix).at(row, j) * centre_[j];
+    result.push_back(sign * data(matrix).at(row, j) * scaling_.half[j]);
+    constant += sign * data(matrix).at(row, j) * scaling_.centre[j];
   }
   result.push_back(constant);
   return result;

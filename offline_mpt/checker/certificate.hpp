@@ -6,17 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "certificate_input.hpp"
+#include "rows.hpp"
 
 namespace checker {
-
-using Integer = mpz_class;
-using Fraction = mpq_class;
-using Vector = std::vector<Fraction>;
-using Row = std::vector<Integer>;  // row (t, 1) >= 0
-using Weights = std::vector<std::pair<std::size_t, Integer>>;
-
-constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
 
 struct Matrix {
   std::size_t rows = 0, columns = 0;
@@ -60,7 +52,6 @@ class Certificate {
     return at->second;
   }
   void readLine(const std::string& text, Claim*& claim);
-  Weights readWeights(Line& line) const;
   void checkSizes();
   void checkProgram() const;
   Vector affine(const std::string& matrix, const std::string& vector, std::size_t row, int sign) const;
@@ -71,13 +62,11 @@ class Certificate {
                  Region& region) const;
   void addDomain(Region& region) const;
   void setLaw(const std::vector<Row>& z, const Integer& determinant, Region& region) const;
-  Vector inBox(const double* entries, int sign, const Fraction& constant) const;
   void checkLaw(std::size_t index, const Region& region) const;
   void checkRows(std::size_t index, Region& region) const;
   void checkMapRows(std::size_t index, Region& region) const;
   Row relaxed(const Row& row) const;
   const Region& checkedRegion(std::size_t index) const;
-  Fraction valueAt(const Row& row, const Vector& t) const;
   void checkPoint(const Claim& claim, const Region& region) const;
   void checkClosing(std::size_t index, const Region& region, std::size_t facet) const;
   void checkSliver(std::size_t index, const Region& region) const;
@@ -90,7 +79,7 @@ class Certificate {
   std::vector<std::size_t> basis_;
   std::vector<Weights> implied_;
   Fraction law_tolerance_, plane_tolerance_, regularisation_, penalty_;
-  Vector centre_, half_;
+  Scaling scaling_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
   bool linear_ = false;
   std::vector<Claim> claims_;                      ///< regions of the map, then slivers

@@ -1,6 +1,8 @@
 #include "certificate_input.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
@@ -69,6 +71,12 @@ std::uint64_t xxh64(const std::string& bytes) {
   return hash ^ hash >> 32;
 }
 
+std::string hexText(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
 Map::Map(const std::string& file) {
   require(file.size() >= 256 && file.compare(0, 8, "PFLYMAP\n") == 0, "not a region map");
   require(load<std::uint32_t>(file, 8) == 0x01020304u, "the byte order of the map is not this machine's");
@@ -81,12 +89,13 @@ Map::Map(const std::string& file) {
   require(xxh64(blank) == checksum, "the map is damaged: its checksum does not match");
   p = load<std::uint32_t>(file, 32);
   q = load<std::uint32_t>(file, 36);
+  root = load<std::uint32_t>(file, 40);
+  tolerance = load<double>(file, 56);
+  reduced_from = load<std::uint64_t>(file, 80);
+  first_fallback = load<std::uint32_t>(file, 88);
+  require(tolerance >= 0.0 && tolerance <= 1.0, "the map's tolerance is out of range");
   require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
-  const std::vector<char> text = section<char>(file, 0, 1);
-  const std::string words(text.begin(), text.end());
-  const std::size_t name_end = words.find('\0');
-  require(name_end != std::string::npos, "the map's text is not as it must be");
-  problem = words.substr(name_end + 1, words.find('\0', name_end + 1) - name_end - 1);
+  readText(file);
   bounds = section<double>(file, 1, 2);
   require(bounds.size() == 2 * std::size_t{p + q}, "the map's bounds are not as they must be");
   planes = section<double>(file, 2, p + 1);
@@ -94,6 +103,26 @@ Map::Map(const std::string& file) {
   regions = section<Region>(file, 4, 1);
   rows = section<std::int32_t>(file, 5, 1);
   active = section<std::int32_t>(file, 6, 1);
+  nodes = section<Node>(file, 7, 1);
+  leaves = section<Leaf>(file, 8, 1);
+  candidates = section<std::uint32_t>(file, 9, 1);
+  checkTables();
+  checkTree();
+}
+
+void Map::readText(const std::string& file) {
+  const std::vector<char> text = section<char>(file, 0, 1);
+  for (auto at = text.begin(); at != text.end();) {
+    const auto end = std::find(at, text.end(), '\0');
+    require(end != text.end(), "the map's text is not as it must be");
+    words.emplace_back(at, end);
+    at = end + 1;
+  }
+  require(words.size() == 5 + 2 * (std::size_t{p} + q), "the map's text is not as it must be");
+  problem = words[1];
+}
+
+void Map::checkTables() const {
   for (const std::int32_t row : rows)
     require(row != 0 && row != INT32_MIN && std::size_t(std::abs(row)) * (p + 1) <= planes.size(),
             "a row of the map names no plane");
@@ -111,9 +140,42 @@ Map::Map(const std::string& file) {
   }
 }
 
+void Map::checkTree() const {
+  const auto requireChild = [&](std::uint32_t child) {
+    require((child & kLeaf) != 0 ? (child & ~kLeaf) < leaves.size() : child < nodes.size(),
+            "the map's tree leads to no leaf");
+  };
+  requireChild(root);
+  for (const Node& node : nodes) {
+    require((std::size_t{node.plane} + 1) * (p + 1) <= planes.size(), "a node of the map names no plane");
+    requireChild(node.below);
+    requireChild(node.above);
+  }
+  for (const Leaf& leaf : leaves)
+    require(std::uint64_t{leaf.first} + leaf.count <= candidates.size(), "a leaf reaches beyond its table");
+  for (const std::uint32_t candidate : candidates)
+    require(candidate < regions.size(), "a candidate of the map is no region");
+}
+
 std::string Line::word() {
   std::string result;
   require(static_cast<bool>(words_ >> result), "a line is shorter than its rule");
+  return result;
+}
+
+bool Line::next(const std::string& expected) {
+  if (done()) return false;
+  const auto before = words_.tellg();
+  std::string found;
+  if (words_ >> found && found == expected) return true;
+  words_.clear();
+  words_.seekg(before);
+  return false;
+}
+
+std::string Line::rest() {
+  std::string result;
+  std::getline(words_ >> std::ws, result);
   return result;
 }
 

@@ -23,6 +23,7 @@ inline void require(bool condition, const std::string& rule) {
 
 std::string readFile(const std::string& path);
 std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
+std::string hexText(std::uint64_t value);       ///< 16 digits
 
 /// The parts of a region map that a certificate speaks of.
 struct Map {
@@ -32,13 +33,32 @@ struct Map {
     std::uint32_t first_row, row_count, law, first_active, active_count;
   };
 
-  std::uint32_t p = 0, q = 0;
-  std::uint64_t checksum = 0, size = 0;
-  std::string problem;         ///< text
-  std::vector<double> bounds;  ///< lower and upper of each parameter
+  /// A child with bit 31 set is a leaf.
+  struct Node {
+    std::uint32_t plane, below, above;
+  };
+  struct Leaf {
+    std::uint32_t first, count;
+  };
+  static constexpr std::uint32_t kLeaf = 0x80000000u;
+
+  std::uint32_t p = 0, q = 0, root = 0, first_fallback = 0;
+  std::uint64_t checksum = 0, size = 0, reduced_from = 0;
+  double tolerance = 0.0;
+  std::string problem;             ///< text
+  std::vector<std::string> words;  ///< all strings of the text section, in order
+  std::vector<double> bounds;      ///< lower and upper of each parameter
   std::vector<double> planes, laws;
   std::vector<Region> regions;
   std::vector<std::int32_t> rows, active;
+  std::vector<Node> nodes;
+  std::vector<Leaf> leaves;
+  std::vector<std::uint32_t> candidates;
+
+ private:
+  void readText(const std::string& file);
+  void checkTables() const;
+  void checkTree() const;
 };
 
 /// Words of one line.
@@ -47,10 +67,12 @@ class Line {
   explicit Line(const std::string& text) : words_(text) {}
   std::string word();
   bool done() { return (words_ >> std::ws).eof(); }
-  std::size_t count(std::size_t limit);  ///< whole, at most `limit`
-  mpz_class integer();                   ///< base 16
-  mpq_class fraction();                  ///< base 16, as numerator/denominator
-  mpq_class real();                      ///< a double as printf's %a writes it, at its exact value
+  std::size_t count(std::size_t limit);    ///< whole, at most `limit`
+  mpz_class integer();                     ///< base 16
+  mpq_class fraction();                    ///< base 16, as numerator/denominator
+  mpq_class real();                        ///< a double as printf's %a writes it, at its exact value
+  bool next(const std::string& expected);  ///< takes the next word if it is this one
+  std::string rest();                      ///< all words that are left
   void end() { require(done(), "a line is longer than its rule"); }
 
  private:

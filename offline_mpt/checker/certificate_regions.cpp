@@ -7,67 +7,6 @@ namespace {
 
 constexpr int kDroppedBits = 30;
 
-Row primitive(const Vector& values) {
-  Integer denominator(1), divisor(0);
-  for (const Fraction& value : values) denominator = lcm(denominator, value.get_den());
-  Row row;
-  for (const Fraction& value : values) {
-    row.push_back(value.get_num() * (denominator / value.get_den()));
-    divisor = gcd(divisor, row.back());
-  }
-  if (divisor > 1) {
-    for (Integer& value : row) value /= divisor;
-  }
-  return row;
-}
-
-Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
-
-bool proportional(const Row& a, const Row& b) {  // with any sign, b not zero
-  std::size_t k = 0;
-  while (b[k] == 0) ++k;
-  for (std::size_t j = 0; j < a.size(); ++j) {
-    if (a[j] * b[k] != b[j] * a[k]) return false;
-  }
-  return true;
-}
-
-bool sameHalfSpace(const Row& a, const Row& b) {
-  std::size_t k = 0;
-  while (b[k] == 0) ++k;
-  return proportional(a, b) && sgn(a[k]) == sgn(b[k]);
-}
-
-Integer leastInBox(const Row& row) {
-  Integer value = row.back();
-  for (std::size_t j = 0; j + 1 < row.size(); ++j) value -= abs(row[j]);
-  return value;
-}
-
-/// scale * target - sum of weight * row, rows in unit form: shifted to the same number of bits.
-Row remainder(const Row* target, const Integer& scale, const Weights& weights,
-              const std::vector<const Row*>& rows) {
-  const auto bits = [](const Row& row) {
-    std::size_t most = 0;
-    for (const Integer& value : row)
-      most = std::max(most, value == 0 ? 0 : mpz_sizeinbase(value.get_mpz_t(), 2));
-    return most;
-  };
-  std::size_t most = target != nullptr ? bits(*target) : 0;
-  for (const auto& [place, weight] : weights) {
-    require(place < rows.size() && rows[place] != nullptr, "a proof names a row that is not there");
-    most = std::max(most, bits(*rows[place]));
-  }
-  Row rest;
-  const auto add = [&](const Row& row, const Integer& factor) {
-    rest.resize(row.size());
-    for (std::size_t j = 0; j < row.size(); ++j) rest[j] += factor * (row[j] << (most - bits(row)));
-  };
-  if (target != nullptr) add(*target, scale);
-  for (const auto& [place, weight] : weights) add(*rows[place], -weight);
-  return rest;
-}
-
 /// Solves the square system in place, without fractions; its last columns then are determinant * solution.
 Integer solve(std::vector<Row>& system) {
   const std::size_t size = system.size();
@@ -222,21 +161,10 @@ void Certificate::setLaw(const std::vector<Row>& z, const Integer& determinant, 
 }
 
 /// The map's numbers for a row (p + 1 of them) in t: sign * (entries . theta) + constant.
-Vector Certificate::inBox(const double* entries, int sign, const Fraction& constant) const {
-  Vector result;
-  Fraction sum = constant;
-  for (std::size_t j = 0; j < p_; ++j) {
-    result.push_back(sign * Fraction(entries[j]) * half_[j]);
-    sum += sign * Fraction(entries[j]) * centre_[j];
-  }
-  result.push_back(sum);
-  return result;
-}
-
 void Certificate::checkLaw(std::size_t index, const Region& region) const {
   for (std::size_t i = 0; i < q_; ++i) {
     const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
-    const Vector mapped = inBox(row, 1, Fraction(row[p_]));
+    const Vector mapped = scaling_.inBox(row, 1, Fraction(row[p_]));
     Fraction difference, size(1), sum;
     for (std::size_t j = 0; j <= p_; ++j) {
       difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
@@ -268,7 +196,7 @@ void Certificate::checkMapRows(std::size_t index, Region& region) const {
     const std::int32_t reference = map_.rows[mapped_region.first_row + f];
     const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(reference)) - 1) * (p_ + 1);
     const int sign = reference > 0 ? -1 : 1;
-    const Vector mapped = inBox(plane, sign, -sign * Fraction(plane[p_]));
+    const Vector mapped = scaling_.inBox(plane, sign, -sign * Fraction(plane[p_]));
     std::size_t k = 0;
     Fraction squared;
     for (std::size_t j = 0; j < p_; ++j) {
@@ -313,12 +241,6 @@ void Certificate::checkRows(std::size_t index, Region& region) const {
   for (const auto& [origin, row] : region.dropped) follows("D" + origin, row, listed);
   for (std::size_t f = region.own; f < listed.size() && !claim.is_sliver; ++f)
     follows("X" + claim.listed[f], relaxed(*listed[f]), own);
-}
-
-Fraction Certificate::valueAt(const Row& row, const Vector& t) const {
-  Fraction value(row.back());
-  for (std::size_t j = 0; j < p_; ++j) value += row[j] * t[j];
-  return value;
 }
 
 void Certificate::checkPoint(const Claim& claim, const Region& region) const {
@@ -397,22 +319,8 @@ void Certificate::checkEdge(Line& line, const Row& plane) const {
 /// is covered by others, what remains lies in that region. Without a plane it is a part of a sliver, and the
 /// rows are those of the map, relaxed.
 void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const {
-  const auto checkEmpty = [&](const std::vector<const Row*>& rows) {
-    std::vector<const Row*> with_plane = rows;
-    if (plane != nullptr) with_plane.push_back(plane);
-    const Weights weights = readWeights(line);
-    require(!weights.empty(), "an empty proof");
-    bool counts = false;
-    for (const auto& [place, weight] : weights) {
-      require(weight >= 0 || (plane != nullptr && place == rows.size()), "a proof has a negative weight");
-      counts = counts || (weight > 0 && place != rows.size());
-    }
-    const Row rest = remainder(nullptr, 0, weights, with_plane);
-    for (const Integer& value : rest) counts = counts || value != 0;
-    require(counts && leastInBox(rest) >= 0, "a part of a facet is not empty");
-  };
   const std::string kind = line.word();
-  if (kind == "e") return checkEmpty(cell);
+  if (kind == "e") return requireEmpty(line, cell, plane);
   require(kind == "N", kind + " covers nothing");
   const std::size_t other = line.count((plane != nullptr ? claims_.size() : map_.regions.size()) - 1);
   const Region& behind = checkedRegion(other);
@@ -432,7 +340,7 @@ void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row
     std::vector<const Row*> outside = cell;
     outside.push_back(&negated);
     if (what == "e") {
-      checkEmpty(outside);
+      requireEmpty(line, outside, plane);
     } else {
       require(what == "s", what + " covers nothing");
       checkCover(line, plane, outside);

@@ -40,13 +40,25 @@ void appendList(const char* name, const std::vector<int>& list, std::string& tex
   text += "\n";
 }
 
+std::string mapLine(const char* name, const RegionMap& map) {
+  return std::string(name) + " " + hex(map.checksum()) + " " + std::to_string(map.bytes()) + "\n";
+}
+
+void writeProof(const std::string& certificate, const char* what, const std::string& path) {
+  if (certificate.empty())
+    throw Error(path + ": there is no certificate to write: " + what + " did not pass");
+  std::vector<std::byte> bytes(certificate.size());
+  std::memcpy(bytes.data(), certificate.data(), bytes.size());
+  writeFileAtomically(path, bytes);
+}
+
 }  // namespace
 
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const Adjustment& adjustment, const CertifyOptions& options) {
   const std::string_view problem = map.problemText();
   std::string text = "polyfly certificate 2\n";
-  text += "map " + hex(map.checksum()) + " " + std::to_string(map.bytes()) + "\n";
+  text += mapLine("map", map);
   text += "problem " + hex(static_cast<std::uint64_t>(XXH64(problem.data(), problem.size(), 0))) + " " +
           std::to_string(problem.size()) + "\n";
   text += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";
@@ -84,12 +96,25 @@ std::string certificateEnd(const std::string& text) {
   return "end " + hex(static_cast<std::uint64_t>(XXH64(text.data(), text.size(), 0))) + "\n";
 }
 
+std::string reductionCertificate(const RegionMap& reduced, const RegionMap& original,
+                                 const ReductionReport& report, const std::vector<std::string>& proofs) {
+  std::string text = "polyfly reduction certificate 1\n";
+  text += mapLine("reduced", reduced) + mapLine("original", original);
+  text += "tolerances " + hex(report.law_tolerance) + " " + hex(report.slack) + "\n";
+  for (std::size_t i = 0; i < proofs.size(); ++i) {
+    const bool is_original = i < original.regionCount();
+    const std::size_t region = is_original ? i : i - original.regionCount();
+    text += (is_original ? "O " : "R ") + std::to_string(region) + proofs[i] + "\n";
+  }
+  return text + certificateEnd(text);
+}
+
 void writeCertificate(const CertifyReport& report, const std::string& path) {
-  if (report.certificate.empty())
-    throw Error(path + ": there is no certificate to write: the map did not pass");
-  std::vector<std::byte> bytes(report.certificate.size());
-  std::memcpy(bytes.data(), report.certificate.data(), bytes.size());
-  writeFileAtomically(path, bytes);
+  writeProof(report.certificate, "the map", path);
+}
+
+void writeCertificate(const ReductionReport& report, const std::string& path) {
+  writeProof(report.certificate, "the reduction", path);
 }
 
 }  // namespace polyfly

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "exact_cover.hpp"
 #include "exact_proof.hpp"
 #include "region_maps/format.hpp"
 
@@ -48,42 +49,56 @@ bool has(const Cell& cell, const ExactRow& row) {
 
 class Dissector {
  public:
-  Dissector(const ExactMap& map, const LeafVisit& visit, std::uint64_t& parts)
-      : map_(map), visit_(visit), parts_(parts) {}
+  Dissector(const ExactMap& map, const LeafVisit& visit, CutLog& log) : map_(map), visit_(visit), log_(log) {}
 
   bool descend(std::uint32_t child, const Cell& cell) {
     const std::uint32_t index = child & ~MapContent::kLeaf;
     if ((child & MapContent::kLeaf) != 0) {
-      ++parts_;
+      log_.countPart();
       return visit_(map_.map().leaf(index), cell);
     }
     const MapContent::Node& node = map_.map().node(index);
     const auto row = static_cast<std::int32_t>(node.plane) + 1;
+    log_.word('n', node.plane);
     return take(row, node.below, cell) && take(-row, node.above, cell);
   }
 
  private:
   bool take(std::int32_t row, std::uint32_t child, const Cell& cell) {
-    if (has(cell, map_.row(-row))) return true;
-    if (has(cell, map_.row(row))) return descend(child, cell);
+    if (has(cell, map_.row(row))) {
+      log_.word('w');
+      return descend(child, cell);
+    }
     Cell part;
-    return !cut(cell, map_.row(row), map_.p(), part) || descend(child, part);
+    if (has(cell, map_.row(-row))) {
+      part.rows = cell.rows;
+      part.rows.push_back(&map_.row(row));
+    } else if (cut(cell, map_.row(row), map_.p(), part)) {
+      log_.word('s');
+      return descend(child, part);
+    }
+    log_.empty('e', part.rows, map_.p());
+    return true;
   }
 
   const ExactMap& map_;
   const LeafVisit& visit_;
-  std::uint64_t& parts_;
+  CutLog& log_;
 };
 
 class Subtractor {
  public:
-  Subtractor(const ExactMap& map, Slack slack, const RestVisit& visit, std::uint64_t& parts)
-      : map_(map), slack_(slack), visit_(visit), parts_(parts) {}
+  Subtractor(const ExactMap& map, CutBy by, const RestVisit& visit, CutLog& log)
+      : map_(map),
+        by_(by),
+        slack_(by == CutBy::kOrdinary ? Slack::kHandicap : Slack::kFull),
+        visit_(visit),
+        log_(log) {}
 
   /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
   /// those that reach into it.
   bool run(Cell cell, const std::vector<std::uint32_t>& left) {
-    ++parts_;
+    log_.countPart();
     const auto holder =
         std::find_if(left.begin(), left.end(), [&](std::uint32_t r) { return holds(r, cell); });
     std::uint32_t region = 0;
@@ -94,21 +109,39 @@ class Subtractor {
     }
     std::vector<std::uint32_t> others = left;
     others.erase(std::remove(others.begin(), others.end(), region), others.end());
+    log_.word(static_cast<char>(by_), region);
     const RegionView view = map_.map().region(region);
     for (std::uint32_t i = 0; i < view.row_count; ++i) {
-      const std::int32_t row = view.rows[i];
-      if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) continue;
-      Cell beyond;
-      if (cut(cell, map_.outside(row, slack_), map_.p(), beyond) && !run(std::move(beyond), others))
-        return false;
-      Cell inside;
-      if (!cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) return true;
-      cell = std::move(inside);
+      const After after = cutAway(view.rows[i], cell, others);
+      if (after != After::kRemains) return after == After::kNothing;
     }
     return true;
   }
 
  private:
+  enum class After : std::uint8_t { kRemains, kNothing, kStopped };
+
+  /// What lies outside of the row is cut off, what remains is the cell.
+  After cutAway(std::int32_t row, Cell& cell, const std::vector<std::uint32_t>& others) {
+    const ExactRow& outside = map_.outside(row, slack_);
+    Cell beyond, inside;
+    if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) {
+      beyond.rows = cell.rows;
+      beyond.rows.push_back(&outside);
+    } else if (cut(cell, outside, map_.p(), beyond)) {
+      log_.word('s');
+      if (!run(std::move(beyond), others)) return After::kStopped;
+      if (cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) {
+        cell = std::move(inside);
+        return After::kRemains;
+      }
+      log_.empty('q', inside.rows, map_.p());
+      return After::kNothing;
+    }
+    log_.empty('e', beyond.rows, map_.p());
+    return After::kRemains;
+  }
+
   bool holds(std::uint32_t region, const Cell& cell) const {
     const RegionView view = map_.map().region(region);
     return std::all_of(view.rows, view.rows + view.row_count,
@@ -129,9 +162,10 @@ class Subtractor {
   }
 
   const ExactMap& map_;
+  CutBy by_;
   Slack slack_;
   const RestVisit& visit_;
-  std::uint64_t& parts_;
+  CutLog& log_;
 };
 
 }  // namespace
@@ -202,11 +236,7 @@ bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell) {
   cell.rows.clear();
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const ExactRow& row = map.row(view.rows[i]);
-    if (!isConstant(row)) {
-      cell.rows.push_back(&row);
-    } else if (row.value.back() < 0) {
-      return false;
-    }
+    if (!isConstant(row) || row.value.back() < 0) cell.rows.push_back(&row);
   }
   Interior interior = findInterior(cell.rows, nullptr, map.p());
   cell.point = std::move(interior.point);
@@ -221,13 +251,27 @@ bool makeCertain(const ExactMap& map, ExactCell& cell) {
   return cell.certain;
 }
 
-bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts) {
-  return Dissector(map, visit, parts).descend(map.map().root(), cell);
+void CutLog::word(char word) {
+  if (wanted_) text_.append({' ', word});
 }
 
-bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
-              Slack slack, const RestVisit& visit, std::uint64_t& parts) {
-  return Subtractor(map, slack, visit, parts).run(cell, regions);
+void CutLog::word(char word, std::uint64_t number) {
+  if (wanted_) text_.append({' ', word, ' '}).append(std::to_string(number));
+}
+
+void CutLog::empty(char word, const std::vector<const ExactRow*>& rows, int p) {
+  if (!wanted_) return;
+  this->word(word);
+  appendWeights(findInterior(rows, nullptr, p).proof, text_);
+}
+
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, CutLog& log) {
+  return Dissector(map, visit, log).descend(map.map().root(), cell);
+}
+
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
+              const RestVisit& visit, CutLog& log) {
+  return Subtractor(map, by, visit, log).run(cell, regions);
 }
 
 }  // namespace polyfly

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "exact_region.hpp"
@@ -57,6 +59,28 @@ struct ExactCell {
   bool certain = true;  ///< the point lies strictly inside
 };
 
+/// What cutting leaves behind: how many parts were looked at and, where it is wanted, the proof in the words
+/// of CERTIFICATE.md.
+class CutLog {
+ public:
+  explicit CutLog(bool wanted = false) : wanted_(wanted) {}
+
+  void countPart() { ++parts_; }
+  void word(char word);
+  void word(char word, std::uint64_t number);
+  /// `word`, and a proof that no point has all rows > 0 in the box. There must be none.
+  void empty(char word, const std::vector<const ExactRow*>& rows, int p);
+
+  std::uint64_t parts() const { return parts_; }
+  const std::string& text() const { return text_; }
+  std::string takeText() { return std::move(text_); }
+
+ private:
+  bool wanted_;
+  std::uint64_t parts_ = 0;
+  std::string text_;
+};
+
 /// The cell of a region; false when it has no interior.
 bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
 
@@ -65,14 +89,20 @@ bool makeCertain(const ExactMap& map, ExactCell& cell);
 
 /// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
 /// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
-/// Parts that were looked at are counted.
 using LeafVisit = std::function<bool(const LeafView& leaf, const ExactCell& part)>;
-bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, std::uint64_t& parts);
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, CutLog& log);
+
+/// Whose regions cut, and how far their rows are relaxed.
+enum class CutBy : char {
+  kOriginal = 'N',   ///< of the original, by the slack
+  kCandidate = 'C',  ///< of the reduced map, by the slack
+  kOrdinary = 'O',   ///< of the reduced map, by the handicap
+};
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
-/// until it returns false. Each has a point strictly inside. False when stopped.
+/// until it returns false. Each has a point strictly inside, unless it is uncertain. False when stopped.
 using RestVisit = std::function<bool(const ExactCell& rest)>;
-bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions,
-              Slack slack, const RestVisit& visit, std::uint64_t& parts);
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
+              const RestVisit& visit, CutLog& log);
 
 }  // namespace polyfly

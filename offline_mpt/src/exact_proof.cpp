@@ -262,11 +262,11 @@ ExactGuess::Status guessInterior(const Rows& rows, const ExactRow* on, int p, Ex
 }
 
 /// Rounded weights of a guess that found no ball; `on` and its opposite become one weight of either sign.
-ExactProof emptyByRounding(const ExactGuess& solver, const Rows& rows, const ExactRow* on) {
+ExactProof emptyByRounding(const ExactGuess& solver, const Rows& rows, const ExactRow* on, int bits) {
   const int count = static_cast<int>(rows.size());
   Rows with_plane = rows;
   if (on != nullptr) with_plane.insert(with_plane.end(), 2, on);
-  ExactProof proof = roundWeights(solver.weights(), with_plane, 1.0, kLongBits);
+  ExactProof proof = roundWeights(solver.weights(), with_plane, 1.0, bits);
   proof.scale = 1;
   Integer plane(0);
   std::vector<std::pair<int, Integer>> kept;
@@ -413,7 +413,7 @@ InteriorGuess guessInterior(const Rows& rows, int p, std::vector<Rational>& poin
     case ExactGuess::Status::kFailed:
       return exactGuess(findExactly(rows, nullptr, p, solver.basis()), point);
   }
-  ExactProof proof = emptyByRounding(solver, rows, nullptr);
+  ExactProof proof = emptyByRounding(solver, rows, nullptr, kLongBits);
   if (provesEmpty(proof, rows, nullptr) || emptyByBasis(solver, rows, nullptr, p, proof))
     return InteriorGuess::kNone;
   return point.empty() ? exactGuess(findExactly(rows, nullptr, p, solver.basis()), point)
@@ -431,8 +431,10 @@ Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
     if (result.exists) return result;
   } else if (status != ExactGuess::Status::kFailed) {
     result.radius = status == ExactGuess::Status::kOptimal ? solver.objective() : -1.0;
-    result.proof = emptyByRounding(solver, rows, on);
-    if (provesEmpty(result.proof, rows, on)) return result;
+    for (const int bits : {kShortBits, kLongBits}) {
+      result.proof = emptyByRounding(solver, rows, on, bits);
+      if (provesEmpty(result.proof, rows, on)) return result;
+    }
     if (emptyByBasis(solver, rows, on, p, result.proof)) return result;
   }
   return findExactly(rows, on, p, solver.basis());

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "exact_certificate.hpp"
 #include "exact_dissection.hpp"
 #include "in_parallel.hpp"
 #include "law_classes.hpp"
@@ -13,6 +14,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kSlackShare = 0.5;  // of the maps' tolerance
+constexpr std::size_t kFew = 16;     // regions that are tried without asking the tree which ones matter
 constexpr double kNear = 0.01;       // regions farther from a sliver are not looked at [scaled]
 
 /// Which laws of two maps count as one.
@@ -71,8 +73,10 @@ class LawTable {
 
 /// What came of one region.
 struct Finding {
+  explicit Finding(bool wants_proof = false) : log(wants_proof) {}
+
   std::vector<ReductionDefect> defects;
-  std::uint64_t cells = 0;
+  CutLog log;
   bool flat = false;
 };
 
@@ -82,16 +86,17 @@ class ReductionProof {
                  double slack)
       : original_(original, slack),
         reduced_(reduced, slack, &original_),
-        laws_(reduced, original, options.law_tolerance) {}
+        laws_(reduced, original, options.law_tolerance),
+        wants_certificate_(options.certificate) {}
 
   double lawError() const { return laws_.error(); }
 
   /// Every part of a region of the original is answered, with its law or, in slivers that the tree leaves to
   /// a neighbour, with the law of a region that holds it within the slack too.
   Finding checkOriginal(std::uint32_t region) const {
-    Finding finding;
+    Finding finding(wants_certificate_);
     ExactCell cell;
-    if (!cellOf(original_, region, cell)) return flat(finding);
+    if (!cellOf(original_, region, cell)) return flat(cell, std::move(finding));
     const std::uint32_t law = original_.map().region(region).law;
     const auto check = [&](const LeafView& leaf, const ExactCell& part) {
       std::vector<std::uint32_t> own, others;
@@ -100,23 +105,22 @@ class ReductionProof {
         (laws_.same(reduced_.map().region(candidate).law, law) ? own : others).push_back(candidate);
       }
       const auto rest = [&](const ExactCell& sliver) {
-        if (leftToOthers(sliver, others, 0, finding)) return true;
         ExactCell settled = sliver;
-        if (!makeCertain(original_, settled)) return true;
+        if (isEmpty(settled, finding) || leftToOthers(settled, others, 0, finding)) return true;
         report(finding, ReductionDefect::Kind::kLost, region, settled);
         return false;
       };
-      return subtract(reduced_, part, own, Slack::kFull, rest, finding.cells);
+      return subtract(reduced_, part, own, CutBy::kCandidate, rest, finding.log);
     };
-    dissect(reduced_, cell, check, finding.cells);
+    dissect(reduced_, cell, check, finding.log);
     return finding;
   }
 
   /// What a region of the reduced map claims belongs to its law.
   Finding checkReduced(std::uint32_t region) const {
-    Finding finding;
+    Finding finding(wants_certificate_);
     ExactCell cell;
-    if (!cellOf(reduced_, region, cell)) return flat(finding);
+    if (!cellOf(reduced_, region, cell)) return flat(cell, std::move(finding));
     const auto claim = [&](const ExactCell& part) { return belongs(region, part, finding); };
     if (region < reduced_.map().firstFallback()) {
       claim(cell);
@@ -127,16 +131,24 @@ class ReductionProof {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         if (leaf.candidates[i] < reduced_.map().firstFallback()) ordinary.push_back(leaf.candidates[i]);
       }
-      return subtract(reduced_, part, ordinary, Slack::kHandicap, claim, finding.cells);
+      return subtract(reduced_, part, ordinary, CutBy::kOrdinary, claim, finding.log);
     };
-    dissect(reduced_, cell, check, finding.cells);
+    dissect(reduced_, cell, check, finding.log);
     return finding;
   }
 
  private:
-  static Finding flat(Finding& finding) {
+  Finding flat(const ExactCell& cell, Finding finding) const {
     finding.flat = true;
+    finding.log.empty('e', cell.rows, original_.p());
     return finding;
+  }
+
+  /// Whether the cell has no interior; then the log says why.
+  bool isEmpty(ExactCell& cell, Finding& finding) const {
+    if (makeCertain(original_, cell)) return false;
+    finding.log.empty('e', cell.rows, original_.p());
+    return true;
   }
 
   /// Whether the cell lies in the union of what each candidate, from `next` on, has in common with regions of
@@ -145,14 +157,15 @@ class ReductionProof {
                     Finding& finding) const {
     if (next == candidates.size()) {
       ExactCell rest = cell;
-      return !makeCertain(original_, rest);
+      return isEmpty(rest, finding);
     }
     const RestVisit rest = [&](const ExactCell& part) {
       return leftToOthers(part, candidates, next + 1, finding);
     };
     const std::vector<std::uint32_t> owners = nearRegions(reduced_.map().region(candidates[next]).law, cell);
-    return subtract(reduced_, cell, {candidates[next]}, Slack::kFull, rest, finding.cells) &&
-           subtract(original_, cell, owners, Slack::kFull, rest, finding.cells);
+    finding.log.word('B', candidates[next]);
+    return subtract(reduced_, cell, {candidates[next]}, CutBy::kCandidate, rest, finding.log) &&
+           subtract(original_, cell, owners, CutBy::kOriginal, rest, finding.log);
   }
 
   /// Regions of the original with a law of the reduced map that are not far from the cell's point.
@@ -182,13 +195,13 @@ class ReductionProof {
     const RestVisit foreign = [&](const ExactCell& rest) {
       if (!rest.certain) {
         ExactCell settled = rest;
-        return !makeCertain(original_, settled) || sliver(settled);
+        return isEmpty(settled, finding) || sliver(settled);
       }
       report(finding, ReductionDefect::Kind::kClaim, region, rest);
       return false;
     };
     sliver = [&](const ExactCell& rest) {
-      return subtract(original_, rest, nearRegions(law, rest), Slack::kFull, foreign, finding.cells);
+      return subtract(original_, rest, nearRegions(law, rest), CutBy::kOriginal, foreign, finding.log);
     };
     const auto check = [&](const LeafView& leaf, const ExactCell& part) {
       std::vector<std::uint32_t> owners;
@@ -196,9 +209,20 @@ class ReductionProof {
         if (laws_.same(law, original_.map().region(leaf.candidates[i]).law))
           owners.push_back(leaf.candidates[i]);
       }
-      return subtract(original_, part, owners, Slack::kFull, sliver, finding.cells);
+      return subtract(original_, part, owners, CutBy::kOriginal, sliver, finding.log);
     };
-    return dissect(original_, cell, check, finding.cells);
+    const std::vector<std::uint32_t> all = regionsWithLaw(law);
+    if (all.size() <= kFew) return subtract(original_, cell, all, CutBy::kOriginal, sliver, finding.log);
+    return dissect(original_, cell, check, finding.log);
+  }
+
+  /// Regions of the original with a law of the reduced map.
+  std::vector<std::uint32_t> regionsWithLaw(std::uint32_t law) const {
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t r = 0; r < original_.map().regionCount(); ++r) {
+      if (laws_.same(law, original_.map().region(r).law)) result.push_back(r);
+    }
+    return result;
   }
 
   void report(Finding& finding, ReductionDefect::Kind kind, std::uint32_t region,
@@ -217,6 +241,7 @@ class ReductionProof {
 
   const ExactMap original_, reduced_;
   const LawTable laws_;
+  const bool wants_certificate_;
 };
 
 void requireSameMaps(const RegionMap& reduced, const RegionMap& original) {
@@ -278,9 +303,14 @@ ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& origi
         findings[i] = is_original ? proof.checkOriginal(region) : proof.checkReduced(region);
       });
   for (Finding& finding : findings) {
-    report.cells += finding.cells;
+    report.cells += finding.log.parts();
     report.flat_regions += finding.flat ? 1 : 0;
     for (ReductionDefect& defect : finding.defects) report.defects.push_back(std::move(defect));
+  }
+  if (options.certificate && report.passed()) {
+    std::vector<std::string> proofs;
+    for (Finding& finding : findings) proofs.push_back(finding.log.takeText());
+    report.certificate = reductionCertificate(reduced, original, report, proofs);
   }
   return report;
 }

@@ -29,6 +29,12 @@ class CommandLine : public testing::Test {
   }
   Outcome wait(pid_t child) const { return waitForProgram(child, path(".")); }
 
+  /// The exit code of check_certificate.
+  int check(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), CHECK_CERTIFICATE);
+    return wait(startProgram(std::move(arguments), path("."))).exit_code;
+  }
+
   std::string solvedToy() const {
     const Outcome result = run({"solve", path("toy.json"), "-o", path("toy.map")});
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -185,7 +191,7 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   problem["B"] = {{0.5, 0.0}, {-0.5, 0.0}, {0.0, 0.0}};
   ASSERT_EQ(run({"solve", written("two.json", problem), "-o", path("two.map")}).exit_code, 0);
   const Outcome small = run({"reduce", path("two.map"), "-o", path("small.map"), "--separate", "--stats",
-                             path("saved.json"), "--threads", "2"});
+                             path("saved.json"), "--threads", "2", "--certificate", path("small.cert")});
   ASSERT_EQ(small.exit_code, 0) << small.out << small.err;
   EXPECT_NE(small.out.find("proven to answer as the original"), std::string::npos) << small.out;
   const nlohmann::json saved = nlohmann::json::parse(readBytes(path("saved.json")));
@@ -203,6 +209,11 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   EXPECT_EQ(proof.exit_code, 0) << proof.out << proof.err;
   EXPECT_NE(proof.out.find("PROVEN"), std::string::npos);
   EXPECT_TRUE(nlohmann::json::parse(readBytes(path("proof.json")))["proven"].get<bool>());
+  run({"verify", path("small.map"), "--reduced-from", path("two.map"), "--certificate", path("again.cert")});
+  EXPECT_EQ(readBytes(path("again.cert")), readBytes(path("small.cert")));
+  EXPECT_EQ(check({path("small.cert"), "--map", path("small.map"), "--reduced-from", path("two.map")}), 0);
+  EXPECT_EQ(check({path("small.cert"), "--map", path("two.map"), "--reduced-from", path("two.map")}), 1);
+  EXPECT_EQ(check({path("small.cert"), "--map", path("small.map"), "--reduced-from"}), 2);
   EXPECT_EQ(run({"verify", path("small.map"), "--samples", "300", "--quiet"}).exit_code, 0);
 
   expectRefused({"verify", path("small.map"), "--reduced-from", solvedToy()},
@@ -213,6 +224,7 @@ TEST_F(CommandLine, ReducesAMapAndProvesIt) {
   expectRefused({"reduce", path("two.map"), "-o", path("x.map"), "--merge", "best"}, {"--merge"});
   expectRefused({"verify", path("small.map"), "--reduced-from", path("two.map"), "--samples", "5"},
                 {"--reduced-from"});
+  expectRefused({"verify", path("two.map"), "--certificate", path("x.cert")}, {"--certificate"});
 }
 
 TEST_F(CommandLine, RefusesBadProblems) {

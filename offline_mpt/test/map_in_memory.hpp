@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "region_maps/map_content.hpp"
@@ -16,6 +17,7 @@ class MapInMemory {
   explicit MapInMemory(const MapContent& content) : bytes_(layOut(content)), map_(place(content.name)) {}
   const RegionMap& map() const { return map_; }
   std::size_t size() const { return bytes_.size(); }
+  std::string bytes() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
 
  private:
   struct alignas(64) Block {

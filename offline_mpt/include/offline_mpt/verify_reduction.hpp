@@ -15,6 +15,7 @@ struct ReductionOptions {
   int threads = 1;              ///< 1..256; the report does not depend on it
   double law_tolerance = 1e-8;  ///< laws that differ by less anywhere in the box count as one, relative to
                                 ///< max(1, |finite bounds of u|)
+  bool certificate = false;     ///< keep the proof
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
   /// Called now and then from the calling thread, with regions of both maps.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -46,6 +47,7 @@ struct ReductionReport {
   double law_error = 0.0;  ///< greatest difference of laws that count as one, relative as law_tolerance
   std::vector<ReductionDefect> defects;  ///< by map, then region
   bool interrupted = false;
+  std::string certificate;  ///< where it was asked for and the reduction is proven (CERTIFICATE.md)
 
   bool passed() const { return defects.empty() && !interrupted && original_regions > 0; }
 };
@@ -66,6 +68,9 @@ struct ReductionReport {
 /// together.
 ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
                                 const ReductionOptions& options = {});
+
+/// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.
+void writeCertificate(const ReductionReport& report, const std::string& path);
 
 std::string reductionText(const ReductionReport& report);  ///< for people, several lines
 std::string reductionJson(const ReductionReport& report);

@@ -1,0 +1,125 @@
+#include "rows.hpp"
+
+#include <algorithm>
+
+namespace checker {
+
+Row primitive(const Vector& values) {
+  Integer denominator(1), divisor(0);
+  for (const Fraction& value : values) denominator = lcm(denominator, value.get_den());
+  Row row;
+  for (const Fraction& value : values) {
+    row.push_back(value.get_num() * (denominator / value.get_den()));
+    divisor = gcd(divisor, row.back());
+  }
+  if (divisor > 1) {
+    for (Integer& value : row) value /= divisor;
+  }
+  return row;
+}
+
+Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
+
+bool proportional(const Row& a, const Row& b) {
+  std::size_t k = 0;
+  while (b[k] == 0) ++k;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    if (a[j] * b[k] != b[j] * a[k]) return false;
+  }
+  return true;
+}
+
+bool sameHalfSpace(const Row& a, const Row& b) {
+  std::size_t k = 0;
+  while (b[k] == 0) ++k;
+  return proportional(a, b) && sgn(a[k]) == sgn(b[k]);
+}
+
+Integer leastInBox(const Row& row) {
+  Integer value = row.back();
+  for (std::size_t j = 0; j + 1 < row.size(); ++j) value -= abs(row[j]);
+  return value;
+}
+
+Row remainder(const Row* target, const Integer& scale, const Weights& weights,
+              const std::vector<const Row*>& rows) {
+  const auto bits = [](const Row& row) {
+    std::size_t most = 0;
+    for (const Integer& value : row)
+      most = std::max(most, value == 0 ? 0 : mpz_sizeinbase(value.get_mpz_t(), 2));
+    return most;
+  };
+  std::size_t most = target != nullptr ? bits(*target) : 0;
+  for (const auto& [place, weight] : weights) {
+    require(place < rows.size() && rows[place] != nullptr, "a proof names a row that is not there");
+    most = std::max(most, bits(*rows[place]));
+  }
+  Row rest;
+  const auto add = [&](const Row& row, const Integer& factor) {
+    rest.resize(row.size());
+    for (std::size_t j = 0; j < row.size(); ++j) rest[j] += factor * (row[j] << (most - bits(row)));
+  };
+  if (target != nullptr) add(*target, scale);
+  for (const auto& [place, weight] : weights) add(*rows[place], -weight);
+  return rest;
+}
+
+Fraction valueAt(const Row& row, const Vector& t) {
+  Fraction value(row.back());
+  for (std::size_t j = 0; j < t.size(); ++j) value += row[j] * t[j];
+  return value;
+}
+
+Weights readWeights(Line& line) {
+  Weights weights;
+  for (std::size_t k = line.count(kMany); k > 0; --k) {
+    const std::size_t place = line.count(kMany);
+    weights.emplace_back(place, line.integer());
+  }
+  return weights;
+}
+
+void requireEmpty(Line& line, const std::vector<const Row*>& rows, const Row* plane) {
+  std::vector<const Row*> with_plane = rows;
+  if (plane != nullptr) with_plane.push_back(plane);
+  const Weights weights = readWeights(line);
+  require(!weights.empty(), "an empty proof");
+  bool counts = false;
+  for (const auto& [place, weight] : weights) {
+    require(weight >= 0 || (plane != nullptr && place == rows.size()), "a proof has a negative weight");
+    counts = counts || (weight > 0 && place != rows.size());
+  }
+  const Row rest = remainder(nullptr, 0, weights, with_plane);
+  for (const Integer& value : rest) counts = counts || value != 0;
+  require(counts && leastInBox(rest) >= 0, "a part of a cell is not empty");
+}
+
+Scaling::Scaling(const Map& map) {
+  for (std::size_t j = 0; j < map.p; ++j) {
+    const Fraction lower(map.bounds[2 * j]), upper(map.bounds[2 * j + 1]);
+    require(lower < upper, "a parameter has no range");
+    centre.push_back((lower + upper) / 2);
+    half.push_back((upper - lower) / 2);
+  }
+}
+
+Vector Scaling::inBox(const double* entries, int sign, const Fraction& constant) const {
+  Vector result;
+  Fraction sum = constant;
+  for (std::size_t j = 0; j < half.size(); ++j) {
+    result.push_back(sign * Fraction(entries[j]) * half[j]);
+    sum += sign * Fraction(entries[j]) * centre[j];
+  }
+  result.push_back(sum);
+  return result;
+}
+
+std::string unsealed(const std::string& text) {
+  const std::size_t end = text.rfind("\nend ");
+  require(end != std::string::npos, "the certificate is cut off");
+  require(text.substr(end + 1) == "end " + hexText(xxh64(text.substr(0, end + 1))) + "\n",
+          "the certificate is damaged: its checksum does not match");
+  return text.substr(0, end);
+}
+
+}  // namespace checker

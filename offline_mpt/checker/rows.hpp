@@ -1,0 +1,53 @@
+#pragma once
+
+#include <gmpxx.h>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "certificate_input.hpp"
+
+/// Half-spaces in whole numbers, and what both kinds of certificates say of them.
+namespace checker {
+
+using Integer = mpz_class;
+using Fraction = mpq_class;
+using Vector = std::vector<Fraction>;
+using Row = std::vector<Integer>;  // row (t, 1) >= 0
+using Weights = std::vector<std::pair<std::size_t, Integer>>;
+
+constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
+
+/// The same half-space in whole numbers without a common factor.
+Row primitive(const Vector& values);
+Row primitive(const Row& values);
+
+bool proportional(const Row& a, const Row& b);  ///< with any sign; b is not zero
+bool sameHalfSpace(const Row& a, const Row& b);
+Integer leastInBox(const Row& row);
+Fraction valueAt(const Row& row, const Vector& t);
+
+/// scale * target - sum of weight * row, rows in unit form: shifted to the same number of bits.
+Row remainder(const Row* target, const Integer& scale, const Weights& weights,
+              const std::vector<const Row*>& rows);
+
+Weights readWeights(Line& line);
+
+/// Reads a proof that no point of the box has all rows > 0, on the plane if one is given.
+void requireEmpty(Line& line, const std::vector<const Row*>& rows, const Row* plane);
+
+/// theta = centre + half .* t, of a map's box.
+struct Scaling {
+  explicit Scaling(const Map& map);
+  /// sign * entries . theta + constant as a row in t.
+  Vector inBox(const double* entries, int sign, const Fraction& constant) const;
+
+  Vector centre, half;
+};
+
+/// The lines of a certificate before the last, which seals them.
+std::string unsealed(const std::string& text);
+
+}  // namespace checker

@@ -1,0 +1,164 @@
+// Certificates of reductions: the checker confirms right ones, and no proof of a wrong map.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "grid_map.hpp"
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/reduce.hpp"
+#include "offline_mpt/verify_reduction.hpp"
+#include "reduction.hpp"
+#include "reduction_mutation.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string withEnd(std::string text) {
+  char line[64];
+  std::snprintf(line, sizeof line, "end %016llx\n", static_cast<unsigned long long>(checker::xxh64(text)));
+  return text + line;
+}
+
+/// The certificate as if it were of another reduced map.
+std::string forged(const std::string& certificate, const std::string& reduced) {
+  std::vector<std::string> lines = linesOf(certificate);
+  char line[64];
+  std::snprintf(line, sizeof line, "reduced %016llx %zu",
+                static_cast<unsigned long long>(checker::Map(reduced).checksum), reduced.size());
+  lines[1] = line;
+  lines.pop_back();
+  return withEnd(joined(lines, "\n") + "\n");
+}
+
+class ReductionCertificate : public ::testing::TestWithParam<bool> {
+ protected:
+  ReductionCertificate() : original_(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLL...."}))) {
+    ReduceOptions options;
+    options.separate = GetParam();
+    content_ = reduce(original_.map(), options).content;
+    const MapInMemory reduced(content_);
+    reduced_ = reduced.bytes();
+    ReductionOptions proof;
+    proof.certificate = true;
+    certificate_ = verifyReduction(reduced.map(), original_.map(), proof).certificate;
+  }
+
+  std::string refusalOf(const std::string& certificate) const {
+    return reductionRefusal(certificate, reduced_, original_.bytes());
+  }
+
+  /// The refusal after one word of a line is replaced.
+  std::string refusalWith(std::size_t line, std::size_t word, const std::string& text) const {
+    std::vector<std::string> lines = linesOf(certificate_);
+    lines.pop_back();
+    std::istringstream stream(lines[line]);
+    std::vector<std::string> words;
+    for (std::string item; stream >> item;) words.push_back(item);
+    words.at(word) = text;
+    lines[line] = joined(words, " ");
+    return refusalOf(withEnd(joined(lines, "\n") + "\n"));
+  }
+
+  MapInMemory original_;
+  MapContent content_;
+  std::string reduced_, certificate_;
+};
+
+TEST_P(ReductionCertificate, IsConfirmedAndTheSameForAnyNumberOfThreads) {
+  ASSERT_NE(certificate_, "");
+  EXPECT_EQ(refusalOf(certificate_), "");
+  ReductionOptions options;
+  options.certificate = true;
+  options.threads = 3;
+  EXPECT_EQ(verifyReduction(MapInMemory(content_).map(), original_.map(), options).certificate, certificate_);
+}
+
+TEST_P(ReductionCertificate, IsNoProofOfAWrongMap) {
+  for (const auto& [what, changed] : wrongMaps(content_, GetParam())) {
+    const std::string bytes = MapInMemory(changed).bytes();
+    EXPECT_NE(reductionRefusal(certificate_, bytes, original_.bytes()), "") << what;
+    EXPECT_NE(reductionRefusal(forged(certificate_, bytes), bytes, original_.bytes()), "") << what;
+  }
+}
+
+TEST_P(ReductionCertificate, EveryWordCounts) {
+  const std::vector<std::string> lines = linesOf(certificate_);
+  std::size_t confirmed = 0, tried = 0;
+  for (std::size_t line = 4; line + 1 < lines.size(); ++line) {
+    std::istringstream stream(lines[line]);
+    std::size_t word = 0;
+    for (std::string text; stream >> text; ++word) {
+      const bool is_step = text.find_first_of("NCOBnsweq") != std::string::npos && text.size() == 1;
+      if (word >= 2 && !is_step) continue;
+      for (const char* other : {"N", "C", "O", "B", "n", "s", "w", "q", "0", "99"}) {
+        if (text == other) continue;
+        ++tried;
+        confirmed += refusalWith(line, word, other).empty() ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(tried, 500u);
+  EXPECT_EQ(confirmed, 0u) << "of " << tried;
+}
+
+TEST_P(ReductionCertificate, WeightsMustProveWhatTheyAreFor) {
+  const std::vector<std::string> lines = linesOf(certificate_);
+  std::size_t tried = 0;
+  for (std::size_t line = 4; line + 1 < lines.size(); ++line) {
+    std::istringstream stream(lines[line]);
+    std::vector<std::string> words;
+    for (std::string item; stream >> item;) words.push_back(item);
+    for (std::size_t k = 2; k + 3 < words.size(); ++k) {
+      if (words[k] != "e" || words[k + 1] == "0") continue;
+      ++tried;
+      EXPECT_NE(refusalWith(line, k + 3, "-1"), "") << lines[line];
+      EXPECT_NE(refusalWith(line, k + 2, "999"), "") << lines[line];
+      EXPECT_NE(refusalWith(line, k + 1, "0"), "") << lines[line];
+    }
+  }
+  EXPECT_GT(tried, 20u);
+}
+
+TEST_P(ReductionCertificate, TolerancesHaveLimits) {
+  EXPECT_NE(refusalWith(3, 2, "0x1p-3"), "");
+  EXPECT_NE(refusalWith(3, 2, "-0x1p-40"), "");
+  EXPECT_NE(refusalWith(3, 1, "-0x1p-40"), "");
+  EXPECT_NE(refusalWith(3, 0, "tolerance"), "");
+}
+
+TEST_P(ReductionCertificate, EveryCutAndEveryBitIsNoticed) {
+  for (std::size_t size = 0; size < certificate_.size(); size += 1 + certificate_.size() / 200)
+    EXPECT_NE(refusalOf(certificate_.substr(0, size)), "") << size;
+  for (std::size_t bit = 0; bit < 8 * certificate_.size(); bit += 1 + certificate_.size() / 50) {
+    std::string changed = certificate_;
+    changed[bit / 8] = static_cast<char>(changed[bit / 8] ^ (1 << bit % 8));
+    EXPECT_NE(refusalOf(changed), "") << bit;
+  }
+}
+
+TEST_P(ReductionCertificate, BelongsToItsTwoMaps) {
+  const MapInMemory other(gridMap(8, 3, cellsOf({"UUbL....", "UbcL....", "bcLc...."})));
+  EXPECT_NE(reductionRefusal(certificate_, reduced_, other.bytes()), "");
+  EXPECT_NE(reductionRefusal(certificate_, original_.bytes(), original_.bytes()), "");
+  EXPECT_NE(reductionRefusal(certificate_, reduced_, reduced_), "");
+}
+
+TEST_P(ReductionCertificate, ThereIsNoneOfWhatIsRefuted) {
+  MapContent changed = content_;
+  changed.laws[2] += 1e-3;
+  ReductionOptions options;
+  options.certificate = true;
+  const ReductionReport report = verifyReduction(MapInMemory(changed).map(), original_.map(), options);
+  EXPECT_EQ(report.certificate, "");
+  EXPECT_THROW(writeCertificate(report, "reduction.cert"), Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(MergedAndSeparated, ReductionCertificate, ::testing::Bool());
+
+}  // namespace
+}  // namespace polyfly

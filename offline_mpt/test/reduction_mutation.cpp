@@ -1,0 +1,47 @@
+#include "reduction_mutation.hpp"
+
+#include "reduction.hpp"
+
+namespace polyfly {
+
+std::string reductionRefusal(const std::string& certificate, const std::string& reduced,
+                             const std::string& original) {
+  try {
+    const checker::Map reduced_map(reduced), original_map(original);
+    checker::Reduction(certificate, reduced_map, original_map).check();
+  } catch (const checker::Refused& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<std::pair<std::string, MapContent>> wrongMaps(const MapContent& good, bool separated) {
+  std::vector<std::pair<std::string, MapContent>> result;
+  const auto change = [&](const std::string& what) -> MapContent& {
+    return result.emplace_back(what, good).second;
+  };
+  for (std::size_t i = 0; i < good.laws.size(); ++i) change("law entry " + std::to_string(i)).laws[i] += 1e-6;
+  for (std::size_t i = 2; i < good.planes.size(); i += 3) {
+    const bool is_separating = i / 3 + 1 == good.planes.size() / 3 && separated;
+    const bool is_box = good.planes[i] == 0.0 || good.planes[i] == 2.0;
+    if (is_separating || is_box) continue;
+    for (const double shift : {1e-6, -1e-6}) change("plane " + std::to_string(i / 3)).planes[i] += shift;
+  }
+  for (std::size_t i = 0; i < good.leaves.size(); ++i) {
+    for (std::uint32_t k = 0; k < good.leaves[i].count; ++k) {
+      MapContent& changed = change("candidate " + std::to_string(k) + " of leaf " + std::to_string(i));
+      auto& leaf = changed.leaves[i];
+      changed.candidates.erase(changed.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first + k));
+      for (auto& other : changed.leaves) other.first -= other.first > leaf.first ? 1 : 0;
+      --leaf.count;
+    }
+  }
+  for (std::size_t i = 0; i < good.regions.size(); ++i) {
+    auto& law = change("law of region " + std::to_string(i)).regions[i].law;
+    law = (law + 1) % 4;
+    change("rows of region " + std::to_string(i)).regions[i].row_count = 0;  // claims the whole box
+  }
+  return result;
+}
+
+}  // namespace polyfly
