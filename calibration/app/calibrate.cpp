@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   int result = polyfly::kCalibrated;
   polyfly::addAttitudeCommand(app, &result);
   polyfly::addMotionCommands(app, &result);
+  polyfly::addApplyCommand(app, &result);
   app.footer("Exit code: 0 done, 1 done with warnings and --strict was given, 2 bad input or option.");
   try {
     app.parse(argc, argv);

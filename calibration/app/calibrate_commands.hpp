@@ -15,4 +15,7 @@ void addAttitudeCommand(CLI::App& app, int* result);
 /// Adds `disturbance`, `drag`, `mass` and `wind`.
 void addMotionCommands(CLI::App& app, int* result);
 
+/// Adds `apply`.
+void addApplyCommand(CLI::App& app, int* result);
+
 }  // namespace polyfly

@@ -245,7 +245,7 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
   const YamlField root = YamlField::parse(text, source);
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "tie_break", "parameters"},
-      {"description", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance",
+      {"description", "provenance", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance",
        "peak_in_map"});
   root.at("polyfly_problem").integer(1, 1);
   RobustProblem problem;

@@ -195,7 +195,7 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "weights", "parameters"},
-      {"description"});
+      {"description", "provenance"});
   root.at("polyfly_problem").integer(kSchemaVersion, kSchemaVersion);
   MpcProblem problem;
   problem.source = source;

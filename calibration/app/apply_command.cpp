@@ -1,0 +1,60 @@
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibrate_commands.hpp"
+#include "calibration/apply_calibration.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_text.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> calibrations;
+  std::string problem;
+  std::string output;
+};
+
+int apply(const Arguments& arguments) {
+  std::vector<CalibrationFile> files;
+  for (const std::string& path : arguments.calibrations) {
+    files.push_back({readText(path), path, provenanceOf(path)});
+  }
+  const AppliedCalibration applied = applyCalibrations(readText(arguments.problem), arguments.problem, files);
+  // What is written must be a problem; a robust one is checked for what a controller needs of it.
+  parseFlightModel(applied.problem, arguments.problem + " with its calibration");
+  std::ofstream file(arguments.output, std::ios::binary);
+  file << applied.problem;
+  file.close();
+  if (!file) throw Error(arguments.output + ": cannot be written");
+  for (const std::string& change : applied.changes) std::cout << change << "\n";
+  if (applied.changes.empty()) std::cout << "all numbers were as identified already\n";
+  return kCalibrated;
+}
+
+}  // namespace
+
+void addApplyCommand(CLI::App& app, int* result) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("apply", "Puts calibrations into a problem file, with where they come from");
+  command
+      ->add_option("calibrations", arguments->calibrations,
+                   "What attitude, drag and disturbance wrote with -o")
+      ->required()
+      ->type_name("FILE...");
+  command->add_option("--problem", arguments->problem, "Problem file that they shall be put into")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("-o,--output", arguments->output, "Problem file to write")
+      ->required()
+      ->type_name("FILE");
+  command->callback([arguments, result] { *result = apply(*arguments); });
+}
+
+}  // namespace polyfly
