@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/figures.hpp"
@@ -219,6 +220,7 @@ TEST(Flight, AnHourOfSegmentsGustsAndDropouts) {
   faults.loss_time = 2.0;
   EXPECT_GE(mission.segments.size(), 300U);
   for (Aircraft* aircraft : {static_cast<Aircraft*>(&rough), static_cast<Aircraft*>(&six)}) {
+    const std::string name = aircraft == &rough ? "rough_" : "rigid_";
     const Flight flight = flyNmpc(mission, *aircraft, faults, 3600.0);
     expectInOrder(flight, mission);
     int held = 0;
@@ -230,8 +232,40 @@ TEST(Flight, AnHourOfSegmentsGustsAndDropouts) {
     EXPECT_GT(held, 100);
     EXPECT_LT(flight.metrics.rms, 10.0);
     EXPECT_LT(flight.metrics.largest, 80.0);
-    RecordProperty("rms_m", std::to_string(flight.metrics.rms));
-    RecordProperty("largest_m", std::to_string(flight.metrics.largest));
+    RecordProperty(name + "rms_m", std::to_string(flight.metrics.rms));
+    RecordProperty(name + "largest_m", std::to_string(flight.metrics.largest));
+  }
+}
+
+// Other roll loops, delays, trims, slips, winds and gusts than any that it was tuned with; other missions.
+TEST(Flight, AircraftDrawnAtRandom) {
+  for (const std::uint32_t seed : {101U, 102U, 103U, 104U}) {
+    std::mt19937 random(seed);
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    RoughOptions options;
+    options.roll_frequency = between(2.5, 8.0);
+    options.roll_damping = between(0.5, 1.2);
+    options.roll_gain = between(0.85, 1.1);
+    options.roll_trim = between(-0.05, 0.05);
+    options.roll_delay = between(0.0, 0.25);
+    options.turn_lag = between(0.05, 0.5);
+    options.turn_gain = between(0.8, 1.1);
+    options.gust = between(0.0, 1.2);
+    options.wind = {between(-4.0, 4.0), between(-4.0, 4.0)};
+    RoughAircraft aircraft(options, atOrigin(), seed);
+    SensorOptions noise;
+    noise.position_noise = 0.3;
+    noise.angle_noise = 0.01;
+    noise.rate_noise = 0.02;
+    noise.airspeed_noise = 0.3;
+    noise.wind_lag = 3.0;
+    const Mission mission = randomMission(20, seed);
+    const Flight flight = flyNmpc(mission, aircraft, noise, 500.0);
+    expectInOrder(flight, mission);
+    EXPECT_LT(flight.metrics.rms, 4.0) << seed;
+    EXPECT_LT(flight.metrics.largest, 20.0) << seed;
   }
 }
 

@@ -105,6 +105,22 @@ TEST(LateralObserver, LearnsNothingFromTheModelItself) {
   EXPECT_NEAR(observer.turnBias(), 0.0, 1e-3);
 }
 
+TEST(LateralObserver, DoesNotMindWhereAHeadingIsWrapped) {
+  RoughAircraft aircraft(RoughOptions{}, {}, 1);
+  LateralObserver counted{LateralModel{}};
+  LateralObserver wrapped{LateralModel{}};
+  for (int i = 0; i < 4000; ++i) {  // round and round
+    AircraftState state = aircraft.state();
+    counted.update(state, aircraft.airspeed(), 0.4);
+    state.heading = wrapCourse(state.heading);
+    wrapped.update(state, aircraft.airspeed(), 0.4);
+    aircraft.fly(0.4, kPeriod);
+  }
+  EXPECT_GT(aircraft.state().heading, 4.0 * kPi);
+  EXPECT_NEAR(wrapped.turnGain(), counted.turnGain(), 1e-9);
+  EXPECT_NEAR(wrapped.turnBias(), counted.turnBias(), 1e-9);
+}
+
 TEST(LateralObserver, LearnsTheErrorsOfAnAircraft) {
   RoughOptions options;
   options.roll_trim = 0.04;
