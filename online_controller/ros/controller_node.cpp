@@ -35,7 +35,7 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   visitNodeOptions(setup.node, reader);
   setup.output = OutputOptions::read(reader);
   visitRealTimeOptions(setup.real_time, reader);
-  reader.refuseUnknown({"maps", "problems", "vehicle", "controller", "linear", "nonlinear",
+  reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "linear", "nonlinear",
                         "control_interface", "rc", "output", "real_time"});
   return setup;
 }
@@ -52,7 +52,7 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
     : handle_(onQueue(handle, queue_)),
       keeper_(setup.laws),
       flight_(laws(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
-      interface_(handle_, flight_, setup.flight),
+      interface_(handle_, onQueue(private_handle, queue_), flight_, setup.flight, setup.laws),
       output_(handle_, setup.output, setup.laws.controller),
       record_(flight_.preview().size()),
       control_period_(setup.laws.controller.control_period),
@@ -98,6 +98,7 @@ void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
 
   // The command is out. What follows is for the next one, and for those who watch.
   publishStatus(report, message->header, times);
+  interface_.observe(message->header, state);
   leaveSnapshot(report, message->header, times);
   exchangeLaws();
   laws().prepare();

@@ -1,8 +1,10 @@
 #include "online_controller_ros/flight_interface.hpp"
 
 #include <online_controller/FlightStatus.h>
+#include <online_controller/ObserverState.h>
 #include <std_msgs/String.h>
 
+#include <boost/make_shared.hpp>
 #include <utility>
 
 #include "online_controller_ros/conversions.hpp"
@@ -17,6 +19,10 @@ constexpr double kPositionFrom = 0.5;
 double stick(const sensor_msgs::Joy& message, int axis, double scale) {
   if (axis < 0 || axis >= static_cast<int>(message.axes.size())) return 0.0;
   return scale * message.axes[static_cast<std::size_t>(axis)];
+}
+
+void fill(const Eigen::Vector3d& vector, boost::array<double, 3>& message) {
+  for (std::size_t i = 0; i < 3; ++i) message[i] = vector(static_cast<Eigen::Index>(i));
 }
 
 /// "trajectory of 40 points; velocities of 40 and accelerations of 40 computed from differences".
@@ -59,6 +65,7 @@ polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const Jo
 FlightSetup FlightSetup::read(ParameterReader& reader) {
   FlightSetup setup;
   visitFlightOptions(setup.flight, reader);
+  visitMomentModel(setup.moments, reader);
   visitJoyLayout(setup.joy, reader);
   setup.odometry_frame = reader.text("odometry_frame", "a frame", "");
   bool demanded = true;
@@ -68,14 +75,18 @@ FlightSetup FlightSetup::read(ParameterReader& reader) {
   return setup;
 }
 
-FlightInterface::FlightInterface(ros::NodeHandle& handle, polyfly::FlightSupervisor& flight,
-                                 const FlightSetup& setup)
+FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle,
+                                 polyfly::FlightSupervisor& flight, const FlightSetup& setup,
+                                 const LawSetup& laws)
     : flight_(flight),
       joy_(setup.joy),
+      observer_(laws.nonlinear.model, laws.controller, setup.moments),
       frame_demanded_(!setup.odometry_frame.empty()),
       frame_(setup.odometry_frame),
       name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
       status_publisher_(handle.advertise<online_controller::FlightStatus>("flight_status", 1, true)) {
+  ros::NodeHandle observer_handle(private_handle, "KF_observer");
+  observer_publisher_ = observer_handle.advertise<online_controller::ObserverState>("observer_state", 10);
   publish();
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   trajectory_subscriber_ =
@@ -85,6 +96,11 @@ FlightInterface::FlightInterface(ros::NodeHandle& handle, polyfly::FlightSupervi
   takeoff_service_ = handle.advertiseService("takeoff", &FlightInterface::onTakeOff, this);
   hold_service_ = handle.advertiseService("back_to_position_hold", &FlightInterface::onHold, this);
   land_service_ = handle.advertiseService("land", &FlightInterface::onLand, this);
+  integrator_service_ =
+      handle.advertiseService("reset_integrator", &FlightInterface::onResetIntegrator, this);
+  observer_service_ = handle.advertiseService("reset_observer", &FlightInterface::onResetObserver, this);
+  calibration_service_ =
+      observer_handle.advertiseService("StartCalibrateKF", &FlightInterface::onCalibrate, this);
 }
 
 bool FlightInterface::frameFits(const std::string& frame) {
@@ -183,6 +199,50 @@ bool FlightInterface::onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Resp
 
 bool FlightInterface::onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
   return answer("hold its position", flight_.holdPosition());
+}
+
+bool FlightInterface::onResetIntegrator(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  flight_.resetIntegrator();
+  return true;
+}
+
+bool FlightInterface::onResetObserver(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  flight_.resetObserver();
+  observer_.reset();
+  return true;
+}
+
+bool FlightInterface::onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  const char* refusal = flight_.whyNoHover();
+  if (refusal == nullptr) observer_.calibrate();
+  return answer("calibrate the observer", refusal);
+}
+
+void FlightInterface::observe(const std_msgs::Header& header, const polyfly::VehicleState& state) {
+  if (flight_.lastRefusal() == polyfly::ControlReason::kNone) {
+    if (flight_.restarted()) observer_.restart();
+    observer_.update(state, sent_);
+  }
+  if (flight_.sends()) sent_ = flight_.report().command;
+  const polyfly::VehicleEstimate& estimate = observer_.estimate();
+  if (observer_.calibrations() != calibrations_) {
+    calibrations_ = observer_.calibrations();
+    flight_.setRestingDisturbance(estimate.force_offset);
+    ROS_INFO("explicit MPC: observer calibrated: force [%.3f, %.3f, %.3f] m/s^2", estimate.force_offset.x(),
+             estimate.force_offset.y(), estimate.force_offset.z());
+  }
+  if (observer_publisher_.getNumSubscribers() == 0) return;
+  const auto message = boost::make_shared<online_controller::ObserverState>();
+  message->header = header;
+  fill(estimate.position, message->position);
+  fill(estimate.velocity, message->velocity);
+  fill(estimate.attitude, message->attitude);
+  fill(estimate.angular_velocity, message->angular_velocity);
+  fill(estimate.force, message->external_forces);
+  fill(estimate.moment, message->external_moments);
+  fill(estimate.force_offset, message->forces_offset);
+  fill(estimate.moment_offset, message->moments_offset);
+  observer_publisher_.publish(message);
 }
 
 bool FlightInterface::onLand(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {

@@ -49,6 +49,9 @@ class DisturbanceObserver {
   /// Forgets the state and sets the disturbance to 0.
   void reset() noexcept;
 
+  /// Sets the estimate of the disturbance; what is not finite is ignored.
+  void setDisturbance(double disturbance) noexcept;
+
   /// Goes on with the estimate of another observer; one with another number of states is ignored.
   void takeOver(const DisturbanceObserver& other) noexcept;
 

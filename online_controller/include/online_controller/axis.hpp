@@ -48,6 +48,7 @@ struct AxisReference {
   double velocity = 0.0;      ///< [m/s]
   double acceleration = 0.0;  ///< [m/s^2]
   double jerk = 0.0;          ///< [m/s^3]
+  double disturbance = 0.0;   ///< known beside the observer's [m/s^2]
 };
 
 /// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
@@ -81,6 +82,9 @@ class Axis {
   void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
 
   void reset() noexcept;
+  void setDisturbance(double disturbance) noexcept {
+    observer_.setDisturbance(disturbance / disturbance_gain_);
+  }
 
   /// Goes on with the observer of another axis of the same model; one whose states stand in another order
   /// is ignored.

@@ -36,6 +36,12 @@ class ControlLaw {
   /// of the disturbance is kept.
   virtual void restartObserver() noexcept = 0;
 
+  /// What the observer begins with: a disturbance that is known from elsewhere [m/s^2].
+  virtual void setDisturbance(const Eigen::Vector3d& disturbance) noexcept = 0;
+
+  /// Forgets the integral of the position error, see PositionIntegrator.
+  virtual void resetIntegrator() noexcept = 0;
+
   /// In place of step() while another law flies: keeps the observer awake and takes `sent` for its own last
   /// command, so that the next step() goes on from there.
   virtual void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;

@@ -52,10 +52,24 @@ class FlightSupervisor {
   const char* land() noexcept;
   const char* holdPosition() noexcept;
 
+  /// Why a calibration makes no sense now, nullptr when the vehicle hovers.
+  const char* whyNoHover() const noexcept;
+
+  /// What the law's observer begins a take-off with: found by a calibration at hover [m/s^2].
+  void setRestingDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+    resting_disturbance_ = disturbance;
+  }
+
+  void resetIntegrator() noexcept { law_->resetIntegrator(); }
+
+  /// The law's observer forgets what it knows of the disturbance and goes on from the next sample.
+  void resetObserver() noexcept;
+
   FlightState state() const noexcept { return state_; }
   FlightEvent cause() const noexcept { return cause_; }            ///< of the last change of the state
   unsigned changes() const noexcept { return changes_; }           ///< of the state, so far
   ControlReason lastRefusal() const noexcept { return refused_; }  ///< of the last odometry
+  bool restarted() const noexcept { return restarted_; }  ///< the last odometry: see OdometryGate::Verdict
   const ControlReport& report() const noexcept { return *report_; }
 
   /// Whether the command of report() is to be sent.
@@ -94,12 +108,14 @@ class FlightSupervisor {
 
   OdometryGate gate_;
   ControlReason refused_ = ControlReason::kNone;
+  bool restarted_ = false;
   VehicleState last_;   // accepted
   bool fresh_ = false;  // the last odometry was accepted, and there was no silence since
 
   ReferenceSchedule references_;
   std::optional<FlightState> after_takeoff_;  // what came during the take-off
   VerticalRamp ramp_;
+  Eigen::Vector3d resting_disturbance_ = Eigen::Vector3d::Zero();
   Reference held_;    // the pose that the sticks move
   int standing_ = 0;  // control periods in which a landing vehicle seemed to stand
 

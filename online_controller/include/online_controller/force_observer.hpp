@@ -26,7 +26,8 @@ class ForceObserver {
   void update(const VehicleState& state, double thrust, int periods) noexcept;
 
   void reset() noexcept;
-  void takeOver(const ForceObserver& other) noexcept;  ///< goes on with its estimates
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;  ///< the estimate of d [m/s^2]
+  void takeOver(const ForceObserver& other) noexcept;                ///< goes on with its estimates
 
   Eigen::Vector3d position() const noexcept;     ///< [m]
   Eigen::Vector3d velocity() const noexcept;     ///< [m/s]

@@ -43,6 +43,8 @@ class LawSwitch : public ControlLaw {
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override;
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
+  void resetIntegrator() noexcept override;
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override {

@@ -6,6 +6,7 @@
 #include "online_controller/axis.hpp"
 #include "online_controller/control_law.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/position_integrator.hpp"
 #include "online_controller/safety_ladder.hpp"
 #include "online_controller/sampling_clock.hpp"
 #include "online_controller/types.hpp"
@@ -51,6 +52,8 @@ class MultirotorController : public ControlLaw {
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override { observing_ = false; }
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
+  void resetIntegrator() noexcept override { integrator_.reset(); }
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
@@ -86,6 +89,7 @@ class MultirotorController : public ControlLaw {
   double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
   bool observing_ = false;
   SafetyLadder ladder_;
+  PositionIntegrator integrator_;
 };
 
 }  // namespace polyfly

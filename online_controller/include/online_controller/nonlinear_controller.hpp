@@ -6,6 +6,7 @@
 #include "online_controller/control_law.hpp"
 #include "online_controller/force_observer.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/position_integrator.hpp"
 #include "online_controller/safety_ladder.hpp"
 
 namespace polyfly {
@@ -35,6 +36,8 @@ class NonlinearController : public ControlLaw {
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override { observing_ = false; }
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
+  void resetIntegrator() noexcept override { integrator_.reset(); }
   void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void takeOver(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
@@ -72,6 +75,7 @@ class NonlinearController : public ControlLaw {
   bool iterating_ = false;  // there is a solution to go on from
   bool prepared_ = false;   // for the next sample
   SafetyLadder ladder_;
+  PositionIntegrator integrator_;
 };
 
 }  // namespace polyfly

@@ -23,6 +23,11 @@ struct MultirotorOptions {
   double disturbance_drift =
       0.005;                ///< of the observer's model, per control period: greater follows faster [m/s^2]
   bool offset_free = true;  ///< use the disturbance estimate (Eq. 5-6)
+  bool integrator = false;  ///< add the integral of the position error to it, see PositionIntegrator
+  double integral_gain_xy = 0.2;  ///< [1/s^3]
+  double integral_gain_z = 0.3;   ///< [1/s^3]
+  double integral_limit = 2.0;    ///< of the integral of the error [m s]
+  double antiwindup_ball = 0.4;   ///< a greater error is not integrated [m]
 };
 
 /// The one list of the options: calls visit(key, field, unit, range) for each double and int, and
@@ -44,6 +49,11 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
   visit("controller/offset_free", options.offset_free);
+  visit("controller/integrator", options.integrator);
+  visit("controller/integral_gain_xy", options.integral_gain_xy, "1/s^3", Range{0.0, 10.0});
+  visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0});
+  visit("controller/integral_limit", options.integral_limit, "m s", Range{0.0, 100.0});
+  visit("controller/antiwindup_ball", options.antiwindup_ball, "m", Range{0.0, 100.0});
 }
 
 /// Throws Error naming the key, its range and its value; hover thrust must lie between the thrust limits.

@@ -10,6 +10,8 @@
 #include <string>
 
 #include "online_controller/flight_supervisor.hpp"
+#include "online_controller/vehicle_observer.hpp"
+#include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
@@ -49,6 +51,7 @@ polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const Jo
 
 struct FlightSetup {
   polyfly::FlightOptions flight;
+  polyfly::MomentModel moments;
   JoyLayout joy;
   polyfly::PilotRule pilot = polyfly::PilotRule::kWhenPresent;
   std::string odometry_frame;  ///< empty: that of the first odometry
@@ -61,14 +64,18 @@ struct FlightSetup {
 /// supervisor's other callers must not run concurrently.
 class FlightInterface {
  public:
-  /// Keeps references to both.
-  FlightInterface(ros::NodeHandle& handle, polyfly::FlightSupervisor& flight, const FlightSetup& setup);
+  /// Keeps a reference to `flight`. The observer is that of the vehicle in `laws`.
+  FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle, polyfly::FlightSupervisor& flight,
+                  const FlightSetup& setup, const LawSetup& laws);
 
   /// Whether an odometry bears the frame agreed; the first one may agree it.
   bool frameFits(const std::string& frame);
 
   /// To be called after each call of the supervisor: publishes and logs a change of the state.
   void publishChange();
+
+  /// To be called with each odometry, when its command is out: the published observer.
+  void observe(const std_msgs::Header& header, const polyfly::VehicleState& state);
 
   /// Called when the sticks have made a command that is to be sent at this time.
   using OnManual = boost::function<void(const ros::Time&)>;
@@ -80,6 +87,9 @@ class FlightInterface {
   void onJoy(const sensor_msgs::Joy::ConstPtr& message);
   bool onTakeOff(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool onHold(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onResetIntegrator(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onResetObserver(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool onLand(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
   bool answer(const char* request, const char* refusal);
   template <class Message>
@@ -88,6 +98,9 @@ class FlightInterface {
 
   polyfly::FlightSupervisor& flight_;
   JoyLayout joy_;
+  polyfly::VehicleObserver observer_;
+  polyfly::AttitudeCommand sent_;  // last
+  unsigned calibrations_ = 0;      // told of
   bool frame_demanded_;
   std::string frame_;
   std::string reference_text_;  // what became of the last reference
@@ -96,12 +109,16 @@ class FlightInterface {
 
   ros::Publisher name_publisher_;
   ros::Publisher status_publisher_;
+  ros::Publisher observer_publisher_;
   ros::Subscriber trajectory_subscriber_;
   ros::Subscriber pose_subscriber_;
   ros::Subscriber joy_subscriber_;
   ros::ServiceServer takeoff_service_;
   ros::ServiceServer hold_service_;
   ros::ServiceServer land_service_;
+  ros::ServiceServer integrator_service_;
+  ros::ServiceServer observer_service_;
+  ros::ServiceServer calibration_service_;
 };
 
 }  // namespace polyfly_ros

@@ -85,6 +85,10 @@ void DisturbanceObserver::reset() noexcept {
   started_ = false;
 }
 
+void DisturbanceObserver::setDisturbance(double disturbance) noexcept {
+  if (std::isfinite(disturbance)) estimate_[static_cast<std::size_t>(state_count_)] = disturbance;
+}
+
 void DisturbanceObserver::update(const double* y, const double* u_previous, int periods) noexcept {
   bool finite = std::isfinite(*u_previous);
   for (int i = 0; i < state_count_; ++i) finite = finite && std::isfinite(y[i]);

@@ -177,7 +177,9 @@ void Axis::observe(const AxisSample& sample, double applied_input, int periods) 
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                              AxisReport& report) const noexcept {
-  const AxisTarget goal = has_input_reference_ ? target(reference, disturbance()) : AxisTarget{};
+  const AxisTarget goal = has_input_reference_
+                              ? target(reference, disturbance() + reference.disturbance / disturbance_gain_)
+                              : AxisTarget{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
     switch (entries_[i]) {
       case Entry::kPositionError:

@@ -9,6 +9,7 @@
 namespace polyfly {
 namespace {
 
+constexpr double kHoverSpeed = 0.3;   // [m/s]
 constexpr int kMostReferences = 128;  // that a law made from other options may read
 
 const FlightOptions& checked(const FlightOptions& options) {
@@ -79,6 +80,7 @@ void FlightSupervisor::startTask(FlightState task, FlightEvent cause) noexcept {
   switch (task) {
     case FlightState::kTakeOff:
       law_->reset();
+      law_->setDisturbance(resting_disturbance_);
       held_ = Reference{};
       held_.position = last_.position;
       held_.yaw = eulerAngles(last_.attitude.normalized()).yaw;
@@ -128,7 +130,8 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
     report_ = &refuse(state.stamp, verdict.refusal);
     return *report_;
   }
-  if (verdict.restarted) law_->restartObserver();
+  restarted_ = verdict.restarted;
+  if (restarted_) law_->restartObserver();
   last_ = state;
   fresh_ = true;
   switch (state_) {
@@ -321,6 +324,17 @@ const char* FlightSupervisor::onReference(ReferenceTrajectory trajectory, std::o
   if (state_ == FlightState::kFailsafe && !isRamp(interrupted_)) interrupted_ = wanted;
   handle(event);
   return nullptr;
+}
+
+void FlightSupervisor::resetObserver() noexcept {
+  law_->restartObserver();
+  law_->setDisturbance(Eigen::Vector3d::Zero());
+}
+
+const char* FlightSupervisor::whyNoHover() const noexcept {
+  if (!fresh_) return "there is no fresh odometry";
+  if (state_ != FlightState::kPositionHold) return "it does not hold its position";
+  return last_.velocity.norm() <= kHoverSpeed ? nullptr : "it moves";
 }
 
 const char* FlightSupervisor::takeOff() noexcept { return handle(FlightEvent::kTakeOff); }

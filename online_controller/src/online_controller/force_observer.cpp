@@ -57,6 +57,12 @@ void ForceObserver::takeOver(const ForceObserver& other) noexcept {
   started_ = other.started_;
 }
 
+void ForceObserver::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
+  }
+}
+
 void ForceObserver::reset() noexcept {
   for (DisturbanceObserver& axis : axes_) axis.reset();
   started_ = false;

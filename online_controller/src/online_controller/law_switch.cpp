@@ -65,6 +65,18 @@ void LawSwitch::restartObserver() noexcept {
   }
 }
 
+void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->setDisturbance(disturbance);
+  }
+}
+
+void LawSwitch::resetIntegrator() noexcept {
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->resetIntegrator();
+  }
+}
+
 const ControlReport& LawSwitch::onSilence(double now) noexcept {
   for (const auto& law : laws_) {
     if (law != nullptr) law->onSilence(now);

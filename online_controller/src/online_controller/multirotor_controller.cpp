@@ -55,9 +55,9 @@ SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_peri
   return {period, control_period};
 }
 
-AxisReference along(const Reference& reference, int axis) noexcept {
+AxisReference along(const Reference& reference, const Eigen::Vector3d& disturbance, int axis) noexcept {
   return {reference.position[axis], reference.velocity[axis], reference.acceleration[axis],
-          reference.jerk[axis]};
+          reference.jerk[axis], disturbance[axis]};
 }
 
 }  // namespace
@@ -79,13 +79,15 @@ MultirotorController::MultirotorController(std::array<Axis, 3> axes, const Multi
     : options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
-      ladder_(options) {
+      ladder_(options),
+      integrator_(options) {
   reset();
 }
 
 void MultirotorController::reset() noexcept {
   for (Axis& axis : axes_) axis.reset();
   clock_.reset();
+  integrator_.reset();
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
@@ -111,13 +113,15 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     send(measured.tilt, measured.yaw, reference);
     return report_;
   }
+  integrator_.update(state, reference, report_);
+  const Eigen::Vector3d integral = integrator_.disturbance();
   ControlStatus worst = ControlStatus::kOptimal;
   report_.iterations = 0;
   ControlReason reason = ControlReason::kNone;
   std::array<AxisReport, 3>& reports = report_.axis;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const ControlStatus status =
-        axes_[i].evaluate(measured.axes[i], along(reference, static_cast<int>(i)), inputs_[i], reports[i]);
+    const ControlStatus status = axes_[i].evaluate(
+        measured.axes[i], along(reference, integral, static_cast<int>(i)), inputs_[i], reports[i]);
     report_.iterations += reports[i].iterations;
     if (status > worst) {
       worst = status;
@@ -138,9 +142,9 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   return report_;
 }
 
-// The angle of an axis is the specific force of the rotors over g: the tilt times T / g, as Eq. 41 has it. Taken
-// for the tilt itself it would not obey the lag of the model, and one disturbance cannot explain two errors: some
-// centimetres would be left in a wind that changes the thrust.
+// The angle of an axis is the specific force of the rotors over g: the tilt times T / g, as Eq. 41 has it.
+// Taken for the tilt itself it would not obey the lag of the model, and one disturbance cannot explain two
+// errors: some centimetres would be left in a wind that changes the thrust.
 MultirotorController::Measured MultirotorController::measure(const VehicleState& state) const noexcept {
   const double share = report_.command.thrust / (options_.mass * options_.gravity);
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
@@ -231,6 +235,12 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
   report_.reason = reason;
   report_.status = ladder_.next(report_.command);
   if (!ladder_.canHold()) forget();
+}
+
+void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
+  }
 }
 
 void MultirotorController::forget() noexcept {

@@ -48,7 +48,8 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
     : options_(checked(options)),
       mpc_(completed(mpc, options)),
       observer_(mpc_.options().model, options.control_period, options.disturbance_drift),
-      ladder_(options) {
+      ladder_(options),
+      integrator_(options) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
   references_.resize(points);
@@ -58,6 +59,7 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
 
 void NonlinearController::reset() noexcept {
   observer_.reset();
+  integrator_.reset();
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
@@ -76,6 +78,7 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
+  integrator_.update(state, *preview, report_);
   std::copy_n(preview, preview_.size(), preview_.begin());
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   yaw_ = angles.yaw;
@@ -114,8 +117,8 @@ double NonlinearController::yawRate(const Reference& reference, double yaw) cons
 }
 
 void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
-  const Eigen::Vector3d disturbance =
-      options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d estimated = options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d disturbance = estimated + integrator_.disturbance();
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const double rate = yawRate(preview[k], yaw);
     stages_[k] = {yaw, rate, disturbance};
@@ -226,6 +229,10 @@ void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
   report_.reason = reason;
   report_.status = ladder_.next(report_.command);
   if (!ladder_.canHold()) forget();
+}
+
+void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  observer_.setDisturbance(disturbance);
 }
 
 void NonlinearController::forget() noexcept {

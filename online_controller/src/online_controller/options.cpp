@@ -4,6 +4,7 @@
 #include <string>
 
 #include "online_controller/flight_options.hpp"
+#include "online_controller/vehicle_observer.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -33,6 +34,8 @@ void checkOptions(const MultirotorOptions& options) {
     throw Error(text.str());
   }
 }
+
+void checkMomentModel(const MomentModel& moments) { visitMomentModel(moments, CheckRange{}); }
 
 void checkFlightOptions(const FlightOptions& options) { visitFlightOptions(options, CheckRange{}); }
 

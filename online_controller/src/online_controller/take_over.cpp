@@ -33,6 +33,7 @@ void MultirotorController::takeOver(const ControlLaw& from) noexcept {
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
   ladder_.takeOver(other->ladder_);
+  integrator_.takeOver(other->integrator_);
 }
 
 double MultirotorController::kktResidual() const noexcept {
@@ -51,6 +52,7 @@ void NonlinearController::takeOver(const ControlLaw& from) noexcept {
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
   ladder_.takeOver(other->ladder_);
+  integrator_.takeOver(other->integrator_);
   prepared_ = false;
   // One that was prepared is shifted to the next sample already, and begins anew.
   iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);

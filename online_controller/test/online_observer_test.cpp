@@ -1,0 +1,247 @@
+// The observer that is published, its calibration, and the integrator: against motions with known forces.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mpc_core_allocations.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/vehicle_observer.hpp"
+#include "online_support.hpp"
+#include "region_maps/error.hpp"
+
+namespace {
+
+using polyfly::AttitudeCommand;
+using polyfly::VehicleObserver;
+using polyfly::VehicleState;
+
+constexpr double kGravity = 9.8066;
+constexpr double kMass = 1.52;
+constexpr double kPeriod = 0.01;
+constexpr double kDrag = 0.01;
+
+/// A vehicle with the attitude loops of MomentModel about small angles, under a force and a moment,
+/// integrated in steps of a tenth of a period.
+struct Vehicle {
+  void move(const AttitudeCommand& command) {
+    constexpr int kSteps = 10;
+    const double h = kPeriod / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      const Eigen::Matrix3d R = rotation();
+      Eigen::Vector3d acceleration = command.thrust / kMass * R.col(2) + force;
+      acceleration.z() -= kGravity;
+      const Eigen::Vector3d drag(kDrag, kDrag, 0.0);
+      acceleration -= R * drag.cwiseProduct(R.transpose() * velocity);
+      Eigen::Vector3d angular = moment;
+      angular.x() += 7.07 * 7.07 * (0.8 * command.roll - angles.x()) - 2.0 * 0.72 * 7.07 * rates.x();
+      angular.y() += 7.07 * 7.07 * (0.84 * command.pitch - angles.y()) - 2.0 * 0.76 * 7.07 * rates.y();
+      angular.z() += 5.0 * (command.yaw_rate - rates.z());
+      position += h * velocity + 0.5 * h * h * acceleration;
+      velocity += h * acceleration;
+      angles += h * rates + 0.5 * h * h * angular;
+      rates += h * angular;
+    }
+    time += kPeriod;
+  }
+
+  Eigen::Matrix3d rotation() const {
+    return (Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+            Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+            Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX()))
+        .toRotationMatrix();
+  }
+
+  VehicleState measure() const {
+    VehicleState state;
+    state.stamp = time;
+    state.position = position;
+    state.velocity = velocity;
+    state.attitude = Eigen::Quaterniond(rotation());
+    // Body rates of the angle rates, z-y'-x''.
+    const double sr = std::sin(angles.x()), cr = std::cos(angles.x());
+    const double sp = std::sin(angles.y()), cp = std::cos(angles.y());
+    state.angular_velocity = {rates.x() - sp * rates.z(), cr * rates.y() + sr * cp * rates.z(),
+                              -sr * rates.y() + cr * cp * rates.z()};
+    return state;
+  }
+
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angles = Eigen::Vector3d::Zero(), rates = Eigen::Vector3d::Zero();
+  double time = 50.0;
+};
+
+VehicleObserver makeObserver(const polyfly::MomentModel& moments = {}) {
+  return {polyfly::MultirotorModel{}, polyfly::MultirotorOptions{}, moments};
+}
+
+AttitudeCommand commandAt(double time) {
+  AttitudeCommand command;
+  command.roll = 0.2 * std::sin(2.0 * time);
+  command.pitch = 0.15 * std::cos(1.3 * time);
+  command.yaw_rate = 0.8;  // turns and turns: yaw must be unwrapped
+  command.thrust = kMass * (kGravity + std::sin(time));
+  return command;
+}
+
+void fly(Vehicle& vehicle, VehicleObserver& observer, int samples) {
+  observer.update(vehicle.measure(), AttitudeCommand{});
+  for (int k = 0; k < samples; ++k) {
+    const AttitudeCommand command = commandAt(vehicle.time);
+    vehicle.move(command);
+    observer.update(vehicle.measure(), command);
+  }
+}
+
+TEST(VehicleObserver, FindsForceAndMomentOfAnAgileFlight) {
+  Vehicle vehicle;
+  vehicle.force = {1.2, -0.7, 0.4};
+  vehicle.moment = {3.0, -2.0, 0.5};
+  VehicleObserver observer = makeObserver();
+  fly(vehicle, observer, 2000);
+  const polyfly::VehicleEstimate& estimate = observer.estimate();
+  EXPECT_LT((estimate.force - vehicle.force).norm(), 0.02);
+  EXPECT_LT((estimate.moment - vehicle.moment).norm(), 0.1);
+  EXPECT_LT((estimate.position - vehicle.position).norm(), 0.01);
+  EXPECT_LT((estimate.velocity - vehicle.velocity).norm(), 0.02);
+  EXPECT_LT((estimate.attitude.head<2>() - vehicle.angles.head<2>()).norm(), 0.01);
+  EXPECT_NEAR(estimate.attitude.z(), vehicle.angles.z(), 0.01);  // several turns
+  EXPECT_GT(vehicle.angles.z(), 10.0);
+  EXPECT_LT((estimate.angular_velocity - vehicle.rates).norm(), 0.05);
+}
+
+TEST(VehicleObserver, DragIsNoForce) {
+  Vehicle vehicle;
+  vehicle.velocity = {8.0, 0.0, 0.0};
+  VehicleObserver observer = makeObserver();
+  fly(vehicle, observer, 1000);
+  EXPECT_LT(observer.estimate().force.norm(), 0.01);  // 0.08 m/s^2 with the wrong sign doubled
+}
+
+TEST(VehicleObserver, CountsLostSamplesFromTheStamps) {
+  Vehicle vehicle;
+  vehicle.force = {0.5, 0.0, 0.0};
+  VehicleObserver observer = makeObserver();
+  AttitudeCommand hover;
+  hover.thrust = kMass * kGravity;
+  observer.update(vehicle.measure(), hover);
+  for (int k = 0; k < 1500; ++k) {
+    vehicle.move(hover);
+    if (k % 7 > 2) continue;  // most are lost
+    observer.update(vehicle.measure(), hover);
+  }
+  EXPECT_LT((observer.estimate().force - vehicle.force).norm(), 0.01);
+}
+
+TEST(VehicleObserver, CalibrationAtHoverTakesTheModelsFault) {
+  Vehicle vehicle;
+  vehicle.force = {0.1, -0.05, -0.6};  // lift less than thought: the mass is wrong
+  vehicle.moment = {0.4, 0.2, 0.0};
+  polyfly::MomentModel moments;
+  moments.calibration_duration = 2.0;
+  VehicleObserver observer = makeObserver(moments);
+  fly(vehicle, observer, 1500);
+  observer.calibrate();
+  EXPECT_TRUE(observer.isCalibrating());
+  fly(vehicle, observer, 190);
+  EXPECT_TRUE(observer.isCalibrating());
+  fly(vehicle, observer, 20);
+  EXPECT_FALSE(observer.isCalibrating());
+  EXPECT_EQ(observer.calibrations(), 1U);
+  EXPECT_LT((observer.estimate().force_offset - vehicle.force).norm(), 0.02);
+  EXPECT_LT((observer.estimate().moment_offset - vehicle.moment).norm(), 0.1);
+  EXPECT_LT(observer.estimate().force.norm(), 0.03);
+  vehicle.force.x() += 1.0;  // now there is wind
+  fly(vehicle, observer, 1500);
+  EXPECT_NEAR(observer.estimate().force.x(), 1.0, 0.03);
+  observer.reset();
+  fly(vehicle, observer, 1500);
+  EXPECT_NEAR(observer.estimate().force.x(), 1.0, 0.03);  // the offset stays
+}
+
+TEST(VehicleObserver, AJumpAnnouncedIsNoForce) {
+  Vehicle vehicle;
+  VehicleObserver observer = makeObserver();
+  fly(vehicle, observer, 500);
+  vehicle.position.x() += 4.0;
+  observer.restart();
+  fly(vehicle, observer, 1);
+  EXPECT_LT(observer.estimate().force.norm(), 0.02);
+  EXPECT_NEAR(observer.estimate().position.x(), vehicle.position.x(), 0.05);
+}
+
+TEST(VehicleObserver, DoesNotAllocateAndNamesABadOption) {
+  Vehicle vehicle;
+  VehicleObserver observer = makeObserver();
+  const VehicleState state = vehicle.measure();
+  const long before = polyfly_test::allocationCount();
+  observer.calibrate();
+  for (int k = 0; k < 10; ++k) {
+    VehicleState next = state;
+    next.stamp += kPeriod * k;
+    observer.update(next, AttitudeCommand{});
+  }
+  EXPECT_EQ(polyfly_test::allocationCount(), before);
+  polyfly::MomentModel moments;
+  moments.roll_omega = -1.0;
+  try {
+    makeObserver(moments);
+    FAIL() << "no error";
+  } catch (const polyfly::Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("KF_observer/roll_omega: must lie in [", 0), 0U);
+  }
+}
+
+/// What the law commands after it stood `seconds` at an error in x, without an observer.
+double pitchAfter(polyfly::ControlLaw& law, double error, double seconds) {
+  std::vector<polyfly::Reference> preview(static_cast<std::size_t>(law.previewLength()));
+  VehicleState state;
+  double pitch = 0.0;
+  for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
+    state.position.x() = error;
+    pitch = law.step(state, preview.data()).command.pitch;
+    law.prepare();
+    state.stamp += kPeriod;
+  }
+  return pitch;
+}
+
+TEST(Integrator, AnswersAConstantErrorWithinItsBoundsAndForgetsIt) {
+  polyfly::MultirotorOptions options;
+  options.offset_free = false;
+  polyfly_test::Flight without(options);
+  options.integrator = true;
+  polyfly_test::Flight with(options);
+  const double plain = pitchAfter(*without.controller, 0.1, 5.0);
+  const double more = pitchAfter(*with.controller, 0.1, 5.0);
+  // 0.2 * 0.1 * 5 m/s^2 more, as an angle through g, the gain of the loop and the law of the made maps.
+  EXPECT_NEAR(more - plain, -0.1 / kGravity * (1.0 + 1.0 / 0.9), 2e-3);
+  with.controller->resetIntegrator();
+  EXPECT_NEAR(pitchAfter(*with.controller, 0.1, 0.01), plain, 1e-6);
+
+  polyfly_test::Flight far(options);  // beyond the ball
+  EXPECT_EQ(pitchAfter(*far.controller, 0.5, 5.0), pitchAfter(*without.controller, 0.5, 5.0));
+  polyfly_test::Flight long_time(options);
+  const double bounded = pitchAfter(*long_time.controller, 0.39, 10.0);
+  EXPECT_EQ(bounded, pitchAfter(*long_time.controller, 0.39, 1.0));  // 2 m s after 5.1 s
+}
+
+TEST(Integrator, WorksInTheNonlinearLawToo) {
+  polyfly::MultirotorOptions options;
+  options.offset_free = false;
+  polyfly::NonlinearController without(options, {});
+  options.integrator = true;
+  polyfly::NonlinearController with(options, {});
+  const double plain = pitchAfter(without, 0.1, 3.0);
+  EXPECT_LT(pitchAfter(with, 0.1, 3.0), plain - 0.005);
+}
+
+TEST(Integrator, AKnownDisturbanceIsAnsweredFromTheFirstStep) {
+  polyfly_test::Flight flight;
+  flight.controller->setDisturbance({0.5, 0.0, -0.4});
+  const double pitch = pitchAfter(*flight.controller, 0.0, 0.01);
+  EXPECT_LT(pitch, -0.04);
+  EXPECT_NEAR(flight.controller->report().axis[2].disturbance, -0.4, 1e-12);
+}
+
+}  // namespace
