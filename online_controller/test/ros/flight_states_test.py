@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Take-off, landing, remote control and observer over their services and topics, on a vehicle that stands on a floor."""
+
+import math
+import os
+import sys
+import tempfile
+import unittest
+
+import rospy
+import rostest
+from online_controller.msg import ControllerStatus, FlightStatus, ObserverState
+from sensor_msgs.msg import Joy
+from std_msgs.msg import String
+from std_srvs.srv import Empty, Trigger
+from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+from geometry_msgs.msg import Transform
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from explicit_mpc_test import AXES, PATIENCE, Collector, Controller, make_maps, pose_at  # noqa: E402
+
+MASS, GRAVITY, PERIOD = 1.52, 9.8066, 0.01
+MANUAL, POSITION = -1.0, 1.0  # of the mode axis
+
+
+class Vehicle:
+    """A point mass that leans at once. Its time is that of the stamps, and goes as fast as the answers come."""
+
+    def __init__(self, controller):
+        self.controller = controller
+        self.time = rospy.Time.now().to_sec()
+        self.position, self.velocity = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        self.frame = "world"
+        self.roll = self.pitch = 0.0
+
+    def fill(self, odometry):
+        odometry.header.stamp = rospy.Time.from_sec(self.time)
+        odometry.header.frame_id = self.frame
+        position, twist = odometry.pose.pose.position, odometry.twist.twist.linear
+        position.x, position.y, position.z = self.position
+        orientation = odometry.pose.pose.orientation
+        cr, sr, cp, sp = (f(0.5 * a) for a in (self.roll, self.pitch) for f in (math.cos, math.sin))
+        orientation.w, orientation.x, orientation.y, orientation.z = cp * cr, cp * sr, sp * cr, -sp * sr
+        # Angles stay small here: the body's axes are those of the world, to the accuracy that a hover needs.
+        vx, vy, vz = self.velocity
+        twist.x, twist.y, twist.z = vx - self.pitch * vz, vy + self.roll * vz, vz + self.pitch * vx - self.roll * vy
+
+    def step(self):
+        def change(odometry):
+            self.time += PERIOD
+            self.fill(odometry)
+
+        command, status = self.controller.exchange(change)
+        self.roll, self.pitch = command.roll, command.pitch
+        thrust = command.thrust.z / MASS
+        pull = (thrust * self.pitch, -thrust * self.roll, thrust * math.cos(self.roll) * math.cos(self.pitch) - GRAVITY)
+        for i in range(3):
+            self.velocity[i] += PERIOD * pull[i]
+            self.position[i] += PERIOD * self.velocity[i]
+        if self.position[2] <= 0.0:
+            self.position[2] = 0.0
+            self.velocity = [0.0, 0.0, 0.0]
+        return command, status
+
+    def fly(self, until, most):
+        """Steps until the condition holds, at most so many seconds."""
+        for _ in range(int(most / PERIOD)):
+            answer = self.step()
+            if until():
+                return answer
+        raise AssertionError("not reached in %g s" % most)
+
+
+class FlightStatesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        make_maps(cls.folder.name)
+        cls.maps = {axis: os.path.join(cls.folder.name, axis + ".map") for axis in AXES}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def begin(self, parameters=None):
+        chosen = {"controller/stale_periods": 10000, "control_interface/takeoff_time": 1.0,
+                  "KF_observer/calibration_duration": 0.5}
+        chosen.update(parameters or {})
+        controller = Controller(self.id().split(".")[-1], self.maps, chosen)
+        self.addCleanup(controller.stop)
+        controller.connect()
+        self.states = Collector(controller.namespace + "/flight_status", FlightStatus)
+        self.names = Collector(controller.namespace + "/state_machine/state_info", String)
+        self.assertIsNotNone(self.names.wait(lambda m: m.data == "Inactive"))
+        return controller, Vehicle(controller)
+
+    def state(self):
+        return self.states.messages[-1].name if self.states.messages else ""
+
+    def call(self, controller, name, kind=Empty):
+        rospy.wait_for_service(controller.namespace + "/" + name, PATIENCE)
+        return rospy.ServiceProxy(controller.namespace + "/" + name, kind)()
+
+    def assert_refused(self, controller, name):
+        with self.assertRaises(rospy.ServiceException):
+            self.call(controller, name)
+
+    def test_takes_off_calibrates_and_lands_by_service(self):
+        controller, vehicle = self.begin()
+        observer = Collector(controller.namespace + "/controller/KF_observer/observer_state", ObserverState)
+        self.assert_refused(controller, "takeoff")  # no odometry yet
+        vehicle.step()
+        self.assert_refused(controller, "back_to_position_hold")
+        self.assert_refused(controller, "controller/KF_observer/StartCalibrateKF")
+        refused = self.call(controller, "land", Trigger)
+        self.assertFalse(refused.success)
+        self.assertEqual(refused.message, "it does not fly")
+
+        self.call(controller, "takeoff")
+        vehicle.fly(lambda: self.state() == "TakeOff", 0.2)
+        vehicle.fly(lambda: self.state() == "PositionHold", 4.0)
+        self.assertAlmostEqual(vehicle.position[2], 1.0, delta=0.15)
+        self.assertEqual(self.states.messages[-1].reason, "the take-off height is reached")
+        vehicle.fly(lambda: max(map(abs, vehicle.velocity)) < 0.1, 3.0)
+        self.call(controller, "controller/KF_observer/StartCalibrateKF")
+        self.call(controller, "reset_integrator")
+        self.call(controller, "back_to_position_hold")
+        for _ in range(60):
+            vehicle.step()
+        last = observer.messages[-1]
+        self.assertAlmostEqual(last.position[2], vehicle.position[2], delta=0.05)
+        self.assertNotEqual(tuple(last.forces_offset), (0.0, 0.0, 0.0))
+
+        self.assertTrue(self.call(controller, "land", Trigger).success)
+        vehicle.fly(lambda: self.state() == "Landing", 0.2)
+        vehicle.fly(lambda: self.state() == "Landed", 6.0)
+        command, status = vehicle.step()
+        self.assertEqual(command.thrust.z, 0.0)
+        self.assertEqual(status.status, ControllerStatus.MOTORS_OFF)
+        self.assertEqual([m.data for m in self.names.messages],
+                         ["Inactive", "TakeOff", "PositionHold", "Landing", "Landed"])
+        controller.pose.publish(pose_at(0.0, 0.0, 1.0))
+        self.assertIsNotNone(self.states.wait(lambda m: "take off first" in m.reference))
+
+    def test_remote_control_takes_the_vehicle_and_gives_it_back(self):
+        controller, vehicle = self.begin({"control_interface/rc_timeout": 0.0})
+        sticks = rospy.Publisher(controller.namespace + "/rc", Joy, queue_size=1)
+        vehicle.position[2] = 1.0
+        vehicle.step()
+
+        def hold(mode, reached, forward=0.0):
+            joy = Joy(axes=[forward, 0.0, 0.25, 0.0, mode, 1.0, 0.0], buttons=[1])
+            if mode == POSITION:
+                joy.axes[2] = 0.0
+            for _ in range(100):
+                sticks.publish(joy)
+                vehicle.step()
+                if self.state() == reached:
+                    return
+            self.fail("%s is not reached, it is %s" % (reached, self.state()))
+
+        hold(MANUAL, "RemoteControl", 0.1)
+        command, status = vehicle.step()
+        self.assertEqual(status.status, ControllerStatus.MANUAL)
+        self.assertAlmostEqual(command.pitch, 0.1 * math.pi / 4.0, places=6)
+        self.assertAlmostEqual(command.thrust.z, MASS * GRAVITY, places=6)
+        before = len(controller.commands.messages)
+        sticks.publish(Joy(axes=[0.2, 0.0, 0.25, 0.0, MANUAL, 1.0, 0.0], buttons=[1]))  # answered without odometry
+        self.assertIsNotNone(controller.commands.wait(lambda m: abs(m.pitch - 0.2 * math.pi / 4.0) < 1e-6))
+        self.assertGreater(len(controller.commands.messages), before)
+        self.assert_refused(controller, "takeoff")
+        hold(POSITION, "PositionHold")
+        hold(POSITION, "RcTeleOp", 1.0)
+        hold(MANUAL, "RemoteControl")
+
+    def test_says_what_it_computed_and_refuses_another_frame(self):
+        controller, vehicle = self.begin()
+        vehicle.position[2] = 1.0
+        vehicle.step()
+        trajectory = MultiDOFJointTrajectory()
+        for i in range(4):
+            transform = Transform()
+            transform.translation.x, transform.translation.z, transform.rotation.w = 0.01 * i, 1.0, 1.0
+            point = MultiDOFJointTrajectoryPoint(transforms=[transform])
+            point.time_from_start = rospy.Duration(1.0 * i)
+            trajectory.points.append(point)
+        controller.trajectory.publish(trajectory)
+        status = self.states.wait(lambda m: m.reference.startswith("trajectory of 4 points"))
+        self.assertIn("computed from differences: velocities of 4, accelerations of 4", status.reference)
+        self.assertEqual(status.state, FlightStatus.TRAJECTORY)
+        vehicle.step()
+        vehicle.frame = "odom"
+        _, status = vehicle.step()
+        self.assertEqual((status.status, status.reason),
+                         (ControllerStatus.HOLD_LAST, ControllerStatus.REASON_WRONG_FRAME))
+        for _ in range(10):
+            _, status = vehicle.step()
+        self.assertEqual(status.status, ControllerStatus.LEVEL)
+        self.assertIsNotNone(self.states.wait(lambda m: m.state == FlightStatus.FAILSAFE))
+        vehicle.frame = "world"
+        _, status = vehicle.step()
+        self.assertEqual(status.status, ControllerStatus.OPTIMAL)
+
+
+if __name__ == "__main__":
+    rospy.init_node("flight_states_test")
+    rostest.rosrun("online_controller", "flight_states", FlightStatesTest, sys.argv)
