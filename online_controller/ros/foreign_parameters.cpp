@@ -25,6 +25,11 @@ constexpr Pair kVehicle[] = {
     {"thrust_max", "controller/thrust_max"},
     {"K_yaw", "controller/yaw_gain"},
     {"sampling_time", "controller/control_period"},
+    {"Ki_xy", "controller/integral_gain_xy"},
+    {"Ki_altitude", "controller/integral_gain_z"},
+    {"Ki_z", "controller/integral_gain_z"},
+    {"position_error_integration_limit", "controller/integral_limit"},
+    {"antiwindup_ball", "controller/antiwindup_ball"},
 };
 
 constexpr Pair kLinear[] = {
@@ -107,6 +112,10 @@ std::string adoptForeignParameters(const ros::NodeHandle& private_handle, const 
   adoption.vector("drag_coefficients", drag);
   adoption.vector("linear_drag_coefficients", drag);
   adoption.flag("enable_offset_free", "controller/offset_free");
+  adoption.flag("enable_integrator", "controller/integrator");
+  // It sends nothing before a flight begins.
+  if (!private_handle.hasParam("control_interface/idle_publishes"))
+    private_handle.setParam("control_interface/idle_publishes", false);
 
   // The greater of the two limits what is sent; the linear law keeps each of them in its problem.
   double roll_max = 0.0, pitch_max = 0.0;
