@@ -5,6 +5,7 @@
 
 #include "figure_player.hpp"
 #include "flight_recorder.hpp"
+#include "latency_probe.hpp"
 #include "plant_node.hpp"
 #include "region_maps/error.hpp"
 
@@ -29,9 +30,11 @@ class Shell : public nodelet::Nodelet {
 class MultirotorPlant : public Shell<polyfly_ros::PlantNode> {};
 class FigurePlayer : public Shell<polyfly_ros::FigurePlayer> {};
 class FlightRecorder : public Shell<polyfly_ros::FlightRecorder> {};
+class LatencyProbe : public Shell<polyfly_ros::LatencyProbe> {};
 
 }  // namespace polyfly_test
 
 PLUGINLIB_EXPORT_CLASS(polyfly_test::MultirotorPlant, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(polyfly_test::FigurePlayer, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(polyfly_test::FlightRecorder, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(polyfly_test::LatencyProbe, nodelet::Nodelet)

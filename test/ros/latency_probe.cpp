@@ -1,0 +1,143 @@
+#include "latency_probe.hpp"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Odometry.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "online_controller_ros/callback_thread.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kConnectPatience = 30.0;  // [s]
+constexpr double kAnswerPatience = 0.05;   // [s]
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+void writeTimes(std::ostream& file, const char* name, const std::vector<double>& values) {
+  file << "\"" << name << "\": {\"median\": " << percentile(values, 0.5)
+       << ", \"p99\": " << percentile(values, 0.99) << ", \"p999\": " << percentile(values, 0.999)
+       << ", \"greatest\": " << percentile(values, 1.0) << "}";
+}
+
+}  // namespace
+
+LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
+    : handle_(handle) {
+  private_handle.param("samples", samples_, samples_);
+  private_handle.param("warm_up", warm_up_, warm_up_);
+  private_handle.param("rate", rate_, rate_);
+  if (!private_handle.getParam("output", output_)) throw polyfly::Error("latency probe: output: missing");
+  handle_.setCallbackQueue(&queue_);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
+  pose_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
+  command_subscriber_ = handle_.subscribe<mav_msgs::RollPitchYawrateThrust>(
+      "command/roll_pitch_yawrate_thrust", 10,
+      [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& command) {
+        heard_ = Clock::now();
+        answered_ = command->header.stamp;
+      },
+      ros::VoidConstPtr(), hints);
+  status_subscriber_ = handle_.subscribe<online_controller::ControllerStatus>(
+      "controller_status", 10,
+      [this](const online_controller::ControllerStatus::ConstPtr& status) {
+        step_.push_back(1e-3 * static_cast<double>(status->step_time_ns));
+        inside_.push_back(step_.back() +
+                          1e-3 * static_cast<double>(status->input_time_ns + status->output_time_ns));
+      },
+      ros::VoidConstPtr(), hints);
+  RealTimeOptions real_time;
+  private_handle.param("priority", real_time.priority, 0);
+  thread_ = std::thread([this, real_time] {
+    const std::string refused = becomeRealTime(real_time);
+    if (!refused.empty()) ROS_WARN("latency probe: %s", refused.c_str());
+    run();
+  });
+}
+
+LatencyProbe::~LatencyProbe() {
+  stopping_ = true;
+  thread_.join();
+}
+
+void LatencyProbe::run() {
+  const Clock::time_point start = Clock::now();
+  while (!stopping_ && ros::ok() &&
+         (odometry_.getNumSubscribers() == 0 || command_subscriber_.getNumPublishers() == 0)) {
+    if (Clock::now() - start > std::chrono::duration<double>(kConnectPatience)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  auto pose = boost::make_shared<geometry_msgs::PoseStamped>();
+  pose->header.frame_id = "world";
+  pose->pose.position.x = 0.3;
+  pose->pose.orientation.w = 1.0;
+  pose_.publish(pose);
+  Clock::time_point next = Clock::now();
+  for (int sample = -warm_up_; sample < samples_ && !stopping_ && ros::ok(); ++sample) {
+    next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
+    std::this_thread::sleep_until(next);
+    exchange(sample);
+    if (sample < 0) {
+      step_.clear();
+      inside_.clear();
+    }
+  }
+  write();
+}
+
+void LatencyProbe::exchange(int sample) {
+  const auto odometry = boost::make_shared<nav_msgs::Odometry>();
+  odometry->header.stamp = ros::Time::now();
+  odometry->header.frame_id = "world";
+  odometry->child_frame_id = "base_link";
+  // Somewhere near the reference, another place each time.
+  odometry->pose.pose.position.x = 0.02 * std::sin(0.05 * sample);
+  odometry->twist.twist.linear.x = 0.1 * std::cos(0.05 * sample);
+  odometry->pose.pose.orientation.w = 1.0;
+  const ros::Time stamp = odometry->header.stamp;
+  const Clock::time_point sent = Clock::now();
+  odometry_.publish(odometry);
+  if (!waitForCommand(stamp)) {
+    missed_ += sample >= 0 ? 1 : 0;
+  } else if (sample >= 0) {
+    latency_.push_back(1e6 * std::chrono::duration<double>(heard_ - sent).count());
+  }
+}
+
+bool LatencyProbe::waitForCommand(const ros::Time& stamp) {
+  const Clock::time_point start = Clock::now();
+  while (answered_ != stamp) {
+    if (Clock::now() - start > std::chrono::duration<double>(kAnswerPatience)) return false;
+    queue_.callOne(ros::WallDuration(kAnswerPatience));
+  }
+  return true;
+}
+
+void LatencyProbe::write() const {
+  const std::string partial = output_ + ".partial";
+  {
+    std::ofstream file(partial);
+    file << "{\"samples\": " << latency_.size() << ", \"missed\": " << missed_ << ", ";
+    writeTimes(file, "latency", latency_);
+    file << ", ";
+    writeTimes(file, "inside", inside_);
+    file << ", ";
+    writeTimes(file, "step", step_);
+    file << "}\n";
+  }
+  std::rename(partial.c_str(), output_.c_str());
+}
+
+}  // namespace polyfly_ros
