@@ -8,6 +8,12 @@
 namespace polyfly {
 namespace {
 
+/// Farther off than any trim, over a second: not flown by our references, or a manoeuvre that says nothing of
+/// trim.
+constexpr double kNotFollowed = 0.15;  // [rad]
+/// Farther off than any slip: a heading that was set anew.
+constexpr double kNotTurned = 0.3;  // [rad/s]
+
 GainBiasOptions rollOptions() noexcept {
   GainBiasOptions options;
   options.bias_deviation = 0.03;  // [rad]
@@ -94,8 +100,10 @@ void LateralObserver::endWindow() noexcept {
   const double asked =
       (rate_ - begin_rate_ + model_.a1 * (roll_angle_ - begin_roll_) + model_.a0 * roll_integral_) /
       model_.b0;
-  roll_.update(reference_integral_ / length_, asked / length_, length_);
-  turn_.update(turn_integral_ / length_, turned_ / length_, length_);
+  const double bias = (asked - reference_integral_) / length_;
+  if (std::abs(bias) < kNotFollowed) roll_.update(reference_integral_ / length_, asked / length_, length_);
+  if (std::abs(turned_ - turn_integral_) < kNotTurned * length_)
+    turn_.update(turn_integral_ / length_, turned_ / length_, length_);
 }
 
 }  // namespace polyfly

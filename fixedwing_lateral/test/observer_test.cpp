@@ -152,6 +152,30 @@ TEST(LateralObserver, DoesNotLearnFromReferencesThatWereNotFlown) {
   EXPECT_EQ(observer.rollBias(), 0.0);
 }
 
+TEST(LateralObserver, DoesNotLearnFromAPilotOfWhomNobodyToldIt) {
+  ChapterAircraft aircraft(LateralModel{}, {}, 14.0, {0.0, 0.0});
+  LateralObserver observer{LateralModel{}};
+  for (int i = 0; i < 2000; ++i) {
+    observer.update(aircraft.state(), aircraft.airspeed(), -0.2);
+    aircraft.fly(0.35 + 0.1 * std::sin(0.01 * i), kPeriod);
+  }
+  EXPECT_LT(std::abs(observer.rollBias()), 0.01);
+  EXPECT_NEAR(observer.turnGain(), 1.0, 0.01);  // how it turns is seen whoever flies
+}
+
+TEST(LateralObserver, DoesNotLearnFromAHeadingThatIsSetAnew) {
+  ChapterAircraft aircraft(LateralModel{}, {}, 14.0, {0.0, 0.0});
+  LateralObserver observer{LateralModel{}};
+  for (int i = 0; i < 2000; ++i) {
+    AircraftState state = aircraft.state();
+    state.heading += (i / 100) * 0.8;  // every five seconds
+    observer.update(state, aircraft.airspeed(), 0.3);
+    aircraft.fly(0.3, kPeriod);
+  }
+  EXPECT_NEAR(observer.turnGain(), 1.0, 0.01);
+  EXPECT_NEAR(observer.turnBias(), 0.0, 0.002);
+}
+
 /// A loiter by the guidance; (mean, largest) distance from the circle once it settled [m].
 std::pair<double, double> flyCircle(Aircraft& aircraft, bool learn, double radius, TurnDirection direction) {
   GuidanceOptions options;

@@ -49,6 +49,7 @@ class LateralObserver {
 
   /// The roll reference that was flown from the last state to this one. A pause of more than kLongestPause,
   /// or time running backwards, begins a new second; so does `interrupt`, for references that were not flown.
+  /// A second in which the aircraft did something else altogether teaches nothing of the roll bias.
   void update(const AircraftState& state, double airspeed, double roll_reference) noexcept;
   void interrupt() noexcept { has_last_ = false; }
 
