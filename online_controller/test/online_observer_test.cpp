@@ -2,8 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include "mpc_core_allocations.hpp"
+#include "online_controller/flight_options.hpp"
 #include "online_controller/nonlinear_controller.hpp"
 #include "online_controller/vehicle_observer.hpp"
 #include "online_support.hpp"
@@ -242,6 +248,20 @@ TEST(Integrator, AKnownDisturbanceIsAnsweredFromTheFirstStep) {
   const double pitch = pitchAfter(*flight.controller, 0.0, 0.01);
   EXPECT_LT(pitch, -0.04);
   EXPECT_NEAR(flight.controller->report().axis[2].disturbance, -0.4, 1e-12);
+}
+
+TEST(FlightOptions, ThePageListsEachKey) {
+  const char* root = std::getenv("POLYFLY_ROOT");
+  std::ifstream stream(std::string(root != nullptr ? root : ".") + "/online_controller/FLIGHT.md");
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const auto expect_listed = [&](const std::string& key, auto&&...) {
+    const std::string name = key.substr(key.find('/') + 1);
+    EXPECT_NE(text.find(name + "`"), std::string::npos) << key;
+  };
+  polyfly::FlightOptions flight;
+  polyfly::visitFlightOptions(flight, expect_listed);
+  polyfly::MomentModel moments;
+  polyfly::visitMomentModel(moments, expect_listed);
 }
 
 }  // namespace
