@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "autopilot/autopilot_signals.hpp"
 #include "identification/bag_signals.hpp"
 #include "read_progress.hpp"
 #include "region_maps/error.hpp"
@@ -33,14 +34,19 @@ bool isBag(const std::string& path) {
 }  // namespace
 
 void declareLog(CLI::App& command, LogArguments& arguments) {
-  command.add_option("log", arguments.log, "Recorded flight (.bag, or CSV)")->required()->type_name("FILE");
+  command
+      .add_option("log", arguments.log,
+                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or CSV")
+      ->required()
+      ->type_name("FILE");
   command
       .add_option("--window", arguments.windows,
                   "FROM:TO in the log's own seconds, repeatable; chosen by the tool if not given")
       ->type_name("FROM:TO");
   command
       .add_option("--signal", arguments.signals,
-                  "Where a signal is, repeatable: a column, or TOPIC:FIELD of a bag; guessed if not given")
+                  "Where a signal is, repeatable: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an "
+                  "autopilot's log; guessed if not given")
       ->type_name("SIGNAL=PLACE");
   command.add_option("--topic", arguments.topics, "Of a bag, guess from topics that end so only; repeatable")
       ->type_name("ENDING");
@@ -69,6 +75,13 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   const auto choice = parseSignals(arguments.signals);
+  if (isAutopilotLog(path)) {
+    AutopilotSignals log = signalsFromAutopilot(path, choice);
+    *provenance = provenanceOf(path);
+    provenance->recorded = arguments.recorded;
+    for (const std::string& remark : log.remarks) remarks->push_back(path + ": " + remark);
+    return log.signals;
+  }
   if (!isBag(path)) {
     FlightSignals signals = signalsFromCsv(readCsv(path), choice);
     *provenance = provenanceOf(path);

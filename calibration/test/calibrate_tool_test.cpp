@@ -12,6 +12,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "../autopilot/test/made_logs.hpp"
 #include "identification/provenance.hpp"
 #include "made_flight.hpp"
 
@@ -59,6 +60,17 @@ class CalibrateTool : public testing::Test {
 
   fs::path folder_;
 };
+
+TEST_F(CalibrateTool, ReadsTheLogsOfAutopilots) {
+  writeBytes(madePx4Flight(0.93, 0.21).bytes, folder_ / "flight.ulg");
+  writeBytes(madeArduPilotFlight(0.93, 0.21).bytes, folder_ / "flight.bin");
+  for (const std::string name : {"flight.ulg", "flight.bin"}) {
+    ASSERT_EQ(run("attitude " + name + " -o loop.yaml"), 0) << err() << out();
+    const YAML::Node roll = YAML::LoadFile(folder_ / "loop.yaml")["axes"]["roll"];
+    EXPECT_NEAR(roll["model_without_delay"]["gain"].as<double>(), 0.93, 0.01);
+    EXPECT_NEAR(roll["model_without_delay"]["tau"].as<double>(), 0.21, 0.01);
+  }
+}
 
 TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
   ASSERT_EQ(run("attitude flight.csv -o roll.yaml --recorded 2026-01-02 --strict"), 0) << err() << out();

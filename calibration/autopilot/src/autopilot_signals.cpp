@@ -1,0 +1,215 @@
+#include "autopilot/autopilot_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "autopilot/autopilot_log.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegrees = kPi / 180.0;
+
+// Where a signal may be: the first place that the log has counts.
+struct Place {
+  enum class Angle { kNone, kRoll, kPitch, kYaw };
+  const char* signal;
+  const char* table;
+  const char* field;  // of a quaternion: the name of its array
+  double scale = 1.0;
+  double offset = 0.0;
+  Angle angle = Angle::kNone;
+};
+
+// Roll is the same in both frames, pitch and yaw turn their sign, and yaw counts from east, not north.
+constexpr Place kPx4[] = {{"roll_cmd", "vehicle_attitude_setpoint", "roll_body"},
+                          {"roll_cmd", "vehicle_attitude_setpoint", "q_d", 1.0, 0.0, Place::Angle::kRoll},
+                          {"pitch_cmd", "vehicle_attitude_setpoint", "pitch_body", -1.0},
+                          {"pitch_cmd", "vehicle_attitude_setpoint", "q_d", -1.0, 0.0, Place::Angle::kPitch},
+                          {"yaw_rate_cmd", "vehicle_rates_setpoint", "yaw", -1.0},
+                          {"thrust_cmd", "vehicle_attitude_setpoint", "thrust_body[2]", -1.0},
+                          {"thrust_cmd", "vehicle_attitude_setpoint", "thrust"},
+                          {"roll", "vehicle_attitude", "q", 1.0, 0.0, Place::Angle::kRoll},
+                          {"pitch", "vehicle_attitude", "q", -1.0, 0.0, Place::Angle::kPitch},
+                          {"yaw", "vehicle_attitude", "q", -1.0, 0.5 * kPi, Place::Angle::kYaw},
+                          {"yaw_rate", "vehicle_angular_velocity", "xyz[2]", -1.0},
+                          {"yaw_rate", "vehicle_attitude", "yawspeed", -1.0},
+                          {"specific_force_z", "sensor_combined", "accelerometer_m_s2[2]", -1.0},
+                          {"vx", "vehicle_local_position", "vy"},
+                          {"vy", "vehicle_local_position", "vx"},
+                          {"vz", "vehicle_local_position", "vz", -1.0},
+                          {"vn", "vehicle_local_position", "vx"},
+                          {"ve", "vehicle_local_position", "vy"},
+                          {"airspeed", "airspeed_validated", "true_airspeed_m_s"},
+                          {"airspeed", "airspeed", "true_airspeed_m_s"}};
+
+constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
+                                {"pitch_cmd", "ATT", "DesPitch", -kDegrees},
+                                {"roll", "ATT", "Roll", kDegrees},
+                                {"pitch", "ATT", "Pitch", -kDegrees},
+                                {"yaw", "ATT", "Yaw", -kDegrees, 0.5 * kPi},
+                                {"yaw_rate_cmd", "RATE", "YDes", -kDegrees},
+                                {"yaw_rate", "RATE", "Y", -kDegrees},
+                                {"thrust_cmd", "CTUN", "ThO"},
+                                {"thrust_cmd", "CTUN", "ThrOut"},
+                                {"specific_force_z", "IMU", "AccZ", -1.0},
+                                {"vx", "XKF1", "VE"},
+                                {"vx", "NKF1", "VE"},
+                                {"vy", "XKF1", "VN"},
+                                {"vy", "NKF1", "VN"},
+                                {"vz", "XKF1", "VD", -1.0},
+                                {"vz", "NKF1", "VD", -1.0},
+                                {"vn", "XKF1", "VN"},
+                                {"vn", "NKF1", "VN"},
+                                {"ve", "XKF1", "VE"},
+                                {"ve", "NKF1", "VE"},
+                                {"airspeed", "ARSP", "Airspeed"}};
+
+double angleOf(double w, double x, double y, double z, Place::Angle angle) {
+  switch (angle) {
+    case Place::Angle::kRoll:
+      return std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+    case Place::Angle::kPitch:
+      return std::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0));
+    case Place::Angle::kYaw:
+      return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+    case Place::Angle::kNone:
+      break;
+  }
+  return 0.0;
+}
+
+// None where the table lacks the field.
+std::optional<TimeSeries> seriesAt(const LogTable& table, const Place& place) {
+  TimeSeries series;
+  series.time = table.time;
+  if (place.angle == Place::Angle::kNone) {
+    const auto column = table.column.find(place.field);
+    if (column == table.column.end()) return std::nullopt;
+    for (const double value : column->second) series.value.push_back(place.scale * value + place.offset);
+    return series;
+  }
+  const std::vector<double>* part[4] = {};
+  for (std::size_t index = 0; index < 4; ++index) {
+    const auto column = table.column.find(std::string(place.field) + "[" + std::to_string(index) + "]");
+    if (column == table.column.end()) return std::nullopt;
+    part[index] = &column->second;
+  }
+  for (std::size_t row = 0; row < table.time.size(); ++row) {
+    const double angle =
+        angleOf((*part[0])[row], (*part[1])[row], (*part[2])[row], (*part[3])[row], place.angle);
+    series.value.push_back(place.scale * angle + place.offset);
+  }
+  return series;
+}
+
+template <std::size_t kSize>
+std::vector<Place> listOf(const Place (&places)[kSize]) {
+  return {std::begin(places), std::end(places)};
+}
+
+// A place that was chosen, as text: -TABLE:FIELD:deg.
+struct Choice {
+  std::string signal;
+  std::string text;
+  std::string table;
+  std::string field;
+  double scale = 1.0;
+};
+
+Choice parseChoice(const std::string& path, const std::string& signal, const std::string& text) {
+  Choice choice{signal, text, "", "", 1.0};
+  std::string rest = text;
+  if (!rest.empty() && rest.front() == '-') {
+    choice.scale = -1.0;
+    rest.erase(0, 1);
+  }
+  const std::size_t colon = rest.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == rest.size()) {
+    throw Error(path + ": --signal " + signal + "=" + text + ": must be TABLE:FIELD");
+  }
+  choice.table = rest.substr(0, colon);
+  choice.field = rest.substr(colon + 1);
+  const std::size_t unit = choice.field.find(":deg");
+  if (unit != std::string::npos && unit + 4 == choice.field.size()) {
+    choice.field.resize(unit);
+    choice.scale *= kDegrees;
+  }
+  const auto& names = signalNames();
+  if (std::find(names.begin(), names.end(), signal) == names.end()) {
+    throw Error(path + ": --signal " + signal + ": is no signal of identification");
+  }
+  return choice;
+}
+
+// The name of a table without its instance.
+std::string baseName(const std::string& table) { return table.substr(0, table.find('[')); }
+
+void addSeries(const Place& place, const AutopilotLog& log, FlightSignals* signals) {
+  const auto table = log.tables.find(place.table);
+  if (table == log.tables.end() || signals->has(place.signal)) return;
+  std::optional<TimeSeries> series = seriesAt(table->second, place);
+  if (!series) return;
+  signals->series[place.signal] = std::move(*series);
+  signals->origin[place.signal] = std::string(place.table) + ":" + place.field;
+}
+
+void addChoice(const Choice& choice, const AutopilotLog& log, FlightSignals* signals) {
+  const auto table = log.tables.find(choice.table);
+  if (table == log.tables.end() || !table->second.has(choice.field)) {
+    std::string known;
+    for (const auto& [name, count] : log.counts) known += (known.empty() ? "" : ", ") + name;
+    throw Error(log.path + ": --signal " + choice.signal + "=" + choice.text +
+                ": no such field; the log has " + known);
+  }
+  TimeSeries series;
+  series.time = table->second.time;
+  for (const double value : table->second.column.at(choice.field))
+    series.value.push_back(choice.scale * value);
+  signals->series[choice.signal] = std::move(series);
+  signals->origin[choice.signal] = choice.text;
+}
+
+}  // namespace
+
+bool isAutopilotLog(const std::string& path) { return isULog(path) || isDataflash(path); }
+
+AutopilotSignals signalsFromAutopilot(const std::string& path,
+                                      const std::map<std::string, std::string>& choice) {
+  const bool px4 = isULog(path);
+  const std::vector<Place> places = px4 ? listOf(kPx4) : listOf(kArduPilot);
+  std::vector<Choice> choices;
+  std::set<std::string> tables;
+  for (const Place& place : places) tables.insert(place.table);
+  for (const auto& [signal, text] : choice) {
+    choices.push_back(parseChoice(path, signal, text));
+    tables.insert(baseName(choices.back().table));
+  }
+  const std::vector<std::string> wanted(tables.begin(), tables.end());
+  const AutopilotLog log = px4 ? readULog(path, wanted) : readDataflash(path, wanted);
+  AutopilotSignals result;
+  result.remarks = log.remarks;
+  result.signals.source = path;
+  for (const Choice& one : choices) addChoice(one, log, &result.signals);
+  for (const Place& place : places) addSeries(place, log, &result.signals);
+  double start = std::numeric_limits<double>::infinity();
+  for (const auto& [name, series] : result.signals.series) {
+    for (const double time : series.time) start = std::min(start, std::isfinite(time) ? time : start);
+  }
+  if (!std::isfinite(start)) {
+    std::string known;
+    for (const auto& [name, count] : log.counts) known += (known.empty() ? "" : ", ") + name;
+    throw Error(path + ": holds no attitude, rate or thrust; choose with --signal from " + known);
+  }
+  for (auto& [name, series] : result.signals.series) {
+    for (double& time : series.time) time -= start;
+  }
+  return result;
+}
+
+}  // namespace polyfly

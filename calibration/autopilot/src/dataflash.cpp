@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "autopilot/autopilot_log.hpp"
+#include "log_bytes.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::uint8_t kHead1 = 0xa3;
+constexpr std::uint8_t kHead2 = 0x95;
+constexpr std::size_t kHeader = 3;
+constexpr std::uint8_t kFormatType = 128;
+constexpr std::size_t kFormatLength = 89;
+constexpr double kMicroseconds = 1e-6;
+constexpr double kMilliseconds = 1e-3;
+
+// What a letter of a format stands for.
+struct Code {
+  char letter;
+  std::size_t size;
+  double scale;  // 0: text or an array, no number
+};
+constexpr Code kCodes[] = {{'b', 1, 1.0},  {'B', 1, 1.0},  {'h', 2, 1.0},  {'H', 2, 1.0},  {'i', 4, 1.0},
+                           {'I', 4, 1.0},  {'f', 4, 1.0},  {'d', 8, 1.0},  {'c', 2, 0.01}, {'C', 2, 0.01},
+                           {'e', 4, 0.01}, {'E', 4, 0.01}, {'L', 4, 1e-7}, {'M', 1, 1.0},  {'q', 8, 1.0},
+                           {'Q', 8, 1.0},  {'n', 4, 0.0},  {'N', 16, 0.0}, {'Z', 64, 0.0}, {'a', 64, 0.0}};
+
+double valueAt(const std::uint8_t* data, char letter) {
+  switch (letter) {
+    case 'b':
+      return readNumber<std::int8_t>(data);
+    case 'B':
+    case 'M':
+      return *data;
+    case 'h':
+    case 'c':
+      return readNumber<std::int16_t>(data);
+    case 'H':
+    case 'C':
+      return readNumber<std::uint16_t>(data);
+    case 'i':
+    case 'e':
+    case 'L':
+      return readNumber<std::int32_t>(data);
+    case 'I':
+    case 'E':
+      return readNumber<std::uint32_t>(data);
+    case 'f':
+      return readNumber<float>(data);
+    case 'd':
+      return readNumber<double>(data);
+    case 'q':
+      return static_cast<double>(readNumber<std::int64_t>(data));
+    case 'Q':
+      return static_cast<double>(readNumber<std::uint64_t>(data));
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+struct Field {
+  std::string name;
+  char letter = 'B';
+  std::size_t offset = 0;  // after the header
+  double scale = 1.0;
+};
+
+struct Format {
+  std::string name;
+  std::size_t length = 0;  // with the header
+  std::vector<Field> fields;
+  std::optional<Field> time;  // and its scale to seconds
+  std::optional<Field> instance;
+  bool keep = false;
+};
+
+std::string textAt(const std::uint8_t* data, std::size_t size) {
+  const auto* text = reinterpret_cast<const char*>(data);
+  return {text, static_cast<std::size_t>(std::find(text, text + size, '\0') - text)};
+}
+
+// Fields in the order of the format; none where letters and names do not fit or exceed the length.
+std::optional<std::vector<Field>> fieldsOf(const std::string& letters, const std::string& names,
+                                           std::size_t length) {
+  std::vector<Field> fields;
+  std::size_t offset = 0;
+  std::size_t begin = 0;
+  for (const char letter : letters) {
+    const auto* code = std::find_if(std::begin(kCodes), std::end(kCodes),
+                                    [letter](const Code& one) { return one.letter == letter; });
+    if (code == std::end(kCodes) || begin > names.size()) return std::nullopt;
+    const std::size_t end = std::min(names.find(',', begin), names.size());
+    fields.push_back({names.substr(begin, end - begin), letter, offset, code->scale});
+    begin = end + 1;
+    offset += code->size;
+  }
+  if (kHeader + offset > length) return std::nullopt;
+  return fields;
+}
+
+class Reader {
+ public:
+  Reader(const std::string& path, const std::vector<std::string>& wanted) : bytes_(path), wanted_(wanted) {
+    log_.path = path;
+    log_.kind = AutopilotLog::Kind::kDataflash;
+    formats_[kFormatType].length = kFormatLength;
+  }
+
+  AutopilotLog read() {
+    const std::uint8_t* begin = bytes_.peek(kHeader);
+    if (begin == nullptr || begin[0] != kHead1 || begin[1] != kHead2) {
+      throw Error(log_.path + ": is no dataflash log: it does not begin with a message's head");
+    }
+    while (readMessage()) {
+    }
+    finish();
+    return std::move(log_);
+  }
+
+ private:
+  bool readMessage() {
+    const std::uint8_t* head = bytes_.peek(kHeader);
+    if (head == nullptr) {
+      cut_ = cut_ || bytes_.left() > 0;
+      return false;
+    }
+    const Format& format = formats_[head[2]];
+    if (head[0] != kHead1 || head[1] != kHead2 || format.length < kHeader) {
+      bytes_.skip(1);
+      ++skipped_;
+      return true;
+    }
+    const std::uint8_t* whole = bytes_.peek(format.length);
+    if (whole == nullptr) {
+      cut_ = true;
+      return false;
+    }
+    if (whole[2] == kFormatType) {
+      addFormat(whole + kHeader);
+    } else {
+      addRow(format, whole + kHeader);
+    }
+    bytes_.skip(format.length);
+    return true;
+  }
+
+  void addFormat(const std::uint8_t* data) {
+    constexpr std::size_t kNameAt = 2;
+    constexpr std::size_t kLettersAt = 6;
+    constexpr std::size_t kNamesAt = 22;
+    Format format;
+    const std::uint8_t type = data[0];
+    format.length = data[1];
+    format.name = textAt(data + kNameAt, kLettersAt - kNameAt);
+    const auto fields = fieldsOf(textAt(data + kLettersAt, kNamesAt - kLettersAt),
+                                 textAt(data + kNamesAt, kFormatLength - kHeader - kNamesAt), format.length);
+    if (type == kFormatType) return;  // describes itself
+    if (!fields || format.length < kHeader) {
+      ++damaged_;
+      // Its length still tells where the next message begins.
+      if (format.length >= kHeader) formats_[type] = format;
+      return;
+    }
+    for (const Field& field : *fields) {
+      if (field.scale == 0.0) continue;
+      format.fields.push_back(field);
+      if (field.name == "TimeUS") format.time = Field{"", field.letter, field.offset, kMicroseconds};
+      if (field.name == "TimeMS") format.time = Field{"", field.letter, field.offset, kMilliseconds};
+      // The instance of a sensor, or the core of an estimator.
+      const bool core = field.name == "C" && format.name.compare(0, 2, "XK") == 0;
+      if (field.name == "I" || core) format.instance = field;
+    }
+    format.keep = format.time && (wanted_.empty() ||
+                                  std::find(wanted_.begin(), wanted_.end(), format.name) != wanted_.end());
+    formats_[type] = std::move(format);
+  }
+
+  void addRow(const Format& format, const std::uint8_t* data) {
+    std::string name = format.name;
+    if (format.instance) {
+      const double instance = valueAt(data + format.instance->offset, format.instance->letter);
+      if (instance > 0.0) name += "[" + std::to_string(static_cast<int>(instance)) + "]";
+    }
+    ++log_.counts[name];
+    if (!format.keep) return;
+    LogTable& table = log_.tables[name];
+    table.time.push_back(format.time->scale * valueAt(data + format.time->offset, format.time->letter));
+    for (const Field& field : format.fields) {
+      std::vector<double>& column = table.column[field.name];
+      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
+      column.push_back(field.scale * valueAt(data + field.offset, field.letter));
+    }
+  }
+
+  void finish() {
+    if (log_.counts.empty()) throw Error(log_.path + ": holds no message that a format describes");
+    for (auto& [name, table] : log_.tables) {
+      for (auto& [field, column] : table.column) {
+        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    if (cut_) log_.remarks.push_back("the last message was cut off");
+    if (skipped_ > 0)
+      log_.remarks.push_back(std::to_string(skipped_) + " bytes between messages were skipped");
+    if (damaged_ > 0)
+      log_.remarks.push_back(std::to_string(damaged_) + " formats are damaged; their messages were left out");
+  }
+
+  LogBytes bytes_;
+  std::vector<std::string> wanted_;
+  AutopilotLog log_;
+  std::array<Format, 256> formats_;
+  bool cut_ = false;
+  std::size_t skipped_ = 0;  // [bytes]
+  std::size_t damaged_ = 0;
+};
+
+}  // namespace
+
+bool isDataflash(const std::string& path) {
+  std::array<char, kHeader> begin{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), begin.size());
+  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
+         static_cast<std::uint8_t>(begin[0]) == kHead1 && static_cast<std::uint8_t>(begin[1]) == kHead2;
+}
+
+AutopilotLog readDataflash(const std::string& path, const std::vector<std::string>& wanted) {
+  return Reader(path, wanted).read();
+}
+
+}  // namespace polyfly

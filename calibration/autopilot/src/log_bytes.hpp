@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+
+/// A number at an address of any alignment; little-endian, as both formats and this machine are.
+template <class Number>
+Number readNumber(const std::uint8_t* data) {
+  Number number;
+  std::memcpy(&number, data, sizeof number);
+  return number;
+}
+
+/// Forward reading of a file in pieces, with a look ahead.
+class LogBytes {
+ public:
+  explicit LogBytes(const std::string& path) : file_(path, std::ios::binary) {
+    if (!file_) throw Error(path + ": cannot be opened");
+  }
+
+  /// `size` bytes from here on, or nullptr where fewer are left; valid until the next call.
+  const std::uint8_t* peek(std::size_t size) {
+    if (end_ - begin_ < size) fill(size);
+    return end_ - begin_ < size ? nullptr : buffer_.data() + begin_;
+  }
+  void skip(std::size_t size) {
+    begin_ += size;
+    place_ += size;
+  }
+  std::uint64_t place() const { return place_; }  ///< bytes before here
+  std::size_t left() const {
+    return end_ - begin_;
+  }  ///< of what was read ahead; all of the file after a peek failed
+
+ private:
+  void fill(std::size_t size) {
+    constexpr std::size_t kPiece = 1 << 20;
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
+    end_ -= begin_;
+    begin_ = 0;
+    buffer_.resize(end_ + size + kPiece);
+    file_.read(reinterpret_cast<char*>(buffer_.data() + end_), static_cast<std::streamsize>(size + kPiece));
+    end_ += static_cast<std::size_t>(file_.gcount());
+  }
+
+  std::ifstream file_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t place_ = 0;
+};
+
+}  // namespace polyfly

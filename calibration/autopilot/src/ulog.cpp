@@ -1,0 +1,298 @@
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include "autopilot/autopilot_log.hpp"
+#include "log_bytes.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::array<std::uint8_t, 7> kMagic = {0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35};
+constexpr std::size_t kFileHeader = 16;
+constexpr std::size_t kMessageHeader = 3;
+constexpr std::size_t kMostFields = 4096;     // of one message: more is damage
+constexpr std::size_t kMostNesting = 8;       // of formats in formats
+constexpr std::size_t kMostLayouts = 100000;  // of a whole file
+constexpr double kMicroseconds = 1e-6;
+
+enum class Type { kI8, kU8, kI16, kU16, kI32, kU32, kI64, kU64, kF32, kF64, kBool, kChar };
+
+struct Primitive {
+  const char* name;
+  Type type;
+  std::size_t size;
+};
+constexpr Primitive kPrimitives[] = {
+    {"int8_t", Type::kI8, 1},    {"uint8_t", Type::kU8, 1},   {"int16_t", Type::kI16, 2},
+    {"uint16_t", Type::kU16, 2}, {"int32_t", Type::kI32, 4},  {"uint32_t", Type::kU32, 4},
+    {"int64_t", Type::kI64, 8},  {"uint64_t", Type::kU64, 8}, {"float", Type::kF32, 4},
+    {"double", Type::kF64, 8},   {"bool", Type::kBool, 1},    {"char", Type::kChar, 1}};
+
+double valueAt(const std::uint8_t* data, Type type) {
+  switch (type) {
+    case Type::kI8:
+      return readNumber<std::int8_t>(data);
+    case Type::kU8:
+    case Type::kBool:
+    case Type::kChar:
+      return *data;
+    case Type::kI16:
+      return readNumber<std::int16_t>(data);
+    case Type::kU16:
+      return readNumber<std::uint16_t>(data);
+    case Type::kI32:
+      return readNumber<std::int32_t>(data);
+    case Type::kU32:
+      return readNumber<std::uint32_t>(data);
+    case Type::kI64:
+      return static_cast<double>(readNumber<std::int64_t>(data));
+    case Type::kU64:
+      return static_cast<double>(readNumber<std::uint64_t>(data));
+    case Type::kF32:
+      return readNumber<float>(data);
+    case Type::kF64:
+      return readNumber<double>(data);
+  }
+  return 0.0;
+}
+
+// Where a number lies in a message.
+struct Field {
+  std::string name;
+  Type type = Type::kU8;
+  std::size_t offset = 0;
+  std::size_t size = 0;
+};
+
+// A subscription: messages of one format under one number.
+struct Subscription {
+  std::string table;
+  std::vector<Field> fields;         // without text and padding; empty where it is not wanted
+  std::optional<std::size_t> stamp;  // offset of the timestamp
+};
+
+class Reader {
+ public:
+  Reader(const std::string& path, const std::vector<std::string>& wanted) : bytes_(path), wanted_(wanted) {
+    log_.path = path;
+    log_.kind = AutopilotLog::Kind::kULog;
+  }
+
+  AutopilotLog read() {
+    const std::uint8_t* header = bytes_.peek(kFileHeader);
+    if (header == nullptr || !std::equal(kMagic.begin(), kMagic.end(), header)) {
+      throw Error(log_.path + ": is no ULog: it does not begin with ULog's mark");
+    }
+    bytes_.skip(kFileHeader);
+    while (readMessage()) {
+    }
+    finish();
+    return std::move(log_);
+  }
+
+ private:
+  bool readMessage() {
+    const std::uint8_t* head = bytes_.peek(kMessageHeader);
+    if (head == nullptr) {
+      if (bytes_.left() > 0) log_.remarks.push_back("the last message was cut off");
+      return false;
+    }
+    const auto size = static_cast<std::size_t>(readNumber<std::uint16_t>(head));
+    const char type = static_cast<char>(head[2]);
+    const std::uint8_t* whole = bytes_.peek(kMessageHeader + size);
+    if (whole == nullptr) {
+      log_.remarks.push_back("the last message was cut off");
+      return false;
+    }
+    handle(type, whole + kMessageHeader, size);
+    bytes_.skip(kMessageHeader + size);
+    return true;
+  }
+
+  void handle(char type, const std::uint8_t* data, std::size_t size) {
+    switch (type) {
+      case 'B':
+        checkFlags(data, size);
+        break;
+      case 'F':
+        addFormat(std::string(reinterpret_cast<const char*>(data), size));
+        break;
+      case 'A':
+        subscribe(data, size);
+        break;
+      case 'D':
+        addRow(data, size);
+        break;
+      case 'O':
+        if (size >= 2) lost_ += readNumber<std::uint16_t>(data);
+        break;
+      default:  // texts, parameters, marks for synchronisation, and what later versions add
+        break;
+    }
+  }
+
+  // A flag that is not known may change how the rest must be read.
+  void checkFlags(const std::uint8_t* data, std::size_t size) {
+    constexpr std::size_t kCompatible = 8;
+    constexpr std::size_t kFlags = 16;
+    for (std::size_t index = kCompatible; index < std::min(kFlags, size); ++index) {
+      const std::uint8_t known = index == kCompatible ? 1 : 0;  // data appended after the end
+      if ((data[index] & ~known) != 0)
+        throw Error(log_.path + ": needs features of ULog that this reader lacks");
+    }
+  }
+
+  void addFormat(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string::npos) {
+      ++damaged_;
+      return;
+    }
+    formats_[text.substr(0, colon)] = text.substr(colon + 1);
+  }
+
+  // Appends the fields of a format, those of formats in it too; the size of all, none where it is damaged.
+  std::optional<std::size_t> layout(const std::string& format, const std::string& prefix, std::size_t offset,
+                                    std::size_t depth, Subscription* subscription) {
+    const auto found = formats_.find(format);
+    // Counted, because formats in arrays of formats multiply even where they hold no number.
+    if (found == formats_.end() || depth > kMostNesting || ++layouts_ > kMostLayouts) return std::nullopt;
+    const std::string& text = found->second;
+    std::size_t begin = 0;
+    while (begin < text.size()) {
+      const std::size_t end = std::min(text.find(';', begin), text.size());
+      const std::string entry = text.substr(begin, end - begin);
+      begin = end + 1;
+      const std::size_t space = entry.find(' ');
+      if (entry.empty()) continue;
+      if (space == std::string::npos) return std::nullopt;
+      const auto next =
+          addField(entry.substr(0, space), prefix + entry.substr(space + 1), offset, depth, subscription);
+      if (!next) return std::nullopt;
+      offset = *next;
+    }
+    return offset;
+  }
+
+  std::optional<std::size_t> addField(std::string type, const std::string& name, std::size_t offset,
+                                      std::size_t depth, Subscription* subscription) {
+    std::size_t count = 1;
+    const std::size_t bracket = type.find('[');
+    const bool array = bracket != std::string::npos;
+    if (array) {
+      const long entries = std::strtol(type.c_str() + bracket + 1, nullptr, 10);
+      if (entries < 1 || entries > static_cast<long>(kMostFields)) return std::nullopt;
+      count = static_cast<std::size_t>(entries);
+      type.resize(bracket);
+    }
+    const auto* primitive = std::find_if(std::begin(kPrimitives), std::end(kPrimitives),
+                                         [&type](const Primitive& one) { return type == one.name; });
+    for (std::size_t index = 0; index < count; ++index) {
+      const std::string full = array ? name + "[" + std::to_string(index) + "]" : name;
+      if (primitive == std::end(kPrimitives)) {
+        const auto next = layout(type, full + ".", offset, depth + 1, subscription);
+        if (!next) return std::nullopt;
+        offset = *next;
+        continue;
+      }
+      const bool number = primitive->type != Type::kChar && name.compare(0, 8, "_padding") != 0;
+      if (full == "timestamp" && primitive->type == Type::kU64) subscription->stamp = offset;
+      if (number) subscription->fields.push_back({full, primitive->type, offset, primitive->size});
+      if (subscription->fields.size() > kMostFields) return std::nullopt;
+      offset += primitive->size;
+    }
+    return offset;
+  }
+
+  void subscribe(const std::uint8_t* data, std::size_t size) {
+    constexpr std::size_t kHead = 3;
+    if (size <= kHead) {
+      ++damaged_;
+      return;
+    }
+    const std::uint8_t instance = data[0];
+    const auto id = readNumber<std::uint16_t>(data + 1);
+    const std::string name(reinterpret_cast<const char*>(data) + kHead, size - kHead);
+    Subscription subscription;
+    subscription.table = instance == 0 ? name : name + "[" + std::to_string(instance) + "]";
+    const bool keep = wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), name) != wanted_.end();
+    if (keep && (!layout(name, "", 0, 0, &subscription) || !subscription.stamp)) {
+      ++damaged_;
+      subscription.fields.clear();
+    }
+    if (!keep) subscription.fields.clear();
+    subscriptions_[id] = std::move(subscription);
+  }
+
+  void addRow(const std::uint8_t* data, std::size_t size) {
+    constexpr std::size_t kHead = 2;
+    const auto found =
+        size < kHead ? subscriptions_.end() : subscriptions_.find(readNumber<std::uint16_t>(data));
+    if (found == subscriptions_.end()) {
+      ++unknown_;
+      return;
+    }
+    const Subscription& subscription = found->second;
+    ++log_.counts[subscription.table];
+    if (subscription.fields.empty()) return;
+    const Field& last = subscription.fields.back();
+    if (size - kHead < std::max(last.offset + last.size, *subscription.stamp + sizeof(std::uint64_t))) {
+      ++damaged_;
+      return;
+    }
+    LogTable& table = log_.tables[subscription.table];
+    const std::uint8_t* row = data + kHead;
+    table.time.push_back(kMicroseconds *
+                         static_cast<double>(readNumber<std::uint64_t>(row + *subscription.stamp)));
+    for (const Field& field : subscription.fields) {
+      std::vector<double>& column = table.column[field.name];
+      // A message that is described anew may have other fields.
+      column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
+      column.push_back(valueAt(row + field.offset, field.type));
+    }
+  }
+
+  void finish() {
+    if (log_.counts.empty()) throw Error(log_.path + ": holds no data message");
+    for (auto& [name, table] : log_.tables) {
+      for (auto& [field, column] : table.column) {
+        column.resize(table.time.size(), std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    const auto tell = [this](std::size_t count, const char* what) {
+      if (count > 0) log_.remarks.push_back(std::to_string(count) + what);
+    };
+    tell(lost_, " ms of messages were lost while logging");
+    tell(damaged_, " messages are not what their format says and were left out");
+    tell(unknown_, " data messages belong to no subscription and were left out");
+  }
+
+  LogBytes bytes_;
+  std::vector<std::string> wanted_;
+  AutopilotLog log_;
+  std::map<std::string, std::string> formats_;
+  std::map<std::uint16_t, Subscription> subscriptions_;
+  std::size_t layouts_ = 0;
+  std::size_t lost_ = 0;     // [ms]
+  std::size_t damaged_ = 0;  // messages
+  std::size_t unknown_ = 0;
+};
+
+}  // namespace
+
+bool isULog(const std::string& path) {
+  std::array<char, kMagic.size()> begin{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), begin.size());
+  return file.gcount() == static_cast<std::streamsize>(begin.size()) &&
+         std::memcmp(begin.data(), kMagic.data(), kMagic.size()) == 0;
+}
+
+AutopilotLog readULog(const std::string& path, const std::vector<std::string>& wanted) {
+  return Reader(path, wanted).read();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,221 @@
+#include "autopilot/autopilot_log.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "autopilot/autopilot_signals.hpp"
+#include "identification/identify_axis.hpp"
+#include "made_logs.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+class AutopilotLogs : public testing::Test {
+ protected:
+  AutopilotLogs() {
+    path_ = (std::filesystem::temp_directory_path() / ("polyfly_log_" + std::to_string(getpid()))).string();
+  }
+  ~AutopilotLogs() override { std::filesystem::remove(path_); }
+
+  AutopilotLog read(const std::vector<std::uint8_t>& bytes) {
+    writeBytes(bytes, path_);
+    return isULog(path_) ? readULog(path_) : readDataflash(path_);
+  }
+  // Reads what may be damaged: an Error is an answer, anything else is not.
+  void readDamaged(const std::vector<std::uint8_t>& bytes, bool ulog) {
+    std::filesystem::remove(path_);  // a file that is cut to nothing and written again waits for the disk
+    writeBytes(bytes, path_);
+    try {
+      const AutopilotLog log = ulog ? readULog(path_) : readDataflash(path_);
+      for (const auto& [name, table] : log.tables) {
+        for (const auto& [field, column] : table.column) ASSERT_EQ(column.size(), table.time.size());
+      }
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(path_), std::string::npos);
+    }
+  }
+  std::string path_;
+};
+
+MadeULog smallULog() {
+  MadeULog log;
+  log.flags(1);
+  log.format("part:int16_t a;uint8_t[2] b;");
+  log.format(
+      "thing:uint64_t timestamp;float x;part[2] parts;char[4] text;bool on;uint8_t[3] _padding0;double y;");
+  log.format("other:uint64_t timestamp;int8_t v;");
+  log.message('I', {1, 'x'});
+  log.subscribe(0, 3, "thing");
+  log.subscribe(1, 4, "other");
+  for (int row = 0; row < 3; ++row) {
+    std::vector<std::uint8_t> bytes;
+    put<std::uint64_t>(static_cast<std::uint64_t>(2000000 + 500000 * row), &bytes);
+    put(1.5F * static_cast<float>(row), &bytes);
+    for (int part = 0; part < 2; ++part) {
+      put(static_cast<std::int16_t>(-100 * part - row), &bytes);
+      bytes.insert(bytes.end(), {7, static_cast<std::uint8_t>(8 + part)});
+    }
+    bytes.insert(bytes.end(), {'a', 'b', 'c', 'd', 1, 0, 0, 0});
+    put(0.25 * row, &bytes);
+    log.data(3, bytes);
+  }
+  std::vector<std::uint8_t> other;
+  put<std::uint64_t>(9000000, &other);
+  other.push_back(static_cast<std::uint8_t>(-5));
+  log.data(4, other);
+  return log;
+}
+
+TEST_F(AutopilotLogs, uLogGivesEveryNumberByItsField) {
+  const AutopilotLog log = read(smallULog().bytes);
+  const LogTable& thing = log.tables.at("thing");
+  EXPECT_EQ(thing.time, (std::vector<double>{2.0, 2.5, 3.0}));
+  EXPECT_EQ(thing.column.at("x"), (std::vector<double>{0.0, 1.5, 3.0}));
+  EXPECT_EQ(thing.column.at("parts[1].a"), (std::vector<double>{-100.0, -101.0, -102.0}));
+  EXPECT_EQ(thing.column.at("parts[1].b[1]"), (std::vector<double>{9.0, 9.0, 9.0}));
+  EXPECT_EQ(thing.column.at("y"), (std::vector<double>{0.0, 0.25, 0.5}));
+  EXPECT_FALSE(thing.has("text[0]"));
+  EXPECT_EQ(log.tables.at("other[1]").column.at("v"), (std::vector<double>{-5.0}));
+  EXPECT_EQ(log.counts.at("thing"), 3u);
+  EXPECT_TRUE(log.remarks.empty());
+}
+
+TEST_F(AutopilotLogs, uLogTellsWhatIsMissing) {
+  MadeULog log = smallULog();
+  log.dropout(40);
+  log.data(99, {1, 2, 3});
+  log.data(3, {1, 2, 3});
+  log.bytes.insert(log.bytes.end(), {200, 0, 'D', 1});
+  const AutopilotLog read_back = read(log.bytes);
+  ASSERT_EQ(read_back.remarks.size(), 4u);
+  EXPECT_EQ(read_back.remarks[0], "the last message was cut off");
+  EXPECT_EQ(read_back.remarks[1], "40 ms of messages were lost while logging");
+  EXPECT_EQ(read_back.remarks[2].substr(0, 10), "1 messages");
+  EXPECT_EQ(read_back.remarks[3].substr(0, 15), "1 data messages");
+  EXPECT_EQ(read_back.tables.at("thing").time.size(), 3u);
+}
+
+TEST_F(AutopilotLogs, refusesWhatItCannotRead) {
+  MadeULog flags;
+  flags.flags(2);
+  EXPECT_THROW(read(flags.bytes), Error);
+  EXPECT_THROW(read(MadeULog().bytes), Error);  // nothing in it
+  EXPECT_THROW(read({}), Error);
+  EXPECT_THROW(read({1, 2, 3, 4}), Error);
+  EXPECT_THROW(readULog("/nowhere/log.ulg"), Error);
+}
+
+TEST_F(AutopilotLogs, formatsThatMultiplyEndAtOnce) {
+  MadeULog log = smallULog();
+  log.format("a:b[4096] x;");
+  log.format("b:c[4096] x;");
+  log.format("c:d[4096] x;");
+  log.format("d:char[1] x;");
+  log.format("bomb:uint64_t timestamp;a[4096] x;uint8_t y;");
+  log.format("loop:uint64_t timestamp;loop x;");
+  log.subscribe(0, 8, "bomb");
+  log.subscribe(0, 9, "loop");
+  EXPECT_EQ(read(log.bytes).remarks.size(), 1u);
+}
+
+MadeDataflash smallDataflash() {
+  MadeDataflash log;
+  log.format(20, "IMU", "QBfffZ", "TimeUS,I,AccX,AccY,AccZ,Note", 3 + 8 + 1 + 12 + 64);
+  log.format(21, "OLD", "IcLe", "TimeMS,A,Lat,Alt", 3 + 4 + 2 + 4 + 4);
+  for (std::uint8_t instance = 0; instance < 2; ++instance) {
+    std::vector<std::uint8_t> row;
+    put<std::uint64_t>(3000000, &row);
+    row.push_back(instance);
+    for (const float value : {0.5F, -0.5F, -9.75F}) put(value, &row);
+    row.resize(row.size() + 64, 'n');
+    log.row(20, row);
+  }
+  std::vector<std::uint8_t> old;
+  put<std::uint32_t>(4500, &old);
+  put<std::int16_t>(-1234, &old);
+  put<std::int32_t>(473000000, &old);
+  put<std::int32_t>(-250, &old);
+  log.row(21, old);
+  return log;
+}
+
+TEST_F(AutopilotLogs, dataflashGivesEveryNumberInItsUnit) {
+  const AutopilotLog log = read(smallDataflash().bytes);
+  EXPECT_EQ(log.tables.at("IMU").time, (std::vector<double>{3.0}));
+  EXPECT_EQ(log.tables.at("IMU").column.at("AccZ"), (std::vector<double>{-9.75}));
+  EXPECT_EQ(log.tables.at("IMU[1]").column.at("AccX"), (std::vector<double>{0.5}));
+  const LogTable& old = log.tables.at("OLD");
+  EXPECT_DOUBLE_EQ(old.time[0], 4.5);
+  EXPECT_DOUBLE_EQ(old.column.at("A")[0], -12.34);
+  EXPECT_DOUBLE_EQ(old.column.at("Lat")[0], 47.3);
+  EXPECT_DOUBLE_EQ(old.column.at("Alt")[0], -2.5);
+  EXPECT_TRUE(log.remarks.empty());
+}
+
+TEST_F(AutopilotLogs, dataflashFindsTheNextMessageAfterJunk) {
+  MadeDataflash log = smallDataflash();
+  const std::vector<std::uint8_t> good = log.bytes;
+  log.bytes.insert(log.bytes.end(), {1, 2, 0xa3, 0x95, 77, 5});
+  const MadeDataflash more = smallDataflash();
+  log.bytes.insert(log.bytes.end(), more.bytes.begin(), more.bytes.end());
+  log.bytes.resize(log.bytes.size() - 2);
+  const AutopilotLog read_back = read(log.bytes);
+  EXPECT_EQ(read_back.tables.at("IMU").time.size(), 2u);
+  EXPECT_EQ(read_back.tables.at("OLD").time.size(), 1u);
+  ASSERT_EQ(read_back.remarks.size(), 2u);
+  EXPECT_EQ(read_back.remarks[1], "6 bytes between messages were skipped");
+}
+
+TEST_F(AutopilotLogs, everyCutAndRandomDamageIsAnswered) {
+  std::mt19937 generator(11);
+  for (const bool ulog : {true, false}) {
+    const std::vector<std::uint8_t> whole = ulog ? smallULog().bytes : smallDataflash().bytes;
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      readDamaged({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)}, ulog);
+    }
+    for (int round = 0; round < 1500; ++round) {
+      std::vector<std::uint8_t> damaged = whole;
+      const int changes = 1 + static_cast<int>(generator() % 4);
+      for (int change = 0; change < changes; ++change) {
+        damaged[generator() % damaged.size()] = static_cast<std::uint8_t>(generator());
+      }
+      readDamaged(damaged, ulog);
+    }
+  }
+}
+
+TEST_F(AutopilotLogs, bothGiveTheLoopThatFlew) {
+  constexpr double kGain = 0.93;
+  constexpr double kTau = 0.21;
+  for (const bool px4 : {true, false}) {
+    writeBytes(px4 ? madePx4Flight(kGain, kTau).bytes : madeArduPilotFlight(kGain, kTau).bytes, path_);
+    ASSERT_TRUE(isAutopilotLog(path_));
+    const AutopilotSignals found = signalsFromAutopilot(path_, {});
+    EXPECT_TRUE(found.remarks.empty());
+    EXPECT_EQ(found.signals.at("roll").time.front(), 0.0);
+    const AxisModel model = identifyAxis(axisRecords(found.signals, "roll"), {});
+    ASSERT_GE(model.without_delay.parameters.size(), 2u);
+    EXPECT_NEAR(model.without_delay.parameters[0].value, kGain, 0.01);
+    EXPECT_NEAR(model.without_delay.parameters[1].value, kTau, 0.01);
+  }
+}
+
+TEST_F(AutopilotLogs, placesAreChosenByTableAndField) {
+  writeBytes(smallDataflash().bytes, path_);
+  const AutopilotSignals found =
+      signalsFromAutopilot(path_, {{"roll", "-IMU[1]:AccX:deg"}, {"thrust_cmd", "OLD:A"}});
+  EXPECT_NEAR(found.signals.at("roll").value[0], -0.5 * 3.14159265358979 / 180.0, 1e-12);
+  EXPECT_EQ(found.signals.at("thrust_cmd").value[0], -12.34);
+  EXPECT_NEAR(found.signals.at("specific_force_z").value[0], 9.75, 1e-12);
+  EXPECT_THROW(signalsFromAutopilot(path_, {{"roll", "ATT:Roll"}}), Error);
+  EXPECT_THROW(signalsFromAutopilot(path_, {{"roll", "ATT"}}), Error);
+  EXPECT_THROW(signalsFromAutopilot(path_, {{"bank", "IMU:AccX"}}), Error);
+}
+
+}  // namespace
+}  // namespace polyfly
