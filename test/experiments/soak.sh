@@ -1,0 +1,32 @@
+# shellcheck shell=bash
+# Half an hour of simulated flight with random dropouts, jumps, NaNs, map swaps, reconfigurations and changes of law: no
+# bound violated in what is sent, no growth of memory, always recovered. POLYFLY_SOAK_SECONDS and POLYFLY_SOAK_SEED change it.
+rm -rf "$output"
+mkdir -p "$output/report" "$output/problems"
+solveAxes > /dev/null || return
+# Maps of other weights, to be swapped for those of the demo.
+for axis in $map_axes; do
+  sed -e 's/  Q: \[40,/  Q: [55,/' -e 's/  Q: \[60,/  Q: [80,/' "region_maps/problems/multirotor_$axis.yaml" > "$output/problems/multirotor_$axis.yaml"
+done
+solveAxes "$output/problems" "$output/maps" > /dev/null || return
+status=0
+build/bin/soak --maps build/demo/maps "$output/maps" --problems region_maps/problems --output "$output" \
+  --duration "${POLYFLY_SOAK_SECONDS:-1800}" --seed "${POLYFLY_SOAK_SEED:-1}" || status=$?
+[ -s "$output/summary.json" ] || return 1
+python3 - "$output" << 'PY'
+import html, json, sys
+with open(sys.argv[1] + "/summary.json") as file:
+    summary = json.load(file)
+rows = "".join("<tr><td>%s</td><td>%s</td></tr>\n" % (html.escape(key), html.escape("%s" % value))
+               for key, value in summary.items() if key not in ("headline", "violations"))
+said = "".join("<li>%s</li>\n" % html.escape(text) for text in summary["violations"])
+with open(sys.argv[1] + "/report/index.html", "w") as file:
+    file.write("""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Soak</title>
+<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}td{padding:.2em .8em}</style></head>
+<body><h1>A flight in which everything goes wrong at random</h1>
+<table>%s</table>
+<h2>Bounds violated, faults not recovered from</h2>%s</body></html>
+""" % (rows, "<ul>%s</ul>" % said if said else "<p>None.</p>"))
+PY
+return "$status"

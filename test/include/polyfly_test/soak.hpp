@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly_test {
+
+/// What laws are made from: maps of the three axes, and the problems of the linear law.
+struct SoakLaws {
+  std::vector<std::array<const polyfly::RegionMap*, 3>> maps;  ///< sets to be swapped, at least one
+  std::array<polyfly::MpcProblem, 3> problems;
+};
+
+struct SoakOptions {
+  double duration = 1800.0;  ///< simulated [s]
+  std::uint32_t seed = 1;    ///< the same seed, the same flight
+};
+
+struct SoakResult {
+  long samples = 0, silences = 0, not_numbers = 0, jumps = 0, out_of_order = 0, wrong_frames = 0, huge = 0;
+  long reconfigurations = 0, swaps = 0, selections = 0, references = 0;
+  long commands = 0;            ///< sent
+  long failsafe = 0;            ///< samples without an answer of the law
+  long recoveries = 0;          ///< faults after which the vehicle was back on its path before the next one
+  double slowest = 0.0;         ///< recovery [s]
+  double greatest_error = 0.0;  ///< position, before the next fault [m]
+  long allocated_growth = 0;    ///< bytes in use at the end, less those after the first tenth
+  std::vector<std::string>
+      violations;  ///< of bounds in what was sent, and faults that were not recovered from
+};
+
+/// Flies in simulated time and lets everything go wrong at random: odometry falls silent, jumps, is not a
+/// number or huge, comes in the wrong order or frame; options, maps and laws change, as the node changes
+/// them. `progress` is told the simulated time now and then.
+SoakResult soak(const SoakLaws& laws, const SoakOptions& options,
+                const std::function<void(double)>& progress = {});
+
+}  // namespace polyfly_test

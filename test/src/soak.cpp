@@ -1,0 +1,315 @@
+#include "polyfly_test/soak.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "online_controller/flight_supervisor.hpp"
+#include "online_controller/hand_over.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/linear_tuning.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+#include "polyfly_test/flight_figure.hpp"
+#include "polyfly_test/multirotor_plant.hpp"
+
+namespace polyfly_test {
+namespace {
+
+using namespace polyfly;
+
+constexpr double kPeriod = 0.01;     // of control [s]
+constexpr int kStalePeriods = 10;    // until silence is noticed
+constexpr double kOnPath = 0.3;      // position error of a vehicle that is back [m]
+constexpr double kRounding = 1e-12;  // of a bound
+
+enum class Fault { kNone, kSilence, kNotANumber, kJump, kOutOfOrder, kWrongFrame, kHuge };
+constexpr int kFaults = 6;
+
+/// A set of laws with the options that they were made with, as the node hands it over.
+struct LawSet {
+  MultirotorOptions options;
+  std::unique_ptr<LawSwitch> laws;
+};
+
+class Soak {
+ public:
+  Soak(const SoakLaws& laws, const SoakOptions& options)
+      : sources_(laws),
+        random_(options.seed),
+        options_(options),
+        set_(build()),
+        flight_(*set_->laws, set_->options, FlightOptions{}, PilotRule::kNotRequired),
+        plant_(plantOptions(options.seed), startState()) {}
+
+  SoakResult run(const std::function<void(double)>& progress) {
+    const long count = std::lround(options_.duration / kPeriod);
+    long in_use = 0;
+    for (long i = 0; i < count; ++i) {
+      if (i == count / 10) in_use = bytesInUse();
+      if (progress && i % 6000 == 0) progress(plant_.time());
+      disturb();
+      sample();
+      ++result_.samples;
+    }
+    result_.allocated_growth = bytesInUse() - in_use;
+    return result_;
+  }
+
+ private:
+  static long bytesInUse() { return static_cast<long>(mallinfo2().uordblks); }
+
+  static PlantOptions plantOptions(std::uint32_t seed) {
+    PlantOptions options;
+    options.wind = {0.3, -0.2, 0.1};
+    options.gust_sigma = {0.2, 0.2, 0.1};
+    options.position_noise = 0.003;
+    options.velocity_noise = 0.01;
+    options.attitude_noise = 0.003;
+    options.seed = static_cast<int>(seed);
+    return options;
+  }
+
+  static PlantState startState() {
+    PlantState state;
+    state.position.z() = 1.0;
+    state.thrust = PlantOptions{}.gravity;
+    return state;
+  }
+
+  double uniform(double least, double greatest) {
+    return std::uniform_real_distribution<double>(least, greatest)(random_);
+  }
+  int below(int count) { return std::uniform_int_distribution<int>(0, count - 1)(random_); }
+
+  /// New weights, limits and gains, such as fly.
+  std::unique_ptr<LawSet> build() {
+    auto set = std::make_unique<LawSet>();
+    set->options.mass *= uniform(0.97, 1.03);
+    set->options.yaw_gain = uniform(0.8, 3.0);
+    set->options.angle_max = uniform(0.3, 0.45);
+    set->options.thrust_min = uniform(4.0, 6.0);
+    set->options.thrust_max = uniform(15.0, 20.0);
+    set->options.disturbance_drift = uniform(0.002, 0.01);
+    NonlinearMpcOptions nonlinear;
+    nonlinear.position_weight *= uniform(0.5, 2.0);
+    nonlinear.thrust_weight = uniform(0.5, 2.0);
+    LinearTuning tuning = linearTuning(sources_.problems);
+    for (AxisTuning& axis : tuning) {
+      axis.position_weight *= uniform(0.6, 1.5);
+      axis.command_weight *= uniform(0.7, 1.4);
+    }
+    const auto& maps = sources_.maps[map_set_];
+    std::array<std::unique_ptr<ControlLaw>, kLawCount> laws;
+    laws[static_cast<std::size_t>(Law::kExplicitLinear)] =
+        std::make_unique<MultirotorController>(maps, set->options);
+    laws[static_cast<std::size_t>(Law::kLinear)] =
+        std::make_unique<MultirotorController>(tuned(sources_.problems, tuning), set->options);
+    laws[static_cast<std::size_t>(Law::kNonlinear)] =
+        std::make_unique<NonlinearController>(set->options, nonlinear);
+    set->laws = std::make_unique<LawSwitch>(std::move(laws), Law::kExplicitLinear);
+    return set;
+  }
+
+  void disturb() {
+    const double now = plant_.time();
+    if (now >= next_reference_) newReference(now);
+    if (now >= next_change_) {
+      change();
+      next_change_ = now + uniform(0.3, 1.5);
+    }
+    if (fault_ != Fault::kNone && now >= fault_end_) {
+      fault_ = Fault::kNone;
+      recovered_ = false;
+    }
+    if (now >= next_fault_) {
+      judge(now);
+      beginFault(now);
+    }
+  }
+
+  void newReference(double now) {
+    FigureOptions figure;
+    figure.rate = uniform(0.3, 0.6);
+    figure.laps = 1 + below(2);
+    figure.yaw_turn = uniform(-6.0, 6.0);
+    figure.hold_time = 2.0;
+    const FlightFigure path(figure);
+    std::vector<TrajectorySample> samples;
+    for (const Reference& point : path.sample()) {
+      TrajectorySample sample;
+      sample.time = static_cast<double>(samples.size()) * figure.sample_period;
+      sample.position = point.position;
+      sample.velocity = point.velocity;
+      sample.acceleration = point.acceleration;
+      sample.yaw = point.yaw;
+      sample.yaw_rate = point.yaw_rate;
+      sample.has_velocity = sample.has_acceleration = true;
+      samples.push_back(sample);
+    }
+    flight_.onReference(ReferenceTrajectory(std::move(samples)), now);
+    next_reference_ = now + path.duration();
+    ++result_.references;
+  }
+
+  void change() {
+    switch (below(4)) {
+      case 0:
+        map_set_ = static_cast<std::size_t>(below(static_cast<int>(sources_.maps.size())));
+        ++result_.swaps;
+        slot_.offer(build());
+        break;
+      case 1:
+        set_->laws->select(static_cast<Law>(below(3)));
+        ++result_.selections;
+        break;
+      default:
+        ++result_.reconfigurations;
+        slot_.offer(build());
+        break;
+    }
+  }
+
+  void beginFault(double now) {
+    fault_ = static_cast<Fault>(1 + below(kFaults));
+    const bool is_short = fault_ != Fault::kSilence && below(2) == 0;
+    fault_end_ =
+        now + (is_short ? uniform(0.01, 0.05) : uniform(0.05, fault_ == Fault::kSilence ? 1.5 : 0.6));
+    next_fault_ = fault_end_ + uniform(6.0, 12.0);
+    offset_ = {uniform(-4.0, 4.0), uniform(-4.0, 4.0), uniform(-4.0, 4.0)};
+    long* const counts[] = {&result_.silences,     &result_.not_numbers,  &result_.jumps,
+                            &result_.out_of_order, &result_.wrong_frames, &result_.huge};
+    ++*counts[static_cast<int>(fault_) - 1];
+    faulted_ = true;
+  }
+
+  /// Before the next fault the last one must be over.
+  void judge(double now) {
+    if (!faulted_) return;
+    if (recovered_) {
+      ++result_.recoveries;
+      return;
+    }
+    result_.violations.push_back(std::to_string(now) + " s: not recovered from fault " +
+                                 std::to_string(static_cast<int>(last_fault_)));
+  }
+
+  void sample() {
+    const double now = plant_.time();
+    VehicleState state = plant_.measure();
+    if (fault_ != Fault::kNone) last_fault_ = fault_;
+    flight_.onTime(now);
+    if (fault_ == Fault::kSilence) {
+      if (++silent_ > kStalePeriods) {
+        exchange();
+        flight_.onSilence(now);
+        check(now);
+      }
+    } else {
+      silent_ = 0;
+      spoil(state);
+      flight_.onOdometry(state, fault_ != Fault::kWrongFrame);
+      check(now);
+      exchange();
+      set_->laws->prepare();
+    }
+    plant_.advance(sent_);
+    watch(now);
+  }
+
+  void exchange() {
+    const bool taken =
+        slot_.take(set_, [](LawSet& next, const LawSet& old) { next.laws->takeOver(*old.laws); });
+    if (!taken) return;
+    flight_.setLaw(*set_->laws, set_->options);
+    slot_.collect();
+  }
+
+  void spoil(VehicleState& state) {
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    switch (fault_) {
+      case Fault::kNotANumber:
+        (below(2) == 0 ? state.position : state.velocity)[below(3)] = kNan;
+        if (below(3) == 0) state.attitude.coeffs().setConstant(kNan);
+        break;
+      case Fault::kJump:
+        state.position += offset_;
+        break;
+      case Fault::kOutOfOrder:
+        state.stamp -= uniform(0.02, 0.5);
+        break;
+      case Fault::kHuge:
+        state.velocity[below(3)] = below(2) == 0 ? 1e9 : std::numeric_limits<double>::infinity();
+        break;
+      case Fault::kNone:
+      case Fault::kSilence:
+      case Fault::kWrongFrame:
+        break;
+    }
+  }
+
+  /// What is sent keeps the limits in force, whatever led to it.
+  void check(double now) {
+    const ControlReport& report = flight_.report();
+    result_.failsafe += report.status > ControlStatus::kClipped ? 1 : 0;
+    if (!flight_.sends()) return;
+    ++result_.commands;
+    sent_ = report.command;
+    const MultirotorOptions& limits = set_->options;
+    const double thrust = sent_.thrust / limits.mass;
+    const bool off = report.status == ControlStatus::kMotorsOff && thrust == 0.0;
+    const bool within =
+        std::abs(sent_.roll) <= limits.angle_max + kRounding &&
+        std::abs(sent_.pitch) <= limits.angle_max + kRounding &&
+        std::abs(sent_.yaw_rate) <= limits.yaw_rate_max + kRounding &&
+        (off || (thrust >= limits.thrust_min - kRounding && thrust <= limits.thrust_max + kRounding));
+    if (within) return;  // written so that NaN is none
+    result_.violations.push_back(std::to_string(now) + " s: sent roll " + std::to_string(sent_.roll) +
+                                 ", pitch " + std::to_string(sent_.pitch) + ", yaw rate " +
+                                 std::to_string(sent_.yaw_rate) + ", thrust " + std::to_string(thrust) +
+                                 ", status " + std::to_string(static_cast<int>(report.status)));
+  }
+
+  void watch(double now) {
+    if (fault_ != Fault::kNone || flight_.report().status > ControlStatus::kClipped) return;
+    const double error = (plant_.state().position - flight_.preview().front().position).norm();
+    if (recovered_) {
+      result_.greatest_error = std::max(result_.greatest_error, error);
+    } else if (error < kOnPath) {
+      recovered_ = true;
+      if (faulted_) result_.slowest = std::max(result_.slowest, now - fault_end_);
+    }
+  }
+
+  const SoakLaws& sources_;
+  std::mt19937 random_;
+  SoakOptions options_;
+  std::size_t map_set_ = 0;
+  HandOver<LawSet> slot_;
+  std::unique_ptr<LawSet> set_;
+  FlightSupervisor flight_;
+  MultirotorPlant plant_;
+  AttitudeCommand sent_{0.0, 0.0, 0.0, PlantOptions{}.mass* PlantOptions{}.gravity};
+  SoakResult result_;
+
+  double next_reference_ = 0.0, next_change_ = 5.0, next_fault_ = 12.0, fault_end_ = 0.0;  // [s]
+  Fault fault_ = Fault::kNone;
+  Fault last_fault_ = Fault::kNone;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // of a jump [m]
+  bool recovered_ = false;
+  bool faulted_ = false;
+  int silent_ = 0;  // periods
+};
+
+}  // namespace
+
+SoakResult soak(const SoakLaws& laws, const SoakOptions& options,
+                const std::function<void(double)>& progress) {
+  return std::make_unique<Soak>(laws, options)->run(progress);
+}
+
+}  // namespace polyfly_test
