@@ -14,8 +14,8 @@ from roslib.packages import find_node
 PATIENCE = 120.0  # for the whole flight, in wall time [s]
 
 
-def guidance_command():
-    names = ["__ns:=/flight", "__name:=guidance"]
+def guidance_command(space):
+    names = ["__ns:=" + space, "__name:=guidance"]
     if TWIN == "nodelet":
         return [find_node("nodelet", "nodelet")[0], "standalone", "fixedwing_lateral/LateralNmpc"] + names
     return [find_node("fixedwing_lateral", "lateral_nmpc_node")[0]] + names
@@ -26,8 +26,15 @@ class Flight(unittest.TestCase):
         process = subprocess.Popen(command)
         self.addCleanup(process.wait)
         self.addCleanup(process.terminate)
+        return process
 
     def test_a_corner_and_a_loiter_in_wind(self):
+        self.fly("/flight", rigid=False)
+
+    def test_the_same_in_six_degrees_of_freedom_and_gusts(self):
+        self.fly("/rigid_flight", rigid=True)
+
+    def fly(self, space, rigid):
         statuses = []
         over = threading.Event()
         loitering = []
@@ -44,14 +51,18 @@ class Flight(unittest.TestCase):
             pose = Pose()
             pose.position.x, pose.position.y, pose.orientation.w = east, north, 1.0
             mission.waypoints.append(pose)
-        rospy.set_param("/flight/guidance/path/loiter_radius", 80.0)
-        subscriber = rospy.Subscriber("/flight/lateral_status", LateralStatus, take)
-        publisher = rospy.Publisher("/flight/mission", Mission, queue_size=1, latch=True)
+        rospy.set_param(space + "/guidance/path/loiter_radius", 80.0)
+        subscriber = rospy.Subscriber(space + "/lateral_status", LateralStatus, take)
+        publisher = rospy.Publisher(space + "/mission", Mission, queue_size=1, latch=True)
         publisher.publish(mission)
-        self.run_program(guidance_command())
-        self.run_program([find_node("fixedwing_lateral", "lateral_plant_node")[0], "__ns:=/flight"])
+        guidance = self.run_program(guidance_command(space))
+        plant = self.run_program([find_node("fixedwing_lateral", "lateral_plant_node")[0], "__ns:=" + space,
+                                  "_rigid:=%s" % str(rigid).lower()])
         self.assertTrue(over.wait(PATIENCE), "the flight did not come to its end")
         subscriber.unregister()
+        for program in (plant, guidance):  # two plants must not both keep the time
+            program.terminate()
+            program.wait()
 
         flown = [status.segment for status in statuses if status.mode == LateralStatus.TRACKING]
         self.assertEqual(sorted(set(flown)), [0, 1, 2])

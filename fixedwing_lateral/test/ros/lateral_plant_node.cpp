@@ -1,5 +1,5 @@
-// The rough aircraft on mavros' topics, in steps: each command moves it on by one period, so that a slow
-// machine flies the same as a fast one.
+// A simulated aircraft on mavros' topics (the rough one, or with ~rigid the one in six degrees of freedom),
+// in steps: each command moves it on by one period, so that a slow machine flies the same as a fast one.
 #include <geometry_msgs/TwistStamped.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <mavros_msgs/VFR_HUD.h>
@@ -9,9 +9,10 @@
 #include <sensor_msgs/Imu.h>
 
 #include <Eigen/Geometry>
+#include <memory>
 
 #include "fixedwing_lateral_ros/conversions.hpp"
-#include "fixedwing_plant/aircraft.hpp"
+#include "fixedwing_plant/six_dof_aircraft.hpp"
 
 namespace {
 
@@ -19,7 +20,7 @@ constexpr double kPeriod = 0.05;  // [s]
 
 class PlantNode {
  public:
-  explicit PlantNode(ros::NodeHandle& handle) : aircraft_(options(), start(), 1) {
+  PlantNode(ros::NodeHandle& handle, bool rigid) : aircraft_(makeAircraft(rigid)) {
     odometry_ = handle.advertise<nav_msgs::Odometry>("mavros/local_position/odom", 10);
     imu_ = handle.advertise<sensor_msgs::Imu>("mavros/imu/data", 10);
     hud_ = handle.advertise<mavros_msgs::VFR_HUD>("mavros/vfr_hud", 10);
@@ -31,10 +32,16 @@ class PlantNode {
   }
 
  private:
-  static polyfly::RoughOptions options() {
+  static std::unique_ptr<polyfly::Aircraft> makeAircraft(bool rigid) {
+    if (rigid) {
+      polyfly::SixDofOptions options;
+      options.wind = {2.0, -3.0};
+      options.turbulence = options.wind.norm();
+      return std::make_unique<polyfly::SixDofAircraft>(options, start(), 1);
+    }
     polyfly::RoughOptions options;
     options.wind = {2.0, -3.0};
-    return options;
+    return std::make_unique<polyfly::RoughAircraft>(options, start(), 1);
   }
   static polyfly::AircraftState start() {
     polyfly::AircraftState state;
@@ -46,7 +53,7 @@ class PlantNode {
 
   void onCommand(const geometry_msgs::TwistStamped& command) {
     if (command.header.stamp != sent_) return;  // of an earlier state
-    aircraft_.fly(command.twist.angular.x, kPeriod);
+    aircraft_->fly(command.twist.angular.x, kPeriod);
     answered_ = true;
     publish();
   }
@@ -54,26 +61,26 @@ class PlantNode {
   // Nobody answered: the same state again, a moment later, until somebody listens.
   void onSilence() {
     if (!answered_) {
-      aircraft_.fly(0.0, kPeriod);
+      aircraft_->fly(0.0, kPeriod);
       publish();
     }
     answered_ = false;
   }
 
   void publish() {
-    const polyfly::AircraftState state = aircraft_.state();
+    const polyfly::AircraftState state = aircraft_->state();
     sent_ = ros::Time(state.stamp);
     rosgraph_msgs::Clock clock;
     clock.clock = sent_;
     clock_.publish(clock);
     geometry_msgs::TwistWithCovarianceStamped wind;
     wind.header.stamp = sent_;
-    wind.twist.twist.linear.x = aircraft_.wind().y();
-    wind.twist.twist.linear.y = aircraft_.wind().x();
+    wind.twist.twist.linear.x = aircraft_->wind().y();
+    wind.twist.twist.linear.y = aircraft_->wind().x();
     wind_.publish(wind);
     mavros_msgs::VFR_HUD hud;
     hud.header.stamp = sent_;
-    hud.airspeed = static_cast<float>(aircraft_.airspeed());
+    hud.airspeed = static_cast<float>(aircraft_->airspeed());
     hud_.publish(hud);
     sensor_msgs::Imu imu;
     imu.header.stamp = sent_;
@@ -89,7 +96,7 @@ class PlantNode {
     odometry.child_frame_id = "base_link";
     odometry.pose.pose.position.x = state.position.y();
     odometry.pose.pose.position.y = state.position.x();
-    odometry.pose.pose.position.z = aircraft_.altitude();
+    odometry.pose.pose.position.z = aircraft_->altitude();
     mavros_msgs::AttitudeTarget attitude;  // for its quaternion
     polyfly_ros::fillAttitude(state.roll, state.heading, {}, attitude);
     odometry.pose.pose.orientation = attitude.orientation;
@@ -102,7 +109,7 @@ class PlantNode {
     return odometry;
   }
 
-  polyfly::RoughAircraft aircraft_;
+  std::unique_ptr<polyfly::Aircraft> aircraft_;
   ros::Publisher odometry_, imu_, hud_, wind_, clock_;
   ros::Subscriber command_;
   ros::WallTimer patience_;
@@ -115,6 +122,6 @@ class PlantNode {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "lateral_plant");
   ros::NodeHandle handle;
-  PlantNode plant(handle);
+  const PlantNode plant(handle, ros::NodeHandle("~").param("rigid", false));
   ros::spin();
 }
