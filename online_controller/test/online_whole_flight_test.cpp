@@ -1,0 +1,169 @@
+// Whole flights under the supervisor with the laws that fly: from the ground, in wind, through faults, and
+// down.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "online_controller/flight_supervisor.hpp"
+#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/nonlinear_controller.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMass = 1.52;       // [kg]
+constexpr double kGravity = 9.8066;  // [m/s^2]
+constexpr double kPeriod = 0.01;     // [s]
+
+std::unique_ptr<ControlLaw> linearLaw(const MultirotorOptions& options) {
+  const char* root = std::getenv("POLYFLY_ROOT");
+  const std::string folder = std::string(root != nullptr ? root : ".") + "/region_maps/problems/multirotor_";
+  const std::array<MpcProblem, 3> problems{loadProblem(folder + "longitudinal.yaml"),
+                                           loadProblem(folder + "lateral.yaml"),
+                                           loadProblem(folder + "vertical.yaml")};
+  return std::make_unique<MultirotorController>(problems, options);
+}
+
+std::unique_ptr<ControlLaw> nonlinearLaw(const MultirotorOptions& options) {
+  return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});
+}
+
+/// Eq. 37 on a floor at height 0: standing, it neither slides nor leans.
+struct Vehicle {
+  void move(const AttitudeCommand& command) {
+    constexpr int kSteps = 10;
+    const double h = kPeriod / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      roll += h * (0.9 * command.roll - roll) / 0.25;
+      pitch += h * (0.9 * command.pitch - pitch) / 0.255;
+      Eigen::Vector3d acceleration = command.thrust / kMass * attitude().toRotationMatrix().col(2) + wind;
+      acceleration.z() -= kGravity;
+      velocity += h * acceleration;
+      position += h * velocity;
+      if (position.z() > 0.0) continue;
+      position.z() = 0.0;
+      velocity.setZero();
+      roll = pitch = 0.0;
+    }
+    time += kPeriod;
+  }
+
+  Eigen::Quaterniond attitude() const {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+                              Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()));
+  }
+
+  VehicleState measure() const {
+    VehicleState state;
+    state.stamp = time;
+    state.position = position;
+    state.velocity = velocity;
+    state.attitude = attitude();
+    return state;
+  }
+
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();
+  double roll = 0.0, pitch = 0.0;
+  double time = 20.0;
+};
+
+ReferenceTrajectory circle() {
+  std::vector<TrajectorySample> samples;
+  for (int i = 0; i <= 40; ++i) {
+    TrajectorySample sample;
+    sample.time = 0.2 * i;
+    const double angle = 2.0 * 3.14159265358979323846 * i / 40.0;
+    sample.position = {1.0 - std::cos(angle), std::sin(angle), 1.0};
+    samples.push_back(sample);
+  }
+  return ReferenceTrajectory(std::move(samples));
+}
+
+struct Flight {
+  Flight(std::unique_ptr<ControlLaw> (*make)(const MultirotorOptions&), const Eigen::Vector3d& wind)
+      : law(make(MultirotorOptions{})), supervisor(*law, MultirotorOptions{}, FlightOptions{}) {
+    vehicle.wind = wind;
+  }
+
+  void run(double seconds) {
+    for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
+      const AttitudeCommand command = supervisor.onOdometry(vehicle.measure()).command;
+      law->prepare();
+      EXPECT_LE(std::abs(command.roll), 0.4363323);
+      EXPECT_LE(std::abs(command.pitch), 0.4363323);
+      EXPECT_LE(command.thrust, 20.0 * kMass);
+      vehicle.move(command);
+    }
+  }
+
+  std::unique_ptr<ControlLaw> law;
+  FlightSupervisor supervisor;
+  Vehicle vehicle;
+};
+
+class WholeFlight : public testing::TestWithParam<std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&)> {
+};
+
+TEST_P(WholeFlight, FromTheGroundAndBackInWind) {
+  for (const Eigen::Vector3d& wind : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1.2, -0.8, -0.6)}) {
+    Flight flight(GetParam(), wind);
+    flight.run(0.1);
+    flight.vehicle.position.setZero();  // hover thrust may have lifted it
+    flight.vehicle.velocity.setZero();
+    flight.run(0.01);
+    ASSERT_EQ(flight.supervisor.takeOff(), nullptr);
+    flight.run(8.0);
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kPositionHold);
+    EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.1);
+    ASSERT_EQ(flight.supervisor.onReference(circle(), std::nullopt), nullptr);
+    flight.run(4.0);
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kTrajectory);
+    EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(2.0, 0.0, 1.0)).norm(), 0.15);
+    flight.run(4.5);
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kPositionHold);
+    ASSERT_EQ(flight.supervisor.land(), nullptr);
+    flight.run(6.0);
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kLanded);
+    EXPECT_LT(flight.vehicle.position.head<2>().norm(), 0.3);
+    EXPECT_EQ(flight.supervisor.report().command.thrust, 0.0);
+  }
+}
+
+TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) {
+  Flight flight(GetParam(), {0.8, 0.3, 0.0});
+  flight.vehicle.position.z() = 1.0;
+  flight.run(0.02);
+  flight.supervisor.onReference(ReferenceTrajectory::pose({0.0, 0.0, 1.0}, 0.0), std::nullopt);
+  flight.run(6.0);
+  for (int fault = 0; fault < 12; ++fault) {
+    for (int k = 0; k < 15; ++k) {  // longer than the last command is held
+      VehicleState state = flight.vehicle.measure();
+      if (fault % 4 == 0) state.position.x() += 3.0 * (k % 2 == 0 ? 1.0 : -1.0);
+      if (fault % 4 == 1) state.stamp -= 1.0 + k;  // further back each time
+      if (fault % 4 == 2) state.velocity.y() = std::nan("");
+      const ControlReport& report = fault % 4 == 3 ? flight.supervisor.onSilence(flight.vehicle.time)
+                                                   : flight.supervisor.onOdometry(state);
+      const AttitudeCommand command = report.command;
+      flight.vehicle.move(command);
+    }
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kFailsafe) << fault;
+    flight.run(2.0);
+    EXPECT_EQ(flight.supervisor.state(), FlightState::kPositionHold) << fault;
+  }
+  flight.run(6.0);
+  EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, WholeFlight, testing::Values(linearLaw, nonlinearLaw), [](const auto& law) {
+  return std::string(law.index == 0 ? "linear" : "nonlinear");
+});
+
+}  // namespace
+}  // namespace polyfly
