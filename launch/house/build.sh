@@ -10,14 +10,21 @@ planBuild() {
 configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }
 buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
 
-# catkinBuild TARGET...: the workspace of catkin_ws/src, built under build/catkin so that catkin_ws stays clean.
-catkinBuild() {
+# catkinMake FOLDER ARGUMENT...: the workspace of catkin_ws/src, built under FOLDER so that catkin_ws stays clean.
+catkinMake() {
+  local folder=$1
+  shift
   # the tests' environment is written on the first configuration, and leaves out what does not exist by then
-  mkdir -p build/catkin/src build/catkin/devel/lib/python3/dist-packages
-  ln -sfn /usr/share/catkin/cmake/toplevel.cmake build/catkin/src/CMakeLists.txt
-  ln -sfn ../../../catkin_ws/src build/catkin/src/polyfly
-  catkin_make -C build/catkin --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+  mkdir -p "$folder/src" "$folder/devel/lib/python3/dist-packages"
+  ln -sfn /usr/share/catkin/cmake/toplevel.cmake "$folder/src/CMakeLists.txt"
+  ln -sfn ../../../catkin_ws/src "$folder/src/polyfly"
+  catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
     -DCMAKE_BUILD_TYPE=Release -DPOLYFLY_WERROR=ON "-j$(jobs_at_once)" -l1000 "$@"
+}
+
+# catkinBuild TARGET...: with the libraries and tools that the plain build has made.
+catkinBuild() {
+  catkinMake build/catkin "-DPOLYFLY_BUILT=$root/build/release" "-DPOLYFLY_BIN_DIR=$root/build/bin" "$@"
 }
 
 # linkRosTools: the tools that need ROS libraries are built by catkin; build/bin points to them.
@@ -59,4 +66,14 @@ buildCommand() {
   buildAll tools tools
   say "Built. The tools are in build/bin: $(ls build/bin | tr '\n' ' ')"
   say "For ROS: source build/catkin/devel/setup.bash"
+}
+
+# The workspace as in a user's own: everything from source, libraries shared.
+workspaceCommand() {
+  planInstall run
+  planBuilding workspace 300 workspace/build
+  requirePackages run
+  own workspace
+  step workspace "building the catkin workspace from source alone" catkinMake build/workspace
+  say "1 passed, 0 failed"
 }

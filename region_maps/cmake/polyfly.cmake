@@ -3,22 +3,45 @@
 #
 # A package is built by catkin when CATKIN_DEVEL_PREFIX is defined, else by plain CMake from the
 # project's root. ROS code is built by catkin only.
+#
+# POLYFLY_BUILT, the folder of a plain build, and POLYFLY_BIN_DIR, that of its tools, let catkin use what is built
+# there; without them it builds all itself.
 
-# polyfly_library(NAME SOURCES file... [LINK target...] [PRIVATE target...])
-#   A library with the package's include/ folder.
+# polyfly_library(NAME SOURCES file... [LINK target...] [PRIVATE target...] [INCLUDE folder...] [PRIVATE_INCLUDE folder...])
+#   A library with the package's include/ folder, and others of the package.
 function(polyfly_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE" ${ARGN})
+  list(TRANSFORM ARG_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
+  list(TRANSFORM ARG_PRIVATE_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
+  set(headers "${CMAKE_CURRENT_SOURCE_DIR}/include" ${ARG_INCLUDE})
+  if(DEFINED POLYFLY_BUILT AND EXISTS "${POLYFLY_BUILT}/lib/lib${name}.a")
+    add_library(${name} STATIC IMPORTED GLOBAL)
+    set_target_properties(${name} PROPERTIES IMPORTED_LOCATION "${POLYFLY_BUILT}/lib/lib${name}.a")
+    target_compile_features(${name} INTERFACE cxx_std_17)
+    target_include_directories(${name} INTERFACE ${headers})
+    target_link_libraries(${name} INTERFACE ${ARG_LINK})
+    foreach(library ${ARG_PRIVATE})
+      target_link_libraries(${name} INTERFACE $<LINK_ONLY:${library}>)
+    endforeach()
+    return()
+  endif()
   add_library(${name} ${ARG_SOURCES})
   target_compile_features(${name} PUBLIC cxx_std_17)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  target_include_directories(${name} PUBLIC
-    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_include_directories(${name}
+    PUBLIC "$<BUILD_INTERFACE:${headers}>" $<INSTALL_INTERFACE:include>
+    PRIVATE "$<BUILD_INTERFACE:${ARG_PRIVATE_INCLUDE}>")
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
   polyfly_warnings(${name})
   if(DEFINED CATKIN_DEVEL_PREFIX)
     install(TARGETS ${name} ARCHIVE DESTINATION lib LIBRARY DESTINATION lib)
     if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include)
       install(DIRECTORY include/ DESTINATION include)
+    endif()
+  else()
+    set_target_properties(${name} PROPERTIES ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
+    if(TARGET tools)
+      add_dependencies(tools ${name})
     endif()
   endif()
 endfunction()
@@ -27,6 +50,12 @@ endfunction()
 #   A command-line tool; plain CMake leaves it in the preset's bin folder, catkin where rosrun looks.
 function(polyfly_tool name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  if(DEFINED POLYFLY_BUILT AND DEFINED POLYFLY_BIN_DIR AND EXISTS "${POLYFLY_BIN_DIR}/${name}")
+    set(folder "${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME}")
+    file(MAKE_DIRECTORY "${folder}")
+    file(CREATE_LINK "${POLYFLY_BIN_DIR}/${name}" "${folder}/${name}" SYMBOLIC)
+    return()
+  endif()
   add_executable(${name}_tool ${ARG_SOURCES})
   target_link_libraries(${name}_tool PRIVATE ${ARG_LINK})
   set_target_properties(${name}_tool PROPERTIES OUTPUT_NAME ${name})
