@@ -19,6 +19,7 @@
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
 #include "region_maps/error.hpp"
+#include "robust_mpc/online_law.hpp"
 
 namespace {
 
@@ -143,7 +144,9 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::FlightSummary flight;
-  flight.validation = polyfly::validate(log, samples, maps.flown, options);
+  flight.validation = polyfly::validate(log, samples, maps.flown, options, [](const polyfly::RegionMap& map) {
+    return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
+  });
   for (const polyfly::OtherMap& other : maps.others) {
     flight.validation.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis));

@@ -77,13 +77,13 @@ class ExcursionCollector {
 }  // namespace
 
 AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                            const RegionMap& map, std::size_t index) {
+                            const RegionMap& map, std::size_t index, const OracleMaker& maker) {
   AxisValidation axis;
   axis.axis = kAxisNames[index].axis;
   axis.input = map.inputs().front().name;
   axis.input_unit = map.inputs().front().unit;
   axis.map_path = map.path();
-  OnlineAxis online(map);
+  OnlineAxis online(map, maker);
   MapUseCounter counter(map);
   ExcursionCollector excursions(log, map);
   std::vector<double> thetas;
@@ -104,6 +104,7 @@ AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample
     axis.edge_series.push_back({stamp, use.face, use.edge});
     thetas.insert(thetas.end(), report.theta.begin(), report.theta.begin() + report.size);
     map.evaluate(report.theta.data(), input.data());
+    if (!online.known()) continue;
     const std::optional<double> solved = online.input(report.theta.data());
     if (solved) {
       qp.add(input.front() - *solved, stamp);

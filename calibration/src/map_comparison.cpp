@@ -53,9 +53,11 @@ MapComparison compareMaps(const std::vector<ReplaySample>& samples, const Region
     if (!holds) continue;
     other.evaluate(theta.data(), other_input.data());
     thetas.insert(thetas.end(), theta.begin(), theta.end());
-    const std::optional<double> solved = online.input(theta.data());
-    if (solved) qp.add(other_input.front() - *solved, sample.state.stamp);
-    result.qp_failures += solved ? 0 : 1;
+    if (online.known()) {
+      const std::optional<double> solved = online.input(theta.data());
+      if (solved) qp.add(other_input.front() - *solved, sample.state.stamp);
+      result.qp_failures += solved ? 0 : 1;
+    }
     if (held) difference.add(flown_input.front() - other_input.front(), sample.state.stamp);
   }
   result.use = counter.use();

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <cstddef>
 #include <optional>
+#include <vector>
 
-#include "mpc_core/dense_qp.hpp"
-#include "mpc_core/parametric_program.hpp"
+#include "calibration/online_oracle.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -13,16 +13,20 @@ namespace polyfly {
 class OnlineAxis {
  public:
   /// Throws Error naming the map when its problem text cannot be read.
-  explicit OnlineAxis(const RegionMap& map);
+  explicit OnlineAxis(const RegionMap& map, const OracleMaker& maker = {});
 
-  /// First input at `theta`, none if the solver finds no solution.
+  /// Whether there is something to compare with.
+  bool known() const { return static_cast<bool>(oracle_); }
+
+  /// First input at `theta`, none if the solver finds no solution. The last answer is kept for the same
+  /// theta.
   std::optional<double> input(const double* theta);
 
  private:
-  ParametricProgram program_;
-  DenseQp solver_;
-  Eigen::VectorXd gradient_;
-  Eigen::VectorXd bounds_;
+  std::size_t size_;
+  OnlineOracle oracle_;
+  std::vector<double> last_theta_;
+  std::optional<double> last_;
 };
 
 }  // namespace polyfly

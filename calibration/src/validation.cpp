@@ -90,7 +90,7 @@ std::size_t ValidationReport::violationCount() const {
 }
 
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options) {
+                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
   ValidationReport report;
   report.source = log.source;
   report.samples = samples.size();
@@ -98,7 +98,7 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   validateTracking(samples, &report);
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
-    report.axes[axis] = validateAxis(log, samples, *maps[axis], axis);
+    report.axes[axis] = validateAxis(log, samples, *maps[axis], axis, maker);
     const std::vector<double>& times = report.axes[axis].lookups.in_order;
     lookups.insert(lookups.end(), times.begin(), times.end());
   }

@@ -12,7 +12,7 @@ namespace polyfly {
 
 /// One axis' map against the samples: its use, excursions, agreement with the online solver, look-up times.
 AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                            const RegionMap& map, std::size_t index);
+                            const RegionMap& map, std::size_t index, const OracleMaker& maker);
 
 /// Recorded commands against the replay's and against the bounds of the options.
 CommandValidation validateCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,

@@ -97,16 +97,18 @@ AslquadFlights::AslquadFlights(const std::string& problems, const std::string& s
   }
 }
 
-std::unique_ptr<polyfly::ControlLaw> AslquadFlights::make(AslquadLaw law, double mass) const {
+polyfly::MultirotorOptions AslquadFlights::options(AslquadLaw law, double mass) const {
   polyfly::MultirotorOptions options;
   options.mass = mass;
   options.control_period = samplingTime();
   options.offset_free = law == AslquadLaw::kDisturbanceEstimate;
   options.disturbance_drift = 0.05;  // 0.08 s instead of 0.01 s between samples
-  if (law == AslquadLaw::kRobust) {
-    return std::make_unique<polyfly::MultirotorController>(
-        std::array<const RegionMap*, 3>{&maps_[0], &maps_[1], &maps_[2]}, options);
-  }
+  return options;
+}
+
+std::unique_ptr<polyfly::ControlLaw> AslquadFlights::make(AslquadLaw law, double mass) const {
+  const polyfly::MultirotorOptions options = this->options(law, mass);
+  if (law == AslquadLaw::kRobust) return std::make_unique<polyfly::MultirotorController>(maps(), options);
   std::array<MpcProblem, 3> problems = nominal_;
   // With the terminal weight of the Riccati equation, and one input that is bounded, one step is the LQR,
   // cut.
@@ -134,7 +136,8 @@ std::vector<AslquadSample> AslquadFlights::fly(AslquadFigure figure, AslquadLaw 
     sample.reference = figureReference(figure, sample.time);
     sample.truth = plant.state();
     sample.disturbance = plant.disturbance();
-    const polyfly::ControlReport& report = controller->step(plant.measure(), &sample.reference);
+    sample.measured = plant.measure();
+    const polyfly::ControlReport& report = controller->step(sample.measured, &sample.reference);
     sample.command = report.command;
     sample.status = report.status;
     flight.push_back(sample);

@@ -12,6 +12,7 @@
 #include "calibration/map_comparison.hpp"
 #include "calibration/map_proposal.hpp"
 #include "calibration/map_use.hpp"
+#include "calibration/online_oracle.hpp"
 #include "calibration/replay.hpp"
 
 namespace polyfly {
@@ -25,7 +26,8 @@ struct Excursion {
   std::string parameter;                       ///< first one out of its range; empty if none is
   double beyond = 0.0;  ///< greatest distance of that parameter beyond its range [its unit]
   std::string unit;
-  std::array<std::size_t, kControlStatusCount> statuses{};  ///< what the controller did: samples by ControlStatus
+  std::array<std::size_t, kControlStatusCount>
+      statuses{};  ///< what the controller did: samples by ControlStatus
 };
 
 /// One axis: how its map was used, and whether it answered as the online solver does.
@@ -105,9 +107,11 @@ struct ValidationReport {
   std::size_t violationCount() const;
 };
 
-/// Judges a replay. Throws Error naming the map when its problem cannot be read.
+/// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
+/// problem cannot be read.
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
-                          const AxisMaps& maps, const MultirotorOptions& options);
+                          const AxisMaps& maps, const MultirotorOptions& options,
+                          const OracleMaker& maker = {});
 
 /// Several flights with the same maps as one report: counts and windows together, greatest differences, root
 /// mean squares over all samples, no offset at rest. `flights` must not be empty. Of one flight, itself.

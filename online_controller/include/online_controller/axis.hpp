@@ -113,7 +113,8 @@ class Axis {
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                          AxisReport& report) const noexcept;
 
-  /// The observer's estimate, 0 with options.offset_free unset [m/s^2].
+  /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC,
+  /// which answers for the whole disturbance: what an estimate took away would be answered twice.
   double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
   const MpcProblem& problem() const noexcept { return law_->problem(); }
   double inputLower() const noexcept { return input_lower_; }

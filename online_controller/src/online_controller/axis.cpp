@@ -32,7 +32,7 @@ Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions
 Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options)
     : law_(std::move(law)),
       has_lag_(names.angle_error != nullptr),
-      offset_free_(options.offset_free),
+      offset_free_(options.offset_free && !law_->problem().minimum_peak),
       observer_(law_->problem(), observerOptions(options)) {
   bindSignals(names);
   readModel(law_->problem(), names);

@@ -54,6 +54,7 @@ struct AslquadSample {
   double time = 0.0;
   polyfly::Reference reference;
   polyfly::PlantState truth;
+  polyfly::VehicleState measured;
   Eigen::Vector3d disturbance = Eigen::Vector3d::Zero();  ///< [m/s^2]
   polyfly::AttitudeCommand command;
   polyfly::ControlStatus status = polyfly::ControlStatus::kNoReference;
@@ -83,6 +84,10 @@ class AslquadFlights {
 
   std::vector<AslquadSample> fly(AslquadFigure figure, AslquadLaw law, int seed) const;
   AslquadErrors judge(AslquadFigure figure, const std::vector<AslquadSample>& flight) const;
+
+  /// Maps of the robust law; what a law flies with, where the vehicle and its load are `mass` [kg].
+  std::array<const polyfly::RegionMap*, 3> maps() const { return {&maps_[0], &maps_[1], &maps_[2]}; }
+  polyfly::MultirotorOptions options(AslquadLaw law, double mass) const;
 
   double samplingTime() const { return nominal_[0].sampling_time; }  ///< [s]
 

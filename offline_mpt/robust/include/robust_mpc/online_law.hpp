@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "robust_mpc/online_lp.hpp"
+#include "robust_mpc/robust_problem.hpp"
+
+namespace polyfly {
+
+/// The first input u_0 of a robust problem, solved at each theta by OnlineLp in floating point: what a map of
+/// that problem is compared with in a validation.
+class OnlineRobustLaw {
+ public:
+  explicit OnlineRobustLaw(const RobustProblem& problem);
+
+  /// theta in the order of the problem's parameters; none where no plan meets all bounds.
+  std::optional<double> input(const double* theta);
+
+ private:
+  OnlineLp lp_;
+  Eigen::VectorXd theta_;
+  Eigen::VectorXd shift_;  // of the input by each parameter: the references' part
+};
+
+/// The same behind a function, from the text that a map carries; empty when that is no robust problem. Throws
+/// Error.
+std::function<std::optional<double>(const double*)> onlineRobustLaw(const std::string& text,
+                                                                    const std::string& source);
+
+}  // namespace polyfly
