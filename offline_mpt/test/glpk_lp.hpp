@@ -15,9 +15,11 @@ struct LpAnswer {
   Eigen::VectorXd z;
 };
 
-/// min g'z s.t. A z <= b, rows in `equalities` with "=".
+/// min g'z s.t. A z <= b, rows in `equalities` with "="; with `exact` by GLPK's simplex method in rational
+/// arithmetic, from the basis that the one in doubles ends with. It takes each double for the simplest
+/// fraction within a part in 1e9 of it.
 inline LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                            const std::vector<int>& equalities = {}) {
+                            const std::vector<int>& equalities = {}, bool exact = false) {
   const std::unique_ptr<glp_prob, decltype(&glp_delete_prob)> lp(glp_create_prob(), &glp_delete_prob);
   glp_term_out(GLP_OFF);
   const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
@@ -42,7 +44,8 @@ inline LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, 
   glp_init_smcp(&options);
   options.msg_lev = GLP_MSG_OFF;
   LpAnswer answer;
-  if (glp_simplex(lp.get(), &options) != 0) return answer;
+  const int failed = glp_simplex(lp.get(), &options);
+  if (exact ? glp_exact(lp.get(), &options) != 0 : failed != 0) return answer;
   answer.status = glp_get_status(lp.get());
   answer.objective = glp_get_obj_val(lp.get());
   answer.z.resize(n);
