@@ -71,11 +71,7 @@ Laws::Laws(const LawSetup& setup) : sources_(setup.sources), options_(setup.cont
   place(polyfly::Law::kExplicitLinear) = explicitLaw(sources_->maps, options_);
   const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
   place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, options_);
-  // A robust map answers for the whole disturbance: what an observer took away would be answered twice.
-  polyfly::MultirotorOptions without_observer = options_;
-  without_observer.offset_free = false;
-  without_observer.integrator = false;
-  place(polyfly::Law::kRobustExplicit) = explicitLaw(sources_->robust_maps, without_observer);
+  place(polyfly::Law::kRobustExplicit) = explicitLaw(sources_->robust_maps, options_);
   place(polyfly::Law::kNonlinear) = std::make_unique<polyfly::NonlinearController>(options_, setup.nonlinear);
   parameters_ = sources_->maps.empty() ? parametersOf(problems) : parametersOf(sources_->maps);
   robust_parameters_ = parametersOf(sources_->robust_maps);

@@ -55,6 +55,13 @@ SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_peri
   return {period, control_period};
 }
 
+/// A minimum-peak robust MPC answers for the whole disturbance: what an estimate took away would be answered
+/// twice.
+MultirotorOptions integratorOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
+  if (axes[0].problem().minimum_peak) options.integrator = false;
+  return options;
+}
+
 AxisReference along(const Reference& reference, const Eigen::Vector3d& disturbance, int axis) noexcept {
   return {reference.position[axis], reference.velocity[axis], reference.acceleration[axis],
           reference.jerk[axis], disturbance[axis]};
@@ -80,7 +87,7 @@ MultirotorController::MultirotorController(std::array<Axis, 3> axes, const Multi
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
       ladder_(options),
-      integrator_(options) {
+      integrator_(integratorOptions(axes_, options)) {
   reset();
 }
 
