@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "exact_simplex.hpp"
+#include "exact_weights.hpp"
 
 namespace polyfly {
 namespace {
@@ -11,58 +12,9 @@ namespace {
 constexpr int kShortBits = 24;  // of the weights of a first try: short ones keep the certificate small
 constexpr int kLongBits = 60;
 constexpr double kPositive = 1e-10;  // radius from which on a rounded centre is taken for one
-constexpr double kCounts = 1e-9;     // share of the greatest weight below which one is taken for zero
 constexpr double kNear = 1e-9;       // difference of unit rows that may be the same plane
 
-using Rows = std::vector<const ExactRow*>;
-
-std::size_t mostBits(const Rows& rows, const ExactRow* other) {
-  std::size_t bits = other != nullptr ? other->bits : 0;
-  for (const ExactRow* row : rows) bits = std::max(bits, row->bits);
-  return bits;
-}
-
-/// sum -= weight * (row << shift)
-void subtract(std::vector<Integer>& sum, const Integer& weight, const ExactRow& row, std::size_t shift) {
-  const Integer factor = weight << static_cast<unsigned long>(shift);
-  for (std::size_t j = 0; j < sum.size(); ++j)
-    mpz_submul(sum[j].get_mpz_t(), factor.get_mpz_t(), row.value[j].get_mpz_t());
-}
-
-/// Least value in the box.
-Integer least(const std::vector<Integer>& affine) {
-  Integer value = affine.back();
-  for (std::size_t j = 0; j + 1 < affine.size(); ++j) value -= abs(affine[j]);
-  return value;
-}
-
-/// value * 2^exponent without its fraction.
-Integer toInteger(double value, int exponent) {
-  Integer result;
-  mpz_set_d(result.get_mpz_t(), std::ldexp(value, exponent));
-  return result;
-}
-
-/// Rounds floating-point weights, given for rows of unit length, to whole ones. With `bits` in the greatest.
-ExactProof roundWeights(const std::vector<std::pair<int, double>>& weights, const Rows& rows,
-                        double target_length, int bits) {
-  double greatest = 0.0;
-  std::vector<std::pair<int, double>> scaled;
-  for (const auto& [row, weight] : weights) {
-    if (row >= static_cast<int>(rows.size())) continue;
-    scaled.emplace_back(row, weight * target_length / rows[static_cast<std::size_t>(row)]->length);
-    greatest = std::max(greatest, scaled.back().second);
-  }
-  ExactProof proof;
-  if (!(greatest > 0.0) || !std::isfinite(greatest)) return proof;
-  const int exponent = std::max(0, bits - std::ilogb(greatest));
-  proof.scale <<= static_cast<unsigned long>(exponent);
-  for (const auto& [row, weight] : scaled) {
-    const Integer whole = toInteger(weight, exponent);
-    if (whole > 0) proof.weights.emplace_back(row, whole);
-  }
-  return proof;
-}
+using Rows = ExactRows;
 
 bool nearlySame(const ExactRow& a, const ExactRow& b) {
   for (std::size_t j = 0; j < a.unit.size(); ++j) {
@@ -86,74 +38,6 @@ bool proveByMultiple(const Rows& rows, const ExactRow& target, ExactProof& proof
     return true;
   }
   return false;
-}
-
-/// Whole weights from fractions that hold for the rows as they are, not in unit form.
-ExactProof clearFractions(std::vector<std::pair<int, Rational>> weights, const Rows& rows, std::size_t bits,
-                          std::size_t target_bits) {
-  Integer denominator(1);
-  for (auto& [row, weight] : weights) {
-    const std::size_t own = row < static_cast<int>(rows.size()) ? rows[row]->bits : target_bits;
-    weight *= Rational(Integer(1) << (bits - target_bits), Integer(1) << (bits - own));
-    weight.canonicalize();
-    denominator = lcm(denominator, weight.get_den());
-  }
-  ExactProof proof;
-  proof.scale = denominator;
-  for (const auto& [row, weight] : weights)
-    proof.weights.emplace_back(row, Integer(weight.get_num() * (denominator / weight.get_den())));
-  return proof;
-}
-
-/// Solves sum of weight * row = target exactly, constants and the coordinates of `skip` apart. False where
-/// the rows are dependent; whether the equations that are not needed hold is for the caller to see.
-bool combineExactly(const Rows& rows, const ExactRow& target, const std::vector<char>& skip,
-                    std::vector<Rational>& weights) {
-  const int unknowns = static_cast<int>(rows.size());
-  std::vector<int> coordinates;
-  for (std::size_t j = 0; j + 1 < target.value.size(); ++j) {
-    if (!skip[j]) coordinates.push_back(static_cast<int>(j));
-  }
-  IntegerMatrix equations(static_cast<int>(coordinates.size()), unknowns);
-  for (int e = 0; e < equations.rows(); ++e) {
-    for (int k = 0; k < unknowns; ++k)
-      equations(e, k) = rows[static_cast<std::size_t>(k)]->value[static_cast<std::size_t>(coordinates[e])];
-  }
-  const std::vector<int> kept = independentRows(equations);
-  if (static_cast<int>(kept.size()) != unknowns) return false;
-  IntegerMatrix system(unknowns, unknowns + 1);
-  for (int e = 0; e < unknowns; ++e) {
-    for (int k = 0; k < unknowns; ++k) system(e, k) = equations(kept[static_cast<std::size_t>(e)], k);
-    system(e, unknowns) = target.value[static_cast<std::size_t>(
-        coordinates[static_cast<std::size_t>(kept[static_cast<std::size_t>(e)])])];
-  }
-  Integer determinant;
-  if (!solveExactly(system, determinant)) return false;
-  weights.clear();
-  for (int k = 0; k < unknowns; ++k) {
-    weights.emplace_back(system(k, unknowns), determinant);
-    weights.back().canonicalize();
-  }
-  return true;
-}
-
-/// The rows with a weight that counts, and the coordinates whose sides of the box have one. `first_box` is
-/// the index of the first side.
-Rows rowsOfWeights(const std::vector<std::pair<int, double>>& weights, const Rows& rows, int first_box,
-                   std::vector<char>& skip, std::vector<int>& places) {
-  double greatest = 0.0;
-  for (const auto& [row, weight] : weights) greatest = std::max(greatest, weight);
-  Rows chosen;
-  for (const auto& [row, weight] : weights) {
-    if (weight <= kCounts * greatest) continue;
-    if (row < static_cast<int>(rows.size())) {
-      chosen.push_back(rows[static_cast<std::size_t>(row)]);
-      places.push_back(row);
-    } else if (row >= first_box && static_cast<std::size_t>(row - first_box) / 2 < skip.size()) {
-      skip[static_cast<std::size_t>(row - first_box) / 2] = 1;
-    }
-  }
-  return chosen;
 }
 
 /// A proof with exact weights for the rows that the guess found to matter.
