@@ -25,7 +25,7 @@ install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # End to end, over real topics; POLYFLY_MAPS must name the folder of the solved maps, aslquad_*.map among them.
 if(CATKIN_ENABLE_TESTING)
   find_package(rostest REQUIRED)
-  foreach(test calibration flights robust_flights)
+  foreach(test calibration flights launch_files robust_flights)
     add_rostest(rostest/${test}.test
       DEPENDENCIES polyfly_test_ros multirotor_plant_node figure_player_node flight_recorder_node)
   endforeach()
