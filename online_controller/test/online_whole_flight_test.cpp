@@ -161,6 +161,43 @@ TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) {
   EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.02);
 }
 
+// The solver's bound is reached where many inputs are at their limits at once: far from where it shall be.
+TEST(SolverFailure, OfTheNonlinearLawHoldsLevelsAndEndsWithTheNextAnswer) {
+  NonlinearMpcOptions mpc;
+  mpc.working_sets_max = 1;
+  mpc.speed_max = 1.0;
+  NonlinearController law(MultirotorOptions{}, mpc);
+  MultirotorOptions vehicle;
+  vehicle.jump_distance = 0.0;
+  FlightSupervisor supervisor(law, vehicle, FlightOptions{});
+  VehicleState state;
+  supervisor.onOdometry(state);
+  supervisor.onReference(ReferenceTrajectory::pose({0.0, 0.0, 0.0}, 0.0), std::nullopt);
+  const auto step = [&](double x) {
+    state.stamp += kPeriod;
+    state.position.x() = x;
+    const ControlReport report = supervisor.onOdometry(state);
+    law.prepare();
+    EXPECT_TRUE(std::isfinite(report.command.thrust));
+    EXPECT_LE(std::abs(report.command.pitch), 0.4363323);
+    return report;
+  };
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(step(0.0).status, ControlStatus::kOptimal);
+  for (int k = 1; k <= 15; ++k) {
+    const ControlReport report = step(k % 2 == 0 ? 6.0 : -6.0);  // nothing to start from
+    EXPECT_EQ(report.status, k <= 10 ? ControlStatus::kHoldLast : ControlStatus::kLevel) << k;
+    EXPECT_EQ(report.reason, ControlReason::kOutsidePartition);
+  }
+  EXPECT_EQ(supervisor.state(), FlightState::kFailsafe);
+  EXPECT_EQ(supervisor.cause(), FlightEvent::kNoAnswer);
+  // The observer must forget the jumps before one working set is enough again.
+  int waited = 0;
+  while (step(0.0).status != ControlStatus::kOptimal && waited < 300) ++waited;
+  EXPECT_LT(waited, 300);
+  EXPECT_EQ(supervisor.state(), FlightState::kPositionHold);
+  EXPECT_EQ(supervisor.cause(), FlightEvent::kRecovered);
+}
+
 INSTANTIATE_TEST_SUITE_P(Laws, WholeFlight, testing::Values(linearLaw, nonlinearLaw), [](const auto& law) {
   return std::string(law.index == 0 ? "linear" : "nonlinear");
 });

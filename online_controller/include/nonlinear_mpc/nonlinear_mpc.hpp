@@ -28,6 +28,10 @@ struct NonlinearMpcOptions {
 
   double speed_max = 0.0;      ///< of each component of the velocity [m/s]; 0: not limited
   double speed_penalty = 1e5;  ///< of the l1 relaxation of that limit [s/m]
+
+  /// Working sets that the feedback may try, the bound of its time: beyond it there is no answer. 0: the
+  /// solver's own bound, 10 (inputs + rows) + 30.
+  int working_sets_max = 0;
 };
 
 /// The one list of the options but those that come from the vehicle's (gravity, limits): calls
@@ -55,6 +59,7 @@ void visitNonlinearOptions(Options& options, Visit&& visit) {
   visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
   visit("nonlinear/speed_max", options.speed_max, "m/s", Range{0.0, 1000.0});
   visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
+  visit("nonlinear/working_sets_max", options.working_sets_max, "working sets", Range{0.0, 100000.0});
 }
 
 /// What one stage shall follow: entries of h in the chapter's order.

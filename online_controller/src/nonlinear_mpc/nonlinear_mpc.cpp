@@ -68,6 +68,7 @@ NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
   for (AlignedArray* array : {&g_, &lower_, &upper_}) *array = AlignedArray(static_cast<std::size_t>(n));
   rows_ = AlignedArray(size(m, n));
   for (AlignedArray* array : {&row_lower_, &row_upper_}) *array = AlignedArray(static_cast<std::size_t>(m));
+  if (options_.working_sets_max > 0) qp_.setIterationLimit(options_.working_sets_max);
   for (int i = 0; i < m; ++i) qp_.setPenalty(i, options_.speed_penalty);
   computeTerminalWeight();
 }
