@@ -31,6 +31,11 @@ Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loit
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where);
 
+/// The roll [rad] that staying on the segment asks for where it is curved most, at that airspeed [m/s] in a
+/// wind of that speed [m/s] from the worst direction; 0 on a line, pi/2 where the wind is not
+/// below the airspeed.
+double steepestRoll(const PathSegment& segment, double airspeed, double wind_speed);
+
 /// Where an aircraft is in its mission. Advances where the switch condition is met, and where the end of a
 /// segment was passed without meeting it (beside the acceptance radius, or in another direction).
 class MissionTrack {
