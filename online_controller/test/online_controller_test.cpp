@@ -313,7 +313,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 20);
+  EXPECT_EQ(count, 22);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

@@ -74,6 +74,41 @@ TEST(OnlineProgram, RefusesWhatIsNotConvex) {
   EXPECT_THROW(OnlineProgram{program}, Error);
 }
 
+// The commands that an attitude controller needs which is not aligned with odometry: the same, moved by the
+// trim.
+TEST(OnlineLaws, TrimMovesTheCommandsAndNothingElse) {
+  MultirotorOptions trimmed;
+  trimmed.roll_trim = 0.03;
+  trimmed.pitch_trim = -0.02;
+  const std::array<MpcProblem, 3> axes = problems();
+  const auto compare = [&](ControlLaw& plain, ControlLaw& moved) {
+    std::vector<Reference> preview(static_cast<std::size_t>(plain.previewLength()));
+    for (Reference& reference : preview) reference.position = {0.1, -0.05, 0.1};
+    VehicleState state;
+    for (int i = 0; i < 60; ++i) {
+      state.stamp = 0.01 * i;
+      state.position.x() = 0.002 * i;
+      const AttitudeCommand first = plain.step(state, preview.data()).command;
+      const AttitudeCommand second = moved.step(state, preview.data()).command;
+      ASSERT_NEAR(second.roll - first.roll, 0.03, 1e-9) << i;
+      ASSERT_NEAR(second.pitch - first.pitch, -0.02, 1e-9) << i;
+      ASSERT_NEAR(second.thrust, first.thrust, 1e-9) << i;
+      plain.prepare();
+      moved.prepare();
+      if (i == 30) {  // as after another law
+        plain.follow(state, first);
+        moved.follow(state, second);
+      }
+    }
+    EXPECT_EQ(moved.stepWithoutReference(1.0).command.roll, 0.03);
+  };
+  MultirotorController linear(axes, MultirotorOptions{}), linear_moved(axes, trimmed);
+  compare(linear, linear_moved);
+  NonlinearController nonlinear(MultirotorOptions{}, NonlinearMpcOptions{});
+  NonlinearController nonlinear_moved(trimmed, NonlinearMpcOptions{});
+  compare(nonlinear, nonlinear_moved);
+}
+
 TEST(OnlineLaws, NeverAllocate) {
   const std::array<MpcProblem, 3> axes = problems();
   std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{

@@ -67,7 +67,8 @@ class RandomRobust {
              "\nstack: " + (chance(0.6) ? "paper" : "shift");
     static const char* const kFeedback[] = {"free", "free", "free", "zero", "fixed"};
     text_ += std::string("\nfeedback_predictions: ") + kFeedback[random_.below(5)];
-    const bool closed = states[1].bounded && (n < 3 || states[2].bounded) && (n < 4 || states[3].bounded);
+    // the exact invariant set of four states takes minutes in some of these problems
+    const bool closed = n < 4 && states[1].bounded && (n < 3 || states[2].bounded);
     text_ += std::string("\ninvariance: ") + (closed && chance(0.3) ? "first_step" : "none");
     if (chance(0.4)) text_ += "\nfloor: " + number(0.0, 0.08);
     text_ += "\npeak_in_map: true\ntie_break: {Q: [";

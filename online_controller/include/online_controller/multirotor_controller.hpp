@@ -76,6 +76,7 @@ class MultirotorController : public ControlLaw {
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const std::array<AxisSample, 3>& samples) noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
+  TiltAngles forceAngles(const AttitudeCommand& command) const noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
   void forget() noexcept;
 

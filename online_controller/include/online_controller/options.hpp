@@ -7,8 +7,11 @@ namespace polyfly {
 /// Constants of the vehicle and of the controller around the maps. The defaults are those of a Firefly.
 /// The prediction model itself (attitude loop, drag) comes from the maps.
 struct MultirotorOptions {
-  double mass = 1.52;               ///< [kg]
-  double gravity = 9.8066;          ///< [m/s^2]
+  double mass = 1.52;       ///< [kg]
+  double gravity = 9.8066;  ///< [m/s^2]
+  double roll_trim =
+      0.0;  ///< command at which odometry sees no roll: the attitude controller's alignment [rad]
+  double pitch_trim = 0.0;          ///< likewise [rad]
   double control_period = 0.01;     ///< nominal time between odometry messages [s]
   double yaw_gain = 1.8;            ///< K_yaw [1/s]
   double yaw_rate_max = 1.5707963;  ///< [rad/s]
@@ -36,6 +39,8 @@ template <class Options, class Visit>
 void visitOptions(Options& options, Visit&& visit) {
   visit("vehicle/mass", options.mass, "kg", Range{0.01, 1000.0});
   visit("vehicle/gravity", options.gravity, "m/s^2", Range{1.0, 30.0});
+  visit("vehicle/roll_trim", options.roll_trim, "rad", Range{-0.2, 0.2});
+  visit("vehicle/pitch_trim", options.pitch_trim, "rad", Range{-0.2, 0.2});
   visit("controller/control_period", options.control_period, "s", Range{0.0005, 1.0});
   visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0});
   visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0});

@@ -171,8 +171,7 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
   clock_.reset();
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
-  const double scale = thrust / options_.gravity;
-  const TiltAngles world = bodyToWorldTilt({sent.roll * scale, sent.pitch * scale}, measured.yaw);
+  const TiltAngles world = bodyToWorldTilt(forceAngles(sent), measured.yaw);
   applied_ = {world.pitch, world.roll, thrust * tiltCosine(measured.tilt) - options_.gravity};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
@@ -208,8 +207,9 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   const TiltAngles desired = worldToBodyTilt({inputs_[1], inputs_[0]}, yaw);
   const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
   AttitudeCommand& command = report_.command;
-  command.roll = std::clamp(tilt.roll, -options_.angle_max, options_.angle_max);
-  command.pitch = std::clamp(tilt.pitch, -options_.angle_max, options_.angle_max);
+  const TiltAngles trimmed{tilt.roll + options_.roll_trim, tilt.pitch + options_.pitch_trim};
+  command.roll = std::clamp(trimmed.roll, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(trimmed.pitch, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * thrust;
   const double yaw_rate = options_.yaw_gain * wrapAngle(reference.yaw - yaw) + reference.yaw_rate;
   command.yaw_rate = std::clamp(yaw_rate, -options_.yaw_rate_max, options_.yaw_rate_max);
@@ -217,12 +217,17 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   // What the limits left of the inputs, Eq. 41 and 40 backwards: the observer must not take a limit for wind.
   applied_ = inputs_;
   if (thrust != demanded) applied_[2] = thrust * tiltCosine(measured_tilt) - options_.gravity;
-  if (command.roll != tilt.roll || command.pitch != tilt.pitch) {
-    const double scale = thrust / options_.gravity;
-    const TiltAngles world = bodyToWorldTilt({command.roll * scale, command.pitch * scale}, yaw);
+  if (command.roll != trimmed.roll || command.pitch != trimmed.pitch) {
+    const TiltAngles world = bodyToWorldTilt(forceAngles(command), yaw);
     applied_[0] = world.pitch;
     applied_[1] = world.roll;
   }
+}
+
+// Eq. 41 backwards: the tilt that a command asks for, times T / g.
+TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command) const noexcept {
+  const double scale = command.thrust / options_.mass / options_.gravity;
+  return {(command.roll - options_.roll_trim) * scale, (command.pitch - options_.pitch_trim) * scale};
 }
 
 void MultirotorController::withoutAnswer(ControlReason reason) noexcept {

@@ -166,7 +166,8 @@ void NonlinearController::startIteration(const MultirotorState& x) noexcept {
   MultirotorInput u = hover;
   if (ladder_.canHold()) {
     const AttitudeCommand& command = report_.command;
-    u << command.roll, command.pitch, command.thrust / options_.mass;
+    u << command.roll - options_.roll_trim, command.pitch - options_.pitch_trim,
+        command.thrust / options_.mass;
   }
   mpc_.start(x, u, stages_.data());
   for (int i = 1; i < kFirstIterations; ++i) {
@@ -209,16 +210,16 @@ void NonlinearController::send(double yaw, const Reference& reference) noexcept 
   const MultirotorInput& u = mpc_.input(0);
   AttitudeCommand& command = report_.command;
   // The QP meets the bounds up to rounding; what is sent meets them exactly.
-  command.roll = std::clamp(u(0), -options_.angle_max, options_.angle_max);
-  command.pitch = std::clamp(u(1), -options_.angle_max, options_.angle_max);
+  command.roll = std::clamp(u(0) + options_.roll_trim, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(u(1) + options_.pitch_trim, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * std::clamp(u(2), options_.thrust_min, options_.thrust_max);
   command.yaw_rate = yawRate(reference, yaw);
   const Eigen::Vector3d disturbance = stages_.front().disturbance;
   for (std::size_t i = 0; i < report_.axis.size(); ++i) {
     report_.axis[i].disturbance = disturbance(static_cast<Eigen::Index>(i));
   }
-  report_.axis[0].input = command.pitch;
-  report_.axis[1].input = command.roll;
+  report_.axis[0].input = command.pitch - options_.pitch_trim;
+  report_.axis[1].input = command.roll - options_.roll_trim;
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.status = ControlStatus::kOptimal;
   report_.reason = ControlReason::kNone;

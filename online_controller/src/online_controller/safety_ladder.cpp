@@ -35,6 +35,8 @@ ControlStatus SafetyLadder::next(AttitudeCommand& command) noexcept {
 
 AttitudeCommand SafetyLadder::level(double share) const noexcept {
   AttitudeCommand command;
+  command.roll = options_.roll_trim;
+  command.pitch = options_.pitch_trim;
   command.thrust = options_.mass * std::max(share * options_.gravity, options_.thrust_min);
   return command;
 }
