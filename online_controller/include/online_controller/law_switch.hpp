@@ -38,7 +38,11 @@ class LawSwitch : public ControlLaw {
   double previewPeriod() const noexcept override { return preview_period_; }
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
-  void prepare() noexcept override { current().prepare(); }
+  /// The others follow here, when the command is out; without this, before whatever is called next.
+  void prepare() noexcept override {
+    catchUp();
+    current().prepare();
+  }
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
@@ -57,11 +61,16 @@ class LawSwitch : public ControlLaw {
 
  private:
   ControlLaw& current() const noexcept { return *laws_[static_cast<std::size_t>(active_)]; }
+  void catchUp() noexcept;
 
   std::array<std::unique_ptr<ControlLaw>, kLawCount> laws_;
   Law active_;
   int preview_length_ = 1;
   double preview_period_ = 0.0;
+
+  bool behind_ = false;    // the others have not followed the last step yet
+  VehicleState followed_;  // its sample
+  AttitudeCommand sent_;   // and its command
 };
 
 }  // namespace polyfly

@@ -35,19 +35,30 @@ LawSwitch::LawSwitch(std::array<std::unique_ptr<ControlLaw>, kLawCount> laws, La
 
 bool LawSwitch::select(Law law) noexcept {
   if (!has(law)) return false;
+  catchUp();
   active_ = law;
   return true;
 }
 
 const ControlReport& LawSwitch::step(const VehicleState& state, const Reference* preview) noexcept {
+  catchUp();
   const ControlReport& report = current().step(state, preview);
-  for (const auto& law : laws_) {
-    if (law != nullptr && law.get() != &current()) law->follow(state, report.command);
-  }
+  behind_ = true;
+  followed_ = state;
+  sent_ = report.command;
   return report;
 }
 
+void LawSwitch::catchUp() noexcept {
+  if (!behind_) return;
+  behind_ = false;
+  for (const auto& law : laws_) {
+    if (law != nullptr && law.get() != &current()) law->follow(followed_, sent_);
+  }
+}
+
 const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->stepWithoutReference(stamp);
   }
@@ -56,28 +67,33 @@ const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
 
 // The laws that follow miss the sample, as they would if it had been lost.
 const ControlReport& LawSwitch::withoutSample(double stamp, ControlReason reason) noexcept {
+  catchUp();
   return current().withoutSample(stamp, reason);
 }
 
 void LawSwitch::restartObserver() noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->restartObserver();
   }
 }
 
 void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->setDisturbance(disturbance);
   }
 }
 
 void LawSwitch::resetIntegrator() noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->resetIntegrator();
   }
 }
 
 const ControlReport& LawSwitch::onSilence(double now) noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->onSilence(now);
   }
@@ -85,12 +101,14 @@ const ControlReport& LawSwitch::onSilence(double now) noexcept {
 }
 
 void LawSwitch::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  catchUp();
   for (const auto& law : laws_) {
     if (law != nullptr) law->follow(state, sent);
   }
 }
 
 void LawSwitch::reset() noexcept {
+  behind_ = false;
   for (const auto& law : laws_) {
     if (law != nullptr) law->reset();
   }

@@ -68,6 +68,9 @@ void LawSwitch::takeOver(const ControlLaw& from) noexcept {
     if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->takeOver(*other->laws_[i]);
   }
   if (has(other->active_)) active_ = other->active_;
+  behind_ = other->behind_;
+  followed_ = other->followed_;
+  sent_ = other->sent_;
 }
 
 }  // namespace polyfly
