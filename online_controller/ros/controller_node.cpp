@@ -109,7 +109,9 @@ void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
 }
 
 void ExplicitMpcNode::exchangeLaws() {
-  if (keeper_.exchange()) flight_.setLaw(laws(), keeper_.laws().options());
+  if (!keeper_.exchange()) return;
+  flight_.setLaw(laws(), keeper_.laws().options());
+  interface_.setMass(keeper_.laws().options().mass);
 }
 
 void ExplicitMpcNode::countLost(const ros::Time& stamp) {

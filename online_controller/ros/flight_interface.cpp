@@ -13,6 +13,7 @@
 namespace polyfly_ros {
 namespace {
 
+constexpr double kLogInterval = 1.0;   // between two messages about references [s]
 constexpr double kManualBelow = -0.5;  // of the mode axis
 constexpr double kPositionFrom = 0.5;
 
@@ -159,11 +160,11 @@ void FlightInterface::take(const Message& message, std::optional<double> start, 
   }
   if (!refusal.empty()) {
     reference_text_ = "refused: " + refusal;
-    ROS_ERROR("explicit MPC keeps its reference: %s", refusal.c_str());
+    ROS_ERROR_THROTTLE(kLogInterval, "explicit MPC keeps its reference: %s", refusal.c_str());
   } else if (foreign) {
     ROS_WARN_ONCE("explicit MPC takes %s in frame '%s' as in '%s'", topic, frame.c_str(), frame_.c_str());
   } else {
-    ROS_INFO("explicit MPC: %s", reference_text_.c_str());
+    ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", reference_text_.c_str());  // planners may stream
   }
   if (flight_.changes() == published_changes_) {
     publish();

@@ -77,6 +77,9 @@ class FlightInterface {
   /// To be called with each odometry, when its command is out: the published observer.
   void observe(const std_msgs::Header& header, const polyfly::VehicleState& state);
 
+  /// Options have changed in flight.
+  void setMass(double mass) noexcept { observer_.setMass(mass); }
+
   /// Called when the sticks have made a command that is to be sent at this time.
   using OnManual = boost::function<void(const ros::Time&)>;
   void onManual(OnManual callback) { on_manual_ = std::move(callback); }
