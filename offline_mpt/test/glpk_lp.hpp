@@ -17,7 +17,7 @@ struct LpAnswer {
 
 /// min g'z s.t. A z <= b, rows in `equalities` with "="; with `exact` by GLPK's simplex method in rational
 /// arithmetic, from the basis that the one in doubles ends with. It takes each double for the simplest
-/// fraction within a part in 1e9 of it.
+/// fraction within a part in 1e9 of it. GLP_UNDEF where it does not end within 20 s.
 inline LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
                             const std::vector<int>& equalities = {}, bool exact = false) {
   const std::unique_ptr<glp_prob, decltype(&glp_delete_prob)> lp(glp_create_prob(), &glp_delete_prob);
@@ -44,7 +44,10 @@ inline LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, 
   glp_init_smcp(&options);
   options.msg_lev = GLP_MSG_OFF;
   LpAnswer answer;
-  const int failed = glp_simplex(lp.get(), &options);
+  glp_smcp first = options;
+  if (exact) first.it_lim = 5000;  // in doubles it may cycle
+  const int failed = glp_simplex(lp.get(), &first);
+  options.tm_lim = exact ? 20000 : options.tm_lim;  // [ms]
   if (exact ? glp_exact(lp.get(), &options) != 0 : failed != 0) return answer;
   answer.status = glp_get_status(lp.get());
   answer.objective = glp_get_obj_val(lp.get());
