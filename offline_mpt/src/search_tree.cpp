@@ -20,6 +20,9 @@ constexpr double kRepeated = 1.6;              // members on both sides together
 constexpr std::uint64_t kNodesPerRegion = 64;  // the default budget, but not more than kNodes,
 constexpr std::uint64_t kNodes = 131072;       // which take a minute or two,
 constexpr std::uint64_t kLeastPerRegion = 2;   // and not less than so many per region
+constexpr double kFewNodes = 3.0;              // interior nodes per region that buy smaller leaves, with
+constexpr int kFineLeafRegions = 2;            // so many regions,
+constexpr int kFineLawRows = 20;               // or half-spaces of one law
 constexpr std::size_t kTasks = 32;  // a cell with one in so many of all regions is a task of its own
 constexpr std::uint32_t kPending = 1u << 30;  // marks the number of a task in place of a node's
 
@@ -42,6 +45,8 @@ bool better(const Estimate& a, const Estimate& b) {
 /// The options with all that they leave open decided.
 TreeOptions decided(TreeOptions options, std::size_t regions) {
   const bool large = regions > kLarge;
+  if (options.leaf_regions > 0 || options.law_rows > 0) options.fine_nodes = 0.0;
+  if (options.fine_nodes < 0.0) options.fine_nodes = kFewNodes * static_cast<double>(regions);
   if (options.leaf_regions <= 0) options.leaf_regions = large ? 6 : 5;
   if (options.law_rows <= 0) options.law_rows = large ? 80 : 40;
   if (options.planes_tried <= 0) options.planes_tried = large ? 3 : 6;
@@ -51,11 +56,19 @@ TreeOptions decided(TreeOptions options, std::size_t regions) {
   return options;
 }
 
+/// Interior nodes of a cell, its own and those below it: each side has its share by its members.
+struct Budget {
+  double all = 0.0;   ///< that there may be
+  double fine = 0.0;  ///< as long as there are some, leaves are made smaller
+
+  Budget side(double share) const { return {share * (all - 1.0), share * (fine - 1.0)}; }
+};
+
 /// A cell whose subtree is built apart from the rest.
 struct Task {
   CellMembers members;
   std::vector<std::int32_t> path;
-  double budget = 0.0;
+  Budget budget;
 };
 
 /// Grows a tree, or the subtree of a cell.
@@ -81,8 +94,7 @@ class TreeGrower {
   }
 
  private:
-  /// `budget`: of interior nodes, this one and those below it.
-  std::uint32_t grow(CellMembers members, double budget) {
+  std::uint32_t grow(CellMembers members, Budget budget) {
     if (tasks_ != nullptr && members.size() <= task_size_) {
       tasks_->push_back({std::move(members), path_, budget});
       return kPending | static_cast<std::uint32_t>(tasks_->size() - 1);
@@ -90,8 +102,8 @@ class TreeGrower {
     tree_.depth = std::max(tree_.depth, static_cast<std::uint32_t>(path_.size()));
     CellMembers below, above;
     std::size_t plane = 0;
-    if (members.size() <= static_cast<std::size_t>(options_.leaf_regions) || oneLaw(members) ||
-        budget < 1.0 || stopped() || !choose(members, plane, below, above)) {
+    if (isSmall(members, budget.fine >= 1.0) || budget.all < 1.0 || stopped() ||
+        !choose(members, plane, below, above)) {
       return leaf(members);
     }
     CellMembers().swap(members);
@@ -99,9 +111,9 @@ class TreeGrower {
     tree_.nodes.push_back({static_cast<std::uint32_t>(plane), 0, 0});
     const double share = static_cast<double>(below.size()) / static_cast<double>(below.size() + above.size());
     path_.push_back(static_cast<std::int32_t>(plane) + 1);
-    const std::uint32_t first = grow(std::move(below), share * (budget - 1.0));
+    const std::uint32_t first = grow(std::move(below), budget.side(share));
     path_.back() = -path_.back();
-    const std::uint32_t second = grow(std::move(above), (1.0 - share) * (budget - 1.0));
+    const std::uint32_t second = grow(std::move(above), budget.side(1.0 - share));
     path_.pop_back();
     tree_.nodes[index].below = first;
     tree_.nodes[index].above = second;
@@ -118,13 +130,19 @@ class TreeGrower {
     return index | MapContent::kLeaf;
   }
 
-  bool oneLaw(const CellMembers& members) const {
+  bool isSmall(const CellMembers& members, bool fine) const {
+    const int most = fine ? std::min(kFineLeafRegions, options_.leaf_regions) : options_.leaf_regions;
+    return members.size() <= static_cast<std::size_t>(most) ||
+           oneLaw(members, fine ? std::min(kFineLawRows, options_.law_rows) : options_.law_rows);
+  }
+
+  bool oneLaw(const CellMembers& members, int most_rows) const {
     const TreeRegions& regions = geometry_.regions();
     if (regions.laws.empty()) return false;
     std::size_t rows = 0;
     for (const CellMember& member : members) {
       rows += regions.rows[member.region].size();
-      if (rows > static_cast<std::size_t>(options_.law_rows)) return false;
+      if (rows > static_cast<std::size_t>(most_rows)) return false;
       if (regions.laws[member.region] != regions.laws[members.front().region]) return false;
     }
     return true;
@@ -293,7 +311,8 @@ SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   TreeGrower top(geometry, choices);
   const std::size_t size = std::max(kManyMembers, regions.rows.size() / kTasks);
   top.putOff(size, tasks);
-  SearchTree tree = top.run({geometry.takeMembers(), {}, static_cast<double>(choices.node_limit)});
+  SearchTree tree =
+      top.run({geometry.takeMembers(), {}, {static_cast<double>(choices.node_limit), choices.fine_nodes}});
   join(growAll(geometry, choices, tasks), tree);
   return tree;
 }

@@ -31,6 +31,9 @@ struct TreeOptions {
   int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 5, or 6 above 1500 regions
   int law_rows = 0;  ///< a leaf may hold regions of one and the same law with so many half-spaces together;
                      ///< 0: 40, or 80 above 1500 regions
+  double fine_nodes =
+      -1.0;  ///< so many interior nodes, shared out likewise, may be spent on leaves of 2 regions
+             ///< or 20 half-spaces of one law; -1: 3 per region, or 0 where leaves are chosen
   std::uint64_t node_limit = 0;  ///< of interior nodes, shared out by regions on the way down; 0: 64 per
                                  ///< region up to 131072, 2 per region beyond
   double side_tolerance = 1e-9;  ///< a part of a region that reaches no further across a plane is left to the
