@@ -23,6 +23,8 @@ constexpr std::size_t kLateral = 1;
 
 class Coverage : public testing::Test {
  protected:
+  Coverage() { options_.jump_distance = 0.0; }  // flights are far away from one sample to the next
+
   FlightLog flight(double moved, std::size_t from, std::size_t to) {
     FlightRecorder recorder(maps_.axes(), options_);
     recorder.hold(SyntheticFlight::home());

@@ -24,7 +24,8 @@ struct AppliedCalibration {
 ///
 /// - kind attitude: gain and lag of roll where the input is phi_cmd, of pitch where it is theta_cmd, without
 ///   delay: the row of the lag state in A and B (Eq. 37);
-/// - kind drag: minus drag_x, drag_y or drag_z on the diagonal of A, in the row of the state whose error is the
+/// - kind drag: minus drag_x, drag_y or drag_z on the diagonal of A, in the row of the state whose error is
+/// the
 ///   parameter e_v_x, e_v_y or e_v_z;
 /// - kind disturbance: the range of the disturbance that ends in _x, _y or _z, where the problem bounds it.
 ///
