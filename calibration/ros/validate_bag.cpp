@@ -134,6 +134,11 @@ void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly
   }
 }
 
+// What the map of a minimum-peak robust MPC must equal.
+polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
+  return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
+}
+
 // Reads, replays, judges; writes what belongs to this flight alone.
 polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
                              const polyfly::MultirotorOptions& options, const Arguments& arguments,
@@ -144,12 +149,10 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::FlightSummary flight;
-  flight.validation = polyfly::validate(log, samples, maps.flown, options, [](const polyfly::RegionMap& map) {
-    return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
-  });
+  flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
     flight.validation.comparisons.push_back(
-        polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis));
+        polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
   }
   if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
   flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);

@@ -28,13 +28,13 @@ std::vector<std::size_t> placesByName(const RegionMap& flown, const RegionMap& o
 }  // namespace
 
 MapComparison compareMaps(const std::vector<ReplaySample>& samples, const RegionMap& flown,
-                          const RegionMap& other, std::size_t axis) {
+                          const RegionMap& other, std::size_t axis, const OracleMaker& maker) {
   const std::vector<std::size_t> places = placesByName(flown, other);
   MapComparison result;
   result.axis = kAxisNames.at(axis).axis;
   result.path = other.path();
   result.input_unit = other.inputs().front().unit;
-  OnlineAxis online(other);
+  OnlineAxis online(other, maker);
   MapUseCounter counter(other);
   DifferenceCollector difference;
   DifferenceCollector qp;

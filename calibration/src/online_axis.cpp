@@ -51,7 +51,11 @@ bool isMinimumPeak(const RegionMap& map) {
 }
 
 OnlineOracle oracleOf(const RegionMap& map, const OracleMaker& maker) {
-  if (isMinimumPeak(map)) return maker ? maker(map) : OnlineOracle();
+  if (isMinimumPeak(map)) {
+    if (!maker)
+      throw Error(map.path() + ": is of a minimum-peak robust MPC, whose online solution is not at hand");
+    return maker(map);
+  }
   return [oracle = std::make_shared<QpOracle>(map)](const double* theta) { return oracle->input(theta); };
 }
 

@@ -7,6 +7,7 @@
 #include "calibration/difference.hpp"
 #include "calibration/lookup_times.hpp"
 #include "calibration/map_use.hpp"
+#include "calibration/online_oracle.hpp"
 #include "calibration/replay.hpp"
 
 namespace polyfly {
@@ -27,10 +28,10 @@ struct MapComparison {
   Percentiles lookup_ns;        ///< of the other map, in the order of the flight
 };
 
-/// Compares on the samples with a reference. `axis` is the axis of both. Throws Error naming map and
-/// parameter when the other map has a parameter that the flown one does not have.
+/// Compares on the samples with a reference. `axis` is the axis of both, `maker` as for validate. Throws
+/// Error naming map and parameter when the other map has a parameter that the flown one does not have.
 MapComparison compareMaps(const std::vector<ReplaySample>& samples, const RegionMap& flown,
-                          const RegionMap& other, std::size_t axis);
+                          const RegionMap& other, std::size_t axis, const OracleMaker& maker = {});
 
 /// Another map of an axis.
 struct OtherMap {
