@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include "polytope_sets/invariant_set.hpp"
@@ -109,6 +111,22 @@ SetModel modelOf(const RobustProblem& problem, const std::vector<int>& entries) 
   return model;
 }
 
+/// A power of two near the greatest coefficient: in whole numbers these grow beyond what a double holds, and
+/// the rows are also read in doubles.
+Rational magnitude(const RationalVector& a) {
+  long most = 0;
+  bool any = false;
+  for (const Rational& value : a) {
+    if (value == 0) continue;
+    const long bits = static_cast<long>(mpz_sizeinbase(value.get_num_mpz_t(), 2)) -
+                      static_cast<long>(mpz_sizeinbase(value.get_den_mpz_t(), 2));
+    most = any ? std::max(most, bits) : bits;
+    any = true;
+  }
+  const Rational power(mpz_class(1) << static_cast<unsigned>(std::abs(most)));
+  return most >= 0 ? power : Rational(1) / power;
+}
+
 }  // namespace
 
 ExactPolytope invariantParameters(const RobustProblem& problem) {
@@ -130,7 +148,9 @@ ExactPolytope invariantParameters(const RobustProblem& problem) {
   result.dimension = problem.parameterCount();
   for (const ExactHalfSpace& row : invariant.set.rows) {
     ExactHalfSpace full{RationalVector(at(result.dimension)), row.b};
-    for (std::size_t k = 0; k < entries.size(); ++k) full.a[at(entries[k])] = row.a[k];
+    const Rational unit = magnitude(row.a);
+    full.b /= unit;
+    for (std::size_t k = 0; k < entries.size(); ++k) full.a[at(entries[k])] = row.a[k] / unit;
     result.rows.push_back(std::move(full));
   }
   return result;

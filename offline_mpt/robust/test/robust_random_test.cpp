@@ -214,6 +214,13 @@ void tryOne(std::uint64_t seed, int horizon, int samples, Totals& totals) {
   }
 }
 
+// The invariant set of this one has whole numbers of more than 1024 bits, which no double holds.
+TEST(RobustRandom, LongInvariantSetsAreReadInDoubles) {
+  Totals totals;
+  tryOne(1047, 5, 2, totals);
+  EXPECT_EQ(totals.solved, 1);
+}
+
 TEST(RobustRandom, MapsAreTheExactOptimumOfEq34) {
   const int problems = asked("POLYFLY_ROBUST_PROBLEMS", 24), horizon = asked("POLYFLY_ROBUST_HORIZON", 3);
   const int first = asked("POLYFLY_ROBUST_FIRST", 1);
