@@ -6,29 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "reference_data.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
 
 using namespace polyfly;
 
-std::filesystem::path logs() {
-  const char* data = std::getenv("POLYFLY_DATA");
-  const char* root = std::getenv("POLYFLY_ROOT");
-  std::filesystem::path folder;
-  if (data != nullptr)
-    folder = data;
-  else if (root != nullptr)
-    folder = std::filesystem::path(root) / "../shared/data";
-  else
-    return {};
-  folder /= "flight_logs";
-  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
-}
+std::filesystem::path logs() { return referenceData("flight_logs"); }
 
 struct Log {
   const char* file;

@@ -1,9 +1,10 @@
 #include "reference_qps.hpp"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+
+#include "reference_data.hpp"
 
 namespace lateral_test {
 namespace {
@@ -17,13 +18,7 @@ constexpr int kOnline = 18;
 constexpr int kNodesAt = kStates + kMoves;
 constexpr int kOnlineAt = kNodesAt + (kMoves + 1) * kStates;
 
-std::filesystem::path folder() {
-  const char* data = std::getenv("POLYFLY_DATA");
-  const char* root = std::getenv("POLYFLY_ROOT");
-  if (data != nullptr) return std::filesystem::path(data) / "online_qps";
-  if (root != nullptr) return std::filesystem::path(root) / "../shared/data/online_qps";
-  return {};
-}
+std::filesystem::path folder() { return referenceData("online_qps"); }
 
 PathSegment segmentFrom(const double* p) {
   if (p[0] == 0.0) return LineSegment{{p[1], p[2]}, {p[3], p[4]}};

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "fixedwing_lateral/model.hpp"
+#include "reference_data.hpp"
 
 namespace {
 
@@ -33,19 +33,7 @@ constexpr double kPrintedAngle = 2e-5;     // [rad]
 constexpr std::size_t kColumns = 7;
 using Rows = std::vector<std::vector<double>>;
 
-std::filesystem::path recordings() {
-  const char* data = std::getenv("POLYFLY_DATA");
-  const char* root = std::getenv("POLYFLY_ROOT");
-  std::filesystem::path folder;
-  if (data != nullptr)
-    folder = data;
-  else if (root != nullptr)
-    folder = std::filesystem::path(root) / "../shared/data";
-  else
-    return {};
-  folder /= "reference_sim";
-  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
-}
+std::filesystem::path recordings() { return referenceData("reference_sim"); }
 
 Rows readCsv(const std::filesystem::path& path) {
   std::ifstream file(path);

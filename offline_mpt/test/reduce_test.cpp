@@ -21,7 +21,7 @@
 #include "offline_mpt/verify_reduction.hpp"
 #include "random.hpp"
 #include "reduction_mutation.hpp"
-#include "reference_data.hpp"
+#include "reference_problems.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -11,7 +11,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "reference_data.hpp"
+#include "reference_problems.hpp"
 
 namespace polyfly {
 namespace {

@@ -13,7 +13,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/program_oracle.hpp"
-#include "reference_data.hpp"
+#include "reference_problems.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/random.hpp"
-#include "../../test/reference_data.hpp"
+#include "../../test/reference_problems.hpp"
 #include "offline_mpt/encode.hpp"
 #include "robust_mpc/online_lp.hpp"
 #include "robust_mpc/robust_law.hpp"

@@ -8,7 +8,7 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
-#include "../../test/reference_data.hpp"
+#include "../../test/reference_problems.hpp"
 #include "polytope_sets/polytope.hpp"
 #include "region_maps/error.hpp"
 
