@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +9,7 @@
 #include <random>
 
 #include "bags/message_layout.hpp"
+#include "reference_data.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -18,15 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-fs::path bags() {
-  fs::path folder;
-  if (const char* data = std::getenv("POLYFLY_DATA")) {
-    folder = fs::path(data) / "bags";
-  } else if (const char* root = std::getenv("POLYFLY_ROOT")) {
-    folder = fs::path(root) / ".." / "shared" / "data" / "bags";
-  }
-  return !folder.empty() && fs::is_directory(folder) ? folder : fs::path();
-}
+fs::path bags() { return referenceData("bags"); }
 
 Bytes contents(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);

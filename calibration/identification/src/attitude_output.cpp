@@ -91,10 +91,7 @@ std::string row(const char* name, const LoopFit& fit) {
   std::snprintf(head, sizeof head, "  %-22s fit %6.1f %%  ", name, fit.fit_percent);
   std::string line = head;
   for (const FittedParameter& parameter : fit.parameters) {
-    char text[96];
-    std::snprintf(text, sizeof text, "  %s %.4g +- %.2g", parameter.name.c_str(), parameter.value,
-                  parameter.half_width);
-    line += text;
+    line += "  " + parameter.name + " " + valueText(parameter.value, parameter.half_width);
     if (!parameter.unit.empty() && parameter.unit != "1") line += " " + parameter.unit;
   }
   return line + "\n";

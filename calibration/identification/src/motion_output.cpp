@@ -79,8 +79,9 @@ std::string toText(const MotionCalibration& calibration) {
     for (const std::string& sentence : bound.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const FittedParameter& parameter : calibration.parameters) {
-    std::snprintf(text, sizeof text, "%-16s %.5g +- %.2g %s\n", parameter.name.c_str(), parameter.value,
-                  parameter.half_width, parameter.unit == "1" ? "" : parameter.unit.c_str());
+    std::snprintf(text, sizeof text, "%-16s %s %s\n", parameter.name.c_str(),
+                  valueText(parameter.value, parameter.half_width).c_str(),
+                  parameter.unit == "1" ? "" : parameter.unit.c_str());
     out << text;
   }
   for (const std::string& sentence : calibration.warnings) out << "warning: " << sentence << "\n";

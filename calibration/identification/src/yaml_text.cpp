@@ -13,6 +13,18 @@ std::string yamlNumber(double value) {
   return text;
 }
 
+std::string valueText(double value, double half_width) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.5g", value);
+  std::string result = text;
+  if (std::isfinite(half_width)) {
+    std::snprintf(text, sizeof text, " +- %.2g", half_width);
+  } else {
+    std::snprintf(text, sizeof text, " (no interval: the data do not bound it)");
+  }
+  return result + text;
+}
+
 std::string yamlString(const std::string& text) {
   std::string result = "\"";
   for (const char character : text) {

@@ -7,6 +7,9 @@ namespace polyfly {
 /// A number in six significant digits, or `.nan` and `.inf` as YAML has them.
 std::string yamlNumber(double value);
 
+/// A fitted value and half of its interval, for people; half_width NaN: the data do not bound it.
+std::string valueText(double value, double half_width);
+
 /// A string in double quotes, with what needs it escaped.
 std::string yamlString(const std::string& text);
 

@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "identification/identify_axis.hpp"
 #include "made_bag.hpp"
 #include "made_flight.hpp"
+#include "reference_data.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -211,17 +211,13 @@ TEST_F(BagSignalsTest, RefusesATypeThatIsNotWhatItsNameSays) {
 }
 
 TEST(BagOfAFlight, GivesWhatItsTableGives) {
-  const char* data = std::getenv("POLYFLY_DATA");
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const fs::path folder =
-      data != nullptr ? fs::path(data) : fs::path(root != nullptr ? root : ".") / "../shared/data";
-  const fs::path bag_path = folder / "bags" / "jay_2017-04-10-10-09-32.bag";
+  const fs::path bag_path = referenceData("bags") / "jay_2017-04-10-10-09-32.bag";
   if (!fs::exists(bag_path))
     GTEST_SKIP() << "The recorded flights are not here: set POLYFLY_DATA to their folder.";
   IdentifyOptions options;
   options.windows = {{8.0, 20.0}, {24.0, 44.0}};
   const BagSignals bag = signalsFromBag(bag_path, {});
-  const FlightSignals table = signalsFromCsv(readCsv(folder / "flight_logs" / "mr_jay_100932.csv"), {});
+  const FlightSignals table = signalsFromCsv(readCsv(referenceData("flight_logs") / "mr_jay_100932.csv"), {});
   for (const char* axis : {"roll", "pitch"}) {
     const LoopFit from_bag = identifyAxis(axisRecords(bag.signals, axis), options).with_delay;
     const LoopFit from_table = identifyAxis(axisRecords(table, axis), options).with_delay;

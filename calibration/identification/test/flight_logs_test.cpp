@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "identification/flight_signals.hpp"
+#include "reference_data.hpp"
 
 namespace polyfly {
 namespace {
@@ -17,15 +17,7 @@ struct Reference {
   double fit_percent;               // of a first-order model with delay
 };
 
-std::filesystem::path logs() {
-  std::filesystem::path folder;
-  if (const char* data = std::getenv("POLYFLY_DATA")) {
-    folder = std::filesystem::path(data) / "flight_logs";
-  } else if (const char* root = std::getenv("POLYFLY_ROOT")) {
-    folder = std::filesystem::path(root) / ".." / "shared" / "data" / "flight_logs";
-  }
-  return !folder.empty() && std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
-}
+std::filesystem::path logs() { return referenceData("flight_logs"); }
 
 AxisModel identify(const Reference& reference) {
   const FlightSignals signals = signalsFromCsv(readCsv((logs() / reference.file).string() + ".csv"), {});
