@@ -1,4 +1,6 @@
 // Explores the reference problems and compares the maps with solutions that other programs computed.
+#include "reference_problems.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "reference_problems.hpp"
 
 namespace polyfly {
 namespace {

@@ -86,8 +86,8 @@ struct RobustProblem {
 };
 
 /// Reads `type: robust_mpc` (offline_mpt/robust/README.md explains the keys). Throws Error
-/// `file:line: field: rule`. Ranges that the file cites from others are put in their place: `text` has them as
-/// numbers.
+/// `file:line: field: rule`. Ranges that the file cites from others are put in their place: `text` has them
+/// as numbers.
 RobustProblem loadRobustProblem(const std::string& path);
 RobustProblem parseRobustProblem(const std::string& text, const std::string& source);
 
