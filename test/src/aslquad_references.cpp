@@ -9,7 +9,6 @@ namespace {
 using Eigen::Vector3d;
 using polyfly::Reference;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHeight = 1.0;       // [m]
 constexpr double kHelixRadius = 0.6;  // [m]
 constexpr double kHelixRate = 0.9;    // [rad/s]

@@ -1,4 +1,5 @@
-// libFuzzer target: any bytes are read to their end or refused, and so is every definition and message in them.
+// libFuzzer target: any bytes are read to their end or refused, and so is every definition and message in
+// them.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   polyfly::BagVisitor visitor;
   visitor.wants = [&layouts](const polyfly::BagConnection& connection) {
     try {
-      layouts[connection.id] = std::make_unique<polyfly::MessageLayout>(connection.type, connection.definition);
+      layouts[connection.id] =
+          std::make_unique<polyfly::MessageLayout>(connection.type, connection.definition);
     } catch (const polyfly::Error&) {
       layouts[connection.id] = nullptr;
     }
@@ -26,7 +28,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto& layout = layouts.at(message.connection->id);
     if (!layout) return;
     const bool fits = layout->fits(message.data, message.size);
-    const auto numbers = layout->numbers(message.data, message.size, {"header.stamp", "data", "pose.position.x"});
+    const auto numbers =
+        layout->numbers(message.data, message.size, {"header.stamp", "data", "pose.position.x"});
     if (numbers.has_value() != fits) __builtin_trap();
   };
   try {

@@ -70,7 +70,7 @@ struct CertifyReport {
       dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
   std::vector<int> relaxed_rows;  ///< rows whose bounds count as greater by 2^-40 of their size: in some
                                   ///< regions they are tight up to rounding
-  std::vector<Defect> defects;  ///< by region, then row
+  std::vector<Defect> defects;    ///< by region, then row
   bool interrupted = false;
   std::string certificate;
 

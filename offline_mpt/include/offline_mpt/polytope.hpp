@@ -31,8 +31,8 @@ class PolytopeSolver {
   PolytopeSolver& operator=(PolytopeSolver&&) noexcept;
 
   /// Centre and radius of the largest inscribed ball. The radius is negative when the polytope is empty (it
-  /// then says by how much). `centre` is read as a guess and overwritten. False when there is none: the polytope
-  /// is unbounded.
+  /// then says by how much). `centre` is read as a guess and overwritten. False when there is none: the
+  /// polytope is unbounded.
   bool chebyshev(const double* rows, int count, double* centre, double& radius);
 
   /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other that is
