@@ -108,7 +108,7 @@ struct ValidationReport {
 };
 
 /// Judges a replay; `maker` where maps are of a minimum-peak robust MPC. Throws Error naming the map when its
-/// problem cannot be read.
+/// problem cannot be read, or when it needs a maker and there is none.
 ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
                           const AxisMaps& maps, const MultirotorOptions& options,
                           const OracleMaker& maker = {});
