@@ -17,7 +17,7 @@ void ReferenceSchedule::compact() {
   first_ = 0;
   for (std::size_t i = count_; i < entries_.size(); ++i) {
     if (entries_[i].trajectory.samples().size() > 1)
-      entries_[i].trajectory = ReferenceTrajectory::pose({}, 0.0);
+      entries_[i].trajectory = ReferenceTrajectory::pose(Eigen::Vector3d::Zero(), 0.0);
   }
 }
 
