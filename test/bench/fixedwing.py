@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The fixed wing's rows, with the peer's noted times scaled to this machine: fixedwing.py OUTPUT.
+"""The fixed wing's rows, with the peer's noted times scaled to this machine: fixedwing.py OUTPUT [--append].
 
 Where the peers were measured the fixed piece of arithmetic was not timed; but ParametricDAQP was, there and beside
 `bench_offline calibrate`, so its ratio serves (offline_peer.py).
@@ -25,7 +25,15 @@ def scaled(rows, seconds):
     return [{"name": "calibration, CPU time", "value": seconds, "unit": "s"}] + rows
 
 
+def main(output, *options):
+    before = []
+    if "--append" in options:
+        with open(output) as file:
+            before = json.load(file)
+    seconds = read("build/bin/bench_offline", "calibrate")["cpu_seconds"]
+    with open(output, "w") as file:
+        json.dump(before + scaled(read("build/bin/bench_fixedwing"), seconds), file, indent=1)
+
+
 if __name__ == "__main__":
-    with open(sys.argv[1], "w") as file:
-        json.dump(scaled(read("build/bin/bench_fixedwing"), read("build/bin/bench_offline", "calibrate")["cpu_seconds"]),
-                  file, indent=1)
+    main(*sys.argv[1:])
