@@ -19,23 +19,13 @@ solveMap() {
   echo "$key" > "$2.key"
 }
 
-# solveAxes [PROBLEMS MAPS]: the three axes, from a folder of problem files into a folder of maps.
+# solveAxes [PROBLEMS MAPS [VEHICLE]]: the three axes, from a folder of problem files into a folder of maps.
 solveAxes() {
-  local axis problems=${1:-region_maps/problems} maps=${2:-build/demo/maps}
+  local axis problems=${1:-region_maps/problems} maps=${2:-build/demo/maps} vehicle=${3:-multirotor}
   own demo
   mkdir -p "$maps"
   for axis in $map_axes; do
-    solveMap "$problems/multirotor_$axis.yaml" "$maps/multirotor_$axis.map" || return
-  done
-}
-
-# solveRobustAxes [MAPS]: the minimum-peak robust MPC of the ASLquad.
-solveRobustAxes() {
-  local axis maps=${1:-build/demo/maps}
-  own demo
-  mkdir -p "$maps"
-  for axis in $map_axes; do
-    solveMap "region_maps/problems/robust/aslquad_$axis.yaml" "$maps/aslquad_$axis.map" || return
+    solveMap "$problems/${vehicle}_$axis.yaml" "$maps/${vehicle}_$axis.map" || return
   done
 }
 

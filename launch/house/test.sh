@@ -18,7 +18,7 @@ runRostests() {
   rm -rf build/catkin/build/test_results
   catkinBuild tests
   solveAxes || return
-  solveRobustAxes || return
+  solveAxes region_maps/problems/robust build/demo/maps aslquad || return
   export POLYFLY_MAPS=$root/build/demo/maps
   inWorkspace catkinBuild -j1 run_tests || true
   [ -d build/catkin/build/test_results ]

@@ -113,7 +113,7 @@ bool Reduction::sameLaw(std::uint32_t reduced, std::uint32_t original) const {
   const auto known = same_.find({reduced, original});
   if (known != same_.end()) return known->second;
   const std::size_t p = reduced_map_.p, q = reduced_map_.q;
-  const Scaling scaling(reduced_map_);
+  const Scaling& scaling = reduced_.scaling();
   bool same = true;
   for (std::size_t i = 0; i < q && same; ++i) {
     const double* a = reduced_map_.laws.data() + (reduced * q + i) * (p + 1);

@@ -23,6 +23,7 @@ class MapRows {
   /// A row as the map numbers them; with `outside`, what it leaves out.
   const Row& at(std::int32_t row, Moved moved, bool outside) const;
   const Map& map() const { return map_; }
+  const Scaling& scaling() const { return scaling_; }
 
  private:
   const Map& map_;

@@ -72,7 +72,6 @@ class CutLog {
   void empty(char word, const std::vector<const ExactRow*>& rows, int p);
 
   std::uint64_t parts() const { return parts_; }
-  const std::string& text() const { return text_; }
   std::string takeText() { return std::move(text_); }
 
  private:

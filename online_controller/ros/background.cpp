@@ -16,12 +16,6 @@ constexpr int kTicksPerWrite = 20;           // of changed parameters to the mas
 constexpr double kExchangePatience = 1.0;    // until a swap that was not taken is said to wait [s]
 constexpr double kExchangeInterval = 0.002;  // between two looks [s]
 
-ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
-  ros::NodeHandle copy(handle);
-  copy.setCallbackQueue(&queue);
-  return copy;
-}
-
 /// Every weight, limit and gain; not what the memory of the laws depends on.
 OptionTable tableOf(LawSetup& setup) {
   OptionTable table({"controller/control_period", "nonlinear/horizon", "nonlinear/period"});

@@ -49,6 +49,12 @@ std::string becomeRealTime(const RealTimeOptions& options) {
   return said;
 }
 
+ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
+  ros::NodeHandle copy(handle);
+  copy.setCallbackQueue(&queue);
+  return copy;
+}
+
 CallbackThread::CallbackThread(ros::CallbackQueue& queue, const char* name, std::function<void()> begin)
     : thread_([this, &queue, begin = std::move(begin)] {
         if (begin) begin();

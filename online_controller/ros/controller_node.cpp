@@ -19,12 +19,6 @@ constexpr double kLogInterval = 1.0;  // between two warnings [s]
 constexpr double kLongGap = 100.0;    // so many control periods without odometry are no loss of single ones
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
-  ros::NodeHandle copy(handle);
-  copy.setCallbackQueue(&queue);
-  return copy;
-}
-
 }  // namespace
 
 ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/callback_queue.h>
+#include <ros/node_handle.h>
 
 #include <atomic>
 #include <functional>
@@ -28,6 +29,9 @@ void visitRealTimeOptions(Options& options, Visit&& visit) {
 /// Asks for the options on behalf of the calling thread. Says in one sentence each what was not permitted and
 /// what would permit it, and goes on without; empty when all was granted.
 std::string becomeRealTime(const RealTimeOptions& options);
+
+/// The handle, its callbacks in that queue.
+ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue);
 
 /// A thread that serves a callback queue, and nothing else does. `begin` runs in it first. Ends with this.
 class CallbackThread {
