@@ -8,6 +8,7 @@
 #include <locale>
 #include <sstream>
 
+#include "identification/yaml_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -209,24 +210,19 @@ void applyDisturbance(const YAML::Node& calibration, const CalibrationFile& file
 }
 
 // Quoted for YAML: names of files and fields have no other characters that need it.
-std::string quoted(std::string text) {
-  for (std::size_t place = 0; (place = text.find_first_of("\"\\", place)) != std::string::npos; place += 2) {
-    text.insert(place, "\\");
-  }
-  return "\"" + text + "\"";
-}
-
 std::string provenanceEntry(const CalibrationFile& file, const YAML::Node& calibration,
                             const std::vector<std::string>& fields) {
-  std::string text =
-      "  - {file: " + quoted(file.provenance.file) + ", checksum: " + quoted(file.provenance.checksum) +
-      ", kind: " + calibration["kind"].as<std::string>() +
-      ",\n     tool_version: " + quoted(calibration["tool_version"].as<std::string>("")) + ", data: [";
+  std::string text = "  - {file: " + yamlString(file.provenance.file) +
+                     ", checksum: " + yamlString(file.provenance.checksum) +
+                     ", kind: " + calibration["kind"].as<std::string>() +
+                     ",\n     tool_version: " + yamlString(calibration["tool_version"].as<std::string>("")) +
+                     ", data: [";
   const YAML::Node data = calibration["data"]["file"] ? calibration["data"] : calibration["data"]["training"];
-  text += quoted(data["file"].as<std::string>("")) + ", " + quoted(data["checksum"].as<std::string>("")) +
-          ", " + quoted(data["recorded"].as<std::string>("")) + "],\n     fields: [";
+  text += yamlString(data["file"].as<std::string>("")) + ", " +
+          yamlString(data["checksum"].as<std::string>("")) + ", " +
+          yamlString(data["recorded"].as<std::string>("")) + "],\n     fields: [";
   for (std::size_t index = 0; index < fields.size(); ++index)
-    text += (index > 0 ? ", " : "") + quoted(fields[index]);
+    text += (index > 0 ? ", " : "") + yamlString(fields[index]);
   return text + "]}\n";
 }
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "yaml_text.hpp"
+#include "identification/yaml_text.hpp"
 
 namespace polyfly {
 namespace {

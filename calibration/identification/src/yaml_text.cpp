@@ -1,4 +1,4 @@
-#include "yaml_text.hpp"
+#include "identification/yaml_text.hpp"
 
 #include <cmath>
 #include <cstdio>
