@@ -371,7 +371,7 @@ TEST(BoundedQp, NeverAllocates) {
 std::vector<double> kernelResults(const QpKernels& kernels, int n, const Eigen::MatrixXd& H) {
   Eigen::MatrixXd factor = H;
   std::vector<double> blocks(static_cast<std::size_t>(n / kPack * kBlockInverse));
-  EXPECT_EQ(kernels.factorise(factor.data(), n, n, 1e-15, blocks.data()), n);
+  EXPECT_EQ(kernels.factorise(factor.data(), n, n, 1e-15, blocks.data(), 0), n);
   const Eigen::MatrixXd lower = factor.triangularView<Eigen::Lower>();
   EXPECT_LT((lower * lower.transpose() - H).cwiseAbs().maxCoeff(), 1e-10 * H.cwiseAbs().maxCoeff());
   Eigen::VectorXd x = H.col(0), sums = H.col(1), gradient = H.col(n - 1);
@@ -399,6 +399,26 @@ TEST(QpKernels, GiveTheSameBitsOnEveryProcessor) {
   }
 }
 
+// As a working set grows, its factor does.
+TEST(QpKernels, AFactorThatGrowsHasTheSameBits) {
+  std::mt19937_64 random(11);
+  constexpr int kSize = 32;
+  const Qp qp = randomQp(kSize, 0, 1.0, random);
+  const Eigen::MatrixXd whole = [&] {
+    Eigen::MatrixXd factor = qp.H;
+    std::vector<double> blocks(kSize / kPack * kBlockInverse);
+    EXPECT_EQ(qpKernels().factorise(factor.data(), kSize, kSize, 1e-15, blocks.data(), 0), kSize);
+    return Eigen::MatrixXd(factor.triangularView<Eigen::Lower>());
+  }();
+  for (int done = kPack; done <= kSize; done += kPack) {
+    Eigen::MatrixXd factor = qp.H;
+    std::vector<double> blocks(kSize / kPack * kBlockInverse);
+    EXPECT_EQ(qpKernels().factorise(factor.data(), done, kSize, 1e-15, blocks.data(), 0), done);
+    EXPECT_EQ(qpKernels().factorise(factor.data(), kSize, kSize, 1e-15, blocks.data(), done), kSize);
+    EXPECT_TRUE(Eigen::MatrixXd(factor.triangularView<Eigen::Lower>()) == whole) << done;
+  }
+}
+
 class ReferenceQps : public testing::TestWithParam<const char*> {};
 
 TEST_P(ReferenceQps, AreSolvedTo1em9) {
@@ -408,6 +428,7 @@ TEST_P(ReferenceQps, AreSolvedTo1em9) {
   const int n = file["n"];
   BoundedQp solver(n);
   for (const bool warm : {false, true}) {
+    int most = 0;
     for (const auto& instance : file["instances"]) {
       const std::vector<double> H = instance["H"], g = instance["g"], lower = instance["lb"];
       const std::vector<double> upper = instance["ub"], expected = instance["x_ref"];
@@ -417,7 +438,9 @@ TEST_P(ReferenceQps, AreSolvedTo1em9) {
       for (int i = 0; i < n; ++i) {
         EXPECT_NEAR(solver.x()[i], expected[static_cast<std::size_t>(i)], 1e-9) << instance["index"];
       }
+      most = std::max(most, solver.iterations());
     }
+    EXPECT_LE(most, 8);  // what a control period's time is planned with; the bound is 10 (n + m) + 30
   }
 }
 

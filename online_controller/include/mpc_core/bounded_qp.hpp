@@ -39,8 +39,9 @@ struct QpVectors {
 /// (primal-dual active set; Kunisch and Rendl, 2003), which ends in a few rounds on most problems of control
 /// and, if it ends, at the optimum of the box. Then, for the rows and where the guess went astray, a dual
 /// active-set method (Goldfarb and Idnani, 1983) ends after finitely many steps. Each working set is
-/// factorised afresh, either the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
-/// constraints, whichever is less work; no rounding is carried from one working set to the next.
+/// factorised, either the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
+/// constraints, whichever is less work. Rows and columns of a Gram matrix that did not change are not
+/// factorised again, and none is updated: no rounding is carried from one working set to the next.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread. The same
 /// calls give the same bits, with or without AVX2.
@@ -121,6 +122,7 @@ class BoundedQp {
   // A working set as equalities.
   bool solveWorkingSet() noexcept;
   void listWorkingSet() noexcept;
+  void listFree() noexcept;
   bool dualIsCheaper() const noexcept;
   bool factoriseWorkingSet() noexcept;
   bool factoriseDual() noexcept;
@@ -177,6 +179,7 @@ class BoundedQp {
 
   std::vector<QpSide> side_;         // n + m
   std::vector<int> free_, working_;  // free variables; constraints held, bounds before rows
+  std::vector<char> listed_;         // n: this bound is among those held
   int free_count_ = 0;
   int bound_count_ = 0;  // bounds among those held
   int working_count_ = 0;
@@ -186,6 +189,7 @@ class BoundedQp {
   bool whole_ = false;  // all variables are free: the reduced factor is that of H
   int reduced_size_ = 0;
   int gram_size_ = 0;
+  int gram_done_ = 0;  // constraints at the head of the list whose factor is there already
   AlignedArray reduced_, reduced_inverse_;  // factor of the Hessian of the free variables
   AlignedArray gram_, gram_inverse_;        // factor of the Gram matrix
   AlignedArray range_;                      // active rows, by the inverse of the reduced factor

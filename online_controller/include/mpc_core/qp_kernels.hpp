@@ -7,8 +7,9 @@ namespace polyfly {
 struct QpKernels {
   /// Overwrites the lower triangle of a symmetric matrix by its Cholesky factor L. `blocks` takes the
   /// inverses of its diagonal blocks: for each block of kPack columns the inverse by columns, then by rows. A
-  /// pivot must exceed `relative` times the diagonal entry: returns the first one that does not, or n.
-  int (*factorise)(double* matrix, int n, int stride, double relative, double* blocks);
+  /// pivot must exceed `relative` times the diagonal entry: returns the first one that does not, or n. The
+  /// leading `done` rows and columns, whole packs, are a factor already; the bits are the same as without.
+  int (*factorise)(double* matrix, int n, int stride, double relative, double* blocks, int done);
 
   void (*solveLower)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L x = x
   void (*solveUpper)(const double* factor, const double* blocks, int n, int stride, double* x);  ///< L' x = x

@@ -47,6 +47,7 @@ BoundedQp::BoundedQp(int variables, int rows) : n_(variables), m_(rows) {
   std::fill_n(scale_.data(), constraints, 1.0);
   has_inverse_.assign(static_cast<std::size_t>(constraints), 0);
   side_.assign(static_cast<std::size_t>(constraints), QpSide::kInactive);
+  listed_.assign(static_cast<std::size_t>(n_), 0);
   // One more than can be listed: entries are written before it is known that they count.
   free_.assign(static_cast<std::size_t>(n_ + 1), 0);
   working_.assign(static_cast<std::size_t>(constraints + 1), 0);
@@ -64,8 +65,8 @@ bool BoundedQp::setHessian(const double* H) noexcept {
     std::copy(column + j, column + n_, factor_.data() + j * stride_ + j);
   }
   setIdentityTail(factor_.data(), n_, stride_);
-  convex_ =
-      qpKernels().factorise(factor_.data(), stride_, stride_, kPositive, factor_inverse_.data()) == stride_;
+  convex_ = qpKernels().factorise(factor_.data(), stride_, stride_, kPositive, factor_inverse_.data(), 0) ==
+            stride_;
   double least = factor_[0];
   double greatest = factor_[0];
   for (int j = 1; j < n_; ++j) {
@@ -102,6 +103,9 @@ QpStatus BoundedQp::solve(const QpVectors& vectors, const QpSide* start) noexcep
   iterations_ = 0;
   partial_ = -1;
   working_count_ = 0;
+  bound_count_ = 0;
+  gram_done_ = 0;
+  std::fill(listed_.begin(), listed_.end(), 0);
   guessed_ = false;
   has_base_ = false;
   if (!convex_) return QpStatus::kNotConvex;

@@ -10,25 +10,32 @@ namespace polyfly {
 namespace {
 
 constexpr int kGuessRounds = 12;
-constexpr int kManyChanges = 6;  // a sixth of the variables
+constexpr int kManyChanges = 6;         // a sixth of the variables
+constexpr int kManyChangesOfStart = 3;  // a third: what was active before deserves more trust
+constexpr int kRoundsBySigns = 2;       // before their number must fall from one round to the next
 constexpr int kSweeps = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-// Rounds of: solve with the guessed set as equalities, then correct every guess that its sign contradicts.
+// Rounds of: solve with the guessed set as equalities, then correct every guess that its sign contradicts; by
+// sweeps where that leads astray or comes no nearer.
 // Leaves a working set whose multipliers have the right signs, and its solution; false at the limit of
 // iterations.
 bool BoundedQp::guessBounds() noexcept {
-  int before = 0;
+  int before = -1;
   for (int round = 0; round < kGuessRounds; ++round) {
     if (!solveWorkingSet()) return false;
+    const bool given = before < 0 && bound_count_ > 0;
     const int changes = correctGuess();
     if (changes == 0) {
       guessed_ = true;
       return true;
     }
-    if (kManyChanges * changes >= n_ && changes > before) sweepBounds();
+    const int many = given ? kManyChangesOfStart : kManyChanges;
+    const bool astray = many * changes >= n_ && changes > before;
+    const bool stuck = round >= kRoundsBySigns && changes >= before;
+    if (astray || stuck) sweepBounds();
     before = changes;
   }
   return makeDualFeasible();

@@ -42,30 +42,48 @@ const double* BoundedQp::inverseColumn(int index) noexcept {
   return column;
 }
 
-// Bounds first, then rows, so that a dependent row shows as such.
+// Bounds first, then rows, so that a dependent row shows as such. Bounds that stay keep their order and new
+// ones come after them: the factor of those before the first that left is that of the last working set.
 void BoundedQp::listWorkingSet() noexcept {
   for (int j = 0; j < working_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
     if (side_[static_cast<std::size_t>(i)] == QpSide::kInactive && i != partial_) lambda_[i] = 0.0;
   }
-  int free = 0;
   int held = 0;
-  int* const frees = free_.data();
+  int kept = bound_count_;
   int* const working = working_.data();
+  char* const listed = listed_.data();
   const QpSide* const sides = side_.data();
-  for (int i = 0; i < n_; ++i) {  // without branches: which bounds are held is not to be foreseen
+  for (int j = 0; j < bound_count_; ++j) {
+    const int i = working[j];
     const bool holds = isHeld(sides[i]);
     working[held] = i;
+    listed[i] = holds ? 1 : 0;
     held += holds ? 1 : 0;
-    frees[free] = i;
-    free += holds ? 0 : 1;
+    kept = !holds && kept > j ? j : kept;
   }
+  for (int i = 0; i < n_; ++i) {  // without branches: which bounds are held is not to be foreseen
+    const bool enters = isHeld(sides[i]) && listed[i] == 0;
+    working[held] = i;
+    listed[i] = static_cast<char>(listed[i] | (enters ? 1 : 0));
+    held += enters ? 1 : 0;
+  }
+  gram_done_ = std::min(gram_done_, kept) / kPack * kPack;
   bound_count_ = held;
-  free_count_ = free;
+  free_count_ = n_ - held;
   for (int i = n_; i < n_ + m_; ++i) {
     if (isHeld(sides[i])) working[held++] = i;
   }
   working_count_ = held;
+}
+
+void BoundedQp::listFree() noexcept {
+  int free = 0;
+  int* const frees = free_.data();
+  for (int i = 0; i < n_; ++i) {
+    frees[free] = i;
+    free += listed_[static_cast<std::size_t>(i)] == 0 ? 1 : 0;
+  }
 }
 
 // Counts multiplications.
@@ -78,7 +96,8 @@ bool BoundedQp::dualIsCheaper() const noexcept {
   for (int j = constant_ ? bound_count_ : 0; j < working_count_; ++j) {
     if (!has_inverse_[static_cast<std::size_t>(working_[static_cast<std::size_t>(j)])]) missing += 1.0;
   }
-  const double dual = missing * n * n + k * k * k / 6.0 + k * k * (1.0 + rows) + k * n;
+  const double done = gram_done_;
+  const double dual = missing * n * n + (k * k * k - done * done * done) / 6.0 + k * k * (1.0 + rows) + k * n;
   const double primal =
       (bound_count_ == 0 ? 0.0 : f * f * f / 6.0 + f * f) + f * f * (1.0 + 0.5 * rows) + n * n;
   return dual <= primal;
@@ -111,31 +130,37 @@ bool BoundedQp::factoriseDual() noexcept {
   for (int j = 0; j < working_count_; ++j) {
     const double* column = inverseColumn(working_[static_cast<std::size_t>(j)]);
     double* gram = gram_.data() + j * stride_;
-    for (int i = j; i < bound_count_; ++i) gram[i] = column[working_[static_cast<std::size_t>(i)]];
+    for (int i = std::max(j, gram_done_); i < bound_count_; ++i)
+      gram[i] = column[working_[static_cast<std::size_t>(i)]];
     for (int i = std::max(j, bound_count_); i < working_count_; ++i) {
       gram[i] = along(working_[static_cast<std::size_t>(i)], column);
     }
   }
-  return factoriseGram(working_count_, 0);
+  if (!factoriseGram(working_count_, 0)) return false;
+  gram_done_ = working_count_;
+  return true;
 }
 
 // The Gram matrix of the `count` constraints of the working set from `first` on.
 bool BoundedQp::factoriseGram(int count, int first) noexcept {
   gram_size_ = wholePacks(count);
   setIdentityTail(gram_.data(), count, gram_size_, stride_);
-  const int done =
-      qpKernels().factorise(gram_.data(), gram_size_, stride_, kIndependent, gram_inverse_.data());
+  const int done = qpKernels().factorise(gram_.data(), gram_size_, stride_, kIndependent,
+                                         gram_inverse_.data(), gram_done_);
   if (done == gram_size_) return true;
+  gram_done_ = 0;
   dependent_ = working_[static_cast<std::size_t>(first + done)];
   return false;
 }
 
 bool BoundedQp::factorisePrimal() noexcept {
   const int rows = working_count_ - bound_count_;
+  gram_done_ = 0;
   if (rows > free_count_) {
     dependent_ = working_[static_cast<std::size_t>(working_count_ - 1)];
     return false;
   }
+  listFree();
   reduced_size_ = wholePacks(free_count_);
   whole_ = bound_count_ == 0;
   if (!whole_ && !factoriseReduced()) return false;
@@ -158,8 +183,8 @@ bool BoundedQp::factoriseReduced() noexcept {
     for (int r = c; r < free_count_; ++r) reduced[r] = column[free_[static_cast<std::size_t>(r)]];
   }
   setIdentityTail(reduced_.data(), free_count_, reduced_size_, stride_);
-  return qpKernels().factorise(reduced_.data(), reduced_size_, stride_, kPositive, reduced_inverse_.data()) ==
-         reduced_size_;
+  return qpKernels().factorise(reduced_.data(), reduced_size_, stride_, kPositive, reduced_inverse_.data(),
+                               0) == reduced_size_;
 }
 
 void BoundedQp::gatherFree(const double* from, double* to) const noexcept {
