@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "calibrate_commands.hpp"
+#include "calibration/motion_report.hpp"
 #include "identification/motion_output.hpp"
 #include "read_log.hpp"
 
@@ -15,6 +16,7 @@ struct Arguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
   std::vector<double> drag;
+  std::string report;
 };
 
 using Find = std::function<void(const FlightSignals&, const Arguments&, MotionCalibration*)>;
@@ -29,13 +31,41 @@ int run(const std::string& kind, Arguments arguments, const Find& find) {
   }
   const FlightSignals signals =
       readSignals(arguments.log, arguments, &calibration.data, &calibration.remarks);
+  const std::vector<std::string> velocities = kind == "wind"
+                                                  ? std::vector<std::string>{"vn", "ve", "airspeed"}
+                                                  : std::vector<std::string>{"vx", "vy", "vz"};
+  for (const std::string& name : velocities) {
+    if (signals.has(name)) calibration.record.emplace_back(name, signals.at(name));
+  }
   find(signals, arguments, &calibration);
   if (!arguments.quiet) std::cout << toText(calibration);
   if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
+  if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.warnings.empty() ||
                       std::any_of(calibration.bounds.begin(), calibration.bounds.end(),
                                   [](const DisturbanceBound& one) { return !one.warnings.empty(); });
   return warned && arguments.strict ? kWarned : kCalibrated;
+}
+
+// What the fit found, into the calibration.
+void keep(MotionFit&& fit, MotionCalibration* calibration) {
+  calibration->parameters = std::move(fit.parameters);
+  calibration->traces = std::move(fit.traces);
+  calibration->warnings = std::move(fit.warnings);
+}
+
+void bound(const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+  const Motion motion = motionOf(signals, arguments.motion);
+  calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
+  calibration->traces = disturbanceTraces(motion, arguments.motion);
+  calibration->warnings = judgeMotion(motion);
+}
+
+void findWind(const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+  WindFit wind = fitWind(signals, arguments.motion.windows);
+  calibration->north = std::move(wind.north);
+  calibration->east = std::move(wind.east);
+  keep(std::move(wind), calibration);
 }
 
 void declareMotion(CLI::App& command, Arguments& arguments) {
@@ -47,9 +77,15 @@ void declareMotion(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
 }
 
+void declareNewtons(CLI::App& command, Arguments& arguments) {
+  command.add_flag("--newtons", arguments.motion.newtons,
+                   "The thrust command is in newtons though it never exceeds 1");
+}
+
 void declareMass(CLI::App& command, Arguments& arguments) {
   command.add_option("--mass", arguments.motion.mass, "Mass, where the thrust command is in newtons [kg]")
       ->check(CLI::PositiveNumber);
+  declareNewtons(command, arguments);
 }
 
 void declareDrag(CLI::App& command, Arguments& arguments) {
@@ -61,6 +97,8 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
               const Find& find, const std::shared_ptr<Arguments>& arguments) {
   CLI::App* command = app.add_subcommand(kind, description);
   declareLog(*command, *arguments);
+  command->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder")
+      ->type_name("DIR");
   command->callback([kind, arguments, result, find] { *result = run(kind, *arguments, find); });
   return command;
 }
@@ -68,21 +106,16 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
-  const auto bound = std::make_shared<Arguments>();
-  CLI::App* command = add(
-      app, "disturbance", "Bounds on what thrust, attitude and drag do not explain", result,
-      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
-        calibration->bounds =
-            boundDisturbance(motionOf(signals, arguments.motion), arguments.motion, arguments.limits);
-      },
-      bound);
-  declareMotion(*command, *bound);
-  declareMass(*command, *bound);
-  declareDrag(*command, *bound);
-  command->add_option("--share", bound->limits.share, "Of the time that the bounds hold")
+  const auto limits = std::make_shared<Arguments>();
+  CLI::App* command = add(app, "disturbance", "Bounds on what thrust, attitude and drag do not explain",
+                          result, bound, limits);
+  declareMotion(*command, *limits);
+  declareMass(*command, *limits);
+  declareDrag(*command, *limits);
+  command->add_option("--share", limits->limits.share, "Of the time that the bounds hold")
       ->check(CLI::Range(0.5, 0.9999))
       ->capture_default_str();
-  command->add_option("--confidence", bound->limits.confidence, "That they do")
+  command->add_option("--confidence", limits->limits.confidence, "That they do")
       ->check(CLI::Range(0.5, 0.9999))
       ->capture_default_str();
 
@@ -90,7 +123,7 @@ void addMotionCommands(CLI::App& app, int* result) {
   command = add(
       app, "drag", "Drag coefficients of the multirotor", result,
       [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
-        calibration->parameters = fitDrag(motionOf(signals, arguments.motion));
+        keep(fitDrag(motionOf(signals, arguments.motion)), calibration);
       },
       drag);
   declareMotion(*command, *drag);
@@ -100,17 +133,14 @@ void addMotionCommands(CLI::App& app, int* result) {
   command = add(
       app, "mass", "Mass and hover thrust of the multirotor", result,
       [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
-        calibration->parameters = fitMass(motionOf(signals, arguments.motion), arguments.motion);
+        keep(fitMass(motionOf(signals, arguments.motion), arguments.motion), calibration);
       },
       mass);
   declareMotion(*command, *mass);
+  declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
 
-  add(
-      app, "wind", "Wind and airspeed scale of the fixed wing", result,
-      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
-        calibration->parameters = fitWind(signals, arguments.motion.windows, &calibration->warnings);
-      },
+  add(app, "wind", "Wind and airspeed scale of the fixed wing", result, findWind,
       std::make_shared<Arguments>());
 }
 

@@ -52,6 +52,8 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
       ->type_name("ENDING");
   command.add_option("--recorded", arguments.recorded, "Date of the flight, for the result's provenance");
   command.add_option("-o,--output", arguments.output, "Write the numbers as YAML")->type_name("FILE");
+  command.add_flag("--on-ground", arguments.on_ground,
+                   "Of an autopilot's log, also what was measured while the vehicle stood");
   command.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
   command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
 }
@@ -76,7 +78,7 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
                           std::vector<std::string>* remarks) {
   const auto choice = parseSignals(arguments.signals);
   if (isAutopilotLog(path)) {
-    AutopilotSignals log = signalsFromAutopilot(path, choice);
+    AutopilotSignals log = signalsFromAutopilot(path, choice, arguments.on_ground);
     *provenance = provenanceOf(path);
     provenance->recorded = arguments.recorded;
     for (const std::string& remark : log.remarks) remarks->push_back(path + ": " + remark);

@@ -17,6 +17,7 @@ struct LogArguments {
   std::vector<std::string> topics;
   std::string recorded;
   std::string output;
+  bool on_ground = false;
   bool strict = false;
   bool quiet = false;
 };

@@ -8,19 +8,13 @@
 namespace polyfly {
 namespace {
 
-void writeVerdict(const AttitudeCalibration& calibration, std::ostream& out) {
+std::vector<std::string> sentencesOf(const AttitudeCalibration& calibration) {
   std::vector<std::string> sentences = calibration.remarks;
   sentences.insert(sentences.end(), calibration.failed.begin(), calibration.failed.end());
   for (const AxisModel& axis : calibration.axes) {
     for (const std::string& warning : axis.warnings) sentences.push_back(axis.axis + ": " + warning);
   }
-  if (sentences.empty()) {
-    out << "<div class='verdict good'>The data support these numbers</div>\n";
-    return;
-  }
-  out << "<div class='verdict bad'>To be looked at before these numbers are used<ul>";
-  for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
-  out << "</ul></div>\n";
+  return sentences;
 }
 
 void writeFit(const char* name, const LoopFit& fit, std::ostream& out) {
@@ -57,20 +51,10 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
 
 std::string toHtml(const AttitudeCalibration& calibration) {
   std::ostringstream out;
-  out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
-         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Calibration "
-         "report</title><style>"
-      << kReportStyle << "</style></head><body><main>\n<h1>Calibration report</h1>\n<p class='source'>"
-      << escaped(calibration.training.file) << " · " << escaped(calibration.training.checksum);
-  if (!calibration.training.recorded.empty()) out << " · " << escaped(calibration.training.recorded);
-  out << "</p>\n";
-  writeVerdict(calibration, out);
+  writeCalibrationHead(calibration.training, sentencesOf(calibration), out);
   for (const AxisModel& axis : calibration.axes) {
     writeTable(axis, out);
-    for (const ReportFigure& figure : identificationFigures(axis)) {
-      out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
-          << inlineSvg(figure.figure) << "</section>\n";
-    }
+    for (const ReportFigure& figure : identificationFigures(axis)) writeFigureSection(figure, out);
   }
   out << "</main></body></html>\n";
   return out.str();

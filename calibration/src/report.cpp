@@ -236,8 +236,7 @@ std::string toHtml(const ReportContent& content) {
   writeTiles(content.validation, out);
   const std::vector<ReportFigure> figures = reportFigures(content);
   for (const ReportFigure& figure : figures) {
-    out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
-        << inlineSvg(figure.figure) << "</section>\n";
+    writeFigureSection(figure, out);
   }
   writeNumbers(content.validation, out);
   return out.str();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <ostream>
 #include <system_error>
 
 #include "region_maps/error.hpp"
@@ -49,6 +50,29 @@ tr.bad td { color: var(--bad); font-weight: 600; }
 .track i.bad { background: #d55e00; }
 .scroll { overflow-x: auto; }
 )css";
+
+void writeCalibrationHead(const Provenance& data, const std::vector<std::string>& sentences,
+                          std::ostream& out) {
+  out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+         "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Calibration "
+         "report</title><style>"
+      << kReportStyle << "</style></head><body><main>\n<h1>Calibration report</h1>\n<p class='source'>"
+      << escaped(data.file) << " · " << escaped(data.checksum);
+  if (!data.recorded.empty()) out << " · " << escaped(data.recorded);
+  out << "</p>\n";
+  if (sentences.empty()) {
+    out << "<div class='verdict good'>The data support these numbers</div>\n";
+    return;
+  }
+  out << "<div class='verdict bad'>To be looked at before these numbers are used<ul>";
+  for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
+  out << "</ul></div>\n";
+}
+
+void writeFigureSection(const ReportFigure& figure, std::ostream& out) {
+  out << "<section><h2>" << escaped(figure.heading) << "</h2><p>" << escaped(figure.caption) << "</p>\n"
+      << inlineSvg(figure.figure) << "</section>\n";
+}
 
 std::string number(double value, int digits) {
   if (!std::isfinite(value)) return "–";

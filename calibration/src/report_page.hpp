@@ -1,8 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
+#include <vector>
 
+#include "calibration/report.hpp"
+#include "identification/provenance.hpp"
 #include "map_plot/figure.hpp"
 
 namespace polyfly {
@@ -12,6 +16,13 @@ extern const char* const kReportStyle;
 
 /// The text with the characters replaced that mean something in HTML.
 std::string escaped(const std::string& text);
+
+/// Head of a calibration's page: title, source with its checksum, and what speaks against the numbers.
+void writeCalibrationHead(const Provenance& data, const std::vector<std::string>& sentences,
+                          std::ostream& out);
+
+/// A section with one picture.
+void writeFigureSection(const ReportFigure& figure, std::ostream& out);
 
 /// A number with so many significant digits, a dash where there is none.
 std::string number(double value, int digits = 3);

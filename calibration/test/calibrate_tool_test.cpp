@@ -57,6 +57,12 @@ class CalibrateTool : public testing::Test {
   }
   std::string out() const { return contents(folder_ / "out.txt"); }
   std::string err() const { return contents(folder_ / "err.txt"); }
+  void expectPage(const std::string& report, const std::vector<std::string>& all_words) const {
+    const std::string page = contents(folder_ / report / "index.html");
+    for (const std::string& words : all_words) EXPECT_NE(page.find(words), std::string::npos) << words;
+    EXPECT_NE(page.find("<svg"), std::string::npos);
+    EXPECT_TRUE(fs::exists(folder_ / report / "calibration.yaml"));
+  }
 
   fs::path folder_;
 };
@@ -97,12 +103,7 @@ TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
 
 TEST_F(CalibrateTool, WritesAReport) {
   ASSERT_EQ(run("attitude flight.csv --report report --quiet"), 0) << err();
-  const std::string page = contents(folder_ / "report" / "index.html");
-  for (const char* words :
-       {"what was used", "measured and modelled", "validation", "frequency response", "<svg"}) {
-    EXPECT_NE(page.find(words), std::string::npos) << words;
-  }
-  EXPECT_TRUE(fs::exists(folder_ / "report" / "calibration.yaml"));
+  expectPage("report", {"what was used", "measured and modelled", "validation", "frequency response"});
   EXPECT_TRUE(out().empty());
 }
 
@@ -134,7 +135,9 @@ TEST_F(CalibrateTool, FindsTheWind) {
          << 15.0 + 0.1 * (i % 3) << "\n";
   }
   file.close();
-  ASSERT_EQ(run("wind circles.csv -o wind.yaml --strict"), 0) << err() << out();
+  ASSERT_EQ(run("wind circles.csv -o wind.yaml --report wind --strict"), 0) << err() << out();
+  expectPage("wind", {"What was used", "The wind triangle", "measured and modelled", "distribution",
+                      "airspeed_scale", "The data support these numbers"});
   const YAML::Node yaml = YAML::LoadFile(folder_ / "wind.yaml");
   EXPECT_EQ(yaml["kind"].as<std::string>(), "wind");
   EXPECT_NEAR(yaml["parameters"]["wind_north"]["value"].as<double>(), 4.0, 0.1);
@@ -156,7 +159,12 @@ TEST_F(CalibrateTool, BoundsADisturbance) {
   EXPECT_EQ(yaml["disturbances"][0]["name"].as<std::string>(), "d_x");
   EXPECT_NEAR(yaml["axes"]["x"]["mean"].as<double>(), 0.5, 1e-6);
   EXPECT_LT(yaml["disturbances"][1]["range"][0].as<double>(), 0.0);
-  EXPECT_EQ(run("drag hover.csv"), 0) << err();
+  EXPECT_EQ(run("drag hover.csv --report drag"), 0) << err();
+  expectPage("drag", {"What was used", "measured and modelled", "velocity along x", "drag_x",
+                      "not bounded by these data"});
+  EXPECT_EQ(run("disturbance hover.csv --report bound --quiet"), 0) << err();
+  expectPage("bound", {"What was used", "acceleration along x: measured and modelled", "Quantiles",
+                       "independent samples"});
   EXPECT_EQ(run("mass hover.csv"), 2);
   EXPECT_NE(err().find("no thrust_cmd"), std::string::npos) << err();
 }

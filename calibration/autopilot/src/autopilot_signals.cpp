@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <set>
 
 #include "autopilot/autopilot_log.hpp"
+#include "ground_time.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -175,12 +177,67 @@ void addChoice(const Choice& choice, const AutopilotLog& log, FlightSignals* sig
   signals->origin[choice.signal] = choice.text;
 }
 
+bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
+
+// A command as the loop got it: an autopilot logs one of many values that it sent, so between two of them the
+// straight line comes closer than the first of the two. In steps so short that holding them means nothing.
+TimeSeries betweenSamples(const TimeSeries& logged) {
+  constexpr double kStep = 0.005;  // [s]
+  constexpr double kPause = 0.3;   // [s] from which on nothing is known of what was between
+  TimeSeries series;
+  for (std::size_t i = 0; i + 1 < logged.time.size(); ++i) {
+    const double period = logged.time[i + 1] - logged.time[i];
+    const double rise = logged.value[i + 1] - logged.value[i];
+    const bool fine = !(period > kStep && period < kPause) || !std::isfinite(rise);
+    const int steps = fine ? 1 : static_cast<int>(std::ceil(period / kStep));
+    for (int step = 0; step < steps; ++step) {
+      // what is held over the step is its mean
+      series.time.push_back(logged.time[i] + period * step / steps);
+      series.value.push_back(logged.value[i] + (fine ? 0.0 : rise * (step + 0.5) / steps));
+    }
+  }
+  if (!logged.time.empty()) {
+    series.time.push_back(logged.time.back());
+    series.value.push_back(logged.value.back());
+  }
+  return series;
+}
+
+// Leaves out of all responses what was measured while the vehicle stood.
+void leaveGroundOut(const GroundTime& ground, AutopilotSignals* result) {
+  if (ground.windows.empty()) return;
+  double stood = 0.0;
+  double all = 0.0;
+  bool left = false;
+  for (auto& [name, series] : result->signals.series) {
+    if (isCommand(name) || series.time.empty()) continue;
+    const double first = series.time.front();
+    const double last = series.time.back();
+    double here = 0.0;
+    for (const TimeWindow& window : ground.windows)
+      here += std::max(0.0, std::min(last, window.to) - std::max(first, window.from));
+    if (last - first > all) {
+      all = last - first;
+      stood = here;
+    }
+    series = without(series, ground.windows);
+    left = left || !series.time.empty();
+  }
+  if (!left) {
+    throw Error(result->signals.source + ": " + ground.by +
+                ": the vehicle never left the ground; --on-ground uses such times too");
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "%.1f s of %.1f s were left out: the vehicle stood, by ", stood, all);
+  if (stood > 0.0) result->remarks.push_back(text + ground.by);
+}
+
 }  // namespace
 
 bool isAutopilotLog(const std::string& path) { return isULog(path) || isDataflash(path); }
 
 AutopilotSignals signalsFromAutopilot(const std::string& path,
-                                      const std::map<std::string, std::string>& choice) {
+                                      const std::map<std::string, std::string>& choice, bool on_ground) {
   const bool px4 = isULog(path);
   const std::vector<Place> places = px4 ? listOf(kPx4) : listOf(kArduPilot);
   std::vector<Choice> choices;
@@ -190,6 +247,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
     choices.push_back(parseChoice(path, signal, text));
     tables.insert(baseName(choices.back().table));
   }
+  tables.insert(groundTables().begin(), groundTables().end());
   const std::vector<std::string> wanted(tables.begin(), tables.end());
   const AutopilotLog log = px4 ? readULog(path, wanted) : readDataflash(path, wanted);
   AutopilotSignals result;
@@ -197,6 +255,11 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
   result.signals.source = path;
   for (const Choice& one : choices) addChoice(one, log, &result.signals);
   for (const Place& place : places) addSeries(place, log, &result.signals);
+  const bool chosen = choice.count("thrust_cmd") > 0;
+  result.signals.thrust_is_share = result.signals.has("thrust_cmd") && !chosen;
+  for (auto& [name, series] : result.signals.series) {
+    if (isCommand(name)) series = betweenSamples(series);
+  }
   double start = std::numeric_limits<double>::infinity();
   for (const auto& [name, series] : result.signals.series) {
     for (const double time : series.time) start = std::min(start, std::isfinite(time) ? time : start);
@@ -206,6 +269,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
     for (const auto& [name, count] : log.counts) known += (known.empty() ? "" : ", ") + name;
     throw Error(path + ": holds no attitude, rate or thrust; choose with --signal from " + known);
   }
+  if (!on_ground) leaveGroundOut(groundTime(log), &result);
   for (auto& [name, series] : result.signals.series) {
     for (double& time : series.time) time -= start;
   }

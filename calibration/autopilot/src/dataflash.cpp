@@ -75,6 +75,12 @@ struct Format {
   std::optional<Field> time;  // and its scale to seconds
   std::optional<Field> instance;
   bool keep = false;
+
+  const Field* find(const std::string& wanted) const {
+    const auto found = std::find_if(fields.begin(), fields.end(),
+                                    [&wanted](const Field& field) { return field.name == wanted; });
+    return found == fields.end() ? nullptr : &*found;
+  }
 };
 
 std::string textAt(const std::uint8_t* data, std::size_t size) {
@@ -164,12 +170,12 @@ class Reader {
       if (format.length >= kHeader) formats_[type] = format;
       return;
     }
-    for (const Field& field : *fields) {
+    format.fields = *fields;
+    for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
-      format.fields.push_back(field);
       if (field.name == "TimeUS") format.time = Field{"", field.letter, field.offset, kMicroseconds};
       if (field.name == "TimeMS") format.time = Field{"", field.letter, field.offset, kMilliseconds};
-      // The instance of a sensor, or the core of an estimator.
+      // The instance of a sensor, or the core of an estimator, in logs that do not tell it by FMTU.
       const bool core = field.name == "C" && format.name.compare(0, 2, "XK") == 0;
       if (field.name == "I" || core) format.instance = field;
     }
@@ -178,7 +184,20 @@ class Reader {
     formats_[type] = std::move(format);
   }
 
+  // FMTU gives a unit to each field of another format; `#` stands at the number of the instance.
+  void addUnits(const Format& format, const std::uint8_t* data) {
+    const Field* type = format.find("FmtType");
+    const Field* units = format.find("UnitIds");
+    constexpr std::size_t kUnits = 16;
+    if (type == nullptr || type->letter != 'B' || units == nullptr || units->letter != 'N') return;
+    Format& described = formats_[data[type->offset]];
+    const std::size_t place = textAt(data + units->offset, kUnits).find('#');
+    if (place >= described.fields.size() || described.fields[place].scale == 0.0) return;
+    described.instance = described.fields[place];
+  }
+
   void addRow(const Format& format, const std::uint8_t* data) {
+    if (format.name == "FMTU") addUnits(format, data);
     std::string name = format.name;
     if (format.instance) {
       const double instance = valueAt(data + format.instance->offset, format.instance->letter);
@@ -189,6 +208,7 @@ class Reader {
     LogTable& table = log_.tables[name];
     table.time.push_back(format.time->scale * valueAt(data + format.time->offset, format.time->letter));
     for (const Field& field : format.fields) {
+      if (field.scale == 0.0) continue;
       std::vector<double>& column = table.column[field.name];
       column.resize(table.time.size() - 1, std::numeric_limits<double>::quiet_NaN());
       column.push_back(field.scale * valueAt(data + field.offset, field.letter));

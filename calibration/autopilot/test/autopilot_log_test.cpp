@@ -205,6 +205,105 @@ TEST_F(AutopilotLogs, bothGiveTheLoopThatFlew) {
   }
 }
 
+TEST_F(AutopilotLogs, dataflashUnitsTellWhichFieldIsTheInstance) {
+  MadeDataflash log;
+  log.format(30, "VIBE", "QBf", "TimeUS,IMU,X", 3 + 8 + 1 + 4);
+  log.format(31, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 3 + 8 + 1 + 16 + 16);
+  std::vector<std::uint8_t> units;
+  put<std::uint64_t>(1000000, &units);
+  units.push_back(30);
+  for (const std::string text : {"s#-", "F--"}) {
+    for (std::size_t i = 0; i < 16; ++i)
+      units.push_back(i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0);
+  }
+  log.row(31, units);
+  for (std::uint8_t instance = 0; instance < 2; ++instance) {
+    std::vector<std::uint8_t> row;
+    put<std::uint64_t>(2000000, &row);
+    row.push_back(instance);
+    put(0.5F + instance, &row);
+    log.row(30, row);
+  }
+  const AutopilotLog read_back = read(log.bytes);
+  EXPECT_EQ(read_back.tables.at("VIBE").column.at("X"), (std::vector<double>{0.5}));
+  EXPECT_EQ(read_back.tables.at("VIBE[1]").column.at("X"), (std::vector<double>{1.5}));
+}
+
+// Adds when the vehicle stood: [s] by the autopilot's clock, and whether from then on.
+void addLanded(const std::vector<std::pair<double, bool>>& steps, MadeULog* log) {
+  log->format("vehicle_land_detected:uint64_t timestamp;bool landed;");
+  log->subscribe(0, 9, "vehicle_land_detected");
+  for (const auto& [time, landed] : steps) {
+    std::vector<std::uint8_t> row;
+    put(static_cast<std::uint64_t>(1e6 * time), &row);
+    row.push_back(landed ? 1 : 0);
+    log->data(9, row);
+  }
+}
+
+TEST_F(AutopilotLogs, whatWasMeasuredOnTheGroundIsLeftOut) {
+  MadeULog log = madePx4Flight(1.0, 0.2);  // from 5 s on, sixty seconds
+  addLanded({{5.0, true}, {25.0, false}, {55.0, true}}, &log);
+  writeBytes(log.bytes, path_);
+  const AutopilotSignals flown = signalsFromAutopilot(path_, {});
+  EXPECT_NEAR(flown.signals.at("roll").time.front(), 20.0, 1e-9);
+  EXPECT_NEAR(flown.signals.at("roll").time.back(), 49.99, 1e-6);
+  EXPECT_NEAR(flown.signals.at("roll_cmd").time.front(), 0.0, 1e-9);
+  ASSERT_EQ(flown.remarks.size(), 1u);
+  EXPECT_EQ(flown.remarks[0],
+            "30.0 s of 60.0 s were left out: the vehicle stood, by vehicle_land_detected.landed");
+  EXPECT_TRUE(flown.signals.thrust_is_share);
+  const AutopilotSignals whole = signalsFromAutopilot(path_, {}, true);
+  EXPECT_NEAR(whole.signals.at("roll").time.front(), 0.0, 1e-9);
+  EXPECT_TRUE(whole.remarks.empty());
+
+  MadeULog stands = madePx4Flight(1.0, 0.2);
+  addLanded({{5.0, true}}, &stands);
+  writeBytes(stands.bytes, path_);
+  EXPECT_THROW(signalsFromAutopilot(path_, {}), Error);
+}
+
+TEST_F(AutopilotLogs, arduPilotTellsByEventsWhenItFlew) {
+  MadeDataflash log = madeArduPilotFlight(1.0, 0.2);  // from 7 s on, sixty seconds
+  log.format(40, "EV", "QB", "TimeUS,Id", 3 + 8 + 1);
+  for (const auto& [time, id] :
+       std::vector<std::pair<double, int>>{{8.0, 10}, {17.0, 28}, {47.0, 18}, {48.0, 11}}) {
+    std::vector<std::uint8_t> row;
+    put(static_cast<std::uint64_t>(1e6 * time), &row);
+    row.push_back(static_cast<std::uint8_t>(id));
+    log.row(40, row);
+  }
+  writeBytes(log.bytes, path_);
+  const AutopilotSignals flown = signalsFromAutopilot(path_, {});
+  EXPECT_NEAR(flown.signals.at("roll").time.front(), 10.0, 1e-9);
+  EXPECT_NEAR(flown.signals.at("roll").time.back(), 39.99, 1e-6);
+}
+
+// A command that moves all the time, logged ten times a second as ArduPilot does; held between the rows it
+// would seem to come 0.05 s late.
+TEST_F(AutopilotLogs, commandsThatAreLoggedSeldomAreJoinedByLines) {
+  constexpr double kTau = 0.15;
+  MadeDataflash log;
+  log.format(10, "ATT", "Qcc", "TimeUS,DesRoll,Roll", 3 + 8 + 4);
+  double roll = 0.0;
+  const auto command = [](double t) { return 15.0 * std::sin(1.3 * t) + 8.0 * std::sin(4.1 * t + 1.0); };
+  for (int i = 0; i < 60000; ++i) {
+    const double time = 0.001 * i;
+    if (i % 100 == 0) {
+      std::vector<std::uint8_t> row;
+      put(static_cast<std::uint64_t>(1000000 + 1000 * i), &row);
+      put(static_cast<std::int16_t>(std::lround(100.0 * command(time))), &row);
+      put(static_cast<std::int16_t>(std::lround(100.0 * roll)), &row);
+      log.row(10, row);
+    }
+    roll += 0.001 / kTau * (command(time) - roll);
+  }
+  writeBytes(log.bytes, path_);
+  const AxisModel model = identifyAxis(axisRecords(signalsFromAutopilot(path_, {}).signals, "roll"), {});
+  EXPECT_NEAR(model.without_delay.parameters[0].value, 1.0, 0.02);
+  EXPECT_NEAR(model.without_delay.parameters[1].value, kTau, 0.01);
+}
+
 TEST_F(AutopilotLogs, placesAreChosenByTableAndField) {
   writeBytes(smallDataflash().bytes, path_);
   const AutopilotSignals found =

@@ -10,11 +10,9 @@ namespace {
 
 const char* const kAxes[] = {"x", "y", "z"};
 constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 1.0};
-constexpr Eigen::Index kParts = 4;         // of the record, compared with each other
-constexpr double kSignificant = 3.0;       // standard errors by which means may differ
-constexpr double kLeastExpected = 0.1;     // deviation below which nothing can be said of the frame [m/s^2]
-constexpr double kLeastCorrelation = 0.5;  // of measured and expected acceleration
-constexpr double kRestless = 2.0;          // factor by which deviations may differ
+constexpr Eigen::Index kParts = 4;    // of the record, compared with each other
+constexpr double kSignificant = 3.0;  // standard errors by which means may differ
+constexpr double kRestless = 2.0;     // factor by which deviations may differ
 
 // P(X <= count) for a binomial X of `trials` with the given chance.
 double binomialAtMost(int count, int trials, double chance) {
@@ -87,22 +85,6 @@ void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound)
   }
 }
 
-// Whether the vehicle accelerates where it tilts at all.
-void checkFrame(const Eigen::VectorXd& acceleration, const Eigen::VectorXd& expected,
-                DisturbanceBound* bound) {
-  const Eigen::VectorXd one = acceleration.array() - acceleration.mean();
-  const Eigen::VectorXd other = expected.array() - expected.mean();
-  const auto samples = static_cast<double>(other.size());
-  if (other.norm() < kLeastExpected * std::sqrt(samples)) return;
-  const double correlation = one.dot(other) / std::max(one.norm() * other.norm(), kLeastExpected);
-  if (correlation < kLeastCorrelation) {
-    bound->warnings.push_back(
-        text("The acceleration hardly follows the attitude (correlation %.2f, deviation expected "
-             "%.2g m/s^2): angles or velocities are in another frame, or of another sign.",
-             correlation, other.norm() / std::sqrt(samples)));
-  }
-}
-
 }  // namespace
 
 std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const MotionOptions& options,
@@ -134,7 +116,6 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
                "confidence of %.2g only. Fly longer.",
                bound.independent_samples, bound.confidence));
     }
-    checkFrame(motion.acceleration.col(axis), motion.expected.col(axis), &bound);
     checkStationarity(residual, &bound);
     bounds.push_back(bound);
   }

@@ -7,18 +7,11 @@
 #include "identification/excitation.hpp"
 #include "interpolate.hpp"
 #include "region_maps/error.hpp"
-#include "regression.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kLeastStretch = 1.0;  // [s]
-
-const char* const kAxes[] = {"x", "y", "z"};
-
-std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
-  return {starts.begin(), starts.end()};
-}
 
 TimeSeries clean(const FlightSignals& signals, const std::string& name) {
   CleaningCounts ignored;
@@ -57,6 +50,13 @@ class Attitude {
 std::vector<double> smoothed(const std::vector<double>& time, const std::vector<double>& value,
                              double half_width) {
   return smoothedMean(time, cumulativeIntegral(time, value), half_width);
+}
+
+// Commands up to 1 are no newtons: no vehicle of which this is the mass flies these maps.
+bool isShare(const FlightSignals& signals, const TimeSeries& thrust, const MotionOptions& options) {
+  if (options.newtons || thrust.time.empty()) return false;
+  const double greatest = *std::max_element(thrust.value.begin(), thrust.value.end());
+  return signals.thrust_is_share || greatest <= 1.0;
 }
 
 // The stretches of the velocity's samples, through the machinery that cuts loops.
@@ -128,6 +128,12 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   Motion motion;
   motion.source = signals.source;
   motion.thrust_known = options.mass > 0.0 && !thrust.time.empty();
+  motion.lift_is_share = isShare(signals, thrust, options);
+  if (motion.thrust_known && motion.lift_is_share) {
+    throw Error(signals.source +
+                ": thrust_cmd is a share of full thrust, with which no mass goes; leave --mass out, or say "
+                "--newtons if it is in newtons");
+  }
   const std::vector<LoopSegment> parts = stretches(velocity[0], options.windows);
   if (parts.empty()) throw Error(signals.source + ": no stretch of velocities of a second or more");
   motion.starts.push_back(0);
@@ -145,34 +151,6 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
                static_cast<Eigen::Index>(motion.starts[i]), &motion);
   }
   return motion;
-}
-
-std::vector<FittedParameter> fitDrag(const Motion& motion) {
-  std::vector<FittedParameter> result;
-  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
-    Eigen::MatrixXd columns(motion.velocity.rows(), 2);
-    columns.col(0) = -motion.velocity.col(axis);
-    columns.col(1).setOnes();
-    const Regression found =
-        regress(columns, motion.acceleration.col(axis) - motion.expected.col(axis), indices(motion.starts));
-    const std::string name = kAxes[axis];
-    result.push_back(
-        {"drag_" + name, "1/s", found.coefficients[0], found.standard_errors[0], found.half_widths[0]});
-    result.push_back(
-        {"offset_" + name, "m/s^2", found.coefficients[1], found.standard_errors[1], found.half_widths[1]});
-  }
-  return result;
-}
-
-std::vector<FittedParameter> fitMass(const Motion& motion, const MotionOptions& options) {
-  if (motion.lift.isZero(0.0)) throw Error(motion.source + ": no thrust_cmd, or it is zero throughout");
-  const Eigen::VectorXd load =
-      (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
-  const Regression found = regress(load, motion.lift, indices(motion.starts));
-  const double gravity = options.gravity;
-  return {{"mass", "kg", found.coefficients[0], found.standard_errors[0], found.half_widths[0]},
-          {"hover_thrust", "N", gravity * found.coefficients[0], gravity * found.standard_errors[0],
-           gravity * found.half_widths[0]}};
 }
 
 }  // namespace polyfly

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "identification/motion.hpp"
 #include "interpolate.hpp"
@@ -9,12 +10,16 @@
 namespace polyfly {
 namespace {
 
-constexpr int kRounds = 30;             // of Gauss and Newton
-constexpr double kConverged = 1e-9;     // [m/s] and of the scale
-constexpr double kLeastTurn = 3.1416;   // of the course, for a wind that can be told from the scale [rad]
+constexpr int kRounds = 30;            // of Gauss and Newton
+constexpr double kConverged = 1e-9;    // [m/s] and of the scale
+constexpr double kLeastTurn = 3.1416;  // of the course, for a wind that can be told from the scale [rad]
+constexpr double kLeastScale = 0.6;    // of an airspeed sensor that is mounted at all
+constexpr double kGreatestScale = 1.6;
+constexpr double kDegree = 57.29577951308232;
 constexpr double kLeastAirspeed = 1.0;  // [m/s]; on the ground there is no triangle
 
 struct Samples {
+  std::vector<double> time;
   Eigen::VectorXd north;
   Eigen::VectorXd east;
   Eigen::VectorXd airspeed;
@@ -26,6 +31,7 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& win
   const TimeSeries north = cleaned(signals.at("vn"), &ignored);
   const TimeSeries east = cleaned(signals.at("ve"), &ignored);
   const TimeSeries airspeed = cleaned(signals.at("airspeed"), &ignored);
+  Samples samples;
   std::vector<double> rows[3];
   for (std::size_t i = 0; i < north.time.size() && !east.time.empty() && !airspeed.time.empty(); ++i) {
     const double time = north.time[i];
@@ -35,6 +41,7 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& win
         });
     const double speed = interpolated(airspeed, time);
     if (!used || speed < kLeastAirspeed) continue;
+    samples.time.push_back(time);
     rows[0].push_back(north.value[i]);
     rows[1].push_back(interpolated(east, time));
     rows[2].push_back(speed);
@@ -46,7 +53,9 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& win
     return Eigen::VectorXd(
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   };
-  Samples samples{vector(rows[0]), vector(rows[1]), vector(rows[2]), {}};
+  samples.north = vector(rows[0]);
+  samples.east = vector(rows[1]);
+  samples.airspeed = vector(rows[2]);
   samples.starts = {0, samples.north.size()};
   return samples;
 }
@@ -62,10 +71,31 @@ double turnOf(const Eigen::VectorXd& north, const Eigen::VectorXd& east) {
   return kFull - gap;
 }
 
+std::vector<double> list(const Eigen::VectorXd& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+void judge(double turn, double scale, std::vector<std::string>* warnings) {
+  char text[200];
+  if (turn < kLeastTurn) {
+    std::snprintf(text, sizeof text,
+                  "The flight turned by %.0f degrees only: wind and scale of the airspeed cannot be told "
+                  "apart. Fly circles.",
+                  turn * kDegree);
+    warnings->emplace_back(text);
+  }
+  if (scale < kLeastScale || scale > kGreatestScale) {
+    std::snprintf(text, sizeof text,
+                  "The airspeed's scale of %.2g is none of a sensor in flight: the vehicle stood, or the "
+                  "airspeed is in another unit.",
+                  scale);
+    warnings->emplace_back(text);
+  }
+}
+
 }  // namespace
 
-std::vector<FittedParameter> fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows,
-                                     std::vector<std::string>* warnings) {
+WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows) {
   const Samples samples = collect(signals, windows);
   Eigen::Vector3d at(0.0, 0.0, 1.0);  // wind to north and east, scale
   Regression step;
@@ -81,14 +111,20 @@ std::vector<FittedParameter> fitWind(const FlightSignals& signals, const std::ve
     at += step.coefficients;
     if (step.coefficients.cwiseAbs().maxCoeff() < kConverged) break;
   }
-  const double turn = turnOf(samples.north.array() - at[0], samples.east.array() - at[1]);
-  if (turn < kLeastTurn) {
-    warnings->push_back("The flight turned by " + std::to_string(static_cast<int>(turn * 57.2958)) +
-                        " degrees only: wind and scale of the airspeed cannot be told apart. Fly circles.");
-  }
-  return {{"wind_north", "m/s", at[0], step.standard_errors[0], step.half_widths[0]},
-          {"wind_east", "m/s", at[1], step.standard_errors[1], step.half_widths[1]},
-          {"airspeed_scale", "1", at[2], step.standard_errors[2], step.half_widths[2]}};
+  const Eigen::VectorXd north = samples.north.array() - at[0];
+  const Eigen::VectorXd east = samples.east.array() - at[1];
+  WindFit result;
+  judge(turnOf(north, east), at[2], &result.warnings);
+  result.parameters = {{"wind_north", "m/s", at[0], step.standard_errors[0], step.half_widths[0]},
+                       {"wind_east", "m/s", at[1], step.standard_errors[1], step.half_widths[1]},
+                       {"airspeed_scale", "1", at[2], step.standard_errors[2], step.half_widths[2]}};
+  result.north = list(samples.north);
+  result.east = list(samples.east);
+  const std::vector<std::size_t> starts = {0, samples.time.size()};
+  result.traces = {{"speed through the air", "m/s", "airspeed [m/s]", samples.time, starts,
+                    list((north.array().square() + east.array().square()).sqrt()),
+                    list(at[2] * samples.airspeed), list(samples.airspeed)}};
+  return result;
 }
 
 }  // namespace polyfly

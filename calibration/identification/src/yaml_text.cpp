@@ -17,7 +17,8 @@ std::string valueText(double value, double half_width) {
   char text[64];
   std::snprintf(text, sizeof text, "%.5g", value);
   std::string result = text;
-  if (std::isfinite(half_width)) {
+  constexpr double kNoInterval = 1e4;  // of any quantity here: the data say nothing
+  if (std::abs(half_width) < kNoInterval) {
     std::snprintf(text, sizeof text, " +- %.2g", half_width);
   } else {
     std::snprintf(text, sizeof text, " (no interval: the data do not bound it)");

@@ -78,7 +78,7 @@ TEST(Motion, FindsDragWithinItsInterval) {
     made.gust = 0.03;  // calm air
     MotionOptions options;
     options.mass = kMass;
-    const auto found = fitDrag(motionOf(makeMotion(made, seed), options));
+    const auto found = fitDrag(motionOf(makeMotion(made, seed), options)).parameters;
     ASSERT_EQ(found.size(), 6u);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const FittedParameter& drag = found[2 * axis];
@@ -96,7 +96,7 @@ TEST(Motion, FindsDragWithoutAKnownThrust) {
   made.gust = 0.02;
   FlightSignals signals = makeMotion(made, 2);
   signals.series.erase("thrust_cmd");
-  const auto found = fitDrag(motionOf(signals, {}));
+  const auto found = fitDrag(motionOf(signals, {})).parameters;
   ASSERT_EQ(found.size(), 4u);
   EXPECT_NEAR(found[0].value, made.drag.x(), 0.02);
   EXPECT_NEAR(found[2].value, made.drag.y(), 0.02);
@@ -107,7 +107,7 @@ TEST(Motion, FindsMassAndHoverThrust) {
   MadeMotion made;
   MotionOptions options;
   options.drag = made.drag;
-  const auto found = fitMass(motionOf(makeMotion(made, 3), options), options);
+  const auto found = fitMass(motionOf(makeMotion(made, 3), options), options).parameters;
   EXPECT_NEAR(found[0].value, kMass, 0.01 * kMass);
   EXPECT_LE(found[0].least(), kMass);
   EXPECT_GE(found[0].greatest(), kMass);
@@ -166,14 +166,61 @@ TEST(Motion, SaysThatTheFrameIsWrong) {
   options.mass = kMass;
   options.drag = made.drag;
   FlightSignals signals = makeMotion(made, 6);
-  const auto right = boundDisturbance(motionOf(signals, options), options, {});
-  for (const std::string& sentence : right[0].warnings) EXPECT_EQ(sentence.find("frame"), std::string::npos);
+  EXPECT_TRUE(judgeMotion(motionOf(signals, options)).empty());
   // Roll and pitch counted the other way round, as with y right and z down.
   for (double& value : signals.series["pitch"].value) value = -value;
-  const auto wrong = boundDisturbance(motionOf(signals, options), options, {});
-  bool warned = false;
-  for (const std::string& sentence : wrong[0].warnings) warned |= sentence.find("frame") != std::string::npos;
-  EXPECT_TRUE(warned);
+  const auto wrong = judgeMotion(motionOf(signals, options));
+  ASSERT_FALSE(wrong.empty());
+  EXPECT_NE(wrong[0].find("frame"), std::string::npos);
+}
+
+TEST(Motion, SaysThatTheVehicleStands) {
+  FlightSignals signals = makeMotion({20.0, {0, 0, 0}, 0.1, 0.0, 0.0}, 6);
+  for (auto& [name, series] : signals.series) {
+    const bool angle = name == "roll" || name == "pitch" || name == "yaw";
+    for (double& value : series.value) value = angle ? 0.05 : 0.001;
+  }
+  const auto warnings = judgeMotion(motionOf(signals, {}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("hardly moves"), std::string::npos);
+  const MotionFit drag = fitDrag(motionOf(signals, {}));
+  EXPECT_GE(drag.warnings.size(), 1u);
+}
+
+TEST(Motion, TellsNoMassFromAShareOfFullThrust) {
+  MadeMotion made;
+  FlightSignals signals = makeMotion(made, 3);
+  const double full = 2.0 * kMass * kGravity;
+  for (double& value : signals.series["thrust_cmd"].value) value /= full;
+  MotionOptions options;
+  options.drag = made.drag;
+  const MotionFit found = fitMass(motionOf(signals, options), options);
+  ASSERT_EQ(found.parameters.size(), 1u);
+  EXPECT_EQ(found.parameters[0].name, "hover_command");
+  EXPECT_NEAR(found.parameters[0].value, 0.5, 0.01);
+  EXPECT_EQ(found.warnings.size(), 1u);
+  options.mass = kMass;
+  EXPECT_THROW(motionOf(signals, options), Error);
+  options.newtons = true;  // a vehicle of less than 100 g
+  EXPECT_NO_THROW(motionOf(signals, options));
+}
+
+TEST(Motion, TracesShowWhatTheModelLeaves) {
+  MadeMotion made;
+  MotionOptions options;
+  options.mass = kMass;
+  const Motion motion = motionOf(makeMotion(made, 7), options);
+  const std::vector<MotionTrace> traces = disturbanceTraces(motion, options);
+  ASSERT_EQ(traces.size(), 3u);
+  const MotionFit drag = fitDrag(motion);
+  double before = 0.0;
+  double after = 0.0;
+  for (std::size_t i = 0; i < motion.time.size(); ++i) {
+    before += std::pow(traces[0].measured[i] - traces[0].modelled[i], 2);
+    after += std::pow(drag.traces[0].measured[i] - drag.traces[0].modelled[i], 2);
+    EXPECT_EQ(drag.traces[0].depends[i], motion.velocity(static_cast<Eigen::Index>(i), 0));
+  }
+  EXPECT_LT(after, before);
 }
 
 TEST(Motion, NamesWhatIsMissing) {
@@ -209,21 +256,24 @@ FlightSignals makeCircles(double north, double east, double scale, double turns)
 }
 
 TEST(Wind, FindsWindAndScaleOfTheAirspeed) {
-  std::vector<std::string> warnings;
-  const auto found = fitWind(makeCircles(3.0, -5.0, 1.08, 3.0), {}, &warnings);
-  EXPECT_TRUE(warnings.empty());
-  EXPECT_NEAR(found[0].value, 3.0, 0.1);
-  EXPECT_NEAR(found[1].value, -5.0, 0.1);
-  EXPECT_NEAR(found[2].value, 1.08, 0.01);
-  for (const FittedParameter& parameter : found) EXPECT_GT(parameter.standard_error, 0.0);
+  const WindFit found = fitWind(makeCircles(3.0, -5.0, 1.08, 3.0), {});
+  EXPECT_TRUE(found.warnings.empty());
+  EXPECT_NEAR(found.parameters[0].value, 3.0, 0.1);
+  EXPECT_NEAR(found.parameters[1].value, -5.0, 0.1);
+  EXPECT_NEAR(found.parameters[2].value, 1.08, 0.01);
+  for (const FittedParameter& parameter : found.parameters) EXPECT_GT(parameter.standard_error, 0.0);
+  ASSERT_EQ(found.traces.size(), 1u);
+  EXPECT_EQ(found.traces[0].measured.size(), found.north.size());
 }
 
-TEST(Wind, SaysThatAStraightFlightTellsNothing) {
-  std::vector<std::string> warnings;
-  fitWind(makeCircles(3.0, -5.0, 1.0, 0.2), {}, &warnings);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("Fly circles"), std::string::npos);
-  EXPECT_THROW(fitWind(makeCircles(0.0, 0.0, 1.0, 1.0), {{900.0, 901.0}}, &warnings), Error);
+TEST(Wind, SaysWhereItTellsNothing) {
+  const auto straight = fitWind(makeCircles(3.0, -5.0, 1.0, 0.2), {}).warnings;
+  ASSERT_EQ(straight.size(), 1u);
+  EXPECT_NE(straight[0].find("Fly circles"), std::string::npos);
+  EXPECT_THROW(fitWind(makeCircles(0.0, 0.0, 1.0, 1.0), {{900.0, 901.0}}), Error);
+  const auto knots = fitWind(makeCircles(3.0, -5.0, 0.514, 3.0), {}).warnings;
+  ASSERT_EQ(knots.size(), 1u);
+  EXPECT_NE(knots[0].find("another unit"), std::string::npos);
 }
 
 TEST(MotionOutput, HasTheFormOfProblemFiles) {

@@ -15,22 +15,25 @@ struct AutopilotSignals {
 
 /// Finds the signals of identification in an autopilot's own log, by its messages:
 ///
-/// | signal | PX4 | ArduPilot |
-/// |---|---|---|
-/// | roll_cmd, pitch_cmd | vehicle_attitude_setpoint.roll_body ..., else .q_d | ATT.DesRoll ... |
-/// | roll, pitch, yaw | vehicle_attitude.q | ATT.Roll ... |
-/// | yaw_rate_cmd, yaw_rate | vehicle_rates_setpoint.yaw, vehicle_angular_velocity.xyz[2] | RATE.YDes, RATE.Y
-/// | | thrust_cmd | vehicle_attitude_setpoint.thrust_body[2], else .thrust | CTUN.ThO | | specific_force_z |
-/// sensor_combined.accelerometer_m_s2[2] | IMU.AccZ | | vx, vy, vz, vn, ve | vehicle_local_position.vx ... |
-/// XKF1.VN ..., else NKF1 | | airspeed | airspeed_validated.true_airspeed_m_s, else airspeed | ARSP.Airspeed
-/// |
+/// - roll_cmd, pitch_cmd: vehicle_attitude_setpoint.roll_body, .pitch_body, else .q_d; ATT.DesRoll, .DesPitch
+/// - roll, pitch, yaw: vehicle_attitude.q; ATT.Roll, .Pitch, .Yaw
+/// - yaw_rate_cmd: vehicle_rates_setpoint.yaw; RATE.YDes
+/// - yaw_rate: vehicle_angular_velocity.xyz[2], else vehicle_attitude.yawspeed; RATE.Y
+/// - thrust_cmd (a share of full thrust): vehicle_attitude_setpoint.thrust_body[2], else .thrust; CTUN.ThO
+/// - specific_force_z: sensor_combined.accelerometer_m_s2[2]; IMU.AccZ
+/// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1
+/// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed
 ///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
-/// responses alike. `choice` names a place outright: `TABLE:FIELD`, a minus before it turns the sign, `:deg`
-/// after it makes radians of degrees. Throws Error as readULog and readDataflash, and when a chosen place is
-/// not there or there is no signal at all.
+/// responses alike. A command is taken as the straight line between the values that were logged, which are
+/// some of those that were sent. What was measured while the vehicle stood, by the autopilot's own account
+/// (vehicle_land_detected, STAT, EV, ARM), is left out unless `on_ground`. `choice` names a place outright:
+/// `TABLE:FIELD`, a minus before it turns the sign, `:deg` after it makes radians of degrees. Throws Error as
+/// readULog and readDataflash, when a chosen place is not there, there is no signal at all, or the vehicle
+/// never left the ground.
 AutopilotSignals signalsFromAutopilot(const std::string& path,
-                                      const std::map<std::string, std::string>& choice);
+                                      const std::map<std::string, std::string>& choice,
+                                      bool on_ground = false);
 
 /// Whether the file begins as one of the two.
 bool isAutopilotLog(const std::string& path);

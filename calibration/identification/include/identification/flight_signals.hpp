@@ -27,6 +27,7 @@ struct FlightSignals {
   std::string source;                         ///< file
   std::map<std::string, TimeSeries> series;   ///< by the names above
   std::map<std::string, std::string> origin;  ///< column or topic of each
+  bool thrust_is_share = false;               ///< thrust_cmd is known to be a share of full thrust
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.

@@ -17,6 +17,7 @@ struct MotionOptions {
   Eigen::Vector3d drag = Eigen::Vector3d::Zero();  ///< mass-normalised, along W [1/s]
   double smoothing = 0.1;                          ///< half width of the mean over velocities [s]
   std::vector<TimeWindow> windows;                 ///< the whole record if empty
+  bool newtons = false;                            ///< thrust_cmd is in newtons though it never exceeds 1
 };
 
 /// Accelerations in W (z up) of one flight, all through the same sliding mean.
@@ -30,11 +31,29 @@ struct Motion {
   Eigen::MatrixX3d expected;      ///< by thrust, attitude and gravity, without drag [m/s^2]
   Eigen::MatrixX3d velocity;      ///< [m/s]
   Eigen::VectorXd lift;           ///< vertical part of thrust_cmd, in its unit; 0 if there is none
+  bool lift_is_share = false;     ///< thrust_cmd is a share of full thrust, not newtons
 };
 
-/// From vx, vy, vz, roll, pitch, yaw, and thrust_cmd if a mass is given. Throws Error naming source and
-/// signal, or when no stretch is long enough.
+/// From vx, vy, vz, roll, pitch, yaw, and thrust_cmd if a mass is given. A thrust_cmd that never exceeds 1,
+/// or that the log is known to hold so, is a share of full thrust. Throws Error naming source and signal,
+/// when no stretch is long enough, or when a mass is given and thrust_cmd is such a share.
 Motion motionOf(const FlightSignals& signals, const MotionOptions& options);
+
+/// Sentences on what makes any result of this motion doubtful: the vehicle hardly moved, or did not
+/// accelerate where it tilted (frame, sign).
+std::vector<std::string> judgeMotion(const Motion& motion);
+
+/// A model beside what was measured, for pictures; row by row as in `time`.
+struct MotionTrace {
+  std::string name;  ///< of what is compared
+  std::string unit;
+  std::string against;              ///< what the model depends on, with its unit; empty if nothing is drawn
+  std::vector<double> time;         ///< [s]
+  std::vector<std::size_t> starts;  ///< as in Motion
+  std::vector<double> measured;
+  std::vector<double> modelled;
+  std::vector<double> depends;  ///< one for each time where `against` is not empty
+};
 
 /// What acts along one axis and the model does not explain.
 struct DisturbanceBound {
@@ -60,18 +79,35 @@ struct BoundOptions {
 std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const MotionOptions& options,
                                                const BoundOptions& bound);
 
+/// What acts and the model does not explain, along each axis of boundDisturbance: measured acceleration
+/// beside what thrust, attitude, gravity and drag give.
+std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOptions& options);
+
+/// Parameters with what they explain.
+struct MotionFit {
+  std::vector<FittedParameter> parameters;
+  std::vector<MotionTrace> traces;
+  std::vector<std::string> warnings;  ///< sentences
+};
+
+/// The wind triangle's, with the velocity over ground that it was fitted to.
+struct WindFit : MotionFit {
+  std::vector<double> north;  ///< [m/s]
+  std::vector<double> east;   ///< [m/s]
+};
+
 /// Drag coefficients A_x, A_y, and A_z where the thrust is known [1/s], each with the mean disturbance beside
 /// it; names drag_x, offset_x ...
-std::vector<FittedParameter> fitDrag(const Motion& motion);
+MotionFit fitDrag(const Motion& motion);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
-/// [N]; names mass, hover_thrust. Throws Error if there is no thrust_cmd.
-std::vector<FittedParameter> fitMass(const Motion& motion, const MotionOptions& options);
+/// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a
+/// warning. Throws Error if there is no thrust_cmd.
+MotionFit fitMass(const Motion& motion, const MotionOptions& options);
 
 /// Wind and scale of the airspeed from velocity over ground and airspeed alone (wind triangle without
-/// heading): |v_ground - w| = scale * airspeed. Names wind_north, wind_east [m/s], airspeed_scale. `warnings`
-/// says where the flight did not turn enough. Throws Error.
-std::vector<FittedParameter> fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows,
-                                     std::vector<std::string>* warnings);
+/// heading): |v_ground - w| = scale * airspeed. Names wind_north, wind_east [m/s], airspeed_scale. Warns
+/// where the flight did not turn enough, or the scale is none of a sensor in flight. Throws Error.
+WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& windows);
 
 }  // namespace polyfly

@@ -19,6 +19,11 @@ struct MotionCalibration {
   std::vector<DisturbanceBound> bounds;
   std::vector<FittedParameter> parameters;
   std::vector<std::string> warnings;  ///< sentences
+
+  // For the pictures of the report; not in YAML or text.
+  std::vector<MotionTrace> traces;
+  std::vector<std::pair<std::string, TimeSeries>> record;  ///< velocities, whole, by name [m/s]
+  std::vector<double> north, east;                         ///< of `wind`: velocity over ground [m/s]
 };
 
 /// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives

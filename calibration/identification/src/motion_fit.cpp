@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "identification/motion.hpp"
+#include "region_maps/error.hpp"
+#include "regression.hpp"
+
+namespace polyfly {
+namespace {
+
+const char* const kAxes[] = {"x", "y", "z"};
+constexpr double kLeastMotion = 0.1;       // rms of velocity [m/s] and of acceleration [m/s^2]
+constexpr double kLeastExpected = 0.1;     // deviation below which nothing can be said of the frame [m/s^2]
+constexpr double kLeastCorrelation = 0.5;  // of measured and expected acceleration
+constexpr double kVagueDrag = 0.1;         // half width of an interval [1/s]
+constexpr double kVagueShare = 0.3;        // half width over the value
+
+std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
+  return {starts.begin(), starts.end()};
+}
+
+std::vector<double> list(const Eigen::VectorXd& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+double rms(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
+}
+
+template <class... Values>
+std::string sentence(const char* format, Values... values) {
+  char buffer[320];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+MotionTrace traceOf(const Motion& motion, const std::string& name, const std::string& unit,
+                    const Eigen::VectorXd& measured, const Eigen::VectorXd& modelled) {
+  return {name, unit, "", motion.time, motion.starts, list(measured), list(modelled), {}};
+}
+
+FittedParameter parameterOf(const std::string& name, const std::string& unit, const Regression& found,
+                            Eigen::Index index, double scale = 1.0) {
+  return {name, unit, scale * found.coefficients[index], scale * found.standard_errors[index],
+          scale * found.half_widths[index]};
+}
+
+// Whether the vehicle accelerates along an axis where it tilts at all.
+std::string judgeFrame(const Motion& motion, Eigen::Index axis) {
+  const Eigen::VectorXd one = motion.acceleration.col(axis).array() - motion.acceleration.col(axis).mean();
+  const Eigen::VectorXd other = motion.expected.col(axis).array() - motion.expected.col(axis).mean();
+  if (rms(other) < kLeastExpected) return "";
+  const double correlation = one.dot(other) / std::max(one.norm() * other.norm(), kLeastExpected);
+  if (correlation >= kLeastCorrelation) return "";
+  return sentence(
+      "Along %s the acceleration hardly follows the attitude (correlation %.2f, deviation expected %.2g "
+      "m/s^2): angles or velocities are in another frame, or of another sign.",
+      kAxes[axis], correlation, rms(other));
+}
+
+void judgeDrag(const FittedParameter& drag, std::vector<std::string>* warnings) {
+  const double allowed = std::max(kVagueDrag, kVagueShare * std::abs(drag.value));
+  // An error of zero is that of a velocity that never changed.
+  if (!(drag.half_width > 0.0 && drag.half_width <= allowed)) {
+    warnings->push_back(
+        sentence("%s is not bounded by these data: %.2g +- %.2g 1/s. Fly fast and straight in calm air.",
+                 drag.name.c_str(), drag.value, drag.half_width));
+  } else if (drag.greatest() < 0.0) {
+    warnings->push_back(sentence(
+        "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame.",
+        drag.name.c_str()));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> judgeMotion(const Motion& motion) {
+  std::vector<std::string> warnings;
+  const double speed = std::sqrt(motion.velocity.rowwise().squaredNorm().mean());
+  const double acceleration = std::sqrt(motion.acceleration.rowwise().squaredNorm().mean());
+  if (speed < kLeastMotion && acceleration < kLeastMotion) {
+    warnings.push_back(
+        sentence("The vehicle hardly moves (%.2g m/s, %.2g m/s^2 rms): it stands on the ground, or this "
+                 "flight says nothing of its motion.",
+                 speed, acceleration));
+  }
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    const std::string frame = judgeFrame(motion, axis);
+    if (!frame.empty()) warnings.push_back(frame);
+  }
+  return warnings;
+}
+
+std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOptions& options) {
+  std::vector<MotionTrace> traces;
+  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
+    traces.push_back(traceOf(motion, std::string("acceleration along ") + kAxes[axis], "m/s^2",
+                             motion.acceleration.col(axis),
+                             motion.expected.col(axis) - options.drag[axis] * motion.velocity.col(axis)));
+  }
+  return traces;
+}
+
+MotionFit fitDrag(const Motion& motion) {
+  MotionFit result;
+  result.warnings = judgeMotion(motion);
+  for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
+    Eigen::MatrixXd columns(motion.velocity.rows(), 2);
+    columns.col(0) = -motion.velocity.col(axis);
+    columns.col(1).setOnes();
+    const Eigen::VectorXd left = motion.acceleration.col(axis) - motion.expected.col(axis);
+    const Regression found = regress(columns, left, indices(motion.starts));
+    const std::string name = kAxes[axis];
+    result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
+    judgeDrag(result.parameters.back(), &result.warnings);
+    result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
+    MotionTrace trace = traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,
+                                columns * found.coefficients);
+    trace.against = "velocity along " + name + " [m/s]";
+    trace.depends = list(motion.velocity.col(axis));
+    result.traces.push_back(std::move(trace));
+  }
+  return result;
+}
+
+MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
+  if (motion.lift.isZero(0.0)) throw Error(motion.source + ": no thrust_cmd, or it is zero throughout");
+  const Eigen::VectorXd load =
+      (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
+  const Regression found = regress(load, motion.lift, indices(motion.starts));
+  MotionFit result;
+  result.warnings = judgeMotion(motion);
+  const char* unit = motion.lift_is_share ? "1" : "N";
+  if (motion.lift_is_share) {
+    result.parameters = {parameterOf("hover_command", unit, found, 0, options.gravity)};
+    result.warnings.emplace_back(
+        "The thrust command is a share of full thrust, not newtons: it tells what hovers, but no mass.");
+  } else {
+    result.parameters = {parameterOf("mass", "kg", found, 0),
+                         parameterOf("hover_thrust", unit, found, 0, options.gravity)};
+  }
+  const FittedParameter& first = result.parameters.front();
+  if (!(first.half_width <= kVagueShare * std::abs(first.value)) || first.value <= 0.0) {
+    result.warnings.push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
+                                       first.value, first.half_width));
+  }
+  MotionTrace trace =
+      traceOf(motion, "vertical part of the thrust command", unit, motion.lift, load * found.coefficients[0]);
+  trace.against = "vertical acceleration with gravity and drag [m/s^2]";
+  trace.depends = list(load);
+  result.traces = {std::move(trace)};
+  return result;
+}
+
+}  // namespace polyfly
