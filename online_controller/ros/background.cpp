@@ -52,7 +52,7 @@ void Background::apply() { keeper_.offer(setup_); }
 
 // The maps hold the solution for the values that they were solved with.
 std::string Background::bakedIn() const {
-  if (setup_.sources->maps.empty()) return "no region maps are loaded";
+  if (setup_.sources->explicit_maps.empty()) return "no region maps are loaded";
   const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
   std::ostringstream text;
   text << "baked into the region maps (law explicit_linear): model, weights and command limits; linear/* "
@@ -66,7 +66,7 @@ std::string Background::bakedIn() const {
   text << "To re-solve: change `weights` and `inputs` in a copy of the problem file, then\n";
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string& path = setup_.files.maps[i];
-    text << "  offline_mpt solve " << setup_.sources->maps[i].name() << ".yaml -o "
+    text << "  offline_mpt solve " << setup_.sources->explicit_maps.maps[i].name() << ".yaml -o "
          << path.substr(0, path.rfind('.')) << ".new.map\n";
   }
   text << "and call the service " << handle_.resolveName("swap_maps") << " with the new maps.";
@@ -84,7 +84,7 @@ bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
     response.success = 1;
     response.message =
         joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForExchange();
-    reconfigure_.publish();
+    reconfigure_.hasChanged();
     ROS_INFO("region maps: %s", response.message.c_str());
   } catch (const polyfly::Error& error) {
     response.success = 0;
@@ -108,6 +108,7 @@ void Background::onTick() {
   record_.wanted.store(true, std::memory_order_relaxed);
   if (snapshot != nullptr) display_.show(*snapshot);
   diagnostics_.update(snapshot);
+  reconfigure_.publish();
   if (++ticks_ % kTicksPerWrite == 0) reconfigure_.writeParameters();
 }
 

@@ -55,12 +55,34 @@ ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue
   return copy;
 }
 
-CallbackThread::CallbackThread(ros::CallbackQueue& queue, const char* name, std::function<void()> begin)
-    : thread_([this, &queue, begin = std::move(begin)] {
+void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  __asm__ volatile("yield");
+#endif
+}
+
+CallbackThread::CallbackThread(WatchedQueue& queue, const char* name, std::function<void()> begin,
+                               Sleep sleep)
+    : thread_([this, &queue, begin = std::move(begin), sleep = std::move(sleep)] {
         if (begin) begin();
-        while (!stopping_ && ros::ok()) queue.callAvailable(ros::WallDuration(kPatience));
+        serve(queue, sleep);
       }) {
   pthread_setname_np(thread_.native_handle(), name);
+}
+
+void CallbackThread::serve(WatchedQueue& queue, const Sleep& sleep) const {
+  while (!stopping_ && ros::ok()) {
+    const double patience = sleep ? sleep(kPatience) : kPatience;
+    if (patience > 0.0) {
+      queue.callAvailable(ros::WallDuration(patience));
+    } else if (queue.takeNews()) {
+      queue.callAvailable();
+    } else {
+      relax();
+    }
+  }
 }
 
 CallbackThread::~CallbackThread() {

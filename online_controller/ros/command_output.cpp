@@ -12,6 +12,19 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;  // a recorder over TCP may lag behind for a moment
 
+template <class Message>
+void make(boost::shared_ptr<Message>& message) {
+  if (!message) message = boost::make_shared<Message>();
+}
+
+/// The message made beforehand, or else a new one, with its header.
+template <class Message>
+Message& taken(boost::shared_ptr<Message>& message, const std_msgs::Header& header) {
+  make(message);
+  message->header = header;
+  return *message;
+}
+
 }  // namespace
 
 OutputOptions OutputOptions::read(ParameterReader& reader) {
@@ -43,18 +56,21 @@ CommandOutput::CommandOutput(ros::NodeHandle& handle, const OutputOptions& optio
 void CommandOutput::publish(const polyfly::AttitudeCommand& command, const std_msgs::Header& header,
                             double yaw) {
   if (thrust_publisher_) {
-    const auto message = boost::make_shared<mav_msgs::RollPitchYawrateThrust>();
-    message->header = header;
-    fillCommand(command, *message);
-    thrust_publisher_.publish(message);
+    fillCommand(command, taken(next_thrust_, header));
+    thrust_publisher_.publish(next_thrust_);
+    next_thrust_.reset();
   }
   if (!curve_) return;
   if (std::isfinite(yaw)) yaw_ = yaw;
   if (!std::isfinite(yaw_)) return;
-  const auto message = boost::make_shared<mavros_msgs::AttitudeTarget>();
-  message->header = header;
-  fillAttitudeTarget(command, yaw_, *curve_, *message);
-  target_publisher_.publish(message);
+  fillAttitudeTarget(command, yaw_, *curve_, taken(next_target_, header));
+  target_publisher_.publish(next_target_);
+  next_target_.reset();
+}
+
+void CommandOutput::prepare() {
+  if (thrust_publisher_) make(next_thrust_);
+  if (target_publisher_) make(next_target_);
 }
 
 }  // namespace polyfly_ros

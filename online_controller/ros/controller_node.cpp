@@ -50,12 +50,16 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
       output_(handle_, setup.output, setup.laws.controller),
       record_(flight_.preview().size()),
       control_period_(setup.laws.controller.control_period),
+      poll_(control_period_, setup.real_time.poll),
       silence_(setup.node.stale_periods * control_period_) {
   connect();
   background_.emplace(handle, private_handle, setup.laws, keeper_, record_);
-  control_thread_.emplace(queue_, "mpc_control", [real_time = setup.real_time] {
+  const auto begin = [real_time = setup.real_time] {
     const std::string refused = becomeRealTime(real_time);
     if (!refused.empty()) ROS_WARN("explicit MPC: %s", refused.c_str());
+  };
+  control_thread_.emplace(queue_, "mpc_control", begin, [this](double most) {
+    return poll_.sleep(polyfly::PollWindow::Clock::now(), most);
   });
 }
 
@@ -74,6 +78,7 @@ void ExplicitMpcNode::connect() {
 
 void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   StageClock clock;
+  poll_.served(polyfly::PollWindow::Clock::now());
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
   if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message->header.stamp);
@@ -91,11 +96,11 @@ void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   times.output = clock.lap();
 
   // The command is out. What follows is for the next one, and for those who watch.
-  publishStatus(report, message->header, times);
+  finish(report, message->header, times);
   interface_.observe(message->header, state);
-  leaveSnapshot(report, message->header, times);
   exchangeLaws();
   laws().prepare();
+  output_.prepare();
   last_prepare_ = times.prepare = clock.lap();
   record_.latency.record(times.latency());
   record_.step.record(times.step);
@@ -128,7 +133,9 @@ void ExplicitMpcNode::leaveSnapshot(const polyfly::ControlReport& report, const 
   const bool tracks = report.status <= polyfly::ControlStatus::kHoldLast;
   const bool shows = record_.show_paths.load(std::memory_order_relaxed);
   snapshot.reference_count = !tracks ? 0 : shows ? laws().previewLength() : 1;
-  std::copy_n(flight_.preview().begin(), snapshot.reference_count, snapshot.reference.begin());
+  const std::vector<polyfly::Reference>& reference =
+      snapshot.reference_count > 1 ? flight_.wholePreview() : flight_.preview();
+  std::copy_n(reference.begin(), snapshot.reference_count, snapshot.reference.begin());
   const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
   snapshot.predicted_count =
       shows && tracks && same_stages
@@ -162,7 +169,7 @@ void ExplicitMpcNode::onManual(const ros::Time& now) {
   header.stamp = now;
   header.frame_id = frame_;
   output_.publish(flight_.report().command, header, kNan);
-  publishStatus(flight_.report(), header, StageTimes{});
+  finish(flight_.report(), header, StageTimes{});
 }
 
 void ExplicitMpcNode::onWatchdog() {
@@ -186,15 +193,23 @@ void ExplicitMpcNode::onWatchdog() {
   odometry_age_ = (now - arrival_).toSec();
   if (flight_.sends()) output_.publish(report.command, header, kNan);
   times.output = clock.lap();
-  publishStatus(report, header, times);
+  finish(report, header, times);
+}
+
+void ExplicitMpcNode::finish(const polyfly::ControlReport& report, const std_msgs::Header& header,
+                             const StageTimes& times) {
+  if (status_publisher_.getNumSubscribers() > 0) publishStatus(report, header, times);
+  ++sequence_;
   leaveSnapshot(report, header, times);
+  interface_.publishChange();
+  logChange(report);
 }
 
 void ExplicitMpcNode::publishStatus(const polyfly::ControlReport& report, const std_msgs::Header& header,
                                     const StageTimes& times) {
   const auto status = boost::make_shared<online_controller::ControllerStatus>();
   status->header = header;
-  status->sequence = sequence_++;
+  status->sequence = sequence_;
   status->law = polyfly::lawName(laws().active());
   status->iterations = report.iterations;
   status->kkt_residual = laws().kktResidual();
@@ -206,8 +221,6 @@ void ExplicitMpcNode::publishStatus(const polyfly::ControlReport& report, const 
   status->lookup_time_ns = lookupTime(report);
   fillStatus(report, keeper_.laws().parameters(laws().active()), *status);
   status_publisher_.publish(status);
-  interface_.publishChange();
-  logChange(report);
 }
 
 std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) {

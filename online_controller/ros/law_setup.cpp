@@ -24,11 +24,12 @@ std::array<std::string, 3> readPaths(ParameterReader& reader, const std::string&
   return paths;
 }
 
-std::unique_ptr<polyfly::ControlLaw> explicitLaw(const std::vector<polyfly::RegionMap>& maps,
+std::unique_ptr<polyfly::ControlLaw> explicitLaw(const MapSet& set,
                                                  const polyfly::MultirotorOptions& options) {
-  if (maps.empty()) return nullptr;
+  if (set.empty()) return nullptr;
   return std::make_unique<polyfly::MultirotorController>(
-      std::array<const polyfly::RegionMap*, 3>{&maps[0], &maps[1], &maps[2]}, options);
+      std::array<const polyfly::RegionMap*, 3>{&set.maps[0], &set.maps[1], &set.maps[2]}, set.problems,
+      options);
 }
 
 std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::vector<polyfly::RegionMap>& maps) {
@@ -68,22 +69,23 @@ LawSetup LawSetup::read(ParameterReader& reader) {
 Laws::Laws(const LawSetup& setup) : sources_(setup.sources), options_(setup.controller) {
   std::array<std::unique_ptr<polyfly::ControlLaw>, polyfly::kLawCount> laws;
   const auto place = [&](polyfly::Law law) -> auto& { return laws[static_cast<std::size_t>(law)]; };
-  place(polyfly::Law::kExplicitLinear) = explicitLaw(sources_->maps, options_);
+  place(polyfly::Law::kExplicitLinear) = explicitLaw(sources_->explicit_maps, options_);
   const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
   place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, options_);
   place(polyfly::Law::kRobustExplicit) = explicitLaw(sources_->robust_maps, options_);
   place(polyfly::Law::kNonlinear) = std::make_unique<polyfly::NonlinearController>(options_, setup.nonlinear);
-  parameters_ = sources_->maps.empty() ? parametersOf(problems) : parametersOf(sources_->maps);
-  robust_parameters_ = parametersOf(sources_->robust_maps);
+  parameters_ =
+      sources_->explicit_maps.empty() ? parametersOf(problems) : parametersOf(sources_->explicit_maps.maps);
+  robust_parameters_ = parametersOf(sources_->robust_maps.maps);
   switch_ = std::make_unique<polyfly::LawSwitch>(std::move(laws), setup.law);
 }
 
 const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {
   switch (law) {
     case polyfly::Law::kExplicitLinear:
-      return sources_->maps;
+      return sources_->explicit_maps.maps;
     case polyfly::Law::kRobustExplicit:
-      return sources_->robust_maps;
+      return sources_->robust_maps.maps;
     case polyfly::Law::kLinear:
     case polyfly::Law::kNonlinear:
       break;

@@ -10,45 +10,42 @@ namespace {
 constexpr double kSamplingTime = 0.1;  // of linear problems made from the model [s]
 constexpr int kHorizon = 20;
 
-std::vector<polyfly::RegionMap> openMaps(const std::array<std::string, 3>& paths,
-                                         const polyfly::MultirotorOptions& options) {
-  std::vector<polyfly::RegionMap> maps;
-  if (paths[0].empty()) return maps;
-  for (const std::string& path : paths) maps.push_back(polyfly::RegionMap::open(path));
-  for (std::size_t i = 0; i < maps.size(); ++i) polyfly::Axis(maps[i], polyfly::kAxisNames[i], options);
-  return maps;
+MapSet openMaps(const std::array<std::string, 3>& paths, const polyfly::MultirotorOptions& options) {
+  MapSet set;
+  if (paths[0].empty()) return set;
+  for (const std::string& path : paths) set.maps.push_back(polyfly::RegionMap::open(path));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const polyfly::AxisNames& names = polyfly::kAxisNames.at(i);
+    set.problems.at(i) = polyfly::problemOf(set.maps[i], names.axis);
+    polyfly::Axis(polyfly::explicitAxisLaw(set.maps[i], set.problems.at(i)), names, options);
+  }
+  return set;
 }
 
 /// Of one axis of the linear law; `made` where neither a file nor a map has one.
-polyfly::MpcProblem problemOf(const std::string& path, const polyfly::RegionMap* map,
+polyfly::MpcProblem problemOf(const std::string& path, const MapSet& set, std::size_t axis,
                               const polyfly::MpcProblem& made) {
   if (!path.empty()) return polyfly::loadProblem(path);
-  if (map == nullptr || isRobust(*map)) return made;
-  return polyfly::parseProblem(std::string(map->problemText()), map->path() + ": problem");
+  return set.empty() || set.problems.at(axis).minimum_peak ? made : set.problems.at(axis);
 }
 
 }  // namespace
-
-bool isRobust(const polyfly::RegionMap& map) {
-  return polyfly::parseFlightModel(std::string(map.problemText()), map.path() + ": problem").minimum_peak;
-}
 
 std::shared_ptr<const LawSources> LawSources::load(const LawFiles& files,
                                                    const polyfly::MultirotorModel& model,
                                                    const polyfly::MultirotorOptions& options) {
   auto sources = std::make_shared<LawSources>();
-  sources->maps = openMaps(files.maps, options);
+  sources->explicit_maps = openMaps(files.maps, options);
   sources->robust_maps = openMaps(files.robust_maps, options);
-  for (const polyfly::RegionMap& map : sources->robust_maps) {
+  for (std::size_t i = 0; i < sources->robust_maps.maps.size(); ++i) {
     // A map that promises nothing.
-    if (!isRobust(map))
-      throw polyfly::Error(map.path() +
+    if (!sources->robust_maps.problems.at(i).minimum_peak)
+      throw polyfly::Error(sources->robust_maps.maps[i].path() +
                            ": problem: must be of type robust_mpc to be flown as robust_explicit");
   }
   const std::array<polyfly::MpcProblem, 3> made = polyfly::linearProblems(model, kSamplingTime, kHorizon);
   for (std::size_t i = 0; i < 3; ++i) {
-    const polyfly::RegionMap* map = sources->maps.empty() ? nullptr : &sources->maps[i];
-    sources->problems[i] = problemOf(files.problems[i], map, made[i]);
+    sources->problems[i] = problemOf(files.problems[i], sources->explicit_maps, i, made[i]);
   }
   return sources;
 }

@@ -22,14 +22,12 @@ double inputRange(const RegionMap& map) { return map.inputs().at(0).upper - map.
   throw Error(map.path() + ": " + rule);
 }
 
-void requireSameKind(const RegionMap& now, const RegionMap& next) {
+void requireSamePeriod(const RegionMap& now, const RegionMap& next) {
   if (now.period() != next.period()) {
     std::ostringstream rule;
     rule << "period must be that of the map in force, " << now.period() << " s, got " << next.period();
     refuse(next, rule.str());
   }
-  if (isRobust(now) != isRobust(next))
-    refuse(next, "must be of the kind of the map in force (tracking or minimum peak)");
 }
 
 void requireRest(const RegionMap& map) {
@@ -78,8 +76,8 @@ void requireSmall(const RegionMap& next, double change, double share) {
 LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps::Request& request,
                        const FlightSnapshot* last, std::array<double, 3>& change) {
   change.fill(std::numeric_limits<double>::quiet_NaN());
-  const auto mapsOf = [&](const LawSetup& of) -> const std::vector<RegionMap>& {
-    return request.robust != 0 ? of.sources->robust_maps : of.sources->maps;
+  const auto mapsOf = [&](const LawSetup& of) -> const MapSet& {
+    return request.robust != 0 ? of.sources->robust_maps : of.sources->explicit_maps;
   };
   if (mapsOf(setup).empty()) throw Error("swap_maps: this controller was started without such maps");
   if (!(request.most_change >= 0.0)) throw Error("swap_maps: most_change: must be 0 or more");
@@ -95,10 +93,13 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
   // With the checks of the start.
   next.sources = LawSources::load(next.files, next.nonlinear.model, next.controller);
   for (std::size_t i = 0; i < 3; ++i) {
-    const RegionMap& now = mapsOf(setup)[i];
-    const RegionMap& map = mapsOf(next)[i];
-    requireSameKind(now, map);
-    if (!isRobust(map)) requireRest(map);
+    const RegionMap& now = mapsOf(setup).maps[i];
+    const RegionMap& map = mapsOf(next).maps[i];
+    const bool robust = mapsOf(next).problems.at(i).minimum_peak;
+    requireSamePeriod(now, map);
+    if (mapsOf(setup).problems.at(i).minimum_peak != robust)
+      refuse(map, "must be of the kind of the map in force (tracking or minimum peak)");
+    if (!robust) requireRest(map);
     // The other linear law has the same parameters.
     const bool comparable =
         last != nullptr && (last->law == law || (last->law == polyfly::Law::kLinear && request.robust == 0));

@@ -52,7 +52,11 @@ ReconfigureServer::ReconfigureServer(const ros::NodeHandle& private_handle, Opti
   service_ = handle_.advertiseService("set_parameters", &ReconfigureServer::onRequest, this);
 }
 
-void ReconfigureServer::publish() { update_publisher_.publish(current()); }
+void ReconfigureServer::publish() {
+  if (told_) return;
+  told_ = true;
+  update_publisher_.publish(current());
+}
 
 bool ReconfigureServer::onRequest(dynamic_reconfigure::Reconfigure::Request& request,
                                   dynamic_reconfigure::Reconfigure::Response& response) {
@@ -65,7 +69,7 @@ bool ReconfigureServer::onRequest(dynamic_reconfigure::Reconfigure::Request& req
     ROS_ERROR("reconfigure refused, the values in force stay: %s", error.what());
   }
   response.config = current();
-  update_publisher_.publish(response.config);
+  hasChanged();
   return true;
 }
 

@@ -2,12 +2,14 @@
 // and where the laws expect the vehicle.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include "online_controller/linear_tuning.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/poll_window.hpp"
 #include "online_controller/thrust_curve.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"
@@ -32,6 +34,34 @@ TEST(ThrustCurve, HoverThrustIsProportional) {
   EXPECT_EQ(curve(100.0), 1.0);
   EXPECT_EQ(curve(-1.0), 0.0);
   EXPECT_EQ(curve(std::nan("")), 0.0);
+}
+
+TEST(PollWindow, LooksOnlyWhileASampleIsDue) {
+  using Clock = PollWindow::Clock;
+  using Seconds = std::chrono::duration<double>;
+  const Clock::time_point start{std::chrono::hours(1)};
+  const auto after = [&](double seconds) {
+    return start + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
+  };
+  PollWindow window(0.01, 0.25);
+  EXPECT_EQ(window.sleep(after(0.0), 0.05), 0.05);  // nothing is known of samples yet
+  window.served(start);
+  EXPECT_NEAR(window.sleep(after(0.001), 0.05), 0.0065, 1e-9);
+  EXPECT_NEAR(window.sleep(after(0.001), 0.002), 0.002, 1e-12);
+  EXPECT_EQ(window.sleep(after(0.0076), 0.05), 0.0);
+  EXPECT_EQ(window.sleep(after(0.0199), 0.05), 0.0);   // late
+  EXPECT_EQ(window.sleep(after(0.0201), 0.05), 0.05);  // lost
+  window.served(after(0.5));
+  EXPECT_EQ(window.sleep(after(0.508), 0.05), 0.0);
+
+  PollWindow never(0.01, 0.0), always(0.01, 1.0);
+  never.served(start);
+  always.served(start);
+  for (const double seconds : {0.0, 0.005, 0.0099, 0.015}) {
+    EXPECT_EQ(never.sleep(after(seconds), 0.05), 0.05);
+    EXPECT_EQ(always.sleep(after(seconds), 0.05), 0.0);
+  }
+  EXPECT_EQ(always.sleep(after(0.03), 0.05), 0.05);
 }
 
 TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {

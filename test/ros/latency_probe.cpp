@@ -8,14 +8,14 @@
 #include <cmath>
 #include <fstream>
 
-#include "online_controller_ros/callback_thread.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-constexpr double kConnectPatience = 30.0;  // [s]
-constexpr double kAnswerPatience = 0.05;   // [s]
+constexpr double kConnectPatience = 30.0;                // [s]
+constexpr double kAnswerPatience = 0.05;                 // [s]
+constexpr auto kAwake = std::chrono::microseconds(300);  // before it publishes, where it does not sleep
 
 double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -27,6 +27,7 @@ double percentile(std::vector<double> values, double share) {
 
 void writeTimes(std::ostream& file, const char* name, const std::vector<double>& values) {
   file << "\"" << name << "\": {\"median\": " << percentile(values, 0.5)
+       << ", \"least\": " << percentile(values, 0.0) << ", \"p10\": " << percentile(values, 0.1)
        << ", \"p99\": " << percentile(values, 0.99) << ", \"p999\": " << percentile(values, 0.999)
        << ", \"greatest\": " << percentile(values, 1.0) << "}";
 }
@@ -38,6 +39,7 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
   private_handle.param("samples", samples_, samples_);
   private_handle.param("warm_up", warm_up_, warm_up_);
   private_handle.param("rate", rate_, rate_);
+  private_handle.param("poll", poll_, poll_);
   if (!private_handle.getParam("output", output_)) throw polyfly::Error("latency probe: output: missing");
   handle_.setCallbackQueue(&queue_);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
@@ -53,9 +55,10 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
   status_subscriber_ = handle_.subscribe<online_controller::ControllerStatus>(
       "controller_status", 10,
       [this](const online_controller::ControllerStatus::ConstPtr& status) {
+        input_.push_back(1e-3 * static_cast<double>(status->input_time_ns));
         step_.push_back(1e-3 * static_cast<double>(status->step_time_ns));
-        inside_.push_back(step_.back() +
-                          1e-3 * static_cast<double>(status->input_time_ns + status->output_time_ns));
+        publishing_.push_back(1e-3 * static_cast<double>(status->output_time_ns));
+        inside_.push_back(input_.back() + step_.back() + publishing_.back());
       },
       ros::VoidConstPtr(), hints);
   RealTimeOptions real_time;
@@ -87,11 +90,11 @@ void LatencyProbe::run() {
   Clock::time_point next = Clock::now();
   for (int sample = -warm_up_; sample < samples_ && !stopping_ && ros::ok(); ++sample) {
     next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
-    std::this_thread::sleep_until(next);
+    std::this_thread::sleep_until(poll_ ? next - kAwake : next);
+    while (Clock::now() < next) relax();
     exchange(sample);
     if (sample < 0) {
-      step_.clear();
-      inside_.clear();
+      for (std::vector<double>* times : {&input_, &step_, &publishing_, &inside_}) times->clear();
     }
   }
   write();
@@ -120,7 +123,13 @@ bool LatencyProbe::waitForCommand(const ros::Time& stamp) {
   const Clock::time_point start = Clock::now();
   while (answered_ != stamp) {
     if (Clock::now() - start > std::chrono::duration<double>(kAnswerPatience)) return false;
-    queue_.callOne(ros::WallDuration(kAnswerPatience));
+    if (!poll_) {
+      queue_.callOne(ros::WallDuration(kAnswerPatience));
+    } else if (queue_.takeNews()) {
+      queue_.callAvailable();
+    } else {
+      relax();
+    }
   }
   return true;
 }
@@ -134,7 +143,11 @@ void LatencyProbe::write() const {
     file << ", ";
     writeTimes(file, "inside", inside_);
     file << ", ";
+    writeTimes(file, "input", input_);
+    file << ", ";
     writeTimes(file, "step", step_);
+    file << ", ";
+    writeTimes(file, "publishing", publishing_);
     file << "}\n";
   }
   std::rename(partial.c_str(), output_.c_str());

@@ -2,7 +2,6 @@
 
 #include <mav_msgs/RollPitchYawrateThrust.h>
 #include <online_controller/ControllerStatus.h>
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <atomic>
@@ -10,6 +9,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "online_controller_ros/callback_thread.hpp"
 
 namespace polyfly_ros {
 
@@ -29,11 +30,12 @@ class LatencyProbe {
   void exchange(int sample);
   void write() const;
 
-  ros::CallbackQueue queue_;  // outlives what is served on it
+  WatchedQueue queue_;  // outlives what is served on it
   ros::NodeHandle handle_;
   int samples_ = 1000;
   int warm_up_ = 100;
   double rate_ = 100.0;  // [1/s]
+  bool poll_ = false;
   std::string output_;
 
   ros::Publisher odometry_;
@@ -44,7 +46,7 @@ class LatencyProbe {
   Clock::time_point heard_;      // when it came
   std::vector<double> latency_;  // [us]
   std::vector<double> inside_;   // from the arrival of the odometry to the command's publication [us]
-  std::vector<double> step_;     // [us]
+  std::vector<double> input_, step_, publishing_;  // of which [us]
   int missed_ = 0;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

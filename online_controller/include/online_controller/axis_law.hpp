@@ -43,9 +43,13 @@ class AxisLaw {
   virtual int iterations() const noexcept { return 0; }  ///< working sets of the last evaluate()
 };
 
-/// Keeps a reference to `map`. Throws Error unless the map is complete and was made from a
+/// The problem that a map was made from. Throws Error unless the map is complete and was made from a
 /// tracking problem or a minimum-peak robust MPC.
-std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, const std::string& axis);
+MpcProblem problemOf(const RegionMap& map, const std::string& axis);
+
+/// Keeps a reference to `map`; `problem` is what problemOf() told of it: to parse it takes longer than
+/// everything else, so whoever makes many laws from one map does it once.
+std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, MpcProblem problem);
 
 /// Solves `problem` at each parameter; the box of the parameters does not limit it. Throws Error.
 std::unique_ptr<AxisLaw> onlineAxisLaw(const MpcProblem& problem);

@@ -14,6 +14,8 @@ class ControlLaw {
   /// References that step() reads: the first at the sample's time, each next one previewPeriod() later.
   virtual int previewLength() const noexcept { return 1; }
   virtual double previewPeriod() const noexcept { return 0.0; }  ///< [s]
+  /// How many of them the next step() reads: all, unless it knows better.
+  virtual int previewNeeded() const noexcept { return previewLength(); }
 
   /// One control period.
   virtual const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept = 0;

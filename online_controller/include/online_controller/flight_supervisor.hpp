@@ -76,8 +76,14 @@ class FlightSupervisor {
   bool sends() const noexcept { return report_->status != ControlStatus::kStopped; }
 
   /// What the law tracked in its last step, at the sample's time and at each previewPeriod() after it:
-  /// previewLength() of them.
+  /// previewNeeded() of them.
   const std::vector<Reference>& preview() const noexcept { return preview_; }
+
+  /// The same up to previewLength(), for those who watch; nothing without a reference.
+  const std::vector<Reference>& wholePreview() noexcept {
+    makePreview(last_.stamp, law_->previewLength());
+    return preview_;
+  }
 
  private:
   FlightSituation situation() const noexcept;
@@ -91,7 +97,7 @@ class FlightSupervisor {
   const ControlReport& manual(double stamp) noexcept;
   const ControlReport& fly(const VehicleState& state) noexcept;
   void watchTask(const VehicleState& state) noexcept;
-  bool makePreview(double time) noexcept;
+  bool makePreview(double time, int count) noexcept;
   Reference stop() const noexcept;
   void startTask(FlightState task, FlightEvent cause) noexcept;
 

@@ -36,6 +36,7 @@ class LawSwitch : public ControlLaw {
   /// The longest preview that one of the laws reads; all of them read the same.
   int previewLength() const noexcept override { return preview_length_; }
   double previewPeriod() const noexcept override { return preview_period_; }
+  int previewNeeded() const noexcept override { return current().previewLength(); }
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   /// The others follow here, when the command is out; without this, before whatever is called next.

@@ -39,6 +39,10 @@ class MultirotorController : public ControlLaw {
   /// axis, and when the sampling times of minimum-peak maps differ or are not whole control periods.
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
 
+  /// The same with the problems in the maps, as problemOf() told them: see explicitAxisLaw().
+  MultirotorController(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
+                       const MultirotorOptions& options);
+
   /// The same problems solved online, in the same order. Throws Error.
   MultirotorController(const std::array<MpcProblem, 3>& problems, const MultirotorOptions& options);
 

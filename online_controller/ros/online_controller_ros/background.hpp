@@ -1,7 +1,6 @@
 #pragma once
 
 #include <online_controller/SwapMaps.h>
-#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
 
@@ -33,7 +32,7 @@ class Background {
   std::string waitForExchange() const;
   void onTick();
 
-  ros::CallbackQueue queue_;  // outlives all that is served on it
+  WatchedQueue queue_;  // outlives all that is served on it
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_;
   LawSetup setup_;  // what was offered last

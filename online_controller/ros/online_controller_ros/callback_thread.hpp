@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <thread>
@@ -17,6 +18,7 @@ struct RealTimeOptions {
   int priority = 0;          ///< of SCHED_FIFO, 0: not real-time
   int core = -1;             ///< runs on this processor only, -1: on any
   bool lock_memory = false;  ///< keeps the whole process in memory
+  double poll = 0.0;         ///< share of the control period in which it looks for odometry without sleeping
 };
 
 template <class Options, class Visit>
@@ -24,11 +26,32 @@ void visitRealTimeOptions(Options& options, Visit&& visit) {
   visit("real_time/priority", options.priority, "of SCHED_FIFO", polyfly::Range{0.0, 99.0});
   visit("real_time/core", options.core, "", polyfly::Range{-1.0, 1023.0});
   visit("real_time/lock_memory", options.lock_memory);
+  visit("real_time/poll", options.poll, "of the control period", polyfly::Range{0.0, 1.0});
 }
 
 /// Asks for the options on behalf of the calling thread. Says in one sentence each what was not permitted and
 /// what would permit it, and goes on without; empty when all was granted.
 std::string becomeRealTime(const RealTimeOptions& options);
+
+/// A callback queue that a thread can watch without taking the lock that those who add to it need.
+class WatchedQueue : public ros::CallbackQueue {
+ public:
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) override {
+    ros::CallbackQueue::addCallback(callback, owner_id);
+    news_.store(true, std::memory_order_release);
+  }
+
+  /// Whether something was added since the last call.
+  bool takeNews() noexcept {
+    return news_.load(std::memory_order_relaxed) && news_.exchange(false, std::memory_order_acquire);
+  }
+
+ private:
+  std::atomic<bool> news_{false};
+};
+
+/// Tells the processor that this is a loop that waits.
+void relax() noexcept;
 
 /// The handle, its callbacks in that queue.
 ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue);
@@ -36,12 +59,18 @@ ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue
 /// A thread that serves a callback queue, and nothing else does. `begin` runs in it first. Ends with this.
 class CallbackThread {
  public:
-  CallbackThread(ros::CallbackQueue& queue, const char* name, std::function<void()> begin);
+  /// How long the thread may sleep [s], at most as long as it is told; zero: look again at once. Called in
+  /// it.
+  using Sleep = std::function<double(double most)>;
+
+  CallbackThread(WatchedQueue& queue, const char* name, std::function<void()> begin, Sleep sleep = {});
   CallbackThread(const CallbackThread&) = delete;
   CallbackThread& operator=(const CallbackThread&) = delete;
   ~CallbackThread();
 
  private:
+  void serve(WatchedQueue& queue, const Sleep& sleep) const;
+
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mav_msgs/RollPitchYawrateThrust.h>
+#include <mavros_msgs/AttitudeTarget.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <std_msgs/Header.h>
@@ -24,7 +26,7 @@ struct OutputOptions {
   static OutputOptions read(ParameterReader& reader);
 };
 
-/// Publishes commands. A message is made anew each time and shared: neighbours in the same nodelet manager
+/// Publishes commands. Each message is made beforehand and shared: neighbours in the same nodelet manager
 /// get it without a copy, so it does not change afterwards.
 class CommandOutput {
  public:
@@ -36,8 +38,13 @@ class CommandOutput {
   /// last one counts; until there is one, no AttitudeTarget is sent.
   void publish(const polyfly::AttitudeCommand& command, const std_msgs::Header& header, double yaw);
 
+  /// Makes the next messages, when those before are out. publish() does without it too.
+  void prepare();
+
  private:
   ros::Publisher thrust_publisher_;
+  mav_msgs::RollPitchYawrateThrust::Ptr next_thrust_;
+  mavros_msgs::AttitudeTarget::Ptr next_target_;
   ros::Publisher target_publisher_;
   std::optional<polyfly::ThrustCurve> curve_;
   double yaw_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "online_controller/options.hpp"
+#include "online_controller/poll_window.hpp"
 #include "online_controller_ros/background.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"
@@ -61,6 +62,7 @@ class ExplicitMpcNode {
                    online_controller::SelectLaw::Response& response);
   void publishLaw();
 
+  void finish(const polyfly::ControlReport& report, const std_msgs::Header& header, const StageTimes& times);
   void publishStatus(const polyfly::ControlReport& report, const std_msgs::Header& header,
                      const StageTimes& times);
   void leaveSnapshot(const polyfly::ControlReport& report, const std_msgs::Header& header,
@@ -71,7 +73,7 @@ class ExplicitMpcNode {
   void logChange(const polyfly::ControlReport& report);
   polyfly::LawSwitch& laws() { return keeper_.flight(); }
 
-  ros::CallbackQueue queue_;  // of the control thread; outlives all that is served on it
+  WatchedQueue queue_;  // of the control thread; outlives all that is served on it
   ros::NodeHandle handle_;
   LawKeeper keeper_;
   polyfly::FlightSupervisor flight_;
@@ -79,6 +81,7 @@ class ExplicitMpcNode {
   CommandOutput output_;
   FlightRecord record_;
   double control_period_;  // [s]
+  polyfly::PollWindow poll_;
   ros::Duration silence_;  // longer than this without odometry is silence
 
   ros::Publisher status_publisher_;

@@ -20,10 +20,18 @@ struct LawFiles {
   std::array<std::string, 3> problems;
 };
 
+/// Region maps of one law, none or three, and the problems that they were made from.
+struct MapSet {
+  std::vector<polyfly::RegionMap> maps;
+  std::array<polyfly::MpcProblem, 3> problems;
+
+  bool empty() const noexcept { return maps.empty(); }
+};
+
 /// What the files hold, read and checked once and shared by all laws that are made from it.
 struct LawSources {
-  std::vector<polyfly::RegionMap> maps;         ///< none, or three
-  std::vector<polyfly::RegionMap> robust_maps;  ///< none, or three
+  MapSet explicit_maps;
+  MapSet robust_maps;
   /// Of the linear law: from the problem files, else the problems in the maps, else made from the model.
   std::array<polyfly::MpcProblem, 3> problems;
 
@@ -31,8 +39,5 @@ struct LawSources {
   static std::shared_ptr<const LawSources> load(const LawFiles& files, const polyfly::MultirotorModel& model,
                                                 const polyfly::MultirotorOptions& options);
 };
-
-/// Whether a map is of a minimum-peak robust MPC. Throws Error.
-bool isRobust(const polyfly::RegionMap& map);
 
 }  // namespace polyfly_ros

@@ -16,8 +16,9 @@
 namespace polyfly_ros {
 
 /// dynamic_reconfigure for an OptionTable: the service and the two topics that rqt_reconfigure and dynparam
-/// talk to. Unlike the library's own server it writes parameters to the master later, all those together that
-/// changed meanwhile: that takes milliseconds.
+/// talk to. Unlike the library's own server it tells all about changes later, those together that came
+/// meanwhile: to write parameters to the master takes milliseconds, and while a message is serialised no
+/// other thread of the process can publish.
 class ReconfigureServer {
  public:
   /// Applies the values that the table holds; throws polyfly::Error to refuse them.
@@ -29,8 +30,9 @@ class ReconfigureServer {
   ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
                     std::string note_name, Note note);
 
-  void publish();          ///< the values, after a change from elsewhere
-  void writeParameters();  ///< those that changed since the last call
+  void hasChanged() noexcept { told_ = false; }  ///< values, from elsewhere
+  void publish();                                ///< the values, if they changed since the last call
+  void writeParameters();                        ///< those that changed since the last call
 
  private:
   bool onRequest(dynamic_reconfigure::Reconfigure::Request& request,
@@ -47,6 +49,7 @@ class ReconfigureServer {
   std::string note_name_;
   Note note_;
   std::set<std::string> changed_;  // not written to the master yet
+  bool told_ = false;              // the values were published since they changed
   ros::Publisher description_publisher_;
   ros::Publisher update_publisher_;
   ros::ServiceServer service_;

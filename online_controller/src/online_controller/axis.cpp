@@ -27,7 +27,7 @@ ObserverOptions observerOptions(const MultirotorOptions& options) {
 }  // namespace
 
 Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options)
-    : Axis(explicitAxisLaw(map, names.axis), names, options) {}
+    : Axis(explicitAxisLaw(map, problemOf(map, names.axis)), names, options) {}
 
 Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options)
     : law_(std::move(law)),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mpc_core/online_program.hpp"
 #include "region_maps/error.hpp"
@@ -13,23 +14,9 @@ std::string mapPlace(const RegionMap& map, const std::string& axis) {
   return map.path() + ": as the " + axis + " map: ";
 }
 
-/// The problem that the map was made from, after what every map must be has been checked.
-MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
-  if (map.solverStatus() != "complete") {
-    throw Error(mapPlace(map, axis) + "solver status: must be 'complete', got '" +
-                std::string(map.solverStatus()) + "'");
-  }
-  if (map.problemKind() != "yaml") {
-    throw Error(mapPlace(map, axis) + "problem: must be a tracking problem (yaml), got '" +
-                std::string(map.problemKind()) + "'");
-  }
-  return parseFlightModel(std::string(map.problemText()), map.path() + ": problem");
-}
-
 class ExplicitAxisLaw final : public AxisLaw {
  public:
-  ExplicitAxisLaw(const RegionMap& map, const std::string& axis)
-      : map_(&map), problem_(problemOf(map, axis)) {}
+  ExplicitAxisLaw(const RegionMap& map, MpcProblem problem) : map_(&map), problem_(std::move(problem)) {}
 
   const MpcProblem& problem() const noexcept override { return problem_; }
   const std::vector<Signal>& parameters() const noexcept override { return map_->parameters(); }
@@ -91,8 +78,20 @@ class OnlineAxisLaw final : public AxisLaw {
 
 }  // namespace
 
-std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, const std::string& axis) {
-  return std::make_unique<ExplicitAxisLaw>(map, axis);
+MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
+  if (map.solverStatus() != "complete") {
+    throw Error(mapPlace(map, axis) + "solver status: must be 'complete', got '" +
+                std::string(map.solverStatus()) + "'");
+  }
+  if (map.problemKind() != "yaml") {
+    throw Error(mapPlace(map, axis) + "problem: must be a tracking problem (yaml), got '" +
+                std::string(map.problemKind()) + "'");
+  }
+  return parseFlightModel(std::string(map.problemText()), map.path() + ": problem");
+}
+
+std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, MpcProblem problem) {
+  return std::make_unique<ExplicitAxisLaw>(map, std::move(problem));
 }
 
 std::unique_ptr<AxisLaw> onlineAxisLaw(const MpcProblem& problem) {

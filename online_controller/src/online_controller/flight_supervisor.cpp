@@ -157,7 +157,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
 
 const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
   if (state_ == FlightState::kFailsafe) prepareRecovery();
-  if (!makePreview(state.stamp)) return law_->stepWithoutReference(state.stamp);
+  if (!makePreview(state.stamp, law_->previewNeeded())) return law_->stepWithoutReference(state.stamp);
   const ControlReport& report = law_->step(state, preview_.data());
   if (answers(report.status)) {
     handle(FlightEvent::kRecovered);
@@ -188,8 +188,8 @@ void FlightSupervisor::setLaw(ControlLaw& law, const MultirotorOptions& vehicle)
   if (report_ != &own_) report_ = &law.report();
 }
 
-bool FlightSupervisor::makePreview(double time) noexcept {
-  const int count = std::min(law_->previewLength(), static_cast<int>(preview_.size()));
+bool FlightSupervisor::makePreview(double time, int wanted) noexcept {
+  const int count = std::min(wanted, static_cast<int>(preview_.size()));
   if (!isRamp(task())) {
     return references_.preview(time, law_->previewPeriod(), count, preview_.data());
   }

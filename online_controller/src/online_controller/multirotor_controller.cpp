@@ -21,6 +21,11 @@ Axis makeAxis(const std::array<const RegionMap*, 3>& maps, std::size_t axis,
   return {given(maps[axis], kAxisNames[axis]), kAxisNames[axis], options};
 }
 
+Axis makeAxis(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
+              std::size_t axis, const MultirotorOptions& options) {
+  return {explicitAxisLaw(given(maps[axis], kAxisNames[axis]), problems[axis]), kAxisNames[axis], options};
+}
+
 const MultirotorOptions& checked(const MultirotorOptions& options) {
   checkOptions(options);
   return options;
@@ -74,6 +79,13 @@ MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>
     : MultirotorController(
           {makeAxis(maps, 0, checked(options)), makeAxis(maps, 1, options), makeAxis(maps, 2, options)},
           options) {}
+
+MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
+                                           const std::array<MpcProblem, 3>& problems,
+                                           const MultirotorOptions& options)
+    : MultirotorController({makeAxis(maps, problems, 0, checked(options)),
+                            makeAxis(maps, problems, 1, options), makeAxis(maps, problems, 2, options)},
+                           options) {}
 
 MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& problems,
                                            const MultirotorOptions& options)

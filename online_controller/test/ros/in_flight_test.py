@@ -188,6 +188,24 @@ class InFlightTest(harness.ExplicitMpcFixture):
         said = controller.output_at_end()
         self.assertEqual("real_time/priority 10" in said, not granted, said)
 
+    def test_polls_only_while_odometry_comes(self):
+        def used(process):  # processor time [s]
+            fields = open("/proc/%d/stat" % process.pid).read().rsplit(")", 1)[1].split()
+            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+        controller = self.fly({"real_time/poll": 1.0, "controller/control_period": 0.25})
+        controller.pose.publish(pose_at(0.1, 0.0, 0.0))
+        controller.exchange(accept=is_optimal)
+        before = used(controller.process)
+        rospy.sleep(0.2)
+        busy = used(controller.process) - before
+        rospy.sleep(0.6)  # no odometry for more than two periods
+        before = used(controller.process)
+        rospy.sleep(0.4)
+        idle = used(controller.process) - before
+        self.assertGreater(busy, 2.0 * idle)
+        controller.exchange()  # and wakes for the next
+
     def test_what_is_not_permitted_is_said_and_it_flies_on(self):
         controller = self.fly({"real_time/core": 1023})
         controller.exchange()
