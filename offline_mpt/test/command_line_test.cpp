@@ -105,7 +105,8 @@ TEST_F(CommandLine, ShowsWhatAMapHolds) {
   const std::string map = solvedToy();
   const Outcome text = run({"info", map});
   EXPECT_EQ(text.exit_code, 0);
-  for (const char* word : {"complete", "-2 .. 2", "regions     3", "worst case", "period      none"}) {
+  for (const char* word : {"complete", "-2 .. 2", "regions     3", "worst case", "period      none",
+                           "multiply-adds of 16 bits"}) {
     EXPECT_NE(text.out.find(word), std::string::npos) << word << " in: " << text.out;
   }
   const Outcome json = run({"info", map, "--json"});
@@ -114,6 +115,8 @@ TEST_F(CommandLine, ShowsWhatAMapHolds) {
   EXPECT_EQ(info["parameters"].size(), 2u);
   EXPECT_EQ(info["parameters"][0]["upper"], 2.0);
   EXPECT_EQ(info["bytes"].get<std::uintmax_t>(), fs::file_size(map));
+  EXPECT_GT(info["index"]["bytes"], 0);
+  EXPECT_GT(info["index"]["multiply_adds"], 0);
 }
 
 TEST_F(CommandLine, EvaluatesRows) {

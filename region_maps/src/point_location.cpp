@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "index_kernel.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -87,36 +88,49 @@ struct RegionMap::PointLocation {
     return violation(tables, region, theta) <= tables.tolerance;
   }
 
-  /// The first of `count` regions that holds theta; failing that, the one that theta violates least, within
-  /// the tolerance. A steep law beside a sliver would be off by more than rounding if just any within the
-  /// tolerance were taken. Fallback regions, which come last, count as farther away by the handicap.
-  template <class Region>
-  static Lookup best(const Tables& tables, std::size_t count, const double* theta,
-                     Region&& regionAt) noexcept {
+  /// The first of the regions offered that holds theta; failing that, the one that theta violates least,
+  /// within the tolerance. A steep law beside a sliver would be off by more than rounding if just any within
+  /// the tolerance were taken. Fallback regions, which come last, count as farther away by the handicap.
+  struct Best {
     Lookup found{LookupStatus::kOutsidePartition};
     double least = kInfinity;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t region = regionAt(i);
-      double beyond = violation(tables, region, theta);
+
+    /// A region and its violation. True when no later one can be better.
+    bool offer(const Tables& tables, std::uint32_t region, double beyond) noexcept {
       if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
-      if (!(beyond < least)) continue;
+      if (!(beyond < least)) return false;
       least = beyond;
       found = {LookupStatus::kInside, region, tables.regions[region].law};
-      if (beyond <= 0.0) break;
+      return beyond <= 0.0;
     }
-    return found;
-  }
+  };
 
   static Lookup locate(const Tables& tables, const double* theta) noexcept {
     const LookupStatus box = testBox(tables, theta);
     if (box != LookupStatus::kInside) return {box};
+    if constexpr (kParameters != 0) {
+      if (tables.index.records != nullptr) return locateByIndex(tables, theta);
+    }
+    return locateByTree(tables, theta);
+  }
+
+  static Lookup locateInFile(const Tables& tables, const double* theta) noexcept {
+    const LookupStatus box = testBox(tables, theta);
+    return box != LookupStatus::kInside ? Lookup{box} : locateByTree(tables, theta);
+  }
+
+  static bool isBelow(const Tables& tables, const MapContent::Node& node, const double* theta) noexcept {
     const std::size_t p = size(tables);
+    return distance(tables.planes + node.plane * (p + 1), theta, p) <= 0.0;
+  }
+
+  static Lookup locateByTree(const Tables& tables, const double* theta) noexcept {
     std::uint32_t child = tables.root;
     // The branch is meant: guessing it lets the processor fetch the next node early, and was measured to be
     // twice as fast as choosing the child by arithmetic.
     while ((child & MapContent::kLeaf) == 0) {
       const MapContent::Node& node = tables.nodes[child];
-      if (distance(tables.planes + node.plane * (p + 1), theta, p) <= 0.0) {
+      if (isBelow(tables, node, theta)) {
         child = node.below;
       } else {
         child = node.above;
@@ -124,7 +138,52 @@ struct RegionMap::PointLocation {
     }
     const MapContent::Leaf& leaf = tables.leaves[child & ~MapContent::kLeaf];
     const std::uint32_t* const candidates = tables.candidates + leaf.first;
-    return best(tables, leaf.count, theta, [=](std::size_t i) noexcept { return candidates[i]; });
+    Best best;
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      if (best.offer(tables, candidates[i], violation(tables, candidates[i], theta))) break;
+    }
+    return best.found;
+  }
+
+  static Lookup locateByIndex(const Tables& tables, const double* theta) noexcept {
+    using Kernel = IndexKernel<kParameters>;
+    const SearchIndex::View& index = tables.index;
+    const auto rounded = Kernel::prepare(index, theta);
+    const Lanes::Type twice_margin = Lanes::all(2 * index.margin);
+    std::uint32_t reference = index.root;
+    while ((reference & SearchIndex::kLeaf) == 0) {
+      const std::int32_t* const block = Kernel::block(index, reference);
+      std::uint32_t number = Kernel::childNumber(block, rounded, twice_margin);
+      if (number == Kernel::kNoChild) number = childNumber(tables, Kernel::node(block), theta);
+      reference = Kernel::child(block, number);
+    }
+    const std::uint32_t* candidate = index.candidates + (reference & ~SearchIndex::kLeaf);
+    Best best;
+    for (bool more = true; more; ++candidate) {
+      more = (*candidate & SearchIndex::kLast) == 0;
+      const std::int32_t* const record = Kernel::record(index, *candidate & ~SearchIndex::kLast);
+      const Verdict verdict = Kernel::verdict(record, rounded, twice_margin);
+      if (verdict == Verdict::kOutside) continue;  // by more than the tolerance
+      const auto region = static_cast<std::uint32_t>(record[0]);
+      const double beyond = verdict == Verdict::kInside ? 0.0 : violation(tables, region, theta);
+      if (best.offer(tables, region, beyond)) break;
+    }
+    return best.found;
+  }
+
+  /// Number of the child of the index's block that begins with that node, by the planes of the file.
+  [[gnu::noinline]] static std::uint32_t childNumber(const Tables& tables, std::uint32_t child,
+                                                     const double* theta) noexcept {
+    std::uint32_t number = 0;
+    for (std::uint32_t level = 0; level < SearchIndex::kLevels; ++level) {
+      number *= 2;
+      if ((child & MapContent::kLeaf) != 0) continue;  // a path that ended goes on below
+      const MapContent::Node& node = tables.nodes[child];
+      const bool below = isBelow(tables, node, theta);
+      number += below ? 0 : 1;
+      child = below ? node.below : node.above;
+    }
+    return number;
   }
 
   static Lookup locateFrom(const Tables& tables, const double* theta, std::uint32_t last) noexcept {
@@ -159,11 +218,16 @@ struct RegionMap::PointLocation {
   static Lookup locateExhaustively(const Tables& tables, std::size_t regions, const double* theta) noexcept {
     const LookupStatus box = testBox(tables, theta);
     if (box != LookupStatus::kInside) return {box};
-    return best(tables, regions, theta, [](std::size_t i) noexcept { return static_cast<std::uint32_t>(i); });
+    Best best;
+    for (std::size_t i = 0; i < regions; ++i) {
+      const auto region = static_cast<std::uint32_t>(i);
+      if (best.offer(tables, region, violation(tables, region, theta))) break;
+    }
+    return best.found;
   }
 
   static Functions functions() noexcept {
-    return {locate, locateFrom, evaluate, evaluateFrom, locateExhaustively, contains};
+    return {locate, locateFrom, evaluate, evaluateFrom, locateInFile, locateExhaustively, contains};
   }
 };
 

@@ -76,6 +76,8 @@ void RegionMap::load(const void* data, std::size_t size) {
   tables_.parameters = header.parameters;
   tables_.inputs = header.inputs;
   functions_ = functionsFor(header.parameters);
+  index_ = SearchIndex(*this);
+  tables_.index = index_.view();
 }
 
 std::string_view RegionMap::name() const noexcept { return texts_[format::kName]; }
@@ -133,6 +135,10 @@ Lookup RegionMap::evaluateFrom(const double* theta, std::uint32_t last, double* 
 
 Lookup RegionMap::evaluate(const double* theta, double* u) const noexcept {
   return functions_.evaluate(tables_, theta, u);
+}
+
+Lookup RegionMap::locateInFile(const double* theta) const noexcept {
+  return functions_.locate_in_file(tables_, theta);
 }
 
 Lookup RegionMap::locateExhaustively(const double* theta) const noexcept {

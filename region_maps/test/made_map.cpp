@@ -9,6 +9,7 @@
 #include <random>
 
 #include "region_maps/format.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -249,5 +250,20 @@ AlignedBytes::AlignedBytes(const std::byte* data, std::size_t size)
 }
 
 AlignedBytes::~AlignedBytes() { ::operator delete(data_, std::align_val_t(format::kAlignment)); }
+
+MadeMap::MadeMap(MapContent made)
+    : content(std::move(made)),
+      bytes(layOut(content)),
+      map(RegionMap::view(bytes.data(), bytes.size(), "made")) {}
+
+std::vector<double> randomPoint(const MapContent& content, Random& random, double part_of_range) {
+  std::vector<double> theta;
+  for (const Signal& signal : content.parameters) {
+    const double centre = 0.5 * (signal.lower + signal.upper);
+    const double half = 0.5 * part_of_range * (signal.upper - signal.lower);
+    theta.push_back(uniform(random, centre - half, centre + half));
+  }
+  return theta;
+}
 
 }  // namespace polyfly

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "region_maps/map_content.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 
@@ -48,5 +50,17 @@ class AlignedBytes {
   std::byte* data_;
   std::size_t size_;
 };
+
+/// A map in memory with the content that it was made from.
+struct MadeMap {
+  explicit MadeMap(MapContent made);
+
+  MapContent content;
+  AlignedBytes bytes;
+  RegionMap map;
+};
+
+/// Anywhere in the box about the middle of the ranges that is that part of them.
+std::vector<double> randomPoint(const MapContent& content, std::mt19937_64& random, double part_of_range);
 
 }  // namespace polyfly

@@ -9,7 +9,6 @@
 #include "allocation_counter.hpp"
 #include "made_map.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -17,28 +16,6 @@ namespace {
 using Random = std::mt19937_64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// A map in memory with the content that it was made from.
-struct MadeMap {
-  explicit MadeMap(MapContent made)
-      : content(std::move(made)),
-        bytes(layOut(content)),
-        map(RegionMap::view(bytes.data(), bytes.size(), "made")) {}
-
-  MapContent content;
-  AlignedBytes bytes;
-  RegionMap map;
-};
-
-std::vector<double> randomPoint(const MapContent& content, Random& random, double part_of_range) {
-  std::vector<double> theta;
-  for (const Signal& signal : content.parameters) {
-    const double centre = 0.5 * (signal.lower + signal.upper);
-    const double half = 0.5 * part_of_range * (signal.upper - signal.lower);
-    theta.push_back(std::uniform_real_distribution<double>(centre - half, centre + half)(random));
-  }
-  return theta;
-}
 
 /// How far theta is outside of plane `row`, in more digits than the subject has.
 long double excess(const MapContent& content, std::int32_t row, const std::vector<double>& theta) {

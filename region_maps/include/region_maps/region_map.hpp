@@ -10,6 +10,7 @@
 #include "region_maps/format.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/mapped_file.hpp"
+#include "region_maps/search_index.hpp"
 #include "region_maps/signal.hpp"
 
 namespace polyfly {
@@ -29,7 +30,8 @@ struct Lookup {
   std::uint32_t law = 0;     ///< valid with kInside
 };
 
-/// Bounds on the cost of one look-up, computed from the tree when the map opens.
+/// Bounds on the cost of one look-up in double, computed from the tree when the map opens. The index adds
+/// work in 16 bits (SearchIndex::multiplyAdds) and mostly saves this.
 struct LookupCost {
   std::uint32_t depth = 0;          ///< greatest number of interior nodes on a path
   std::uint32_t region_checks = 0;  ///< greatest number of half-spaces tested at a leaf
@@ -75,6 +77,7 @@ class RegionMap {
   const std::vector<Signal>& parameters() const noexcept { return parameters_; }
   const std::vector<Signal>& inputs() const noexcept { return inputs_; }
   const LookupCost& cost() const noexcept { return cost_; }
+  const SearchIndex& index() const noexcept { return index_; }  ///< made in memory when the map opened
 
   std::size_t regionCount() const noexcept;
   std::size_t lawCount() const noexcept;
@@ -111,6 +114,9 @@ class RegionMap {
   Lookup locateFrom(const double* theta, std::uint32_t last) const noexcept;
   Lookup evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept;
 
+  /// As `locate`, without the index: by the file alone, in double.
+  Lookup locateInFile(const double* theta) const noexcept;
+
   /// As `locate`, testing all regions in file order: its reference.
   Lookup locateExhaustively(const double* theta) const noexcept;
 
@@ -118,7 +124,7 @@ class RegionMap {
   bool contains(std::size_t index, const double* theta) const noexcept;
 
  private:
-  /// What a look-up reads. All but `box` points into the file.
+  /// What a look-up reads. All but `box` and `index` points into the file.
   struct Tables {
     const double* box = nullptr;  ///< (lower, upper) of each parameter, widened by the tolerance
     const double* planes = nullptr;
@@ -128,6 +134,7 @@ class RegionMap {
     const MapContent::Node* nodes = nullptr;
     const MapContent::Leaf* leaves = nullptr;
     const std::uint32_t* candidates = nullptr;
+    SearchIndex::View index;
     double tolerance = 0.0;
     double handicap = 0.0;  // of fallback regions
     std::uint32_t first_fallback = 0;
@@ -143,6 +150,7 @@ class RegionMap {
     Lookup (*evaluate)(const Tables&, const double* theta, double* u) noexcept = nullptr;
     Lookup (*evaluate_from)(const Tables&, const double* theta, std::uint32_t last,
                             double* u) noexcept = nullptr;
+    Lookup (*locate_in_file)(const Tables&, const double* theta) noexcept = nullptr;
     Lookup (*locate_exhaustively)(const Tables&, std::size_t regions, const double* theta) noexcept = nullptr;
     bool (*contains)(const Tables&, std::size_t region, const double* theta) noexcept = nullptr;
   };
@@ -163,6 +171,7 @@ class RegionMap {
   std::vector<Signal> inputs_;
   std::vector<double> box_;
   LookupCost cost_;
+  SearchIndex index_;
   Tables tables_;
   Functions functions_;
 };

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "lanes.hpp"
+#include "region_maps/search_index.hpp"
+
+namespace polyfly {
+
+/// What the index says of a region.
+enum class Verdict { kInside, kOutside, kUnsure };
+
+/// The arithmetic of SearchIndex for kParameters parameters.
+template <std::uint32_t kParameters>
+struct IndexKernel {
+  using Index = SearchIndex;
+  static constexpr std::uint32_t kPairs = Index::pairs(kParameters);
+  static constexpr std::size_t kBlockWords = Index::blockWords(kParameters);
+  static constexpr std::size_t kGroupWords = Index::groupWords(kParameters);
+  static constexpr std::uint32_t kNoChild = Index::kChildren;
+
+  /// A parameter of the box in 16 bits, two in each word, that word in every lane.
+  using Theta = std::array<Lanes::Type, kPairs>;
+
+  static Theta prepare(const Index::View& index, const double* theta) noexcept {
+    std::array<std::uint32_t, 2 * std::size_t{kPairs}> halves{};
+    for (std::size_t i = 0; i < kParameters; ++i) {
+      // Shifted so that cutting off the fraction rounds to the nearest in any rounding mode.
+      const double shifted = (theta[i] - index.centre[i]) * index.gain[i] + (0x1p15 + 0.5);
+      halves[i] = (static_cast<std::uint32_t>(static_cast<std::int32_t>(shifted)) ^ 0x8000u) & 0xffffu;
+    }
+    Theta prepared;
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      prepared[k] = Lanes::all(static_cast<std::int32_t>(halves[2 * k] | halves[2 * k + 1] << 16));
+    }
+    return prepared;
+  }
+
+  static const std::int32_t* block(const Index::View& index, std::uint32_t reference) noexcept {
+    return index.blocks + reference * kBlockWords;
+  }
+
+  static std::uint32_t child(const std::int32_t* block, std::uint32_t number) noexcept {
+    return static_cast<std::uint32_t>(block[(kPairs + 1) * Index::kChildren + number]);
+  }
+
+  /// The node of the file that the block begins with.
+  static std::uint32_t node(const std::int32_t* block) noexcept {
+    return static_cast<std::uint32_t>(block[kPairs * Index::kChildren + Index::kChildren - 1]);
+  }
+
+  /// Of a candidate.
+  static const std::int32_t* record(const Index::View& index, std::uint32_t candidate) noexcept {
+    return index.records + std::size_t{candidate} * Index::kHead;
+  }
+
+  /// Number of the child that theta belongs to, or kNoChild when rounding may have decided.
+  static std::uint32_t childNumber(const std::int32_t* block, const Theta& theta,
+                                   const Lanes::Type& twice_margin) noexcept {
+    constexpr std::size_t kHalf = Index::kChildren / 2;
+    Lanes::Type first = Lanes::load(block + kPairs * Index::kChildren);
+    Lanes::Type second = Lanes::load(block + kPairs * Index::kChildren + kHalf);
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      first = Lanes::addProducts(first, Lanes::load(block + k * Index::kChildren), theta[k]);
+      second = Lanes::addProducts(second, Lanes::load(block + k * Index::kChildren + kHalf), theta[k]);
+    }
+    const std::uint32_t surely = number(first, second);
+    const std::uint32_t perhaps = number(Lanes::add(first, twice_margin), Lanes::add(second, twice_margin));
+    return surely == perhaps ? surely : kNoChild;
+  }
+
+  /// Of the region whose record that is.
+  static Verdict verdict(const std::int32_t* record, const Theta& theta,
+                         const Lanes::Type& twice_margin) noexcept {
+    const std::int32_t groups = record[2];
+    const std::int32_t* group = record + Index::kHead;
+    Lanes::Type unsure = Lanes::all(0);
+    for (std::int32_t g = 0; g < groups; ++g, group += kGroupWords) {
+      Lanes::Type sum = Lanes::load(group + kPairs * Index::kRowLanes);
+      for (std::size_t k = 0; k < kPairs; ++k) {
+        sum = Lanes::addProducts(sum, Lanes::load(group + k * Index::kRowLanes), theta[k]);
+      }
+      if (Lanes::negative(Lanes::add(sum, twice_margin)) != 0) return Verdict::kOutside;
+      unsure = Lanes::either(unsure, sum);
+    }
+    return Lanes::negative(unsure) == 0 ? Verdict::kInside : Verdict::kUnsure;
+  }
+
+ private:
+  /// Where the signs of the seven planes of a block lead, negative: above.
+  static std::uint32_t number(const Lanes::Type& first, const Lanes::Type& second) noexcept {
+    return kNumbers[(Lanes::negative(first) | Lanes::negative(second) << 4) & 0x7fu];
+  }
+
+  static constexpr std::array<std::uint8_t, 128> numbers() noexcept {
+    std::array<std::uint8_t, 128> table{};
+    for (std::uint32_t signs = 0; signs < table.size(); ++signs) {
+      std::uint32_t lane = 0;
+      for (std::uint32_t level = 0; level < Index::kLevels; ++level)
+        lane = 2 * lane + 1 + ((signs >> lane) & 1u);
+      table[signs] = static_cast<std::uint8_t>(lane - (Index::kChildren - 1));
+    }
+    return table;
+  }
+  static constexpr std::array<std::uint8_t, 128> kNumbers = numbers();
+};
+
+}  // namespace polyfly
