@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrate_commands.hpp"
-#include "calibration/apply_calibration.hpp"
+#include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
@@ -18,12 +18,13 @@ struct Arguments {
   std::vector<std::string> calibrations;
   std::string problem;
   std::string output;
+  bool force = false;
 };
 
 int apply(const Arguments& arguments) {
   std::vector<CalibrationFile> files;
   for (const std::string& path : arguments.calibrations) {
-    files.push_back({readText(path), path, provenanceOf(path)});
+    files.push_back({readText(path), path, provenanceOf(path), arguments.force});
   }
   const AppliedCalibration applied = applyCalibrations(readText(arguments.problem), arguments.problem, files);
   // What is written must be a problem; a robust one is checked for what a controller needs of it.
@@ -54,6 +55,7 @@ void addApplyCommand(CLI::App& app, int* result) {
   command->add_option("-o,--output", arguments->output, "Problem file to write")
       ->required()
       ->type_name("FILE");
+  command->add_flag("--force", arguments->force, "Also take numbers that the data do not support");
   command->callback([arguments, result] { *result = apply(*arguments); });
 }
 

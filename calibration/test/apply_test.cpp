@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include "calibration/apply_calibration.hpp"
+#include <filesystem>
+#include <fstream>
+
+#include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "region_maps/error.hpp"
 #include "synthetic_flight.hpp"
@@ -19,7 +23,7 @@ const char* const kAttitude =
     "  pitch:\n    model_without_delay: {gain: 0.7, tau: 0.4}\n";
 
 CalibrationFile file(const std::string& text) {
-  return {text, "calibration.yaml", {"calibration.yaml", "xxh64:2", ""}};
+  return {text, "calibration.yaml", {"calibration.yaml", "xxh64:2", ""}, false};
 }
 
 std::string problemText(std::size_t axis) { return handMadeMap(axis).problem_text; }
@@ -89,6 +93,80 @@ TEST(ApplyCalibration, boundsGoIntoTheDisturbanceOfTheAxis) {
   const AppliedCalibration applied = applyCalibrations(problem, "robust.yaml", {file(bounds)});
   EXPECT_NE(applied.problem.find("{name: w_y, unit: m/s^2, range: [-0.21, 0.33]}  # wind"),
             std::string::npos);
+}
+
+TEST(ApplyCalibration, takesWhatTheDataDoNotSupportByForceOnly) {
+  const std::string weak = without(kAttitude, "  roll:\n",
+                                   "  roll:\n    supported: false\n    warnings:\n      - \"Fly longer.\"\n");
+  const std::string error = errorOf(problemText(1), weak);
+  EXPECT_EQ(error.find("calibration.yaml: axes.roll: the data do not support these numbers"), 0u) << error;
+  EXPECT_NE(error.find("Fly longer."), std::string::npos);
+  EXPECT_EQ(errorOf(problemText(0), weak), "");  // pitch is not concerned
+  CalibrationFile forced = file(weak);
+  forced.force = true;
+  EXPECT_NO_THROW(applyCalibrations(problemText(1), "problem.yaml", {forced}));
+  const std::string bounds =
+      "polyfly_calibration: 1\nkind: disturbance\ndata: {file: \"b.bag\"}\n"
+      "disturbances:\n  - {name: d_y, range: [-0.21, 0.33]}\naxes:\n  y: {supported: false}\n";
+  EXPECT_NE(errorOf("model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n", bounds), "");
+  EXPECT_EQ(errorOf("model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n",
+                    without(bounds, "false", "true")),
+            "");
+}
+
+class IncludedCalibration : public testing::Test {
+ protected:
+  IncludedCalibration() {
+    folder_ = std::filesystem::temp_directory_path() / ("polyfly_include_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_ / "flights");
+    write("flights/attitude.yaml", kAttitude);
+  }
+  ~IncludedCalibration() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string errorOfLoading() const {
+    try {
+      loadProblem(path("problem.yaml"));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(IncludedCalibration, givesWhatApplyGives) {
+  const MpcProblem applied =
+      parseProblem(applyCalibrations(problemText(1), "problem.yaml", {file(kAttitude)}).problem, "applied");
+  for (const char* key :
+       {"calibration: flights/attitude.yaml  # of today\n", "calibration: [flights/attitude.yaml]\n",
+        "calibration:\n  - flights/attitude.yaml\n"}) {
+    write("problem.yaml", key + problemText(1));
+    const MpcProblem included = loadProblem(path("problem.yaml"));
+    EXPECT_EQ(included.A_c, applied.A_c);
+    EXPECT_EQ(included.B_c, applied.B_c);
+    // What the map carries needs no other file, and tells where its numbers are from.
+    EXPECT_EQ(parseProblem(included.text, "map").A_c, applied.A_c);
+    EXPECT_NE(included.text.find("provenance:\n  - {file: \"attitude.yaml\", checksum: \"xxh64:"),
+              std::string::npos);
+    EXPECT_NE(loadProgram(path("problem.yaml")).text.find("provenance:"), std::string::npos);
+  }
+}
+
+TEST_F(IncludedCalibration, errorsNameFileFieldAndRule) {
+  write("problem.yaml", "calibration: flights/nowhere.yaml\n" + problemText(1));
+  EXPECT_EQ(errorOfLoading(), path("problem.yaml") + ":1: calibration: must name a file that is there, not " +
+                                  path("flights/nowhere.yaml"));
+  write("problem.yaml", "calibration: []\n" + problemText(1));
+  EXPECT_NE(errorOfLoading().find("calibration"), std::string::npos);
+  write("problem.yaml", "calibration: flights/attitude.yaml\n" + problemText(2));
+  EXPECT_NE(errorOfLoading().find("has nothing for the problem"), std::string::npos);
+  // From text there is no folder to look in.
+  EXPECT_THROW(parseProblem("calibration: a.yaml\n" + problemText(1), "text"), Error);
 }
 
 TEST(ApplyCalibration, refusesWhatDoesNotFitByFileFieldAndRule) {

@@ -71,6 +71,8 @@ void writeModel(const AxisModel& axis, std::ostream& out) {
 
 void writeAxis(const AxisModel& axis, std::ostream& out) {
   out << "  " << axis.axis << ":\n    unit: " << yamlString(axis.unit) << "\n";
+  out << "    supported: " << (axis.supported ? "true" : "false")
+      << "  # whether the data say enough for a controller\n";
   writeModel(axis, out);
   writeWindows(axis, out);
   out << "    samples: " << axis.with_delay.samples << "\n";

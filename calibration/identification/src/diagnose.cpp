@@ -15,6 +15,7 @@ constexpr double kVagueGain = 0.08;    // the same of the gain
 constexpr double kInseparable = 0.97;  // correlation of two parameters
 constexpr double kLeastGain = 0.7;     // of an angle loop whose command and response have one scale
 constexpr double kGreatestGain = 1.4;
+constexpr double kStrangeGain = 0.25;  // below, and above its inverse, units differ
 constexpr double kDegree = 57.29577951308232;
 constexpr double kDegreeMargin = 1.5;  // a gain this close, as a factor, to that of degrees
 constexpr double kPoorFit = 60.0;      // [%]
@@ -267,6 +268,14 @@ class Diagnosis {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
   return Diagnosis(model, records, bounds).run();
+}
+
+bool isSupported(const AxisModel& model) {
+  const FittedParameter* gain = model.without_delay.find("gain");
+  const FittedParameter* tau = model.without_delay.find("tau");
+  const bool unit =
+      model.axis == "thrust" || (gain->value > kStrangeGain && gain->value < 1.0 / kStrangeGain);
+  return model.with_delay.fit_percent >= kPoorFit && gain->least() > 0.0 && tau->least() > 0.0 && unit;
 }
 
 }  // namespace polyfly

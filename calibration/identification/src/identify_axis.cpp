@@ -142,6 +142,7 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   model.frequency_response = measureFrequencyResponse(model.segments, blockLength(model.segments),
                                                       kGreatestFrequency, kFrequencyPoints);
   model.warnings = diagnose(model, records, fit);
+  model.supported = isSupported(model);
   return model;
 }
 

@@ -59,14 +59,16 @@ std::string judgeFrame(const Motion& motion, Eigen::Index axis) {
       kAxes[axis], correlation, rms(other));
 }
 
-void judgeDrag(const FittedParameter& drag, std::vector<std::string>* warnings) {
+void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
   const double allowed = std::max(kVagueDrag, kVagueShare * std::abs(drag.value));
   // An error of zero is that of a velocity that never changed.
   if (!(drag.half_width > 0.0 && drag.half_width <= allowed)) {
     warnings->push_back(
         sentence("%s is not bounded by these data: %.2g +- %.2g 1/s. Fly fast and straight in calm air.",
                  drag.name.c_str(), drag.value, drag.half_width));
+    drag.supported = false;
   } else if (drag.greatest() < 0.0) {
+    drag.supported = false;
     warnings->push_back(sentence(
         "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame.",
         drag.name.c_str()));
@@ -105,6 +107,7 @@ std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOpt
 MotionFit fitDrag(const Motion& motion) {
   MotionFit result;
   result.warnings = judgeMotion(motion);
+  const bool sound = result.warnings.empty();
   for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
     Eigen::MatrixXd columns(motion.velocity.rows(), 2);
     columns.col(0) = -motion.velocity.col(axis);
@@ -113,6 +116,7 @@ MotionFit fitDrag(const Motion& motion) {
     const Regression found = regress(columns, left, indices(motion.starts));
     const std::string name = kAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
+    result.parameters.back().supported = sound;
     judgeDrag(result.parameters.back(), &result.warnings);
     result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
     MotionTrace trace = traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,

@@ -26,6 +26,7 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   for (const DisturbanceBound& bound : calibration.bounds) {
     out << "  " << bound.axis << ":\n    mean: " << yamlNumber(bound.mean)
         << "\n    deviation: " << yamlNumber(bound.deviation)
+        << "\n    supported: " << (bound.supported ? "true" : "false")
         << "\n    confidence: " << yamlNumber(bound.confidence)
         << "  # reached\n    independent_samples: " << yamlNumber(bound.independent_samples)
         << "\n    quantiles: [";
@@ -59,7 +60,8 @@ std::string toYaml(const MotionCalibration& calibration) {
     out << "  " << parameter.name << ": {value: " << yamlNumber(parameter.value)
         << ", unit: " << yamlString(parameter.unit)
         << ", standard_error: " << yamlNumber(parameter.standard_error) << ", interval_95: ["
-        << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest()) << "]}\n";
+        << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest())
+        << "], supported: " << (parameter.supported ? "true" : "false") << "}\n";
   }
   writeSentences("warnings", "", calibration.warnings, out);
   return out.str();

@@ -26,22 +26,4 @@ std::string valueText(double value, double half_width) {
   return result + text;
 }
 
-std::string yamlString(const std::string& text) {
-  std::string result = "\"";
-  for (const char character : text) {
-    const auto code = static_cast<unsigned char>(character);
-    if (character == '"' || character == '\\') {
-      result += '\\';
-      result += character;
-    } else if (code < 0x20) {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\x%02x", static_cast<unsigned>(code));
-      result += escape;
-    } else {
-      result += character;
-    }
-  }
-  return result + "\"";
-}
-
 }  // namespace polyfly

@@ -6,7 +6,7 @@
 
 #include "cited_ranges.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/read_text.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "mpc_core/yaml_field.hpp"
 #include "region_maps/error.hpp"
 #include "robust_fields.hpp"
@@ -265,7 +265,7 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
 }
 
 RobustProblem loadRobustProblem(const std::string& path) {
-  return parseRobustProblem(withCitedRanges(readText(path), path), path);
+  return parseRobustProblem(withCitedRanges(readProblem(path), path), path);
 }
 
 }  // namespace polyfly

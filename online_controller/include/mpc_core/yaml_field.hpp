@@ -23,6 +23,7 @@ class YamlField {
   bool has(const std::string& key) const;
   YamlField at(const std::string& key) const;  ///< fails when the key is absent
 
+  bool isList() const;
   std::vector<YamlField> items() const;  ///< elements of a sequence
   std::string text() const;              ///< a non-empty scalar
   std::string name() const;              ///< an identifier: letter or _, then letters, digits, _

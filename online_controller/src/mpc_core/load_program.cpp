@@ -1,6 +1,7 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
@@ -8,7 +9,7 @@ namespace polyfly {
 ParametricProgram loadProgram(const std::string& path) {
   const bool yaml = endsWith(path, ".yaml") || endsWith(path, ".yml");
   if (!yaml && !endsWith(path, ".json")) throw Error(path + ": file: name must end in .yaml, .yml or .json");
-  return parseProgram(readText(path), yaml ? "yaml" : "json", path);
+  return yaml ? parseProgram(readProblem(path), "yaml", path) : parseProgram(readText(path), "json", path);
 }
 
 ParametricProgram parseProgram(const std::string& text, const std::string& kind, const std::string& source) {

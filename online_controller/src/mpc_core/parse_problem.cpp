@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/read_text.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "mpc_core/yaml_field.hpp"
 #include "region_maps/error.hpp"
 
@@ -215,6 +215,6 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   return problem;
 }
 
-MpcProblem loadProblem(const std::string& path) { return parseProblem(readText(path), path); }
+MpcProblem loadProblem(const std::string& path) { return parseProblem(readProblem(path), path); }
 
 }  // namespace polyfly

@@ -118,6 +118,8 @@ YamlField YamlField::at(const std::string& key) const {
   failAt(key, "missing");
 }
 
+bool YamlField::isList() const { return node_.IsSequence(); }
+
 std::vector<YamlField> YamlField::items() const {
   if (!node_.IsSequence()) fail("must be a list");
   std::vector<YamlField> fields;

@@ -33,6 +33,7 @@ struct FittedParameter {
   double value = 0.0;
   double standard_error = 0.0;                            ///< NaN where the data do not bound it
   double half_width = 0.0;                                ///< of the 95 % interval
+  bool supported = true;                                  ///< whether the data say enough to use it
   double least() const { return value - half_width; }     ///< of the 95 % interval
   double greatest() const { return value + half_width; }  ///< of the 95 % interval
 };

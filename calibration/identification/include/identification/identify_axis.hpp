@@ -58,6 +58,7 @@ struct AxisModel {
   std::optional<AxisValidationFit> validation;
   std::vector<FrequencyPoint> frequency_response;
   std::vector<std::string> warnings;  ///< sentences: what the data do not support
+  bool supported = true;  ///< the model explains the response, and gain and lag are bounded by the data
 };
 
 /// Cleans, chooses windows, fits all models, validates and warns. Throws Error naming source, axis and rule

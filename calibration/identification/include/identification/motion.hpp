@@ -66,6 +66,7 @@ struct DisturbanceBound {
   double independent_samples = 0.0;  ///< as many independent ones would tell as much
   std::vector<std::pair<double, double>> quantiles;  ///< share and value [m/s^2]
   std::vector<std::string> warnings;                 ///< sentences
+  bool supported = true;  ///< confidence reached, and the motion is one that judgeMotion finds sound
 };
 
 struct BoundOptions {

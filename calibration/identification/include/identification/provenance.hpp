@@ -1,21 +1,10 @@
 #pragma once
 
-#include <string>
+#include "region_maps/provenance.hpp"
 
 namespace polyfly {
 
 /// Version of the identification, written into every result; raised when the same data give other numbers.
-constexpr const char* kIdentificationVersion = "1";
-
-/// Where numbers come from.
-struct Provenance {
-  std::string file;  ///< name without folders
-  std::string
-      checksum;  ///< of the bytes, "xxh64:" and sixteen hexadecimal digits; `xxhsum -H64` gives the same
-  std::string recorded;  ///< date of the data (UTC, ISO 8601), or empty where they do not tell
-};
-
-/// Reads the file once, in pieces. Throws Error when it cannot be read.
-Provenance provenanceOf(const std::string& path);
+constexpr const char* kIdentificationVersion = "2";
 
 }  // namespace polyfly

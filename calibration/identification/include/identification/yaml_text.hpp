@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "region_maps/provenance.hpp"  // yamlString
+
 namespace polyfly {
 
 /// A number in six significant digits, or `.nan` and `.inf` as YAML has them.
@@ -9,8 +11,5 @@ std::string yamlNumber(double value);
 
 /// A fitted value and half of its interval, for people; half_width NaN: the data do not bound it.
 std::string valueText(double value, double half_width);
-
-/// A string in double quotes, with what needs it escaped.
-std::string yamlString(const std::string& text);
 
 }  // namespace polyfly

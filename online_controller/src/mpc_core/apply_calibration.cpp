@@ -1,4 +1,4 @@
-#include "calibration/apply_calibration.hpp"
+#include "mpc_core/apply_calibration.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -8,7 +8,6 @@
 #include <locale>
 #include <sstream>
 
-#include "identification/yaml_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -164,6 +163,16 @@ double numberAt(const YAML::Node& map, const char* key, const CalibrationFile& f
   throw Error(file.source + ": " + place + "." + key + ": must be a finite number");
 }
 
+// Refuses what `calibrate` found the data not to support, with its reasons.
+void requireSupport(const YAML::Node& result, const CalibrationFile& file, const std::string& place) {
+  if (file.force || result["supported"].as<bool>(true)) return;
+  std::string reasons;
+  for (const YAML::Node& warning : result["warnings"]) reasons += "\n  " + warning.as<std::string>("");
+  throw Error(file.source + ": " + place +
+              ": the data do not support these numbers; fly again (calibrate apply --force takes them)" +
+              reasons);
+}
+
 void applyAttitude(const YAML::Node& calibration, const CalibrationFile& file, ProblemText* problem) {
   struct Loop {
     const char* input;
@@ -177,6 +186,7 @@ void applyAttitude(const YAML::Node& calibration, const CalibrationFile& file, P
     if (lag < 0) problem->refuse("model.A", std::string("has no state that lags ") + loop.input + " alone");
     const std::string place = std::string("axes.") + loop.axis + ".model_without_delay";
     const YAML::Node model = axis["model_without_delay"];
+    requireSupport(axis, file, std::string("axes.") + loop.axis);
     const double gain = numberAt(model, "gain", file, place);
     const double tau = numberAt(model, "tau", file, place);
     if (!(tau > 0.0)) throw Error(file.source + ": " + place + ".tau: must be greater than 0");
@@ -193,6 +203,7 @@ void applyDrag(const YAML::Node& calibration, const CalibrationFile& file, Probl
     const int state = problem->stateOf(std::string("e_v_") + letter);
     const YAML::Node drag = calibration["parameters"][name];
     if (state < 0 || !drag) continue;
+    requireSupport(drag, file, "parameters." + name);
     const double value = numberAt(drag, "value", file, "parameters." + name);
     problem->setEntry("A", state, state, -std::max(0.0, value));
   }
@@ -205,7 +216,10 @@ void applyDisturbance(const YAML::Node& calibration, const CalibrationFile& file
     if (name.size() < 3 || !range || range.size() != 2) {
       throw Error(file.source + ": disturbances: each must have a name and a range");
     }
-    problem->setRange(name.substr(name.size() - 2), range[0].as<double>(), range[1].as<double>());
+    const std::string axis = name.substr(name.size() - 1);
+    const bool taken = problem->setRange("_" + axis, range[0].as<double>(), range[1].as<double>());
+    const YAML::Node axes = calibration["axes"];
+    if (taken && axes && axes[axis]) requireSupport(axes[axis], file, "axes." + axis);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/provenance.hpp"
+#include "region_maps/provenance.hpp"
 
 namespace polyfly {
 
@@ -12,6 +12,7 @@ struct CalibrationFile {
   std::string text;
   std::string source;     ///< path, for messages
   Provenance provenance;  ///< of the file itself
+  bool force = false;     ///< take numbers that the file itself says its data do not support
 };
 
 /// A problem file with numbers of calibrations in it.
@@ -24,14 +25,14 @@ struct AppliedCalibration {
 ///
 /// - kind attitude: gain and lag of roll where the input is phi_cmd, of pitch where it is theta_cmd, without
 ///   delay: the row of the lag state in A and B (Eq. 37);
-/// - kind drag: minus drag_x, drag_y or drag_z on the diagonal of A, in the row of the state whose error is
-/// the
-///   parameter e_v_x, e_v_y or e_v_z;
+/// - kind drag: minus drag_x, drag_y or drag_z on the diagonal of A, in the row of the state whose error
+///   is the parameter e_v_x, e_v_y or e_v_z;
 /// - kind disturbance: the range of the disturbance that ends in _x, _y or _z, where the problem bounds it.
 ///
 /// The numbers are written into the text, so a map carries them and where they come from: the key
 /// `provenance` lists each file, its checksum, its data and the fields. Throws Error naming file, field and
-/// rule; when a calibration has nothing for this problem; and when the result is no problem.
+/// rule; when a calibration has nothing for this problem; when its data do not support a number that the
+/// problem would take (`supported: false`); and when the result is no problem.
 AppliedCalibration applyCalibrations(const std::string& problem, const std::string& source,
                                      const std::vector<CalibrationFile>& calibrations);
 

@@ -1,4 +1,5 @@
-#include "identification/provenance.hpp"
+#define XXH_INLINE_ALL
+#include "region_maps/provenance.hpp"
 
 #include <xxhash.h>
 
@@ -30,6 +31,24 @@ Provenance provenanceOf(const std::string& path) {
   std::snprintf(digits.data(), digits.size(), "%016llx",
                 static_cast<unsigned long long>(XXH64_digest(state.get())));
   return {std::filesystem::path(path).filename().string(), std::string("xxh64:") + digits.data(), ""};
+}
+
+std::string yamlString(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) {
+    const auto code = static_cast<unsigned char>(character);
+    if (character == '"' || character == '\\') {
+      result += '\\';
+      result += character;
+    } else if (code < 0x20) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\x%02x", static_cast<unsigned>(code));
+      result += escape;
+    } else {
+      result += character;
+    }
+  }
+  return result + "\"";
 }
 
 }  // namespace polyfly

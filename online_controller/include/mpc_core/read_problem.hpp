@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace polyfly {
+
+/// The text of a problem file (region_maps/problems/README.md), with the numbers of the calibrations that its
+/// key `calibration` names: one file that `calibrate` wrote or a list of them, paths from the problem's
+/// folder. The key becomes a comment, and `provenance` at the end tells what was taken from where: the result
+/// needs no other file, and is what a map carries. Throws Error naming file, field and rule; also when the
+/// data of a calibration do not support its numbers.
+std::string readProblem(const std::string& path);
+
+}  // namespace polyfly

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+namespace polyfly {
+
+/// Where numbers come from.
+struct Provenance {
+  std::string file;  ///< name without folders
+  std::string
+      checksum;  ///< of the bytes, "xxh64:" and sixteen hexadecimal digits; `xxhsum -H64` gives the same
+  std::string recorded;  ///< date of the data (UTC, ISO 8601), or empty where they do not tell
+};
+
+/// Reads the file once, in pieces. Throws Error when it cannot be read.
+Provenance provenanceOf(const std::string& path);
+
+/// A string in double quotes for YAML, with what needs it escaped.
+std::string yamlString(const std::string& text);
+
+}  // namespace polyfly
