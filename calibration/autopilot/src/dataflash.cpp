@@ -177,7 +177,8 @@ class Reader {
       if (field.name == "TimeMS") format.time = Field{"", field.letter, field.offset, kMilliseconds};
       // The instance of a sensor, or the core of an estimator, in logs that do not tell it by FMTU.
       const bool core = field.name == "C" && format.name.compare(0, 2, "XK") == 0;
-      if (field.name == "I" || core) format.instance = field;
+      // A controller's integral is called I too, but is no byte.
+      if ((field.name == "I" && field.letter == 'B') || core) format.instance = field;
     }
     format.keep = format.time && (wanted_.empty() ||
                                   std::find(wanted_.begin(), wanted_.end(), format.name) != wanted_.end());

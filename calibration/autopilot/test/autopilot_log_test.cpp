@@ -126,6 +126,7 @@ TEST_F(AutopilotLogs, formatsThatMultiplyEndAtOnce) {
 MadeDataflash smallDataflash() {
   MadeDataflash log;
   log.format(20, "IMU", "QBfffZ", "TimeUS,I,AccX,AccY,AccZ,Note", 3 + 8 + 1 + 12 + 64);
+  log.format(22, "PIDR", "Qf", "TimeUS,I", 3 + 8 + 4);
   log.format(21, "OLD", "IcLe", "TimeMS,A,Lat,Alt", 3 + 4 + 2 + 4 + 4);
   for (std::uint8_t instance = 0; instance < 2; ++instance) {
     std::vector<std::uint8_t> row;
@@ -141,6 +142,10 @@ MadeDataflash smallDataflash() {
   put<std::int32_t>(473000000, &old);
   put<std::int32_t>(-250, &old);
   log.row(21, old);
+  std::vector<std::uint8_t> integral;  // a controller's, no instance
+  put<std::uint64_t>(3000000, &integral);
+  put(2.5F, &integral);
+  log.row(22, integral);
   return log;
 }
 
@@ -149,6 +154,7 @@ TEST_F(AutopilotLogs, dataflashGivesEveryNumberInItsUnit) {
   EXPECT_EQ(log.tables.at("IMU").time, (std::vector<double>{3.0}));
   EXPECT_EQ(log.tables.at("IMU").column.at("AccZ"), (std::vector<double>{-9.75}));
   EXPECT_EQ(log.tables.at("IMU[1]").column.at("AccX"), (std::vector<double>{0.5}));
+  EXPECT_EQ(log.tables.at("PIDR").column.at("I"), (std::vector<double>{2.5}));
   const LogTable& old = log.tables.at("OLD");
   EXPECT_DOUBLE_EQ(old.time[0], 4.5);
   EXPECT_DOUBLE_EQ(old.column.at("A")[0], -12.34);
