@@ -8,11 +8,12 @@ namespace checker {
 Certificate::Certificate(const std::string& text, const Map& map) : map_(map), scaling_(map) {
   std::istringstream lines(unsealed(text));
   std::string line;
-  require(std::getline(lines, line) && line == "polyfly certificate 2", "not a certificate of version 2");
+  require(std::getline(lines, line) && line == "polyfly certificate 3", "not a certificate of version 3");
   claims_.reserve(map.regions.size());
   Claim* claim = nullptr;
   while (std::getline(lines, line)) readLine(line, claim);
   checkSizes();
+  replaceEntries();
 }
 
 void Certificate::readLine(const std::string& text, Claim*& claim) {
@@ -28,8 +29,16 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
     law_tolerance_ = line.real();
     plane_tolerance_ = line.real();
   } else if (key == "convexity") {
-    regularisation_ = line.real();
+    const std::string kind = line.word();
+    require(kind == "singular" || kind == "definite", "convexity: " + kind);
+    singular_ = kind == "singular";
     penalty_ = line.real();
+  } else if (key == "counts") {
+    Counts& counts = counts_.emplace_back();
+    counts.name = line.word();
+    counts.row = line.count(kMany);
+    counts.column = line.count(kMany);
+    counts.value = line.fraction();
   } else if (key == "equalities" || key == "dropped" || key == "relaxed" || key == "basis") {
     for (std::size_t k = line.count(kMany); k > 0; --k) {
       const std::size_t row = line.count(kMany);
@@ -128,7 +137,11 @@ std::string Certificate::conditions() const {
     text +=
         std::to_string(slivers) + " slivers are left to the regions about them, within the same distance\n";
   if (linear_) text += "linear program: of several optima the shortest\n";
-  if (regularisation_ > 0) text += "of H with something added to its diagonal, as the certificate states\n";
+  if (singular_) text += "H is singular: of several optima the shortest\n";
+  if (!counts_.empty())
+    text += std::to_string(counts_.size()) +
+            " entries count as others that differ by at most 2^-30 of the "
+            "greatest of their matrix or row\n";
   if (!relaxed_.empty())
     text += std::to_string(relaxed_.size()) + " rows have bounds that are greater by 2^-40 of their size\n";
   if (!dropped_.empty())
@@ -149,7 +162,7 @@ void Certificate::compareProblem(const std::string& problem) const {
                            [](double number, const Fraction& value) { return Fraction(number) == value; }),
             key + " is not that of the problem file");
   };
-  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"}) compare(key, data(key).entries);
+  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"}) compare(key, given(key).entries);
   compare("B", data("S").entries);
   Vector lower, upper;
   for (std::size_t j = 0; j < p_; ++j) {
@@ -213,12 +226,64 @@ void Certificate::checkProgram() const {
   for (const std::size_t row : basis_) require(allowed.count(row) > 0, "a row is no equality");
   for (const std::size_t row : dropped_) require(allowed.count(row) == 0, "an equality is dropped");
   for (const std::size_t row : relaxed_) require(allowed.count(row) == 0, "an equality is relaxed");
-  require(regularisation_ >= 0 && penalty_ >= 0, "convexity: negative");
-  if (linear_) return;
+  require(penalty_ >= 0, "convexity: negative");
+  require(!linear_ || !singular_, "convexity: H is zero");
+  if (!linear_) checkConvexity();
+}
+
+/// H of the conditions: symmetric, and as it counts.
+Fraction Certificate::hessian(std::size_t i, std::size_t j) const {
+  return (data("H").at(i, j) + data("H").at(j, i)) / 2;
+}
+
+/// Entries that count as others. They differ by rounding: 2^-30 of the greatest entry of the matrix, or of
+/// the row of A. All of H is replaced or nothing; it then has the penalty in it.
+void Certificate::replaceEntries() {
+  constexpr unsigned long kRoundingBits = 30;
+  const auto greatestOf = [](const Matrix& matrix, std::size_t first, std::size_t count) {
+    Fraction greatest;
+    for (std::size_t k = first; k < first + count; ++k)
+      greatest = std::max(greatest, Fraction(abs(matrix.entries[k])));
+    return greatest;
+  };
+  std::map<std::string, std::set<std::pair<std::size_t, std::size_t>>> seen;
+  for (const Counts& counts : counts_) {
+    require(
+        singular_ && (counts.name == "H" || counts.name == "F" || counts.name == "f" || counts.name == "A"),
+        counts.name + ": its entries cannot count as others");
+    Matrix& matrix = data_.at(counts.name);
+    require(counts.row < matrix.rows && counts.column < matrix.columns, counts.name + ": no such entry");
+    require(seen[counts.name].emplace(counts.row, counts.column).second, "an entry counts twice");
+    if (given_.emplace(counts.name, matrix).second && counts.name == "H") {
+      for (std::size_t i = 0; i < n_; ++i) {
+        for (std::size_t j = 0; j < n_; ++j) {
+          matrix.entries[i * n_ + j] = (given("H").at(i, j) + given("H").at(j, i)) / 2;
+          for (const std::size_t row : basis_)
+            matrix.entries[i * n_ + j] += penalty_ * given("A").at(row, i) * given("A").at(row, j);
+        }
+      }
+    }
+  }
+  if (seen.count("H") > 0) require(seen["H"].size() == n_ * n_, "H counts as another only in part");
+  const std::map<std::string, Matrix> before = data_;
+  for (const Counts& counts : counts_) {
+    const Matrix& old = before.at(counts.name);
+    const bool by_row = counts.name == "A";
+    const Fraction size = by_row ? greatestOf(old, counts.row * old.columns, old.columns)
+                                 : greatestOf(old, 0, old.entries.size());
+    Fraction& entry = data_.at(counts.name).entries[counts.row * old.columns + counts.column];
+    entry = counts.value;
+    require(abs(entry - old.at(counts.row, counts.column)) * Fraction(Integer(1) << kRoundingBits) <= size,
+            counts.name + ": an entry counts as one that differs by more than rounding");
+  }
+  if (seen.count("H") > 0) penalty_ = 0;
+}
+
+void Certificate::checkConvexity() const {
   Matrix H = data("H");
   for (std::size_t i = 0; i < n_; ++i) {
     for (std::size_t j = 0; j < n_; ++j) {
-      H.entries[i * n_ + j] = (data("H").at(i, j) + data("H").at(j, i)) / 2 + (i == j ? regularisation_ : 0);
+      H.entries[i * n_ + j] = hessian(i, j);
       for (const std::size_t row : basis_)
         H.entries[i * n_ + j] += penalty_ * data("A").at(row, i) * data("A").at(row, j);
     }

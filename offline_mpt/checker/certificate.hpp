@@ -27,6 +27,13 @@ struct Claim {
   std::map<std::string, std::pair<Integer, Weights>> proofs;  ///< by origin
 };
 
+/// An entry of the program that counts as another number.
+struct Counts {
+  std::string name;
+  std::size_t row = 0, column = 0;
+  Fraction value;
+};
+
 struct Region {
   std::set<std::size_t> active;
   std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
@@ -46,6 +53,10 @@ class Certificate {
   std::string conditions() const;  ///< what a reader must know beside "confirmed"
 
  private:
+  const Matrix& given(const std::string& name) const {
+    const auto at = given_.find(name);
+    return at != given_.end() ? at->second : data(name);
+  }
   const Matrix& data(const std::string& name) const {
     const auto at = data_.find(name);
     require(at != data_.end(), name + " is missing");
@@ -54,6 +65,11 @@ class Certificate {
   void readLine(const std::string& text, Claim*& claim);
   void checkSizes();
   void checkProgram() const;
+  void checkConvexity() const;
+  void replaceEntries();
+  Fraction hessian(std::size_t i, std::size_t j) const;
+  std::vector<Row> optimalitySystem(const std::vector<std::size_t>& rows) const;
+  std::vector<Row> limitSystem(const std::vector<std::size_t>& rows) const;
   Vector affine(const std::string& matrix, const std::string& vector, std::size_t row, int sign) const;
   Vector bound(std::size_t row) const;
   std::set<std::size_t> activeSet(std::size_t index) const;
@@ -74,14 +90,17 @@ class Certificate {
   void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;
 
   const Map& map_;
-  std::map<std::string, Matrix> data_;
+  std::map<std::string, Matrix> data_;   ///< what counts
+  std::map<std::string, Matrix> given_;  ///< of `data_`, what was replaced, as the problem has it
   std::set<std::size_t> equalities_, dropped_, relaxed_;
   std::vector<std::size_t> basis_;
   std::vector<Weights> implied_;
-  Fraction law_tolerance_, plane_tolerance_, regularisation_, penalty_;
+  Fraction law_tolerance_, plane_tolerance_, penalty_;
+  std::vector<Counts> counts_;
   Scaling scaling_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
-  bool linear_ = false;
+  bool linear_ = false;                            ///< H = 0
+  bool singular_ = false;                          ///< H is otherwise
   std::vector<Claim> claims_;                      ///< regions of the map, then slivers
   mutable std::map<std::size_t, Region> checked_;  ///< some, to be used again
 };

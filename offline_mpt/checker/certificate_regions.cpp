@@ -3,42 +3,6 @@
 #include "certificate.hpp"
 
 namespace checker {
-namespace {
-
-constexpr int kDroppedBits = 30;
-
-/// Solves the square system in place, without fractions; its last columns then are determinant * solution.
-Integer solve(std::vector<Row>& system) {
-  const std::size_t size = system.size();
-  Integer previous(1);
-  for (std::size_t k = 0; k < size; ++k) {
-    std::size_t pivot = size;
-    for (std::size_t i = k; i < size; ++i) {
-      if (system[i][k] != 0 && (pivot == size || cmp(abs(system[i][k]), abs(system[pivot][k])) < 0))
-        pivot = i;
-    }
-    require(pivot < size, "active rows are dependent");
-    std::swap(system[k], system[pivot]);
-    for (std::size_t i = 0; i < size; ++i) {
-      if (i == k) continue;
-      const Integer factor = system[i][k];
-      if (factor == 0 && system[k][k] == previous) continue;
-      for (std::size_t j = i < k ? i : k; j < system[i].size(); ++j) {
-        if (j != i && j < k) continue;
-        system[i][j] *= system[k][k];
-        system[i][j] -= factor * system[k][j];
-        mpz_divexact(system[i][j].get_mpz_t(), system[i][j].get_mpz_t(), previous.get_mpz_t());
-      }
-    }
-    previous = system[k][k];
-  }
-  for (Row& row : system) {
-    for (Integer& value : row) value *= sgn(previous);
-  }
-  return abs(previous);
-}
-
-}  // namespace
 
 std::set<std::size_t> Certificate::activeSet(std::size_t index) const {
   std::vector<std::int64_t> rows(claims_[index].active.begin(), claims_[index].active.end());
@@ -55,109 +19,6 @@ std::set<std::size_t> Certificate::activeSet(std::size_t index) const {
     require(active.insert(i).second, "an active set repeats a row");
   }
   return active;
-}
-
-/// Solves H z + cost + A'lambda = 0, A z = bound over the active rows. Of a linear program, H = I without
-/// cost gives the shortest z, and the cost alone the prices.
-Region Certificate::describe(std::size_t index) const {
-  Region region;
-  region.active = activeSet(index);
-  std::vector<std::size_t> rows = basis_;
-  rows.insert(rows.end(), region.active.begin(), region.active.end());
-  const std::size_t size = n_ + rows.size(), width = p_ + 1;
-  std::vector<Row> system;
-  for (std::size_t i = 0; i < size; ++i) {
-    Vector equation(size + (linear_ ? 2 : 1) * width);
-    if (i < n_) {
-      for (std::size_t j = 0; j < n_; ++j)
-        equation[j] = (data("H").at(i, j) + data("H").at(j, i)) / 2 +
-                      (i == j ? Fraction(linear_ ? 1 : regularisation_) : Fraction(0));
-      for (std::size_t r = 0; r < rows.size(); ++r) equation[n_ + r] = data("A").at(rows[r], i);
-      const Vector cost = affine("F", "f", i, 1);
-      for (std::size_t j = 0; j < width; ++j) equation[size + (linear_ ? width : 0) + j] = -cost[j];
-    } else {
-      for (std::size_t j = 0; j < n_; ++j) equation[j] = data("A").at(rows[i - n_], j);
-      const Vector own = bound(rows[i - n_]);
-      std::copy(own.begin(), own.end(), equation.begin() + static_cast<std::ptrdiff_t>(size));
-    }
-    system.push_back(primitive(equation));
-  }
-  const Integer determinant = solve(system);
-  const auto part = [&](std::size_t unknown, std::size_t group) {
-    const auto first = system[unknown].begin() + static_cast<std::ptrdiff_t>(size + group * width);
-    return Row(first, first + static_cast<std::ptrdiff_t>(width));
-  };
-  const auto isZero = [](const Row& row) {
-    return std::all_of(row.begin(), row.end(), [](const Integer& v) { return v == 0; });
-  };
-  std::vector<Row> z;
-  for (std::size_t i = 0; i < n_; ++i) {
-    z.push_back(part(i, 0));
-    require(!linear_ || isZero(part(i, 1)), "active rows do not pay for the cost");
-  }
-  for (std::size_t r = basis_.size(); r < rows.size(); ++r) {
-    const bool priced = linear_ && !isZero(part(n_ + r, 1));
-    region.rows[(priced ? "p" : "m") + std::to_string(rows[r])] = primitive(part(n_ + r, priced ? 1 : 0));
-  }
-  addSlacks(z, determinant, std::set<std::size_t>(rows.begin(), rows.end()), region);
-  addDomain(region);
-  setLaw(z, determinant, region);
-  return region;
-}
-
-void Certificate::addSlacks(const std::vector<Row>& z, const Integer& determinant,
-                            const std::set<std::size_t>& used, Region& region) const {
-  for (std::size_t i = 0; i < m_; ++i) {
-    if (used.count(i) > 0) continue;
-    Vector coefficients(data("A").entries.begin() + static_cast<std::ptrdiff_t>(i * n_),
-                        data("A").entries.begin() + static_cast<std::ptrdiff_t>((i + 1) * n_));
-    const Vector own = bound(i);
-    coefficients.insert(coefficients.end(), own.begin(), own.end());
-    const Row row = primitive(coefficients);
-    Row slack;
-    for (std::size_t j = 0; j <= p_; ++j) {
-      Integer value = determinant * row[n_ + j];
-      for (std::size_t k = 0; k < n_; ++k) value -= row[k] * z[k][j];
-      slack.push_back(value);
-    }
-    const std::string origin = "s" + std::to_string(i);
-    if (equalities_.count(i) > 0) {
-      for (const Integer& value : slack) require(value == 0, "an equality does not hold");
-    } else if (dropped_.count(i) > 0) {
-      Integer greatest(0);
-      for (std::size_t k = 0; k < n_; ++k) greatest = std::max(greatest, Integer(abs(row[k])));
-      for (Integer& value : slack) value <<= kDroppedBits;
-      slack.back() += determinant * greatest;
-      region.dropped[origin] = primitive(slack);
-    } else {
-      region.rows[origin] = primitive(slack);
-    }
-  }
-}
-
-void Certificate::addDomain(Region& region) const {
-  for (std::size_t i = 0; i < data("A_theta").rows; ++i) {
-    region.rows["d" + std::to_string(i)] = primitive(affine("A_theta", "b_theta", i, -1));
-  }
-  for (std::size_t k = 0; k < 2 * p_; ++k) {
-    Row row(p_ + 1);
-    row[k / 2] = k % 2 == 0 ? -1 : 1;
-    row[p_] = 1;
-    region.rows["b" + std::to_string(k)] = row;
-  }
-}
-
-void Certificate::setLaw(const std::vector<Row>& z, const Integer& determinant, Region& region) const {
-  for (std::size_t i = 0; i < q_; ++i) {
-    Vector law = affine("C", "c", i, 1);
-    for (std::size_t j = 0; j <= p_; ++j) {
-      Fraction sum;
-      for (std::size_t k = 0; k < n_; ++k) {
-        if (data("E").at(i, k) != 0) sum += data("E").at(i, k) * z[k][j];
-      }
-      region.law.push_back(law[j] + sum / determinant);
-    }
-  }
 }
 
 /// The map's numbers for a row (p + 1 of them) in t: sign * (entries . theta) + constant.
@@ -275,7 +136,8 @@ void Certificate::checkClosing(std::size_t index, const Region& region, std::siz
     if (kind == "domain") {
       require(origin[0] == 'd' || origin[0] == 'b', "a facet is not at the edge of the domain");
     } else {
-      require(origin[0] == 'm' || origin[0] == 's', "a facet of this kind has no single neighbour");
+      require(!singular_ && (origin[0] == 'm' || origin[0] == 's'),
+              "a facet of this kind has no single neighbour");
       const std::size_t other = line.count(claims_.size() - 1);
       std::set<std::size_t> changed = region.active;
       const std::size_t row = std::stoull(origin.substr(1));

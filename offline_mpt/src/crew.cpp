@@ -20,8 +20,8 @@ void work(const LeastDistance& program, const ExploreOptions& options, Desk& des
       for (const RowSpan& set : chunk->sets) {
         active.assign(set.begin(), set.end());
         const Described described = describe(program, worker, active);
-        writeAnswer(described, active, worker.builder.pivots() - pivots, answers);
-        pivots = worker.builder.pivots();
+        writeAnswer(described, active, worker.pivots() - pivots, answers);
+        pivots = worker.pivots();
       }
       desk.give(chunk);
     }

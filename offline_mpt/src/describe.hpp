@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "facet_neighbours.hpp"
 #include "least_distance.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/explore.hpp"
@@ -22,10 +24,15 @@ struct Described {
 /// Everything that one thread needs.
 struct Worker {
   Worker(const LeastDistance& program, const ExploreOptions& options)
-      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {}
+      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {
+    if (program.semidefinite) behind.emplace(program, options.facet_tolerance, options.radius_tolerance);
+  }
+
+  unsigned long long pivots() const { return builder.pivots() + (behind ? behind->pivots() : 0); }
 
   RegionBuilder builder;
   DenseQp qp;
+  std::optional<FacetNeighbours> behind;  ///< where H is singular and not zero
   std::vector<ActiveSet> sets;
 };
 

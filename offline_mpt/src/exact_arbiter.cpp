@@ -51,9 +51,10 @@ bool ExactArbiter::optimal(const Eigen::VectorXd& theta, const std::vector<int>&
   if (!exact_) {
     Adjustment as_given;
     as_given.basis = program_->equalities;
+    as_given.singular = program_->H.cwiseAbs().maxCoeff() > 0.0 && isSingular(*program_, as_given.basis);
     exact_ = std::make_shared<const ExactProgram>(*program_, as_given);
   }
-  if (exact_->linear) return false;  // whose optimum need not be unique
+  if (exact_->hasPrices()) return false;  // whose optimum need not be unique
   ExactSolution solution;
   if (solution.solve(*exact_, active) != ExactStatus::kRegion) return false;
   const std::vector<Rational> t = scaled(*exact_, theta);

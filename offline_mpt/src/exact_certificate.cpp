@@ -52,12 +52,19 @@ void writeProof(const std::string& certificate, const char* what, const std::str
   writeFileAtomically(path, bytes);
 }
 
+void appendReplaced(const ReplacedEntry& entry, std::string& text) {
+  static const char* const kNames[] = {"H", "F", "f", "A"};
+  text += std::string("counts ") + kNames[static_cast<std::size_t>(entry.matrix)] + " " +
+          std::to_string(entry.row) + " " + std::to_string(entry.column) + " " + entry.value.get_str(16) +
+          "\n";
+}
+
 }  // namespace
 
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const Adjustment& adjustment, const CertifyOptions& options) {
   const std::string_view problem = map.problemText();
-  std::string text = "polyfly certificate 2\n";
+  std::string text = "polyfly certificate 3\n";
   text += mapLine("map", map);
   text += "problem " + hex(static_cast<std::uint64_t>(XXH64(problem.data(), problem.size(), 0))) + " " +
           std::to_string(problem.size()) + "\n";
@@ -87,7 +94,9 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
   }
   appendList("dropped", adjustment.dropped, text);
   appendList("relaxed", adjustment.relaxed, text);
-  text += "convexity " + hex(adjustment.regularisation) + " " + hex(adjustment.penalty) + "\n";
+  text += std::string("convexity ") + (adjustment.singular ? "singular " : "definite ") +
+          hex(adjustment.penalty) + "\n";
+  for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
   text += "regions " + std::to_string(map.regionCount()) + "\n";
   return text;
 }

@@ -99,7 +99,9 @@ void add(CertifyReport& report, const RegionSurvey& survey, const Closed& closed
 
 void describeAdjustment(const ParametricProgram& source, const ExactProgram& program,
                         const Adjustment& adjustment, CertifyReport& report) {
-  report.regularisation = adjustment.regularisation;
+  report.singular = adjustment.singular;
+  report.replaced_entries = adjustment.replaced.size();
+  report.greatest_replacement = greatestReplacement(source, adjustment);
   report.linear = program.linear;
   report.dropped_rows = adjustment.dropped;
   report.relaxed_rows = adjustment.relaxed;

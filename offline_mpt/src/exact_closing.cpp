@@ -25,7 +25,7 @@ bool onePlane(const std::vector<double>& a, const std::vector<double>& b, int si
 }  // namespace
 
 std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin) {
-  if (origin.kind == ExactOrigin::Kind::kMultiplier) {
+  if (origin.kind != ExactOrigin::Kind::kSlack) {
     active.erase(std::remove(active.begin(), active.end(), origin.index), active.end());
   } else {
     active.insert(std::upper_bound(active.begin(), active.end(), origin.index), origin.index);
@@ -176,7 +176,7 @@ std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const Exa
 
 Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
                                    const std::vector<ExactRow>& listed, std::string& text,
-                                   std::vector<Defect>& defects) const {
+                                   std::vector<Defect>& defects, std::vector<Rational>& uncovered) const {
   const ExactRow& plane = listed[row];
   std::deque<std::vector<ExactRow>> storage;
   const std::vector<CoverCandidate> candidates = behind(region, plane, storage);
@@ -187,6 +187,7 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
     return Closing::kCovered;
   }
   if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
+  uncovered = cover.uncovered();
   Defect defect;
   defect.kind = Defect::Kind::kGap;
   defect.region = region;
@@ -204,6 +205,46 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
   return Closing::kOpen;
 }
 
+// Whether the set describes a region with an interior that holds `uncovered`, a point of a facet.
+bool FacetClosing::liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,
+                              std::vector<Rational>& point) const {
+  const auto is_dropped = [&](int row) { return context_.program.is_dropped[static_cast<std::size_t>(row)]; };
+  ExactRegion beyond;
+  if (std::any_of(active.begin(), active.end(), is_dropped) || find(active) >= 0 ||
+      describeExactly(context_.program, active, beyond) != ExactStatus::kRegion)
+    return false;
+  for (const ExactRow& row : beyond.rows) {
+    if (valueAt(row, uncovered) < 0) return false;
+  }
+  Interior interior = findInterior(rowsThatCanFail(beyond), nullptr, context_.program.p);
+  if (interior.exists) point = std::move(interior.point);
+  return interior.exists;
+}
+
+// An active set that should be in the map: one row changes, or, where H is singular, one more in exchange.
+void FacetClosing::findMissing(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
+                               const std::vector<Rational>& uncovered, Defect& defect) const {
+  const ExactProgram& program = context_.program;
+  std::vector<Rational> point;
+  const auto take = [&](const std::vector<int>& candidate) {
+    if (!liesBehind(candidate, uncovered, point)) return false;
+    defect.missing = candidate;
+    defect.witness = toTheta(program, point);
+    return true;
+  };
+  for (const ExactOrigin& origin : origins) {
+    const std::vector<int> changed = changedSet(survey.active, origin);
+    if (take(changed)) return;
+    for (int row = 0; row < program.m && program.hasPrices(); ++row) {
+      const auto at = static_cast<std::size_t>(row);
+      const bool active = std::binary_search(changed.begin(), changed.end(), row);
+      const auto kind = active ? ExactOrigin::Kind::kMultiplier : ExactOrigin::Kind::kSlack;
+      if (program.in_basis[at] != 0 || program.is_equality[at] != 0) continue;
+      if (take(changedSet(changed, {kind, row}))) return;
+    }
+  }
+}
+
 Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string& text,
                             std::vector<Defect>& defects) const {
   const RegionSurvey& survey = surveys_[region];
@@ -217,35 +258,26 @@ Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string
     return Closing::kDomain;
   }
   for (const ExactOrigin& origin : origins) {
-    if (origin.kind == ExactOrigin::Kind::kPrice) continue;
+    // Where H is singular and not zero, multipliers may change from one side to the other.
+    if (origin.kind == ExactOrigin::Kind::kPrice || context_.program.semidefinite) continue;
     const int other = find(changedSet(survey.active, origin));
     if (other < 0 || surveys_[static_cast<std::size_t>(other)].point.empty()) continue;
     text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";
     return Closing::kMatched;
   }
   Closing closing = Closing::kEdge;
+  std::vector<Rational> uncovered;
   const std::size_t known = defects.size();
   if (!proveEdge(survey, origins, line)) {
     std::deque<std::vector<ExactRow>> storage;
-    closing = closeByCover(region, row, listedRows(region, storage), line, defects);
+    closing = closeByCover(region, row, listedRows(region, storage), line, defects, uncovered);
   }
   if (closing != Closing::kOpen) {
     text += line + "\n";
     return closing;
   }
   if (defects.size() == known) return closing;  // stopped
-  Defect& defect = defects.back();
-  for (const ExactOrigin& origin : origins) {
-    if (origin.kind == ExactOrigin::Kind::kPrice) continue;
-    const std::vector<int> candidate = changedSet(survey.active, origin);
-    ExactRegion beyond;
-    if (describeExactly(context_.program, candidate, beyond) != ExactStatus::kRegion) continue;
-    const Interior interior = findInterior(rowsThatCanFail(beyond), nullptr, context_.program.p);
-    if (!interior.exists) continue;
-    defect.missing = candidate;
-    defect.witness = toTheta(context_.program, interior.point);
-    break;
-  }
+  findMissing(survey, origins, uncovered, defects.back());
   return closing;
 }
 

@@ -36,7 +36,12 @@ class FacetClosing {
   std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
                                      std::deque<std::vector<ExactRow>>& storage) const;
   Closing closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
-                       std::string& text, std::vector<Defect>& defects) const;
+                       std::string& text, std::vector<Defect>& defects,
+                       std::vector<Rational>& uncovered) const;
+  void findMissing(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
+                   const std::vector<Rational>& uncovered, Defect& defect) const;
+  bool liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,
+                  std::vector<Rational>& point) const;
 
   const SurveyContext& context_;
   const std::vector<RegionSurvey>& surveys_;
@@ -45,7 +50,8 @@ class FacetClosing {
   std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated
 };
 
-/// The active set across a facet of this origin, if one row changes.
+/// The active set across a facet of this origin, if one row changes: the row of a multiplier or price leaves,
+/// that of a slack joins.
 std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin);
 
 }  // namespace polyfly

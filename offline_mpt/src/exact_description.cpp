@@ -18,8 +18,9 @@ Adjustment adjustmentOf(const ParametricProgram& program) {
     for (const int k : independentRows(wholeRows(values, program.variableCount())))
       adjustment.basis.push_back(program.equalities[static_cast<std::size_t>(k)]);
   }
-  if (program.H.cwiseAbs().maxCoeff() > 0.0)
-    adjustment.regularisation = solversRegularisation(program, adjustment);
+  adjustment.singular = program.H.cwiseAbs().maxCoeff() > 0.0 && isSingular(program, adjustment.basis);
+  if (adjustment.singular)
+    adjustment.replaced = withoutRounding(program, adjustment.basis, adjustment.penalty);
   return adjustment;
 }
 
@@ -55,18 +56,20 @@ bool ExactDescription::describe(const std::vector<std::uint16_t>& active) {
 }
 
 void ExactDescription::multiplier(std::size_t place, double* affine) const {
-  unknown(place, &ExactSolution::multiplier, affine);
+  // of a semidefinite program per unit of z, not of H z
+  unknown(place, &ExactSolution::multiplier, source_->program.semidefinite ? 0 : source_->program.H_exponent,
+          affine);
 }
 
 void ExactDescription::price(std::size_t place, double* affine) const {
-  unknown(place, &ExactSolution::price, affine);
+  unknown(place, &ExactSolution::price, source_->program.H_exponent, affine);
 }
 
 void ExactDescription::unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const,
-                               double* affine) const {
+                               long units, double* affine) const {
   const ExactProgram& program = source_->program;
   const auto row = static_cast<std::size_t>(reduced_.row_ids[active_[place]]);
-  const long exponent = program.row_exponent[row] - program.H_exponent - program.shift;
+  const long exponent = program.row_exponent[row] - units - program.shift;
   const int r = static_cast<int>(program.basis.size() + place);
   const double length = reduced_.length(active_[place]);
   for (int j = 0; j <= program.p; ++j)

@@ -20,11 +20,14 @@ class ExactDescription {
   /// rounding only.
   bool describe(const std::vector<std::uint16_t>& active);
 
+  /// Of the program, once a set was described: the program without rounding leaves as many variables free.
+  bool usable() const { return source_ && source_->usable; }
+
   // Of the set that was described last; affine functions of t are p + 1 numbers, constant last.
 
   /// Of active row `place`, in the order given.
   void multiplier(std::size_t place, double* affine) const;
-  /// Of a linear program: what the cost asks of active row `place`.
+  /// Where H is singular: what the cost asks of active row `place`.
   void price(std::size_t place, double* affine) const;
   /// Of row `row` of the reduced program.
   void slack(int row, double* affine) const;
@@ -32,7 +35,8 @@ class ExactDescription {
   void law(std::vector<double>& out) const;
 
  private:
-  void unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const, double* affine) const;
+  void unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const, long units,
+               double* affine) const;
 
   struct Source {
     explicit Source(const LeastDistance& reduced);

@@ -1,7 +1,5 @@
 #include "exact_program.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "exact_numbers.hpp"
@@ -9,16 +7,34 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSemidefinite = 1e-8;  // the solver adds this share of the mean eigenvalue to a singular H
-constexpr double kRank = 1e-11;  // relative pivot below which the solver counts equalities as dependent
+std::vector<Rational> exactly(const Eigen::MatrixXd& M) {
+  std::vector<Rational> values;
+  for (Eigen::Index i = 0; i < M.rows(); ++i) {
+    for (Eigen::Index j = 0; j < M.cols(); ++j) values.emplace_back(M(i, j));
+  }
+  return values;
+}
+
+/// The matrix with its replaced entries, by rows.
+std::vector<Rational> counted(const Eigen::MatrixXd& M, ReplacedEntry::Matrix matrix,
+                              const Adjustment& adjustment) {
+  std::vector<Rational> values = exactly(M);
+  for (const ReplacedEntry& entry : adjustment.replaced) {
+    if (entry.matrix == matrix)
+      values[static_cast<std::size_t>(entry.row) * static_cast<std::size_t>(M.cols()) +
+             static_cast<std::size_t>(entry.column)] = entry.value;
+  }
+  return values;
+}
 
 /// (M theta + v) as p + 1 numbers per row.
-std::vector<Rational> affine(const Eigen::MatrixXd& M, const Eigen::VectorXd& v, const ExactProgram& exact) {
+std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<Rational>& v,
+                             const ExactProgram& exact) {
   std::vector<Rational> result;
-  for (Eigen::Index i = 0; i < v.size(); ++i) {
-    Rational constant(v(i));
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    Rational constant = v[i];
     for (int j = 0; j < exact.p; ++j) {
-      const Rational entry(M(i, j));
+      const Rational& entry = M[i * static_cast<std::size_t>(exact.p) + j];
       result.push_back(entry * exact.half[j]);
       constant += entry * exact.centre[j];
     }
@@ -29,36 +45,25 @@ std::vector<Rational> affine(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
 
 }  // namespace
 
-std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment) {
+std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment,
+                              double penalty) {
   const int n = program.variableCount();
   std::vector<Rational> H;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       Rational value = (Rational(program.H(i, j)) + Rational(program.H(j, i))) / 2;
-      if (i == j) value += Rational(adjustment.regularisation);
+      for (std::size_t k = 0; penalty != 0.0 && k < adjustment.basis.size(); ++k) {
+        const int row = adjustment.basis[k];
+        value += Rational(penalty) * Rational(program.A(row, i)) * Rational(program.A(row, j));
+      }
       H.push_back(value);
     }
   }
-  return H;
-}
-
-double solversRegularisation(const ParametricProgram& program, const Adjustment& adjustment) {
-  const int n = program.variableCount();
-  Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(n, n);
-  if (!adjustment.basis.empty()) {
-    Eigen::MatrixXd A(n, static_cast<Eigen::Index>(adjustment.basis.size()));
-    for (std::size_t k = 0; k < adjustment.basis.size(); ++k)
-      A.col(static_cast<Eigen::Index>(k)) = program.A.row(adjustment.basis[k]);
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-    qr.setThreshold(kRank);
-    const Eigen::MatrixXd Q = qr.householderQ();
-    Z = Q.rightCols(n - qr.rank());
+  for (const ReplacedEntry& entry : adjustment.replaced) {
+    if (entry.matrix == ReplacedEntry::Matrix::kH)
+      H[static_cast<std::size_t>(entry.row) * n + entry.column] = entry.value;
   }
-  const Eigen::MatrixXd reduced = Z.transpose() * program.H * Z;
-  if (reduced.rows() == 0) return 0.0;
-  const double mean = reduced.trace() / static_cast<double>(reduced.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(reduced, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()(0) < kSemidefinite * mean ? kSemidefinite * mean : 0.0;
+  return H;
 }
 
 ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& adjustment)
@@ -66,8 +71,8 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
       m(program.rowCount()),
       p(program.parameterCount()),
       q(program.inputCount()),
-      regularisation(adjustment.regularisation),
       linear(program.H.cwiseAbs().maxCoeff() == 0.0),
+      semidefinite(adjustment.singular),
       basis(adjustment.basis),
       in_basis(static_cast<std::size_t>(m), 0),
       is_equality(static_cast<std::size_t>(m), 0),
@@ -80,15 +85,21 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
   for (const int row : adjustment.dropped) is_dropped[row] = 1;
   for (const int row : program.equalities) is_equality[row] = 1;
 
-  std::vector<Rational> H_values = hessian(program, adjustment);
+  using Matrix = ReplacedEntry::Matrix;
+  std::vector<Rational> H_values = hessian(program, adjustment, 0.0);
   if (linear) {
     for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
   }
-  const std::vector<Rational> cost_values = affine(program.F, program.f, *this);
-  std::vector<Rational> bound_values = affine(program.S, program.b, *this);
+  const std::vector<Rational> cost_values =
+      affine(counted(program.F, Matrix::kF, adjustment), counted(program.f, Matrix::kf, adjustment), *this);
+  std::vector<Rational> bound_values = affine(exactly(program.S), exactly(program.b), *this);
   for (const int row : adjustment.relaxed)
     bound_values[row * (p + 1) + p] +=
         Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
+  const std::vector<Rational> A_values = counted(program.A, Matrix::kA, adjustment);
+  const auto a = [&](int i, int j) -> const Rational& {
+    return A_values[static_cast<std::size_t>(i) * static_cast<std::size_t>(n) + static_cast<std::size_t>(j)];
+  };
   long H_least = kNoBit, cost_least = kNoBit;
   for (const Rational& value : H_values) include(H_least, value);
   for (const Rational& value : cost_values) include(cost_least, value);
@@ -96,7 +107,7 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
   if (cost_least != kNoBit) shift = std::max(shift, H_least - cost_least);
   for (int i = 0; i < m; ++i) {
     long least = kNoBit, bound_least = kNoBit;
-    for (int j = 0; j < n; ++j) include(least, Rational(program.A(i, j)));
+    for (int j = 0; j < n; ++j) include(least, a(i, j));
     for (int j = 0; j <= p; ++j) include(bound_least, bound_values[i * (p + 1) + j]);
     if (least == kNoBit) least = bound_least == kNoBit ? 0 : bound_least;
     row_exponent.push_back(-least);
@@ -113,17 +124,17 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
   for (int i = 0; i < m; ++i) {
     Integer size(0);
     for (int j = 0; j < n; ++j) {
-      A(i, j) = scaled(Rational(program.A(i, j)), row_exponent[i]);
+      A(i, j) = scaled(a(i, j), row_exponent[i]);
       if (mpz_cmpabs(A(i, j).get_mpz_t(), size.get_mpz_t()) > 0) size = abs(A(i, j));
     }
     row_size.push_back(size);
     for (int j = 0; j <= p; ++j) bound(i, j) = scaled(bound_values[i * (p + 1) + j], shift + row_exponent[i]);
   }
-  domain = wholeRows(affine(-program.A_theta, program.b_theta, *this), p + 1);
+  domain = wholeRows(affine(exactly(-program.A_theta), exactly(program.b_theta), *this), p + 1);
   for (int i = 0; i < q; ++i) {
     for (int j = 0; j < n; ++j) E.emplace_back(program.E(i, j));
   }
-  offset = affine(program.C, program.c, *this);
+  offset = affine(exactly(program.C), exactly(program.c), *this);
 }
 
 }  // namespace polyfly

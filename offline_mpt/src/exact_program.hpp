@@ -5,6 +5,7 @@
 
 #include "exact_matrix.hpp"
 #include "mpc_core/parametric_program.hpp"
+#include "singular_hessian.hpp"
 
 namespace polyfly {
 
@@ -14,11 +15,12 @@ using ZeroCombination = std::vector<std::pair<int, Integer>>;
 
 /// What is certified in place of the program as it was given; nothing, where all fields are empty.
 struct Adjustment {
-  double regularisation = 0.0;  ///< added to the diagonal of H
-  double penalty = 0.0;         ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
-  std::vector<int> dropped;     ///< inequalities that others imply up to rounding
-  std::vector<int> relaxed;     ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
-  std::vector<int> basis;       ///< rows taken as equalities: independent, and all others follow from them
+  bool singular = false;                ///< H is, and not zero: of several optima the shortest
+  std::vector<ReplacedEntry> replaced;  ///< of H, f, F and A; with H, all its entries
+  double penalty = 0.0;      ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
+  std::vector<int> dropped;  ///< inequalities that others imply up to rounding
+  std::vector<int> relaxed;  ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
+  std::vector<int> basis;    ///< rows taken as equalities: independent, and all others follow from them
   std::vector<ZeroCombination> implied;  ///< why inequalities are among them
 };
 
@@ -36,8 +38,9 @@ struct ExactProgram {
   int m = 0;
   int p = 0;
   int q = 0;
-  double regularisation = 0.0;  ///< Adjustment::regularisation
-  bool linear = false;          ///< H = 0; `H` is then the identity: of several optima the shortest
+  bool linear = false;        ///< H = 0; `H` is then the identity: of several optima the shortest
+  bool semidefinite = false;  ///< H is singular otherwise: the same
+  bool hasPrices() const { return linear || semidefinite; }
   long shift = 0;
   long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
   std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
@@ -63,11 +66,12 @@ constexpr int kDroppedBits = 30;
 /// By how much a relaxed row's bound is greater, relative to the row's greatest entry: 2^-kRelaxedBits.
 constexpr int kRelaxedBits = 40;
 
-/// H, symmetric, with the regularisation, by rows.
-std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment);
+/// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.
+std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment, double penalty);
 
-/// What the solver adds to H: nothing, unless H is singular where the rows of Adjustment::basis leave z free.
-double solversRegularisation(const ParametricProgram& program, const Adjustment& adjustment);
+/// Greatest difference of a replaced entry from the one given, relative to the greatest of H (with the
+/// penalty), F, f, or the row of A.
+double greatestReplacement(const ParametricProgram& program, const Adjustment& adjustment);
 
 /// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
 /// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z

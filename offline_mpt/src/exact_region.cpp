@@ -24,6 +24,32 @@ IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<in
   return system;
 }
 
+/// The same for H singular and not zero, as the limit of H + eps I: unknowns are z, the prices, the
+/// multipliers, and y, by which z changes with eps.
+///
+///     H z + A'price = -cost,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
+IntegerMatrix limitSystem(const ExactProgram& program, const std::vector<int>& rows) {
+  const int n = program.n;
+  const int k = static_cast<int>(rows.size());
+  const int size = 2 * (n + k);
+  const int y = n + 2 * k;
+  IntegerMatrix system(size, size + program.p + 1);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) system(i, j) = system(n + k + i, y + j) = program.H(i, j);
+    for (int r = 0; r < k; ++r) {
+      const Integer& entry = program.A(rows[r], i);
+      system(i, n + r) = system(n + r, i) = system(n + k + i, n + k + r) = system(2 * n + k + r, y + i) =
+          entry;
+    }
+    system(n + k + i, i) = 1;
+    for (int j = 0; j <= program.p; ++j) system(i, size + j) = -program.cost(i, j);
+  }
+  for (int r = 0; r < k; ++r) {
+    for (int j = 0; j <= program.p; ++j) system(n + r, size + j) = program.bound(rows[r], j);
+  }
+  return system;
+}
+
 bool isZero(const std::vector<Integer>& row) {
   return std::all_of(row.begin(), row.end(), [](const Integer& value) { return value == 0; });
 }
@@ -130,16 +156,34 @@ ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<
     if (!program.in_basis[row]) rows_.push_back(row);
   }
   if (static_cast<int>(rows_.size()) > program.n) return ExactStatus::kDependent;
-  system_ = optimalitySystem(program, rows_);
   n_ = program.n;
-  first_ = system_.rows();
   width_ = program.p + 1;
+  if (program.semidefinite) return solveLimit(program);
+  system_ = optimalitySystem(program, rows_);
+  first_ = system_.rows();
+  multipliers_ = n_;
+  price_column_ = first_ + width_;
   if (!solveExactly(system_, determinant_)) return ExactStatus::kDependent;
   if (!program.linear) return ExactStatus::kRegion;
   for (int i = 0; i < n_; ++i) {
     for (int j = 0; j < width_; ++j) {
       if (system_(i, first_ + width_ + j) != 0) return ExactStatus::kUnpaid;
     }
+  }
+  return ExactStatus::kRegion;
+}
+
+ExactStatus ExactSolution::solveLimit(const ExactProgram& program) {
+  system_ = limitSystem(program, rows_);
+  first_ = price_column_ = system_.rows();
+  multipliers_ = n_ + static_cast<int>(rows_.size());
+  switch (solveExactly(system_, multipliers_ + static_cast<int>(rows_.size()), determinant_)) {
+    case ExactSolve::kDependent:
+      return ExactStatus::kDependent;
+    case ExactSolve::kInconsistent:
+      return ExactStatus::kUnpaid;
+    case ExactSolve::kSolved:
+      break;
   }
   return ExactStatus::kRegion;
 }
@@ -189,9 +233,9 @@ ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>&
     std::vector<Integer> multiplier, price;
     for (int j = 0; j <= program.p; ++j) {
       multiplier.push_back(solution.multiplier(r, j));
-      if (program.linear) price.push_back(solution.price(r, j));
+      if (program.hasPrices()) price.push_back(solution.price(r, j));
     }
-    const bool priced = program.linear && !isZero(price);
+    const bool priced = program.hasPrices() && !isZero(price);
     region.rows.push_back(
         makeRow({priced ? ExactOrigin::Kind::kPrice : ExactOrigin::Kind::kMultiplier, rows[k]},
                 priced ? std::move(price) : std::move(multiplier)));

@@ -13,7 +13,7 @@ namespace polyfly {
 struct ExactOrigin {
   enum class Kind : std::uint8_t {
     kMultiplier,  ///< of row `index` of the program, >= 0
-    kPrice,       ///< the same in a linear program, where the cost decides it
+    kPrice,       ///< the same where H is singular and the cost decides it
     kSlack,       ///< of row `index`, >= 0
     kDomain,      ///< row `index` of A_theta
     kBox,         ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
@@ -44,8 +44,8 @@ struct ExactRegion {
 
 enum class ExactStatus : std::uint8_t {
   kRegion,
-  kDependent,     ///< the active rows are linearly dependent, or H is singular along them
-  kUnpaid,        ///< linear program: no prices of these rows make up the cost
+  kDependent,     ///< the active rows are linearly dependent
+  kUnpaid,        ///< H singular: no prices of these rows make up the cost
   kInconsistent,  ///< an equality does not hold
 };
 
@@ -61,19 +61,22 @@ class ExactSolution {
   const Integer& denominator() const { return determinant_; }  ///< > 0
   const Integer& z(int i, int j) const { return system_(i, j + first_); }
   /// Of rows()[r].
-  const Integer& multiplier(int r, int j) const { return system_(n_ + r, j + first_); }
-  /// Of rows()[r], in a linear program.
-  const Integer& price(int r, int j) const { return system_(n_ + r, j + first_ + width_); }
+  const Integer& multiplier(int r, int j) const { return system_(multipliers_ + r, j + first_); }
+  /// Of rows()[r], where H is singular.
+  const Integer& price(int r, int j) const { return system_(n_ + r, j + price_column_); }
   /// bound - A z of a row, over the denominator.
   std::vector<Integer> slack(const ExactProgram& program, int row) const;
   /// q x (p + 1), u = law (t, 1)
   std::vector<Rational> law(const ExactProgram& program) const;
 
  private:
+  ExactStatus solveLimit(const ExactProgram& program);
+
   std::vector<int> rows_;
   IntegerMatrix system_;
   Integer determinant_;
   int n_ = 0, first_ = 0, width_ = 0;
+  int multipliers_ = 0, price_column_ = 0;  // where they stand in system_
 };
 
 /// Solves the optimality conditions for one active set, which may name equalities or not.

@@ -40,8 +40,11 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
          << ", half-spaces left out " << report.left_out_rows << ": within " << report.plane_tolerance
          << " (scaled)\n";
   if (report.linear) text << "  linear program: of several optima the shortest\n";
-  if (report.regularisation > 0.0)
-    text << "  H is singular: proven for H + " << report.regularisation << " I, as it was solved\n";
+  if (report.singular) text << "  H is singular: of several optima the shortest\n";
+  if (report.replaced_entries > 0)
+    text << "  numbers of H, cost and rows that hide by rounding that H is singular: "
+         << report.replaced_entries << ", proven with others that differ by " << report.greatest_replacement
+         << " (relative)\n";
   if (!report.implied_equalities.empty())
     text << "  rows that can only hold with equality: " << list(report.implied_equalities) << "\n";
   if (!report.dropped_rows.empty())
@@ -106,7 +109,9 @@ std::string certifyJson(const CertifyReport& report) {
   json["law_error"] = report.law_error;
   json["plane_error"] = report.plane_error;
   json["linear"] = report.linear;
-  json["regularisation"] = report.regularisation;
+  json["singular"] = report.singular;
+  json["replaced_entries"] = report.replaced_entries;
+  json["greatest_replacement"] = report.greatest_replacement;
   json["implied_equalities"] = report.implied_equalities;
   json["dropped_rows"] = report.dropped_rows;
   json["relaxed_rows"] = report.relaxed_rows;

@@ -12,7 +12,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kPositive = 1e-10;  // multipliers above this are active at a witness
+constexpr double kNearlySingular = 1e-8;  // share of the mean eigenvalue that is added to a singular H
+constexpr double kPositive = 1e-10;       // multipliers above this are active at a witness
 constexpr std::size_t kMostChanges =
     4;  // rows by which the active sets of a sliver and of regions about it differ
 
@@ -89,8 +90,8 @@ bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, c
                  std::vector<int>& active) {
   if (program.linear) return false;
   try {
-    const Eigen::MatrixXd H =
-        source.H + program.regularisation * Eigen::MatrixXd::Identity(program.n, program.n);
+    const double added = program.semidefinite ? kNearlySingular * source.H.trace() / program.n : 0.0;
+    const Eigen::MatrixXd H = source.H + added * Eigen::MatrixXd::Identity(program.n, program.n);
     DenseQp qp(H, source.A, program.basis);
     const Eigen::VectorXd g = source.f + source.F * theta;
     const Eigen::VectorXd b = source.b + source.S * theta;

@@ -15,6 +15,7 @@
 #include "least_distance.hpp"
 #include "margin.hpp"
 #include "region_maps/error.hpp"
+#include "starting_point.hpp"
 #include "team_leader.hpp"
 
 namespace polyfly {
@@ -31,24 +32,6 @@ constexpr double kEdge =
     1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
 constexpr double kActive = 1e-10;            // multipliers below this are not active in a starting point
 constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
-
-/// Active set at t with all rows of unit length tightened by `margin`, ascending; false where that is
-/// infeasible.
-bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
-                 ActiveSet& active) {
-  Eigen::VectorXd t1(program.p + 1);
-  t1 << t, 1.0;
-  const Eigen::VectorXd g = program.F * t1;
-  const Eigen::VectorXd b = program.S * t1 - margin * program.length;
-  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
-  active.clear();
-  for (int k = 0; k < qp.activeCount(); ++k) {
-    const int row = qp.activeRows()[k];
-    if (qp.lambda()(row) > kActive) active.push_back(static_cast<std::uint16_t>(row));
-  }
-  std::sort(active.begin(), active.end());
-  return true;
-}
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
 Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, double step) {
@@ -80,8 +63,9 @@ void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet
   };
   if (held(-kClearlyInside)) return;
   ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, widen * kEdge, active)) return;  // the edge of the feasible set
-  if (!activeSetAt(program, worker.qp, probe, 0.0, active)) return;
+  if (!activeSetAt(program, worker.qp, probe, widen * kEdge, kActive, active))
+    return;  // the edge of the feasible set
+  if (!activeSetAt(program, worker.qp, probe, 0.0, kActive, active)) return;
   sets.push_back(active);
   if (held(kProbeTolerance)) return;
   RegionData optimal;
@@ -98,6 +82,15 @@ void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
   }
 }
 
+// Of a program whose H is singular: the regions behind each facet.
+void findBehindFacets(Worker& worker, const ActiveSet& active, Described& out) {
+  for (const Facet& facet : out.region.facets) {
+    if (worker.builder.neighbours(active, facet, worker.sets) == Crossing::kEdge) continue;
+    worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unsettled);
+    ++out.degenerate_facets;
+  }
+}
+
 }  // namespace
 
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
@@ -105,6 +98,10 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
   out.status = worker.builder.build(active, out.region);
   if (out.status == BuildStatus::kWeak) addSmallerSets(active, out.neighbours);
   if (out.status != BuildStatus::kRegion) return out;
+  if (program.semidefinite) {
+    findBehindFacets(worker, active, out);
+    return out;
+  }
   std::vector<std::pair<std::size_t, std::vector<ActiveSet>>> degenerate;
   for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
     const Crossing crossing = worker.builder.neighbours(active, out.region.facets[f], worker.sets);
@@ -124,6 +121,7 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
 
 bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
                ActiveSet& active) {
+  const double least = program.semidefinite ? 0.0 : kActive;  // where they are as small as what is added to H
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   RegionData region;
@@ -134,7 +132,7 @@ bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Work
       const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
       t(j) += spread * (2.0 * unit - 1.0);
     }
-    if (!activeSetAt(program, worker.qp, t, 0.0, active)) continue;
+    if (!activeSetAt(program, worker.qp, t, 0.0, least, active)) continue;
     if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
   }
   return false;

@@ -10,9 +10,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRank = 1e-11;         // relative size below which a pivot or length counts as zero
-constexpr double kSemidefinite = 1e-8;  // share of the mean eigenvalue added to a singular H
+constexpr double kRank = 1e-11;  // relative size below which a pivot or length counts as zero
 constexpr double kRounding = 0x1.0p-52;
+constexpr double kSingularStart = 1e-6;  // the same of a singular H, relative to its mean eigenvalue
 constexpr double kLinearStart =
     1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
 constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
@@ -145,25 +145,29 @@ void dropParallelRows(LeastDistance& ld, const Eigen::MatrixXd& M) {
   keepRows(ld, M, kept);
 }
 
-/// Lower triangular L with LL' = H, after H has been made positive definite; L = I for a linear program.
+/// Lower triangular L with LL' = H; L = I where H is singular.
 Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
   const double mean = ld.n > 0 ? ld.H.trace() / ld.n : 0.0;
-  if (ld.H.cwiseAbs().maxCoeff() == 0.0) {
+  if (vanishes(ld.H, ld.source.H)) {
     ld.linear = true;
     ld.cost = ld.F;
     ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kRank) * Eigen::MatrixXd::Identity(ld.n, ld.n);
     return Eigen::MatrixXd::Identity(ld.n, ld.n);
   }
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(ld.H, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(ld.H);
+  const double least = solver.eigenvalues()(0);
   if (least < -kSemidefinite * mean) {
     throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
   }
-  if (least < kSemidefinite * mean) {
-    ld.H.diagonal().array() += kSemidefinite * mean;
-    ld.rounding = kRounding / kSemidefinite;
-  }
-  return ld.H.llt().matrixL();
+  if (least >= kSemidefinite * mean) return ld.H.llt().matrixL();
+  ld.semidefinite = true;
+  ld.cost = ld.F;
+  const double greatest = solver.eigenvalues()(ld.n - 1);
+  const Eigen::VectorXd positive =
+      (solver.eigenvalues().array() > kNullEigenvalue * greatest).select(solver.eigenvalues(), 0.0);
+  ld.curvature = solver.eigenvectors() * positive.asDiagonal() * solver.eigenvectors().transpose();
+  ld.H = ld.curvature + kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
+  return Eigen::MatrixXd::Identity(ld.n, ld.n);
 }
 
 }  // namespace
@@ -187,9 +191,9 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   ld.F = free.Z.transpose() * (affineInScaled(program.F, program.f, ld) + program.H * free.z_p);
   const Eigen::MatrixXd root = metric(program.name, ld);
   const auto lower = root.triangularView<Eigen::Lower>();
-  // unconstrained minimiser; of a linear program its part of order one
+  // unconstrained minimiser; where H is singular its part of order one
   Eigen::MatrixXd y_free = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
-  if (!ld.linear) y_free = -lower.transpose().solve(lower.solve(ld.F));
+  if (!ld.linear && !ld.semidefinite) y_free = -lower.transpose().solve(lower.solve(ld.F));
 
   const Eigen::MatrixXd A_all = program.A * free.Z;
   const Eigen::MatrixXd S_all = affineInScaled(program.S, program.b, ld) - program.A * free.z_p;
@@ -218,6 +222,7 @@ LeastDistance toLeastDistance(const ParametricProgram& program) {
   const Eigen::MatrixXd E = program.E * free.Z;
   ld.U = affineInScaled(program.C, program.c, ld) + program.E * free.z_p + E * y_free;
   ld.V = -(lower.solve(E.transpose())).transpose() * M.topRows(ld.m).transpose();
+  ld.output = E;
   dropParallelRows(ld, M);
   return ld;
 }

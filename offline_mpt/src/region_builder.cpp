@@ -8,10 +8,6 @@ namespace polyfly {
 namespace {
 
 constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
-constexpr double kClear =
-    1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
-constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
-constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
 
 }  // namespace
 
@@ -22,6 +18,7 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       width_(program.p + 1),
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
+      shortest_(program),
       exact_(program),
       D_size_(program.m),
       reach_((1.0 + kAccurate) * std::sqrt(static_cast<double>(program.p))),
@@ -149,6 +146,11 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
     for (std::size_t r = 0; r < active.size(); ++r) exact_.price(r, prices_.data() + r * width_);
     return true;
   }
+  if (program_.semidefinite) {
+    for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
+      shortest_.price(r, prices_.data() + r * width_);
+    return is_paid_;
+  }
   for (Eigen::Index r = 0; r < k; ++r) {
     for (int j = 0; j < width_; ++j)
       prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
@@ -165,24 +167,26 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
 
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
-  const double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
-  const double growth = program_.rounding / pivot_;
+  double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
+  if (program_.semidefinite) {
+    for (const double price : prices_) price_scale = std::max(price_scale, std::abs(price));
+  }
+  const double zero = program_.linear ? kUnpaid * price_scale : 0.0;  // prices below this are
   for (std::size_t r = 0; r < active.size(); ++r) {
-    if (program_.linear) {
+    if (program_.linear || program_.semidefinite) {
       const double* price = prices_.data() + r * width_;
       const double largest = std::abs(*std::max_element(
           price, price + width_, [](double a, double b) { return std::abs(a) < std::abs(b); }));
-      if (largest > kUnpaid * price_scale) {  // the multiplier's sign is the price's
-        for (int j = 0; j < width_; ++j)
-          scratch_[j] = std::abs(price[j]) > kUnpaid * price_scale ? price[j] : 0.0;
-        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, growth * largest,
+      if (largest > zero) {  // the multiplier's sign is the price's
+        for (int j = 0; j < width_; ++j) scratch_[j] = std::abs(price[j]) > zero ? price[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, growth() * largest,
                     status))
           return status;
         continue;
       }
     }
     if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale,
-                growth * size_, status)) {
+                growth() * size_, status)) {
       return status;
     }
   }
@@ -192,6 +196,7 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
 // Slack of an inactive row as a function of (t, 1), into scratch_.
 void RegionBuilder::slackRow(const ActiveSet& active, int row) {
   if (is_exact_) return exact_.slack(row, scratch_.data());
+  if (program_.semidefinite) return shortest_.slack(row, scratch_.data());
   const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
   std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
   for (std::size_t r = 0; r < active.size(); ++r) {
@@ -209,7 +214,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
     if (is_active_[i]) continue;
     slackRow(active, i);
     const std::size_t before = origins_.size();
-    const double noise = program_.rounding * (D_size_[i] + size_);
+    const double noise = (program_.semidefinite ? growth() : program_.rounding) * (D_size_[i] + size_);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
     if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
       idle_.push_back(static_cast<std::uint16_t>(i));
@@ -236,7 +241,11 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
     for (std::size_t r = 0; r < active.size(); ++r) exact_.multiplier(r, multipliers_.data() + r * width_);
     return true;
   }
-  solveFactor(multipliers_.data());
+  if (program_.semidefinite) {
+    if (!findShortest(active)) return false;
+  } else {
+    solveFactor(multipliers_.data());
+  }
   size_ = 0.0;
   for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
   pivot_ = 1.0;
@@ -244,12 +253,28 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   return true;
 }
 
+// The same where H is singular and not zero.
+bool RegionBuilder::findShortest(const ActiveSet& active) {
+  const ShortestOptimum::Outcome outcome = shortest_.describe(active);
+  doubtful_ = doubtful_ || shortest_.doubtful();
+  is_paid_ = outcome != ShortestOptimum::Outcome::kUnpaid;
+  if (outcome == ShortestOptimum::Outcome::kDependent) return false;
+  for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
+    shortest_.multiplier(r, multipliers_.data() + r * width_);
+  return true;
+}
+
+// What rounding does to multipliers and prices, relative to their size.
+double RegionBuilder::growth() const {
+  return program_.semidefinite ? shortest_.noise() : program_.rounding / pivot_;
+}
+
 BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   double scale = 1.0;
   plane_error_ = 0.0;
   doubtful_ = false;
   if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
-  if (program_.linear && !priceOut(active)) return BuildStatus::kThin;
+  if ((program_.linear || program_.semidefinite) && !priceOut(active)) return BuildStatus::kThin;
 
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
@@ -287,7 +312,13 @@ bool RegionBuilder::describeExactly(const ActiveSet& active) {
 BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
   is_exact_ = false;
   BuildStatus status = measure(active, region);
-  if (needsExactness(status, region) && describeExactly(active)) status = measure(active, region);
+  if (needsExactness(status, region)) {
+    if (describeExactly(active)) {
+      status = measure(active, region);
+    } else if (program_.semidefinite && exact_.usable()) {
+      return BuildStatus::kThin;  // what doubles took for a solution is none
+    }
+  }
   if (status != BuildStatus::kRegion) return status;
   const int count = static_cast<int>(origins_.size());
   // A facet of a thin region shows at the region's own scale.
@@ -315,6 +346,10 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
 void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
   law_error_ = 0.0;
   if (is_exact_) return exact_.law(out);
+  if (program_.semidefinite) {
+    law_error_ = shortest_.noise();
+    return shortest_.law(out);
+  }
   const int q = static_cast<int>(program_.U.rows());
   out.resize(static_cast<std::size_t>(q) * width_);
   for (int i = 0; i < q; ++i) {
@@ -330,65 +365,6 @@ void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
     for (int j = 0; j < width_; ++j) size = std::max(size, std::abs(row[j]));
     law_error_ = std::max(law_error_, program_.rounding * (U_size_[i] + weights * size_) / size);
   }
-}
-
-bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
-  is_exact_ = false;
-  const bool held = holdsAsDescribed(active, t, tolerance);
-  if (!doubtful_ && plane_error_ <= kAccurate) return held;
-  if (!held && !doubtful_ && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
-    return false;
-  return describeExactly(active) ? holdsAsDescribed(active, t, tolerance) : held;
-}
-
-bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance) {
-  double scale = 1.0;
-  plane_error_ = 0.0;
-  doubtful_ = false;
-  if (!findMultipliers(active, scale)) return false;
-  if (program_.linear && !priceOut(active)) return false;
-  rows_.clear();
-  origins_.clear();
-  if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
-  return holdsSlacks(active, t, tolerance, scale);
-}
-
-// Whether t satisfies the rows gathered so far but for `tolerance`.
-bool RegionBuilder::satisfied(const double* t, double tolerance) const {
-  for (std::size_t i = 0; i < origins_.size(); ++i) {
-    double slack = rows_[i * width_ + program_.p];
-    for (int j = 0; j < program_.p; ++j) slack -= rows_[i * width_ + j] * t[j];
-    if (slack < -tolerance) return false;
-  }
-  return true;
-}
-
-// The same of the inactive rows. Their slacks at t alone clear most of them; only the others are described as
-// half-spaces.
-bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
-  const auto at = [&](const double* affine) {
-    double value = affine[program_.p];
-    for (int j = 0; j < program_.p; ++j) value += affine[j] * t[j];
-    return value;
-  };
-  at_point_.resize(active.size());
-  for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = at(multipliers_.data() + r * width_);
-  rows_.clear();
-  origins_.clear();
-  for (const int row : active) is_active_[row] = 1;
-  BuildStatus status = BuildStatus::kRegion;
-  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
-    if (is_active_[i]) continue;
-    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
-    double slack = at(D_.data() + static_cast<std::size_t>(i) * width_);
-    for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
-    const double noise = program_.rounding * (D_size_[i] + size_);
-    if (slack > kClear * scale + kErrorMargin * noise) continue;
-    slackRow(active, i);
-    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
-  }
-  for (const int row : active) is_active_[row] = 0;
-  return status == BuildStatus::kRegion && satisfied(t, tolerance);
 }
 
 }  // namespace polyfly

@@ -6,6 +6,7 @@
 #include "exact_description.hpp"
 #include "least_distance.hpp"
 #include "offline_mpt/polytope.hpp"
+#include "shortest_optimum.hpp"
 
 namespace polyfly {
 
@@ -72,6 +73,8 @@ class RegionBuilder {
 
  private:
   bool findMultipliers(const ActiveSet& active, double& scale);
+  bool findShortest(const ActiveSet& active);
+  double growth() const;
   BuildStatus measure(const ActiveSet& active, RegionData& region);
   bool needsExactness(BuildStatus status, const RegionData& region) const;
   bool describeExactly(const ActiveSet& active);
@@ -95,6 +98,8 @@ class RegionBuilder {
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool priceOut(const ActiveSet& active);
 
+  static constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
+  static constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
   static constexpr double kSafePivot =
       1e-6;  // squared distance from others below which products of unit rows mislead
   static constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
@@ -112,6 +117,8 @@ class RegionBuilder {
   std::vector<double> prices_;       // as multipliers_, of a linear program
   double size_ = 0.0;                // greatest of multipliers_
   double pivot_ = 1.0;               // least of the factor's diagonal
+  ShortestOptimum shortest_;         // describes the set where H is singular and not zero
+  bool is_paid_ = true;              // by prices, there
   ExactDescription exact_;
   bool is_exact_ = false;            // the set is described by exact_
   bool doubtful_ = false;            // rounding decided whether a row is constant

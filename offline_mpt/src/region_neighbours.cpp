@@ -107,6 +107,10 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
     return origin.kind == RowOrigin::Kind::kDomain;
   });
   if (at_border) return Crossing::kEdge;
+  if (facet.origin.kind == RowOrigin::Kind::kPrice && program_.semidefinite) {
+    sets.push_back(without(active, facet.origin.index));
+    return Crossing::kDegenerate;
+  }
   if (facet.origin.kind == RowOrigin::Kind::kPrice) {
     enter(active, facet.origin.index, sets);
     return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;

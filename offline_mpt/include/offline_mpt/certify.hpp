@@ -58,11 +58,13 @@ struct CertifyReport {
   std::uint64_t rows = 0;            ///< optimality conditions of all regions
   std::uint64_t implied_rows = 0;    ///< of them proven to follow from the listed ones and the box
   std::uint64_t slivers = 0;  ///< regions that the map leaves to those about them, within plane_tolerance
-  std::uint64_t left_out_rows = 0;  ///< half-spaces that it leaves out, within plane_tolerance
-  double plane_tolerance = 0.0;     ///< as asked for
-  double law_error = 0.0;           ///< greatest, relative as law_tolerance
-  double plane_error = 0.0;         ///< greatest [scaled]
-  double regularisation = 0.0;      ///< added to the diagonal of a singular H, as the solver does
+  std::uint64_t left_out_rows = 0;     ///< half-spaces that it leaves out, within plane_tolerance
+  double plane_tolerance = 0.0;        ///< as asked for
+  double law_error = 0.0;              ///< greatest, relative as law_tolerance
+  double plane_error = 0.0;            ///< greatest [scaled]
+  bool singular = false;               ///< H is, and not zero: of several optima the shortest
+  std::uint64_t replaced_entries = 0;  ///< of H, f, F and A, proven with others that differ by rounding
+  double greatest_replacement = 0.0;   ///< difference, relative to the greatest entry of the matrix or row
   bool linear = false;
   std::vector<int>
       implied_equalities;  ///< inequalities that hold with equality wherever the program is feasible
