@@ -19,10 +19,10 @@ constexpr double kDegrees = kPi / 180.0;
 
 // Where a signal may be: the first place that the log has counts.
 struct Place {
-  enum class Angle { kNone, kRoll, kPitch, kYaw };
+  enum class Angle { kNone, kRoll, kPitch, kYaw, kNorth, kEast };
   const char* signal;
   const char* table;
-  const char* field;  // of a quaternion: the name of its array
+  const char* field;  // of a quaternion: the name of its array; of a speed with a course in GCrs: the speed
   double scale = 1.0;
   double offset = 0.0;
   Angle angle = Angle::kNone;
@@ -62,14 +62,24 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"specific_force_z", "IMU", "AccZ", -1.0},
                                 {"vx", "XKF1", "VE"},
                                 {"vx", "NKF1", "VE"},
+                                {"vx", "EKF1", "VE"},
+                                {"vx", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
                                 {"vy", "XKF1", "VN"},
                                 {"vy", "NKF1", "VN"},
+                                {"vy", "EKF1", "VN"},
+                                {"vy", "GPS", "Spd", 1.0, 0.0, Place::Angle::kNorth},
                                 {"vz", "XKF1", "VD", -1.0},
                                 {"vz", "NKF1", "VD", -1.0},
+                                {"vz", "EKF1", "VD", -1.0},
+                                {"vz", "GPS", "VZ", -1.0},
                                 {"vn", "XKF1", "VN"},
                                 {"vn", "NKF1", "VN"},
+                                {"vn", "EKF1", "VN"},
+                                {"vn", "GPS", "Spd", 1.0, 0.0, Place::Angle::kNorth},
                                 {"ve", "XKF1", "VE"},
                                 {"ve", "NKF1", "VE"},
+                                {"ve", "EKF1", "VE"},
+                                {"ve", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
                                 {"airspeed", "ARSP", "Airspeed"}};
 
 double angleOf(double w, double x, double y, double z, Place::Angle angle) {
@@ -80,7 +90,7 @@ double angleOf(double w, double x, double y, double z, Place::Angle angle) {
       return std::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0));
     case Place::Angle::kYaw:
       return std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-    case Place::Angle::kNone:
+    default:
       break;
   }
   return 0.0;
@@ -94,6 +104,17 @@ std::optional<TimeSeries> seriesAt(const LogTable& table, const Place& place) {
     const auto column = table.column.find(place.field);
     if (column == table.column.end()) return std::nullopt;
     for (const double value : column->second) series.value.push_back(place.scale * value + place.offset);
+    return series;
+  }
+  if (place.angle == Place::Angle::kNorth || place.angle == Place::Angle::kEast) {
+    const auto speed = table.column.find(place.field);
+    const auto course = table.column.find("GCrs");
+    if (speed == table.column.end() || course == table.column.end()) return std::nullopt;
+    for (std::size_t row = 0; row < table.time.size(); ++row) {
+      const double angle = kDegrees * course->second[row];
+      series.value.push_back(speed->second[row] *
+                             (place.angle == Place::Angle::kNorth ? std::cos(angle) : std::sin(angle)));
+    }
     return series;
   }
   const std::vector<double>* part[4] = {};

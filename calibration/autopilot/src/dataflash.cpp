@@ -68,11 +68,18 @@ struct Field {
   double scale = 1.0;
 };
 
+// Where a row's time stands.
+struct Clock {
+  char letter = 'Q';
+  std::size_t offset = 0;  // after the header
+  double scale = 0.0;      // to seconds; 0 where there is none
+};
+
 struct Format {
   std::string name;
   std::size_t length = 0;  // with the header
   std::vector<Field> fields;
-  std::optional<Field> time;  // and its scale to seconds
+  Clock time;
   std::optional<Field> instance;
   bool keep = false;
 
@@ -173,15 +180,20 @@ class Reader {
     format.fields = *fields;
     for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
-      if (field.name == "TimeUS") format.time = Field{"", field.letter, field.offset, kMicroseconds};
-      if (field.name == "TimeMS") format.time = Field{"", field.letter, field.offset, kMilliseconds};
+      if (field.name == "TimeUS") format.time = {field.letter, field.offset, kMicroseconds};
+      if (field.name == "TimeMS") format.time = {field.letter, field.offset, kMilliseconds};
       // The instance of a sensor, or the core of an estimator, in logs that do not tell it by FMTU.
       const bool core = field.name == "C" && format.name.compare(0, 2, "XK") == 0;
       // A controller's integral is called I too, but is no byte.
       if ((field.name == "I" && field.letter == 'B') || core) format.instance = field;
     }
-    format.keep = format.time && (wanted_.empty() ||
-                                  std::find(wanted_.begin(), wanted_.end(), format.name) != wanted_.end());
+    // A GPS that tells the week gives the time in it; the autopilot's own is T, where there is one.
+    if (format.name == "GPS" && format.find("TimeMS") != nullptr && format.find("Week") != nullptr) {
+      const Field* own = format.find("T");
+      format.time = own != nullptr ? Clock{own->letter, own->offset, own->scale * kMilliseconds} : Clock{};
+    }
+    format.keep = format.time.scale > 0.0 && (wanted_.empty() || std::find(wanted_.begin(), wanted_.end(),
+                                                                           format.name) != wanted_.end());
     formats_[type] = std::move(format);
   }
 
@@ -207,7 +219,7 @@ class Reader {
     ++log_.counts[name];
     if (!format.keep) return;
     LogTable& table = log_.tables[name];
-    table.time.push_back(format.time->scale * valueAt(data + format.time->offset, format.time->letter));
+    table.time.push_back(format.time.scale * valueAt(data + format.time.offset, format.time.letter));
     for (const Field& field : format.fields) {
       if (field.scale == 0.0) continue;
       std::vector<double>& column = table.column[field.name];

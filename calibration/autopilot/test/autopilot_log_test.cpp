@@ -136,16 +136,16 @@ MadeDataflash smallDataflash() {
     row.resize(row.size() + 64, 'n');
     log.row(20, row);
   }
+  std::vector<std::uint8_t> integral;  // a controller's, no instance
+  put<std::uint64_t>(3000000, &integral);
+  put(2.5F, &integral);
+  log.row(22, integral);
   std::vector<std::uint8_t> old;
   put<std::uint32_t>(4500, &old);
   put<std::int16_t>(-1234, &old);
   put<std::int32_t>(473000000, &old);
   put<std::int32_t>(-250, &old);
   log.row(21, old);
-  std::vector<std::uint8_t> integral;  // a controller's, no instance
-  put<std::uint64_t>(3000000, &integral);
-  put(2.5F, &integral);
-  log.row(22, integral);
   return log;
 }
 
@@ -308,6 +308,31 @@ TEST_F(AutopilotLogs, commandsThatAreLoggedSeldomAreJoinedByLines) {
   const AxisModel model = identifyAxis(axisRecords(signalsFromAutopilot(path_, {}).signals, "roll"), {});
   EXPECT_NEAR(model.without_delay.parameters[0].value, 1.0, 0.02);
   EXPECT_NEAR(model.without_delay.parameters[1].value, kTau, 0.01);
+}
+
+// As logs of 2014 have it: GPS in its own time of the week, with the autopilot's time as T.
+TEST_F(AutopilotLogs, oldLogsGiveVelocitiesByTheirGps) {
+  MadeDataflash log;
+  log.format(50, "GPS", "IHEefI", "TimeMS,Week,Spd,GCrs,VZ,T", 3 + 4 + 2 + 4 + 4 + 4 + 4);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    std::vector<std::uint8_t> row;
+    put<std::uint32_t>(400000000 + 200 * i, &row);
+    put<std::uint16_t>(1800, &row);
+    put<std::uint32_t>(1000, &row);                                // 10 m/s
+    put<std::int32_t>(9000 * static_cast<std::int32_t>(i), &row);  // north, east, south
+    put(-1.5F, &row);
+    put<std::uint32_t>(5000 + 200 * i, &row);
+    log.row(50, row);
+  }
+  const AutopilotLog read_back = read(log.bytes);
+  EXPECT_NEAR(read_back.tables.at("GPS").time[1], 5.2, 1e-12);
+  const AutopilotSignals found = signalsFromAutopilot(path_, {});
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    EXPECT_NEAR(found.signals.at("vn").value[at], i == 0 ? 10.0 : i == 2 ? -10.0 : 0.0, 1e-9);
+    EXPECT_NEAR(found.signals.at("ve").value[at], i == 1 ? 10.0 : 0.0, 1e-9);
+    EXPECT_NEAR(found.signals.at("vz").value[at], 1.5, 1e-9);
+  }
 }
 
 TEST_F(AutopilotLogs, placesAreChosenByTableAndField) {

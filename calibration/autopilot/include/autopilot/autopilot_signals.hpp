@@ -21,7 +21,8 @@ struct AutopilotSignals {
 /// - yaw_rate: vehicle_angular_velocity.xyz[2], else vehicle_attitude.yawspeed; RATE.Y
 /// - thrust_cmd (a share of full thrust): vehicle_attitude_setpoint.thrust_body[2], else .thrust; CTUN.ThO
 /// - specific_force_z: sensor_combined.accelerometer_m_s2[2]; IMU.AccZ
-/// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1
+/// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1, EKF1,
+///   else GPS.Spd, .GCrs, .VZ
 /// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed
 ///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
