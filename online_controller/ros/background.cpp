@@ -17,11 +17,12 @@ constexpr double kExchangePatience = 1.0;    // until a swap that was not taken 
 constexpr double kExchangeInterval = 0.002;  // between two looks [s]
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
-OptionTable tableOf(LawSetup& setup) {
+OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
   OptionTable table({"controller/control_period", "nonlinear/horizon", "nonlinear/period"});
   polyfly::visitOptions(setup.controller, table);
   polyfly::visitLinearTuning(setup.linear, table);
   polyfly::visitNonlinearOptions(setup.nonlinear, table);
+  for (const ForeignName& name : names) table.alias(name);
   return table;
 }
 
@@ -32,13 +33,14 @@ std::string joined(const std::array<std::string, 3>& paths) {
 }  // namespace
 
 Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                       const LawSetup& setup, LawKeeper& keeper, FlightRecord& record)
+                       const LawSetup& setup, const ForeignNames& names, LawKeeper& keeper,
+                       FlightRecord& record)
     : handle_(onQueue(handle, queue_)),
       private_handle_(onQueue(private_handle, queue_)),
       setup_(setup),
       keeper_(keeper),
       record_(record),
-      table_(tableOf(setup_)),
+      table_(tableOf(setup_, names)),
       reconfigure_(
           private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return bakedIn(); }),
       display_(handle_),

@@ -34,15 +34,16 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   return setup;
 }
 
-ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle) try
-    : ExplicitMpcNode(handle, private_handle, readSetup(private_handle)) {
+ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                                 const ForeignNames& names) try
+    : ExplicitMpcNode(handle, private_handle, names, readSetup(private_handle)) {
 } catch (const std::exception& error) {
   ROS_FATAL("explicit MPC does not start: %s", error.what());
   throw;
 }
 
 ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                                 const Setup& setup)
+                                 const ForeignNames& names, const Setup& setup)
     : handle_(onQueue(handle, queue_)),
       keeper_(setup.laws),
       flight_(laws(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
@@ -53,7 +54,7 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
       poll_(control_period_, setup.real_time.poll),
       silence_(setup.node.stale_periods * control_period_) {
   connect();
-  background_.emplace(handle, private_handle, setup.laws, keeper_, record_);
+  background_.emplace(handle, private_handle, setup.laws, names, keeper_, record_);
   const auto begin = [real_time = setup.real_time] {
     const std::string refused = becomeRealTime(real_time);
     if (!refused.empty()) ROS_WARN("explicit MPC: %s", refused.c_str());

@@ -1,13 +1,49 @@
 #include "online_controller_ros/foreign_parameters.hpp"
 
+#include <ros/param.h>
+
 #include <array>
-#include <map>
+#include <iterator>
+#include <set>
 #include <vector>
 
 #include "online_controller/options.hpp"
 
 namespace polyfly_ros {
 namespace {
+
+/// Why something of theirs is not read; `theirs` may end in a star.
+struct Unread {
+  const char* theirs;
+  const char* why;
+};
+
+constexpr const char* kSteady =
+    "the observers have steady gains, which controller/disturbance_drift sets: how far the disturbance "
+    "drifts "
+    "in a period";
+constexpr const char* kUnlimited = "the published estimate is not limited";
+
+constexpr Unread kUnread[] = {
+    {"KF_observer/P0_*", kSteady},
+    {"KF_observer/q_*", kSteady},
+    {"KF_observer/r_*", kSteady},
+    {"KF_observer/omega_limit", kUnlimited},
+    {"KF_observer/external_forces_limit", kUnlimited},
+    {"KF_observer/external_moments_limit", kUnlimited},
+    {"KF_observer/drag_coefficients", "the observer has the drag of the model, nonlinear/drag_x .. z"},
+    {"KF_observer/yaw_damping", "the loop of the yaw rate is of first order, with yaw_omega"},
+    {"q_pitch", "one weight serves roll and pitch of the nonlinear law, that of q_roll"},
+    {"r_pitch", "one weight serves roll and pitch of the nonlinear law, that of r_roll"},
+    {"prediction_sampling_time", "the linear law predicts in the sampling_time of its problems, 0.1 s"},
+    {"reference_frame", "frames are those of the messages; odometry_frame demands one"},
+    {"verbose", "what is logged is chosen by rosconsole's levels"},
+};
+
+bool fits(const std::string& name, const std::string& pattern) {
+  if (pattern.back() != '*') return name == pattern;
+  return name.compare(0, pattern.size() - 1, pattern, 0, pattern.size() - 1) == 0;
+}
 
 struct Pair {
   const char* theirs;
@@ -51,6 +87,19 @@ constexpr Pair kLinear[] = {
     {"pitch_max", "linear/pitch_command_max"},
 };
 
+// Those that are not the same number.
+const ForeignName kLinearLimits[] = {
+    {"roll_max", "linear/roll_command_min", -1.0},
+    {"pitch_max", "linear/pitch_command_min", -1.0},
+    {"roll_max", "controller/angle_max", 1.0, 0.0, true},
+    {"pitch_max", "controller/angle_max", 1.0, 0.0, true},
+};
+
+constexpr Pair kFlags[] = {
+    {"enable_offset_free", "controller/offset_free"},
+    {"enable_integrator", "controller/integrator"},
+};
+
 // One weight serves roll and pitch.
 constexpr Pair kNonlinear[] = {
     {"q_x", "nonlinear/position_weight_x"},  {"q_y", "nonlinear/position_weight_y"},
@@ -60,16 +109,32 @@ constexpr Pair kNonlinear[] = {
     {"r_thrust", "nonlinear/thrust_weight"}, {"prediction_sampling_time", "nonlinear/period"},
 };
 
+/// Every number of theirs that is one of ours.
+ForeignNames namesOf(const std::string& law, double gravity) {
+  ForeignNames names;
+  const auto add = [&](const auto& pairs) {
+    for (const Pair& pair : pairs) names.push_back({pair.theirs, pair.ours});
+  };
+  add(kVehicle);
+  if (law != "linear") {
+    add(kNonlinear);
+    return names;
+  }
+  add(kLinear);
+  names.insert(names.end(), std::begin(kLinearLimits), std::end(kLinearLimits));
+  names.push_back({"thrust_min", "linear/thrust_command_min", 1.0, -gravity});
+  names.push_back({"thrust_max", "linear/thrust_command_max", 1.0, -gravity});
+  return names;
+}
+
 class Adoption {
  public:
   explicit Adoption(const ros::NodeHandle& handle) : handle_(handle) {}
 
-  /// Whether theirs is a number that counts; ours is set then, unless it was.
-  bool number(const std::string& theirs, const std::string& ours, double sign = 1.0, double offset = 0.0) {
+  /// Where theirs is a number that counts, ours is set, unless it was.
+  void number(const ForeignName& name) {
     double value = 0.0;
-    if (!handle_.getParam(theirs, value)) return false;
-    set(theirs, ours, sign * value + offset);
-    return true;
+    if (handle_.getParam(name.theirs, value)) set(name.theirs, name.ours, name.sign * value + name.offset);
   }
 
   void flag(const std::string& theirs, const std::string& ours) {
@@ -83,16 +148,13 @@ class Adoption {
     for (std::size_t i = 0; i < ours.size(); ++i) set(theirs, ours[i], values[i]);
   }
 
-  template <class Pairs>
-  void numbers(const Pairs& pairs) {
-    for (const Pair& pair : pairs) number(pair.theirs, pair.ours);
-  }
-
   const std::string& text() const noexcept { return text_; }
+  bool took(const std::string& theirs) const { return taken_.count(theirs) != 0; }
 
  private:
   template <class Value>
   void set(const std::string& theirs, const std::string& ours, const Value& value) {
+    taken_.insert(theirs);
     if (handle_.hasParam(ours)) return;
     handle_.setParam(ours, value);
     text_ += (text_.empty() ? "" : ", ") + theirs + " -> " + ours;
@@ -100,38 +162,63 @@ class Adoption {
 
   ros::NodeHandle handle_;
   std::string text_;
+  std::set<std::string> taken_;
 };
+
+/// What of theirs stands there and was not taken, each reason once, in the order of the table.
+std::vector<std::string> unread(const ros::NodeHandle& handle, const Adoption& adoption) {
+  std::vector<std::string> names;
+  ros::param::getParamNames(names);
+  const std::string space = handle.getNamespace() + "/";
+  std::vector<std::string> said;
+  std::string reason;
+  for (const Unread& entry : kUnread) {
+    for (const std::string& name : names) {
+      if (name.compare(0, space.size(), space) != 0) continue;
+      const std::string theirs = name.substr(space.size());
+      if (!fits(theirs, entry.theirs) || adoption.took(theirs)) continue;
+      if (reason == entry.why) {
+        said.back().insert(said.back().find(':'), ", " + theirs);
+      } else {
+        said.push_back(theirs + ": " + entry.why);
+        reason = entry.why;
+      }
+    }
+  }
+  return said;
+}
 
 }  // namespace
 
-std::string adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law) {
+ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law) {
+  ForeignParameters result;
   Adoption adoption(private_handle);
   if (!private_handle.hasParam("law")) private_handle.setParam("law", law);
-  adoption.numbers(kVehicle);
-  const std::array<const char*, 3> drag{"nonlinear/drag_x", "nonlinear/drag_y", "nonlinear/drag_z"};
-  adoption.vector("drag_coefficients", drag);
-  adoption.vector("linear_drag_coefficients", drag);
-  adoption.flag("enable_offset_free", "controller/offset_free");
-  adoption.flag("enable_integrator", "controller/integrator");
-  // It sends nothing before a flight begins.
-  if (!private_handle.hasParam("control_interface/idle_publishes"))
-    private_handle.setParam("control_interface/idle_publishes", false);
-
   // The greater of the two limits what is sent; the linear law keeps each of them in its problem.
   double roll_max = 0.0, pitch_max = 0.0;
   if (private_handle.getParam("roll_max", roll_max) && private_handle.getParam("pitch_max", pitch_max))
-    adoption.number(roll_max > pitch_max ? "roll_max" : "pitch_max", "controller/angle_max");
-  if (law == "linear") {
-    const double gravity = private_handle.param("vehicle/gravity", polyfly::MultirotorOptions{}.gravity);
-    adoption.numbers(kLinear);
-    adoption.number("roll_max", "linear/roll_command_min", -1.0);
-    adoption.number("pitch_max", "linear/pitch_command_min", -1.0);
-    adoption.number("thrust_min", "linear/thrust_command_min", 1.0, -gravity);
-    adoption.number("thrust_max", "linear/thrust_command_max", 1.0, -gravity);
-  } else {
-    adoption.numbers(kNonlinear);
+    adoption.number({roll_max > pitch_max ? "roll_max" : "pitch_max", "controller/angle_max"});
+  const double gravity = private_handle.param("vehicle/gravity", polyfly::MultirotorOptions{}.gravity);
+  result.names = namesOf(law, gravity);
+  for (const ForeignName& name : result.names) adoption.number(name);
+  const std::array<const char*, 3> drag{"nonlinear/drag_x", "nonlinear/drag_y", "nonlinear/drag_z"};
+  adoption.vector("drag_coefficients", drag);
+  adoption.vector("linear_drag_coefficients", drag);
+  for (const Pair& pair : kFlags) {
+    adoption.flag(pair.theirs, pair.ours);
+    result.names.push_back({pair.theirs, pair.ours});
   }
-  return adoption.text();
+  if (law != "linear") {
+    // To be changed in flight: one limit.
+    result.names.push_back({"roll_max", "controller/angle_max"});
+    result.names.push_back({"pitch_max", "controller/angle_max"});
+  }
+  // It sends nothing before a flight begins.
+  if (!private_handle.hasParam("control_interface/idle_publishes"))
+    private_handle.setParam("control_interface/idle_publishes", false);
+  result.taken = adoption.text();
+  result.unread = unread(private_handle, adoption);
+  return result;
 }
 
 }  // namespace polyfly_ros

@@ -9,9 +9,11 @@
 int main(int argc, char** argv) try {
   ros::init(argc, argv, POLYFLY_NODE);
   const ros::NodeHandle private_handle("~");
-  const std::string taken = polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
-  if (!taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", taken.c_str());
-  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle);
+  const auto theirs = polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
+  if (!theirs.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", theirs.taken.c_str());
+  for (const std::string& text : theirs.unread)
+    ROS_WARN("parameters of mav_control_rw not read: %s", text.c_str());
+  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle, theirs.names);
   ros::spin();
 } catch (const std::exception&) {
   return 1;  // the node has said why

@@ -25,6 +25,16 @@ const OptionTable::Option* OptionTable::find(const std::string& name) const {
   return found == options_.end() ? nullptr : &*found;
 }
 
+void OptionTable::alias(const ForeignName& name) {
+  const Option* option = find(name.ours);
+  if (option == nullptr) return;
+  const auto known = std::find_if(aliases_.begin(), aliases_.end(),
+                                  [&](const Alias& entry) { return entry.name == name.theirs; });
+  Alias& alias = known == aliases_.end() ? aliases_.emplace_back(Alias{name.theirs, {}}) : *known;
+  alias.links.push_back(
+      {static_cast<std::size_t>(option - options_.data()), name.sign, name.offset, name.raises});
+}
+
 double OptionTable::get(const Option& option) {
   return std::visit([](const auto* field) { return static_cast<double>(*field); }, option.field);
 }

@@ -14,6 +14,8 @@ using dynamic_reconfigure::Group;
 using dynamic_reconfigure::ParamDescription;
 using Option = OptionTable::Option;
 
+constexpr const char* kAliasGroup = "mav_control_rw";  // whose names they are
+
 const char* typeOf(const Option& option) {
   if (std::holds_alternative<double*>(option.field)) return "double";
   return std::holds_alternative<int*>(option.field) ? "int" : "bool";
@@ -62,7 +64,7 @@ bool ReconfigureServer::onRequest(dynamic_reconfigure::Reconfigure::Request& req
                                   dynamic_reconfigure::Reconfigure::Response& response) {
   const std::vector<double> before = table_.values();
   try {
-    take(request.config);
+    take(request.config, before);
     if (table_.values() != before) apply_();
   } catch (const polyfly::Error& error) {
     table_.restore(before);
@@ -73,19 +75,37 @@ bool ReconfigureServer::onRequest(dynamic_reconfigure::Reconfigure::Request& req
   return true;
 }
 
-void ReconfigureServer::take(const Config& wanted) {
-  for (const auto& entry : wanted.doubles) take(entry.name, entry.value);
-  for (const auto& entry : wanted.ints) take(entry.name, entry.value);
-  for (const auto& entry : wanted.bools) take(entry.name, entry.value != 0 ? 1.0 : 0.0);
+void ReconfigureServer::take(const Config& wanted, const std::vector<double>& before) {
+  for (const auto& entry : wanted.doubles) take(entry.name, entry.value, before);
+  for (const auto& entry : wanted.ints) take(entry.name, entry.value, before);
+  for (const auto& entry : wanted.bools) take(entry.name, entry.value != 0 ? 1.0 : 0.0, before);
 }
 
-void ReconfigureServer::take(const std::string& name, double value) {
-  const Option* option = table_.find(name);
-  if (option == nullptr) {
-    ROS_WARN("reconfigure: there is no '%s'", name.c_str());
-  } else if (OptionTable::set(*option, value)) {
-    changed_.insert(name);
+void ReconfigureServer::take(const std::string& name, double value, const std::vector<double>& before) {
+  if (const Option* option = table_.find(name)) {
+    change(*option, value);
+    return;
   }
+  for (const OptionTable::Alias& alias : table_.aliases()) {
+    if (alias.name != name) continue;
+    // Who sends all values back has not changed those that are as they were.
+    const OptionTable::Alias::Link& first = alias.links.front();
+    if (value != OptionTable::toTheirs(first, before[first.option])) take(alias, value);
+    return;
+  }
+  ROS_WARN("reconfigure: there is no '%s'", name.c_str());
+}
+
+void ReconfigureServer::take(const OptionTable::Alias& alias, double value) {
+  for (const OptionTable::Alias::Link& link : alias.links) {
+    const Option& option = table_.options()[link.option];
+    const double ours = link.sign * value + link.offset;
+    if (!link.raises || ours > OptionTable::get(option)) change(option, ours);
+  }
+}
+
+void ReconfigureServer::change(const Option& option, double value) {
+  if (OptionTable::set(option, value)) changed_.insert(option.name);
 }
 
 void ReconfigureServer::writeParameters() {
@@ -106,22 +126,27 @@ Config ReconfigureServer::current() const {
 
 Config ReconfigureServer::config(const std::function<double(const Option&)>& value) const {
   Config all;
-  all.strs.emplace_back();
-  all.strs.front().name = note_name_;
-  for (const Option& option : table_.options()) {
+  const auto add = [&](const Option& option, const std::string& name, double shown) {
     if (std::holds_alternative<double*>(option.field)) {
       all.doubles.emplace_back();
-      all.doubles.back().name = option.name;
-      all.doubles.back().value = value(option);
+      all.doubles.back().name = name;
+      all.doubles.back().value = shown;
     } else if (std::holds_alternative<int*>(option.field)) {
       all.ints.emplace_back();
-      all.ints.back().name = option.name;
-      all.ints.back().value = static_cast<int>(value(option));
+      all.ints.back().name = name;
+      all.ints.back().value = static_cast<int>(shown);
     } else {
       all.bools.emplace_back();
-      all.bools.back().name = option.name;
-      all.bools.back().value = static_cast<unsigned char>(value(option) != 0.0);
+      all.bools.back().name = name;
+      all.bools.back().value = static_cast<unsigned char>(shown != 0.0);
     }
+  };
+  all.strs.emplace_back();
+  all.strs.front().name = note_name_;
+  for (const Option& option : table_.options()) add(option, option.name, value(option));
+  for (const OptionTable::Alias& alias : table_.aliases()) {
+    const Option& option = table_.first(alias);
+    add(option, alias.name, OptionTable::toTheirs(alias.links.front(), value(option)));
   }
   int id = 0;
   const auto addGroup = [&](const std::string& name) {
@@ -133,6 +158,7 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
   };
   addGroup("Default");
   for (const std::string& name : table_.groups()) addGroup(name);
+  if (!table_.aliases().empty()) addGroup(kAliasGroup);
   return all;
 }
 
@@ -147,6 +173,13 @@ dynamic_reconfigure::ConfigDescription ReconfigureServer::description() const {
       if (option.group == name)
         group.parameters.push_back(describe(option.name, typeOf(option), "[" + option.unit + "]"));
     }
+    all.groups.push_back(group);
+  }
+  if (!table_.aliases().empty()) {
+    Group group = makeGroup(kAliasGroup, static_cast<int>(all.groups.size()));
+    for (const OptionTable::Alias& alias : table_.aliases())
+      group.parameters.push_back(
+          describe(alias.name, typeOf(table_.first(alias)), "another name of " + table_.first(alias).name));
     all.groups.push_back(group);
   }
   all.min = config([](const Option& option) { return option.range.least; });

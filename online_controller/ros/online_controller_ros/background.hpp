@@ -20,9 +20,9 @@ namespace polyfly_ros {
 /// that change, display, diagnostics.
 class Background {
  public:
-  /// Keeps references to the last three.
+  /// `names`: under which options can be changed besides ours. Keeps references to the last two.
   Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
-             LawKeeper& keeper, FlightRecord& record);
+             const ForeignNames& names, LawKeeper& keeper, FlightRecord& record);
 
  private:
   void apply();

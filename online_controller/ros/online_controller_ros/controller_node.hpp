@@ -39,8 +39,9 @@ void visitNodeOptions(Options& options, Visit&& visit) {
 class ExplicitMpcNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
-  /// the parameters or a map are not fit to fly.
-  ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
+  /// the parameters or a map are not fit to fly. `names`: under which options can be changed besides ours.
+  ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                  const ForeignNames& names = {});
 
  private:
   struct Setup {
@@ -52,7 +53,8 @@ class ExplicitMpcNode {
   };
 
   static Setup readSetup(const ros::NodeHandle& private_handle);
-  ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const Setup& setup);
+  ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                  const ForeignNames& names, const Setup& setup);
   void connect();
 
   void onOdometry(const nav_msgs::Odometry::ConstPtr& message);

@@ -3,13 +3,22 @@
 #include <ros/node_handle.h>
 
 #include <string>
+#include <vector>
+
+#include "online_controller_ros/option_table.hpp"
 
 namespace polyfly_ros {
 
+/// What a start under the names of mav_control_rw has found.
+struct ForeignParameters {
+  std::string taken;                ///< "theirs -> ours", separated by commas
+  std::vector<std::string> unread;  ///< "theirs, theirs: why not"
+  ForeignNames names;               ///< under which options can be changed in flight besides ours
+};
+
 /// Lets a launch file and a YAML file written for mav_control_rw start this controller: what stands there in
 /// its private parameters under that package's names is set under ours, unless ours is set too. `law` is the
-/// one to fly, `linear` or `nonlinear`, unless the parameter law says otherwise. Returns what was taken and
-/// what has no counterpart, for the log.
-std::string adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law);
+/// one to fly, `linear` or `nonlinear`, unless the parameter law says otherwise.
+ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law);
 
 }  // namespace polyfly_ros

@@ -9,6 +9,16 @@
 
 namespace polyfly_ros {
 
+/// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1.
+struct ForeignName {
+  std::string theirs;
+  std::string ours;
+  double sign = 1.0;
+  double offset = 0.0;
+  bool raises = false;  ///< ours is raised to it, and never lowered
+};
+using ForeignNames = std::vector<ForeignName>;
+
 /// Options by name, for dynamic_reconfigure. It is the visitor of the options' lists, so that names, units
 /// and ranges stand in one place. Keeps pointers to the fields.
 class OptionTable {
@@ -19,6 +29,18 @@ class OptionTable {
     std::string unit;
     polyfly::Range range;
     std::variant<double*, int*, bool*> field;
+  };
+
+  /// What another program calls an option, or several at once. Its value is that of the first link.
+  struct Alias {
+    struct Link {
+      std::size_t option;  ///< its place in options()
+      double sign;         ///< option = sign value + offset
+      double offset;
+      bool raises;  ///< is never lowered
+    };
+    std::string name;
+    std::vector<Link> links;
   };
 
   /// Leaves out the options of these names: they cannot change while the node runs.
@@ -38,6 +60,13 @@ class OptionTable {
   /// nullptr when there is none.
   const Option* find(const std::string& name) const;
 
+  /// `theirs` stands for `ours` too; nothing without such an option.
+  void alias(const ForeignName& name);
+  const std::vector<Alias>& aliases() const noexcept { return aliases_; }
+  const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }
+  /// A value of the first option as the alias has it.
+  static double toTheirs(const Alias::Link& link, double value) { return (value - link.offset) * link.sign; }
+
   /// All values, and putting them back.
   std::vector<double> values() const;
   void restore(const std::vector<double>& values);
@@ -52,6 +81,7 @@ class OptionTable {
 
   std::set<std::string> fixed_;
   std::vector<Option> options_;
+  std::vector<Alias> aliases_;
 };
 
 }  // namespace polyfly_ros

@@ -10,6 +10,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "online_controller_ros/option_table.hpp"
 
@@ -37,8 +38,10 @@ class ReconfigureServer {
  private:
   bool onRequest(dynamic_reconfigure::Reconfigure::Request& request,
                  dynamic_reconfigure::Reconfigure::Response& response);
-  void take(const dynamic_reconfigure::Config& wanted);
-  void take(const std::string& name, double value);
+  void take(const dynamic_reconfigure::Config& wanted, const std::vector<double>& before);
+  void take(const std::string& name, double value, const std::vector<double>& before);
+  void take(const OptionTable::Alias& alias, double value);
+  void change(const OptionTable::Option& option, double value);
   dynamic_reconfigure::ConfigDescription description() const;
   dynamic_reconfigure::Config config(const std::function<double(const OptionTable::Option&)>& value) const;
   dynamic_reconfigure::Config current() const;

@@ -222,6 +222,8 @@ class InFlightTest(harness.ExplicitMpcFixture):
             subprocess.run(["rosparam", "load", os.path.join(
                 resources, "%s_mpc_firefly.yaml" % law), namespace + "/" + name], check=True)
             rospy.set_param(namespace + "/" + name + "/controller/stale_periods", 10000)
+            for theirs, value in (("KF_observer/q_position", 0.01), ("KF_observer/r_attitude", 0.01), ("verbose", True)):
+                rospy.set_param(namespace + "/" + name + "/" + theirs, value)
             controller = harness.Controller.__new__(harness.Controller)
             controller.namespace = namespace
             controller.process = subprocess.Popen(
@@ -237,6 +239,31 @@ class InFlightTest(harness.ExplicitMpcFixture):
             mass = 1.52 if law == "linear" else 1.56
             self.assertAlmostEqual(command.thrust.z, mass * 9.8066, delta=1.0)
             self.assertEqual(rospy.get_param(namespace + "/" + name + "/vehicle/mass"), mass)
+
+            # What scripts and rqt change there has the same names here.
+            options = Client(namespace + "/" + name, timeout=PATIENCE)
+            self.addCleanup(options.close)
+            described = {p["name"] for p in options.get_parameter_descriptions(PATIENCE)}
+            self.assertLessEqual({"q_x", "q_vz", "r_thrust", "roll_max", "thrust_max", "K_yaw", "Ki_altitude",
+                                  "enable_integrator"}, described)
+            answer = options.update_configuration({"q_x": 55.0, "roll_max": 0.3, "enable_integrator": False})
+            self.assertEqual((answer["q_x"], answer[law + "/position_weight_x"]), (55.0, 55.0))
+            self.assertEqual((answer["roll_max"], answer["enable_integrator"]), (0.3, False))
+            self.assertFalse(answer["controller/integrator"])
+            if law == "linear":
+                self.assertEqual((answer["linear/roll_command_max"], answer["linear/roll_command_min"]), (0.3, -0.3))
+                self.assertAlmostEqual(answer["controller/angle_max"], math.radians(25.0))
+                answer = options.update_configuration({"thrust_min": 6.0})
+                self.assertAlmostEqual(answer["linear/thrust_command_min"], 6.0 - 9.8066)
+            # A client that sends everything back changes what it changed, and nothing else.
+            answer["linear/position_weight_y"] = 44.0
+            sent = {key: value for key, value in answer.items() if key in described}
+            everything = options.update_configuration(sent)
+            self.assertEqual((everything["linear/position_weight_y"], everything["q_x"]), (44.0, 55.0))
+            controller.process.terminate()
+            said = controller.output_at_end()
+            self.assertIn("not read: KF_observer/q_position, KF_observer/r_attitude: the observers have steady gains", said)
+            self.assertIn("verbose: what is logged is chosen by rosconsole's levels", said)
 
 
 if __name__ == "__main__":
