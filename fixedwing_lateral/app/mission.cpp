@@ -30,34 +30,25 @@ double shownLength(const PathSegment& segment) {
   return std::holds_alternative<LoiterCircle>(segment) ? 2.0 * kPi * radiusOf(segment) : length(segment);
 }
 
-struct Conditions {
-  double airspeed = 14.0;   // [m/s]
-  double wind = 0.0;        // [m/s]
-  double roll_most = 35.0;  // [deg]
-};
-
-void printTable(const Mission& mission, const Conditions& conditions) {
+void printTable(const Mission& mission, const TurnConditions& conditions) {
   std::printf("%4s  %-7s %10s %8s %9s %9s %8s %8s\n", "", "segment", "length [m]", "R [m]", "north [m]",
               "east [m]", "course", "roll");
   double whole = 0.0;
-  int steep = 0;
   for (std::size_t i = 0; i < mission.segments.size(); ++i) {
     const PathSegment& segment = mission.segments[i];
     const PathPoint start = pointAt(segment, 0.0);
     const double course = kDegree * std::atan2(start.tangent.y(), start.tangent.x());
-    const double roll = kDegree * steepestRoll(segment, conditions.airspeed, conditions.wind);
-    const bool is_steep = roll > conditions.roll_most;
+    const double roll = steepestRoll(segment, conditions);
     std::printf("%4zu  %-7s %10.1f %8.1f %9.1f %9.1f %4.0f deg %4.0f deg%s\n", i, nameOf(segment),
-                shownLength(segment), radiusOf(segment), start.position.x(), start.position.y(), course, roll,
-                is_steep ? "  too steep" : "");
+                shownLength(segment), radiusOf(segment), start.position.x(), start.position.y(), course,
+                kDegree * roll, roll > conditions.roll ? "  too steep" : "");
     if (!std::holds_alternative<LoiterCircle>(segment)) whole += length(segment);
-    steep += is_steep ? 1 : 0;
   }
   std::printf("%.1f m, then the circle for ever\n", whole);
-  if (steep > 0)
-    std::printf(
-        "%d ask for more than %.0f degrees of roll at %.1f m/s in a wind of %.1f m/s, and will be left\n",
-        steep, conditions.roll_most, conditions.airspeed, conditions.wind);
+  std::printf("at %.1f m/s in a wind of %.1f m/s and with %.0f degrees of roll, circles need %.1f m\n",
+              conditions.airspeed, conditions.wind_speed, kDegree * conditions.roll, leastRadius(conditions));
+  const std::string steep = describeSteep(mission.segments, conditions);
+  if (!steep.empty()) std::printf("%s; it will be left there\n", steep.c_str());
 }
 
 void printPoints(const Mission& mission, double step) {
@@ -79,7 +70,10 @@ int main(int argc, char** argv) {
   std::string path;
   LoiterOptions loiter;
   double step = 0.0;
-  Conditions conditions;
+  TurnPlan plan;
+  TurnConditions& conditions = plan.conditions;
+  double roll = kDegree * conditions.roll;
+  std::string tight = "keep";
   app.add_option("file", path, "mission, see fixedwing_lateral/README.md")->required();
   app.add_option("--loiter-radius", loiter.radius, "of the circle at the end, where the file has none [m]")
       ->check(CLI::PositiveNumber);
@@ -87,12 +81,19 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--airspeed", conditions.airspeed, "for the roll that is asked for [m/s]")
       ->check(CLI::PositiveNumber);
-  app.add_option("--wind", conditions.wind, "its speed, from the worst direction [m/s]")
+  app.add_option("--wind", conditions.wind_speed, "its speed, from the worst direction [m/s]")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--roll", conditions.roll_most, "that is allowed [deg]")->check(CLI::PositiveNumber);
+  app.add_option("--roll", roll, "that turns may ask for [deg]")->check(CLI::PositiveNumber);
+  app.add_option(
+         "--tight", tight,
+         "of turns that ask for more: keep them, refuse the mission, or widen Dubins paths and loiters")
+      ->check(CLI::IsMember({"keep", "refuse", "widen"}));
   CLI11_PARSE(app, argc, argv);
   try {
-    const Mission mission = loadMission(path, loiter);
+    conditions.roll = roll / kDegree;
+    checkTurns(conditions, "conditions");
+    plan.tight = tightTurnsOf(tight, "--tight");
+    const Mission mission = loadMission(path, loiter, plan);
     if (step > 0.0)
       printPoints(mission, step);
     else

@@ -74,7 +74,7 @@ AircraftState startAt(const Vector2d& position) {
 }
 
 struct Case {
-  std::string figure;
+  std::string figure;  // box; dubins, planned for the wind; or tight: planned for calm
   bool windy = false;
   std::string plant;  // model, rough or six_dof; the last two in gusts
 };
@@ -98,6 +98,12 @@ std::unique_ptr<Aircraft> aircraftOf(const Case& chosen) {
     return std::make_unique<SixDofAircraft>(options, start, 1);
   }
   return std::make_unique<ChapterAircraft>(LateralModel{}, start, kAirspeed, wind);
+}
+
+Mission missionOf(const Case& chosen) {
+  if (chosen.figure == "box") return boxFigure();
+  const bool is_planned = chosen.windy && chosen.figure == "dubins";
+  return dubinsFigure(is_planned ? turnsInWind(kWind.norm()) : TurnPlan{});
 }
 
 std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const std::string& law) {
@@ -125,7 +131,7 @@ class Report {
   }
 
   void add(const Case& chosen) {
-    const Mission mission = chosen.figure == "box" ? boxFigure() : dubinsFigure();
+    const Mission mission = missionOf(chosen);
     const std::string name = chosen.figure + (chosen.windy ? "_wind" : "_calm") +
                              (chosen.plant == "model" ? "" : "_" + chosen.plant);
     writePath(folder_ / (name + "_path.csv"), mission.segments);
@@ -133,7 +139,10 @@ class Report {
       const std::string flight = name + "_" + law;
       const std::vector<FlightSample> samples = fly(chosen, mission, law);
       writeFlight(folder_ / (flight + ".csv"), mission.segments, samples);
-      addMetrics(flight, flightMetrics(mission.segments, samples, kSettle, kWindow));
+      double reference = 0.0;
+      for (const FlightSample& sample : samples)
+        reference = std::max(reference, std::abs(sample.roll_reference));
+      addMetrics(flight, flightMetrics(mission.segments, samples, kSettle, kWindow), reference);
       if (law == "mpc") addConvergence(name, segmentMetrics(mission.segments, samples, kSettle, kWindow));
     }
   }
@@ -148,20 +157,38 @@ class Report {
     nlohmann::json all = summary_;
     const auto& calm = summary_["flights"]["box_calm_mpc"];
     const auto& windy = summary_["flights"]["box_wind_mpc"];
+    const auto& dubins = summary_["flights"]["dubins_calm_mpc"];
+    const auto& dubins_windy = summary_["flights"]["dubins_wind_mpc"];
+    const auto& tight = summary_["flights"]["tight_wind_mpc"];
     all["headline"] = {
         {"box, calm: lines once converged", calm["converged_m"], "m"},
         {"box, calm: loiter", calm["loiter_m"], "m"},
         {"box, calm: overshoot", calm["overshoot_m"], "m"},
         {"box, wind: lines once converged", windy["converged_m"], "m"},
         {"box, wind: loiter", windy["loiter_m"], "m"},
-        {"Dubins, calm: largest distance", summary_["flights"]["dubins_calm_mpc"]["largest_m"], "m"}};
+        {"Dubins, calm: while joining the path", dubins["largest_m"], "m"},
+        {"Dubins, calm: from then on", dubins["after_joining_m"], "m"},
+        {"Dubins, calm: loiter", dubins["loiter_m"], "m"},
+        {"Dubins planned for the wind, wind: from joining on", dubins_windy["after_joining_m"], "m"},
+        {"Dubins planned for the wind, wind: loiter", dubins_windy["loiter_m"], "m"},
+        {"Dubins planned for calm, wind: loiter that cannot be flown", tight["loiter_m"], "m"},
+        {"the same: largest roll reference", tight["reference_largest_rad"], "rad"}};
     open(folder_ / "summary.json") << all.dump(2) << '\n';
     open(folder_ / "tables.html")
         << "<h2>Flights</h2>\n<table><tr><th>flight</th><th>rms [m]</th><th>largest [m]</th>"
-           "<th>lines once converged [m]</th><th>loiter [m]</th><th>overshoot [m]</th>"
+           "<th>joined after [s]</th><th>largest from then on [m]</th><th>lines once converged "
+           "[m]</th><th>loiter [m]</th><th>overshoot [m]</th>"
            "<th>roll [deg]</th><th>roll rate, rms [deg/s]</th></tr>\n"
         << flights_.str()
-        << "</table>\n<h2>Convergence, segment by segment</h2>\n<table><tr><th>flight</th>"
+        << "</table>\n<p>A path is joined when the distance stays below 1 m for 3 s for the first time; from "
+           "then on "
+           "everything counts, corners and junctions too. Lines and the loiter are converged in the second "
+           "half of "
+           "their time, until the next segment is in the horizon. <em>tight</em> is the Dubins sequence "
+           "planned for "
+           "calm: in this wind its arcs of 45 m and its loiter of 60 m ask for more roll than is "
+           "allowed.</p>\n"
+           "<h2>Convergence, segment by segment</h2>\n<table><tr><th>flight</th>"
            "<th>segment</th><th>time [s]</th><th>below 1 m after [s]</th>"
            "<th>once converged [m]</th><th>overshoot [m]</th></tr>\n"
         << segments_.str() << "</table>\n"
@@ -169,22 +196,29 @@ class Report {
   }
 
  private:
-  void addMetrics(const std::string& flight, const FlightMetrics& metrics) {
+  void addMetrics(const std::string& flight, const FlightMetrics& metrics, double reference) {
     summary_["flights"][flight] = {{"rms_m", metrics.rms},
                                    {"largest_m", metrics.largest},
                                    {"converged_m", metrics.converged},
+                                   {"after_joining_m", metrics.after_joining},
+                                   {"joined_s", metrics.joined},
                                    {"loiter_m", metrics.loiter},
+                                   {"reference_largest_rad", reference},
                                    {"overshoot_m", metrics.overshoot},
                                    {"roll_largest_rad", metrics.roll_largest},
                                    {"roll_rate_largest_rad_s", metrics.rate_largest},
                                    {"roll_rate_rms_rad_s", metrics.roll_effort}};
     char row[400];
+    char joined[60] = "<td>&ndash;</td><td>&ndash;</td>";
+    if (metrics.has_joined)
+      std::snprintf(joined, sizeof joined, "<td>%.1f</td><td>%.2f</td>", metrics.joined,
+                    metrics.after_joining);
     std::snprintf(
         row, sizeof row,
-        "<tr><td>%s</td><td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.1f</td>"
+        "<tr><td>%s</td><td>%.2f</td><td>%.2f</td>%s<td>%.2f</td><td>%.2f</td><td>%.2f</td><td>%.1f</td>"
         "<td>%.1f</td></tr>\n",
-        flight.c_str(), metrics.rms, metrics.largest, metrics.converged, metrics.loiter, metrics.overshoot,
-        metrics.roll_largest * 180.0 / kPi, metrics.roll_effort * 180.0 / kPi);
+        flight.c_str(), metrics.rms, metrics.largest, joined, metrics.converged, metrics.loiter,
+        metrics.overshoot, metrics.roll_largest * 180.0 / kPi, metrics.roll_effort * 180.0 / kPi);
     flights_ << row;
   }
 
@@ -315,6 +349,7 @@ int main(int argc, char** argv) {
         for (const bool windy : {false, true}) report.add({figure, windy, plant});
       }
     }
+    report.add({"tight", true, "model"});
     for (const std::string& recording : recordings) report.addRecording(recording);
     for (const std::string& log : logs) report.addLog(log);
     report.finish();

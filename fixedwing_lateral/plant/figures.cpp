@@ -5,11 +5,22 @@
 namespace polyfly {
 namespace {
 
-constexpr double kTurnRadius = 45.0;  // V^2 / (g tan 24 deg) at 14 m/s [m]
+constexpr double kTurnRadius = 45.0;    // V^2 / (g tan 24 deg) at 14 m/s [m]
+constexpr double kLoiterRadius = 60.0;  // [m]
+
+constexpr double kTurnShare = 0.9;  // of the roll bound; the rest is for gusts
 
 double degrees(double angle) { return angle * kPi / 180.0; }
 
 }  // namespace
+
+TurnPlan turnsInWind(double wind_speed) {
+  TurnPlan plan;
+  plan.tight = TightTurns::kWiden;
+  plan.conditions.wind_speed = wind_speed;
+  plan.conditions.roll *= kTurnShare;
+  return plan;
+}
 
 Mission boxFigure() {
   LoiterOptions loiter;
@@ -18,16 +29,17 @@ Mission boxFigure() {
                         loiter, "box");
 }
 
-Mission dubinsFigure() {
+Mission dubinsFigure(const TurnPlan& turns) {
   const std::vector<PathPose> poses = {{{0.0, 0.0}, degrees(0.0)},
                                        {{220.0, 60.0}, degrees(60.0)},
                                        {{120.0, 300.0}, degrees(180.0)},
                                        {{-80.0, 200.0}, degrees(-60.0)},
                                        {{60.0, -80.0}, degrees(20.0)}};
   LoiterOptions loiter;
-  loiter.radius = 60.0;
+  loiter.radius = turns.planned(kLoiterRadius);
   loiter.direction = TurnDirection::kLeft;
-  return makeMission(planDubins(poses, kTurnRadius, "figure"), loiter, "figure");
+  return fitTurns(makeMission(planDubins(poses, turns.planned(kTurnRadius), "figure"), loiter, "figure"),
+                  turns, "figure");
 }
 
 Mission randomMission(int segments, unsigned seed) {

@@ -51,6 +51,24 @@ std::vector<SegmentMetrics> segmentMetrics(const std::vector<PathSegment>& segme
   return all;
 }
 
+namespace {
+
+void addJoining(const std::vector<PathSegment>& segments, const std::vector<FlightSample>& samples,
+                FlightMetrics& metrics) {
+  double since = std::numeric_limits<double>::infinity();  // it has been near
+  for (const FlightSample& sample : samples) {
+    const double distance = pathDistance(segments, sample);
+    if (!metrics.has_joined) {
+      since = distance < kConverged ? std::min(since, sample.time) : std::numeric_limits<double>::infinity();
+      metrics.has_joined = sample.time - since >= kJoinedFor;
+      metrics.joined = metrics.has_joined ? since : 0.0;
+    }
+    if (metrics.has_joined) metrics.after_joining = std::max(metrics.after_joining, distance);
+  }
+}
+
+}  // namespace
+
 FlightMetrics flightMetrics(const std::vector<PathSegment>& segments,
                             const std::vector<FlightSample>& samples, double settle, double window) {
   FlightMetrics metrics;
@@ -74,6 +92,7 @@ FlightMetrics flightMetrics(const std::vector<PathSegment>& segments,
     (is_loiter ? metrics.loiter : metrics.converged) =
         std::max(is_loiter ? metrics.loiter : metrics.converged, segment.converged);
   }
+  addJoining(segments, samples, metrics);
   return metrics;
 }
 

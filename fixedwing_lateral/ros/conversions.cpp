@@ -155,7 +155,8 @@ bool isEmpty(const fixedwing_lateral::Mission& message) noexcept {
   return message.segments.empty() && message.waypoints.empty();
 }
 
-polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const polyfly::LoiterOptions& loiter) {
+polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const polyfly::LoiterOptions& loiter,
+                           const polyfly::TurnPlan& turns) {
   if (!message.segments.empty() && !message.waypoints.empty())
     throw polyfly::Error("mission: has segments and waypoints; give one of them");
   if (!message.segments.empty()) {
@@ -165,19 +166,22 @@ polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const poly
       segments.push_back(toSegment(message.segments[i], "mission: segment " + std::to_string(i), curves));
     polyfly::Mission mission = polyfly::makeMission(std::move(segments), loiter, "mission");
     mission.curves = std::move(curves);
-    return mission;
+    return polyfly::fitTurns(std::move(mission), turns, "mission");
   }
   if (message.turn_radius == 0.0) {
     std::vector<Eigen::Vector2d> points;
     for (const geometry_msgs::Pose& pose : message.waypoints)
       points.push_back(swapAxes(pose.position.x, pose.position.y));
-    return polyfly::missionThrough(points, loiter, "mission");
+    return polyfly::fitTurns(polyfly::missionThrough(points, loiter, "mission"), turns, "mission");
   }
   std::vector<polyfly::PathPose> poses;
   for (const geometry_msgs::Pose& pose : message.waypoints)
     poses.push_back(
         {swapAxes(pose.position.x, pose.position.y), swapAngle(yawOf(toAttitude(pose.orientation)))});
-  return polyfly::makeMission(polyfly::planDubins(poses, message.turn_radius, "mission"), loiter, "mission");
+  const double radius = message.turn_radius > 0.0 ? turns.planned(message.turn_radius) : message.turn_radius;
+  return polyfly::fitTurns(
+      polyfly::makeMission(polyfly::planDubins(poses, radius, "mission"), loiter, "mission"), turns,
+      "mission");
 }
 
 fixedwing_lateral::Mission toMessage(const polyfly::Mission& mission) {
@@ -210,7 +214,7 @@ void fillAttitude(double roll_reference, double heading, const AttitudeOptions& 
 
 void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
   static_assert(static_cast<int>(GuidanceMode::kStandby) == LateralStatus::STANDBY, "as in the message");
-  static_assert(static_cast<int>(GuidanceReason::kWindAssumed) == LateralStatus::REASON_WIND_ASSUMED,
+  static_assert(static_cast<int>(GuidanceReason::kTooSteep) == LateralStatus::REASON_TOO_STEEP,
                 "as in the message");
   message.mode = static_cast<std::uint8_t>(output.mode);
   message.reason = static_cast<std::uint8_t>(output.reason);
@@ -221,6 +225,7 @@ void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
   message.loitering = output.loitering;
   message.track_error = output.error.track;
   message.course_error = output.error.course;
+  message.segment_roll = output.segment_roll;
   message.airspeed = output.airspeed;
   message.wind_north = output.wind.x();
   message.wind_east = output.wind.y();

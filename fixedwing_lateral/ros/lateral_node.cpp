@@ -61,6 +61,11 @@ LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle)
   if (direction == 0) throw polyfly::Error("path/loiter_direction: must be 1 (right) or -1 (left)");
   setup.guidance.loiter.direction =
       direction > 0 ? polyfly::TurnDirection::kRight : polyfly::TurnDirection::kLeft;
+  setup.tight_turns = polyfly::tightTurnsOf(
+      reader.text("path/tight_turns", "keep, refuse or widen turns that are too tight", "keep"),
+      "path/tight_turns");
+  reader("path/wind_expected", setup.wind_expected, "m/s", Range{0.0, 100.0});
+  reader("path/turn_share", setup.turn_share, "", Range{0.1, 1.0});
   reader("output/attitude_target", setup.publish_attitude);
   reader("output/pitch", setup.attitude.pitch, "rad", Range{-0.5, 0.5});
   reader("output/thrust", setup.attitude.thrust, "", Range{-1.0, 1.0});
@@ -179,11 +184,25 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
       ROS_INFO("lateral guidance: the mission is ended");
       return;
     }
-    guidance_.setMission(toMission(*message, setup_.guidance.loiter));
+    const polyfly::TurnPlan turns = turnPlan();
+    guidance_.setMission(toMission(*message, setup_.guidance.loiter, turns));
     ROS_INFO("lateral guidance: a mission of %d segments", guidance_.track().count());
+    const std::string steep = describeSteep(guidance_.track().segments(), turns.conditions);
+    if (!steep.empty()) ROS_WARN("lateral guidance: %s; it may be left there", steep.c_str());
   } catch (const polyfly::Error& error) {
     ROS_ERROR("lateral guidance keeps its mission: %s", error.what());
   }
+}
+
+// With the wind that is expected or, where it is stronger, the present one.
+polyfly::TurnPlan LateralNode::turnPlan() const {
+  polyfly::TurnPlan plan;
+  plan.tight = setup_.tight_turns;
+  plan.conditions.airspeed = setup_.guidance.airspeed_nominal;
+  plan.conditions.wind_speed = std::max(setup_.wind_expected, shown_.wind.norm());
+  plan.conditions.roll = setup_.turn_share * setup_.guidance.limits.roll_reference;
+  plan.conditions.gravity = setup_.guidance.model.gravity;
+  return plan;
 }
 
 void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { engaged_ = message->data; }
@@ -267,6 +286,7 @@ void LateralNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("preparation [us]", 1e6 * preparation_time_);
   status.add("segment", shown_.segment);
   status.add("track error [m]", shown_.error.track);
+  status.add("roll that the segment asks for [rad]", shown_.segment_roll);
 }
 
 void LateralNode::logChange(const polyfly::GuidanceOutput& output) {

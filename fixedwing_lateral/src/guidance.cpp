@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fixedwing_lateral/check_range.hpp"
+#include "fixedwing_lateral/turn_limits.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -63,6 +64,8 @@ const char* toString(GuidanceReason reason) noexcept {
       return "no airspeed: the nominal one is assumed";
     case GuidanceReason::kWindAssumed:
       return "no wind estimate: taken from the ground velocity";
+    case GuidanceReason::kTooSteep:
+      return "the segment asks for more roll in this wind than is allowed";
   }
   return "unknown";
 }
@@ -123,9 +126,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.segment = track_.index();
   output_.segment_count = track_.count();
   output_.loitering = track_.isLoitering();
-  if (!track_.empty())
-    output_.error = trackError(closestPoint(track_.current(), state.position).point, state.position,
-                               state.ground_velocity);
+  judgeSegment(state);
 
   if (!input.engaged) {
     needs_restart_ = true;
@@ -144,6 +145,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
     keepHorizon(input.time);
     const GuidanceReason reason = air_.airspeedAssumed() ? GuidanceReason::kAirspeedAssumed
                                   : air_.windAssumed()   ? GuidanceReason::kWindAssumed
+                                  : too_steep_           ? GuidanceReason::kTooSteep
                                                          : GuidanceReason::kNone;
     command(GuidanceMode::kTracking, reason, nmpc_.moves()[options_.applied_move]);
     can_improve_ = true;
@@ -234,13 +236,33 @@ LateralState LateralGuidance::predicted(const AircraftState& state) const noexce
   LateralState now;
   now << state.position.x(), state.position.y(), state.roll, state.heading, state.roll_rate, 0.0;
   if (options_.delay <= 0.0) return now;
+  return integrate(options_.model, presentConditions(), now, {output_.roll_reference, options_.delay});
+}
+
+// All but the gate.
+LateralConditions LateralGuidance::presentConditions() const noexcept {
   LateralConditions conditions;
   conditions.airspeed = air_.airspeed();
   conditions.wind = air_.wind();
   conditions.roll_bias = output_.roll_bias;
   conditions.turn_gain = output_.turn_gain;
   conditions.turn_bias = output_.turn_bias;
-  return integrate(options_.model, conditions, now, {output_.roll_reference, options_.delay});
+  return conditions;
+}
+
+// How far off the segment is, and whether it can be flown: a reason that comes and goes with each gust says
+// nothing.
+void LateralGuidance::judgeSegment(const AircraftState& state) noexcept {
+  output_.segment_roll = 0.0;
+  output_.error = TrackError{};
+  if (!track_.empty()) {
+    output_.error = trackError(closestPoint(track_.current(), state.position).point, state.position,
+                               state.ground_velocity);
+    const LateralConditions conditions = presentConditions();
+    output_.segment_roll = steepestRoll(track_.current(), state.position, conditions, options_.model.gravity);
+  }
+  const double limit = options_.limits.roll_reference;
+  too_steep_ = output_.segment_roll > limit * (too_steep_ ? 1.0 - options_.safety.hysteresis : 1.0);
 }
 
 // From the reference of the call before, if the autopilot followed it.
@@ -255,11 +277,7 @@ void LateralGuidance::learn(const GuidanceInput& input) noexcept {
 }
 
 void LateralGuidance::fillData() noexcept {
-  data_.conditions.roll_bias = output_.roll_bias;
-  data_.conditions.turn_gain = output_.turn_gain;
-  data_.conditions.turn_bias = output_.turn_bias;
-  data_.conditions.airspeed = air_.airspeed();
-  data_.conditions.wind = air_.wind();
+  data_.conditions = presentConditions();
   data_.conditions.gate = track_.gate();
   data_.current = track_.current();
   data_.next = track_.next();

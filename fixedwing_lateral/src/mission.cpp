@@ -19,22 +19,6 @@ LoiterCircle loiterAt(const PathPoint& end, const LoiterOptions& options) {
 constexpr double kSmoothGap = 1.0;       // between an end and the next segment, at most [m]
 constexpr double kSmoothCosine = 0.995;  // of the angle between their directions, at least
 
-/// Of the segment [1/m], without its sign.
-double largestCurvature(const PathSegment& segment) {
-  if (std::holds_alternative<LineSegment>(segment)) return 0.0;
-  if (const auto* arc = std::get_if<ArcSegment>(&segment)) return 1.0 / arc->radius;
-  if (const auto* circle = std::get_if<LoiterCircle>(&segment)) return 1.0 / circle->radius;
-  constexpr int kPoints = 500;
-  double largest = 0.0;
-  for (int i = 0; i <= kPoints; ++i) {
-    const PathPoint point = pointAt(segment, length(segment) * i / kPoints);
-    largest = std::max(largest, std::abs(closestPoint(segment, point.position).curvature));
-  }
-  return largest;
-}
-
-constexpr double kGravity = 9.81;
-
 /// The next segment goes on where this one ends, in the same direction.
 bool isSmooth(const PathSegment& segment, const PathSegment& next) {
   const PathPoint end = pointAt(segment, length(segment));
@@ -72,23 +56,6 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
   }
   if (segments.empty()) throw Error(where + ": needs at least two points apart from each other");
   return makeMission(std::move(segments), loiter, where);
-}
-
-// psi' = chi' v_g / (V cos(crab)) with chi' = v_g curvature: tan(phi) = v_g^2 curvature / (g cos(crab)).
-double steepestRoll(const PathSegment& segment, double airspeed, double wind_speed) {
-  const double curvature = largestCurvature(segment);
-  if (curvature == 0.0) return 0.0;
-  if (!(wind_speed < airspeed)) return kPi / 2.0;
-  constexpr int kDirections = 180;
-  double steepest = 0.0;
-  for (int i = 0; i <= kDirections; ++i) {
-    const double angle = kPi * i / kDirections;  // of the wind against the course
-    const double sine = wind_speed * std::sin(angle) / airspeed;
-    const double cosine = std::sqrt(1.0 - sine * sine);
-    const double speed = airspeed * cosine + wind_speed * std::cos(angle);
-    steepest = std::max(steepest, speed * speed / cosine);
-  }
-  return std::atan(steepest * curvature / kGravity);
 }
 
 MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where)

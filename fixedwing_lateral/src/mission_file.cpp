@@ -53,6 +53,22 @@ LoiterOptions readLoiter(const YamlField& field) {
   return {readRadius(field.at("radius")), readDirection(field.at("direction"))};
 }
 
+TurnPlan readTurns(const YamlField& field) {
+  field.checkKeys({"airspeed", "wind"}, {"roll", "tight"});
+  TurnPlan plan;
+  plan.conditions.airspeed = field.at("airspeed").number();
+  plan.conditions.wind_speed = field.at("wind").number();
+  if (field.has("roll")) plan.conditions.roll = field.at("roll").number();
+  const std::string tight = field.has("tight") ? field.at("tight").text() : "refuse";
+  try {
+    plan.tight = tightTurnsOf(tight, "tight");
+    checkTurns(plan.conditions, "turns");
+  } catch (const Error& error) {
+    field.fail(error.what());
+  }
+  return plan;
+}
+
 /// What a part amounts to.
 struct Part {
   std::vector<PathSegment> segments;
@@ -60,7 +76,7 @@ struct Part {
   bool may_jump = false;                   // it need not begin where the last one ended
 };
 
-Part readLines(const YamlField& field) {
+Part readLines(const YamlField& field, const TurnPlan&) {
   Part part;
   const std::vector<Vector2d> points = readPoints(field);
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -71,8 +87,14 @@ Part readLines(const YamlField& field) {
   return part;
 }
 
-Part readDubins(const YamlField& field) {
-  field.checkKeys({"radius", "poses"}, {});
+// Where turns are planned for, the least radius is the default.
+double readDubinsRadius(const YamlField& field, const TurnPlan& plan) {
+  if (plan.tight != TightTurns::kKeep && !field.has("radius")) return leastRadius(plan.conditions);
+  return plan.planned(readRadius(field.at("radius")));
+}
+
+Part readDubins(const YamlField& field, const TurnPlan& plan) {
+  field.checkKeys({"poses"}, {"radius"});
   std::vector<PathPose> poses;
   for (const YamlField& item : field.at("poses").items()) {
     const std::vector<double> values = numbers(item, 3, "[north, east, heading]");
@@ -80,12 +102,12 @@ Part readDubins(const YamlField& field) {
   }
   if (poses.size() < 2) field.at("poses").fail("must be at least two poses");
   Part part;
-  part.segments = planDubins(poses, readRadius(field.at("radius")), "dubins");
+  part.segments = planDubins(poses, readDubinsRadius(field, plan), "dubins");
   if (part.segments.empty()) field.at("poses").fail("must not all be the same");
   return part;
 }
 
-Part readSpline(const YamlField& field) {
+Part readSpline(const YamlField& field, const TurnPlan&) {
   Part part;
   const std::vector<Vector2d> points = readPoints(field);
   try {
@@ -97,7 +119,7 @@ Part readSpline(const YamlField& field) {
   return part;
 }
 
-Part readArc(const YamlField& field) {
+Part readArc(const YamlField& field, const TurnPlan&) {
   field.checkKeys({"centre", "radius", "direction", "start_bearing", "sweep"}, {});
   const ArcSegment arc{readPoint(field.at("centre")), readRadius(field.at("radius")),
                        readDirection(field.at("direction")), field.at("start_bearing").number(),
@@ -110,16 +132,16 @@ Part readArc(const YamlField& field) {
   return {{arc}, nullptr, false};
 }
 
-Part readCircle(const YamlField& field) {
+Part readCircle(const YamlField& field, const TurnPlan&) {
   field.checkKeys({"centre", "radius", "direction"}, {});
   const LoiterCircle circle{readPoint(field.at("centre")), readRadius(field.at("radius")),
                             readDirection(field.at("direction"))};
   return {{circle}, nullptr, true};
 }
 
-Part readPart(const YamlField& field) {
+Part readPart(const YamlField& field, const TurnPlan& plan) {
   field.checkKeys({}, {"lines", "dubins", "spline", "arc", "circle"});
-  using Reader = Part (*)(const YamlField&);
+  using Reader = Part (*)(const YamlField&, const TurnPlan&);
   const std::pair<const char*, Reader> readers[] = {{"lines", readLines},
                                                     {"dubins", readDubins},
                                                     {"spline", readSpline},
@@ -133,7 +155,7 @@ Part readPart(const YamlField& field) {
     chosen = &reader;
   }
   if (chosen == nullptr) field.fail("must be one of lines, dubins, spline, arc, circle");
-  return chosen->second(field.at(chosen->first));
+  return chosen->second(field.at(chosen->first), plan);
 }
 
 void checkJoint(const YamlField& field, const PathSegment& before, const PathSegment& after) {
@@ -146,14 +168,16 @@ void checkJoint(const YamlField& field, const PathSegment& before, const PathSeg
 
 }  // namespace
 
-Mission parseMission(const std::string& text, const std::string& source, const LoiterOptions& loiter) {
+Mission parseMission(const std::string& text, const std::string& source, const LoiterOptions& loiter,
+                     const TurnPlan& turns) {
   const YamlField root = YamlField::parse(text, source);
-  root.checkKeys({"path"}, {"loiter"});
+  root.checkKeys({"path"}, {"loiter", "turns"});
+  const TurnPlan plan = root.has("turns") ? readTurns(root.at("turns")) : turns;
   const LoiterOptions end = root.has("loiter") ? readLoiter(root.at("loiter")) : loiter;
   std::vector<PathSegment> segments;
   std::vector<std::shared_ptr<const PathCurve>> curves;
   for (const YamlField& item : root.at("path").items()) {
-    Part part = readPart(item);
+    Part part = readPart(item, plan);
     if (!segments.empty()) {
       if (std::holds_alternative<LoiterCircle>(segments.back())) item.fail("nothing can follow a circle");
       if (!part.may_jump) checkJoint(item, segments.back(), part.segments.front());
@@ -164,14 +188,14 @@ Mission parseMission(const std::string& text, const std::string& source, const L
   if (segments.empty()) root.at("path").fail("must have at least one part");
   Mission mission = makeMission(std::move(segments), end, source);
   mission.curves = std::move(curves);
-  return mission;
+  return fitTurns(std::move(mission), plan, source);
 }
 
-Mission loadMission(const std::string& path, const LoiterOptions& loiter) {
+Mission loadMission(const std::string& path, const LoiterOptions& loiter, const TurnPlan& turns) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (!file) throw Error(path + ": cannot be read");
-  return parseMission(text, path, loiter);
+  return parseMission(text, path, loiter, turns);
 }
 
 }  // namespace polyfly

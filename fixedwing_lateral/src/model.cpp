@@ -39,6 +39,12 @@ Eigen::Vector2d groundVelocity(const LateralConditions& conditions, double headi
   return conditions.airspeed * Eigen::Vector2d(std::cos(heading), std::sin(heading)) + conditions.wind;
 }
 
+double rollOfTurn(double curvature, double ground_speed, double crab_cosine,
+                  const LateralConditions& conditions, double gravity) noexcept {
+  const double turning = ground_speed * ground_speed * curvature / crab_cosine;
+  return std::atan((turning - conditions.airspeed * conditions.turn_bias) / (gravity * conditions.turn_gain));
+}
+
 bool hasSwitched(const LateralModel& model, const LateralState& state) noexcept {
   return state[Index::kSwitch] > model.switch_threshold;
 }

@@ -36,8 +36,7 @@ double TrackingCost::cost(const LateralState& state, double roll_reference) cons
          weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
 }
 
-// With a course rate of v_g / (distance to the centre of curvature), psi' = chi' v_g / (V cos(chi - psi)),
-// and the roll that turns so.
+// With a course rate of v_g / (distance to the centre of curvature).
 double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
                                const Eigen::Vector2d& velocity) const noexcept {
   const LateralConditions& conditions = data_.conditions;
@@ -45,9 +44,7 @@ double TrackingCost::rollAlong(const ClosestPoint& nearest, double track, const 
   const double curvature = nearest.curvature / std::max(1.0 - nearest.curvature * track, kLeastCentreShare);
   const double speed = velocity.norm();
   const double crab = speed > kLeastGroundSpeed ? velocity.dot(air) / (speed * conditions.airspeed) : 1.0;
-  const double turning = speed * speed * curvature / std::max(crab, kLeastCrabCosine);
-  return std::atan((turning - conditions.airspeed * conditions.turn_bias) /
-                   (model_.gravity * conditions.turn_gain));
+  return rollOfTurn(curvature, speed, std::max(crab, kLeastCrabCosine), conditions, model_.gravity);
 }
 
 StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stage) const noexcept {

@@ -53,6 +53,7 @@ enum class GuidanceReason : std::uint8_t {
   kStrongWind,
   kAirspeedAssumed,  ///< tracks, with the nominal airspeed
   kWindAssumed,      ///< tracks, with the wind that ground and air velocity differ by
+  kTooSteep,  ///< tracks a segment that asks for more roll in this wind than is allowed, and leaves it there
 };
 
 const char* toString(GuidanceMode mode) noexcept;
@@ -65,7 +66,9 @@ struct GuidanceOutput {
   int segment = 0;              ///< index in the mission
   int segment_count = 0;
   bool loitering = false;
-  TrackError error;       ///< to the current segment, at the state
+  TrackError error;  ///< to the current segment, at the state
+  double segment_roll =
+      0.0;  ///< that the current segment asks for at most in this wind, see turn_limits.hpp [rad]
   double airspeed = 0.0;  ///< as flown by [m/s]
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();
   double roll_bias = 0.0;  ///< as learnt, see LateralObserver [rad]
@@ -119,6 +122,8 @@ class LateralGuidance {
   void restart(const LateralState& state) noexcept;
   void keepHorizon(double time) noexcept;
   void holdOrLevel(double time) noexcept;
+  LateralConditions presentConditions() const noexcept;
+  void judgeSegment(const AircraftState& state) noexcept;
   double upwindReference(double heading) const noexcept;
   void command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept;
 
@@ -133,6 +138,7 @@ class LateralGuidance {
   bool can_improve_ = false;
   std::vector<double> kept_moves_;  // of the last horizon that was good
   bool prepared_ = false;           // for data_ as it is
+  bool too_steep_ = false;          // the current segment, in this wind
   bool needs_restart_ = true;       // the nodes are of another flight
   double horizon_time_ = -1e300;    // of the last horizon that was good [s]
   bool has_place_ = false;

@@ -12,7 +12,7 @@ namespace polyfly {
 
 /// The circle that is flown when a mission ends.
 struct LoiterOptions {
-  double radius = 60.0;  ///< [m], > 0
+  double radius = 80.0;  ///< [m], > 0; at 14 m/s flyable in a wind of 7 m/s by 30 degrees of roll
   TurnDirection direction = TurnDirection::kRight;
 };
 
@@ -30,11 +30,6 @@ Mission makeMission(std::vector<PathSegment> segments, const LoiterOptions& loit
 /// Lines from each point to the next, then the loiter. Points closer together than kShortestSegment are one.
 Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterOptions& loiter,
                        const std::string& where);
-
-/// The roll [rad] that staying on the segment asks for where it is curved most, at that airspeed [m/s] in a
-/// wind of that speed [m/s] from the worst direction; 0 on a line, pi/2 where the wind is not
-/// below the airspeed.
-double steepestRoll(const PathSegment& segment, double airspeed, double wind_speed);
 
 /// Where an aircraft is in its mission. Advances where the switch condition is met, and where the end of a
 /// segment was passed without meeting it (beside the acceptance radius, or in another direction).

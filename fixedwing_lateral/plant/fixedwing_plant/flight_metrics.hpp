@@ -22,6 +22,7 @@ struct SegmentMetrics {
 };
 
 constexpr double kConverged = 1.0;  // [m]
+constexpr double kJoinedFor = 3.0;  // [s]
 
 /// One entry for each segment that was flown. `window` [s] of flight before a segment's end is not counted as
 /// converged: there the next segment is in the horizon. The share `settle` of its time is left for
@@ -40,6 +41,10 @@ struct FlightMetrics {
   double converged = 0.0;     ///< largest of the segments' [m]
   double loiter = 0.0;        ///< largest distance on the last loiter once converged [m]
   double overshoot = 0.0;     ///< largest of the segments' [m]
+  /// The path is joined when the distance stays below kConverged for kJoinedFor for the first time.
+  bool has_joined = false;
+  double joined = 0.0;         ///< when that begins [s]
+  double after_joining = 0.0;  ///< largest distance from then on, junctions of segments included [m]
 };
 
 FlightMetrics flightMetrics(const std::vector<PathSegment>& segments,

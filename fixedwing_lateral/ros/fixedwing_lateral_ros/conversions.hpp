@@ -9,6 +9,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral/turn_limits.hpp"
 
 // The only place where messages become values and frames change: the world from east-north-up to
 // north-east-down, the body from forward-left-up to forward-right-down. Roll about the forward axis is the
@@ -28,8 +29,10 @@ polyfly::AircraftState toAircraftState(const nav_msgs::Odometry& message) noexce
 /// The wind's velocity in the world: where the air moves to, as mavros has it.
 polyfly::StampedWind toWind(const geometry_msgs::TwistWithCovarianceStamped& message) noexcept;
 
-/// Throws polyfly::Error naming segment or waypoint and rule. The message must not be empty.
-polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const polyfly::LoiterOptions& loiter);
+/// By the plan for tight turns. Throws polyfly::Error naming segment or waypoint and rule. The message must
+/// not be empty.
+polyfly::Mission toMission(const fixedwing_lateral::Mission& message, const polyfly::LoiterOptions& loiter,
+                           const polyfly::TurnPlan& turns = {});
 
 /// What toMission makes the same mission of; waypoints have become segments. Throws polyfly::Error on a curve
 /// that messages have no form for.

@@ -42,7 +42,10 @@ class LateralNode {
     double autopilot_timeout = 3.0;  ///< age of the autopilot's state [s]
     std::string engaged_modes;
     bool stream_in_standby = false;
-    double imu_timeout = 0.2;  ///< age of an angular rate, after which the odometry's is taken [s]
+    polyfly::TightTurns tight_turns = polyfly::TightTurns::kKeep;
+    double wind_expected = 0.0;  ///< that missions are checked for [m/s]
+    double turn_share = 0.9;     ///< of the limit of the roll reference; the rest is for gusts
+    double imu_timeout = 0.2;    ///< age of an angular rate, after which the odometry's is taken [s]
   };
 
   static Setup readSetup(const ros::NodeHandle& private_handle);
@@ -56,6 +59,7 @@ class LateralNode {
   void onWind(const geometry_msgs::TwistWithCovarianceStamped::ConstPtr& message);
   void onMission(const fixedwing_lateral::Mission::ConstPtr& message);
   void onAutopilot(const mavros_msgs::State::ConstPtr& message);
+  polyfly::TurnPlan turnPlan() const;
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
   void onReconfigure(const fixedwing_lateral::LateralNmpcConfig& config);

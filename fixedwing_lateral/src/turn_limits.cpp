@@ -1,0 +1,174 @@
+#include "fixedwing_lateral/turn_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kDegree = 180.0 / kPi;
+constexpr double kRounding = 1e-9;      // of a roll that a radius was planned for [rad]
+constexpr double kMeets = 1.0;          // from the end of a segment to the loiter after it, at most [m]
+constexpr double kMeetsCosine = 0.995;  // of the angle between their directions, at least
+
+/// Of the segment [1/m], without its sign.
+double largestCurvature(const PathSegment& segment) {
+  if (std::holds_alternative<LineSegment>(segment)) return 0.0;
+  if (const auto* arc = std::get_if<ArcSegment>(&segment)) return 1.0 / arc->radius;
+  if (const auto* circle = std::get_if<LoiterCircle>(&segment)) return 1.0 / circle->radius;
+  constexpr int kPoints = 500;
+  double largest = 0.0;
+  for (int i = 0; i <= kPoints; ++i) {
+    const PathPoint point = pointAt(segment, length(segment) * i / kPoints);
+    largest = std::max(largest, std::abs(closestPoint(segment, point.position).curvature));
+  }
+  return largest;
+}
+
+/// With the speed and the crab angle of a flight along the course. Upwind there may be no such flight: the
+/// ground speed is 0 then, and no roll is asked for.
+double rollAlongCourse(double curvature, double course, const LateralConditions& conditions,
+                       double gravity) noexcept {
+  const Vector2d along(std::cos(course), std::sin(course));
+  const double with = conditions.wind.dot(along);
+  const double across =
+      (conditions.wind.y() * along.x() - conditions.wind.x() * along.y()) / conditions.airspeed;
+  if (std::abs(across) >= 1.0) return kPi / 2.0;
+  const double cosine = std::sqrt(1.0 - across * across);
+  return rollOfTurn(curvature, std::max(0.0, conditions.airspeed * cosine + with), cosine, conditions,
+                    gravity);
+}
+
+/// Of the courses of an arc the one nearest to the direction that the wind blows to [rad].
+double courseNearestDownwind(const ArcSegment& arc, const Vector2d& wind) noexcept {
+  const double turn = arc.direction == TurnDirection::kRight ? 1.0 : -1.0;
+  const double middle = arc.start_bearing + turn * (0.5 * arc.sweep + kPi / 2.0);
+  const double off = wrapCourse(std::atan2(wind.y(), wind.x()) - middle);
+  return middle + std::clamp(off, -0.5 * arc.sweep, 0.5 * arc.sweep);
+}
+
+std::string format(const char* pattern, double one, double two, double three, double four) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, one, two, three, four);
+  return text;
+}
+
+LoiterCircle widened(const LoiterCircle& circle, double radius, const PathSegment* before) {
+  LoiterCircle wide{circle.centre, radius, circle.direction};
+  if (before == nullptr) return wide;
+  const PathPoint end = pointAt(*before, length(*before));
+  const PathPoint met = closestPoint(circle, end.position).point;
+  const bool meets =
+      (met.position - end.position).norm() < kMeets && met.tangent.dot(end.tangent) > kMeetsCosine;
+  if (meets) wide.centre = met.position + radius / circle.radius * (circle.centre - met.position);
+  return wide;
+}
+
+}  // namespace
+
+void checkTurns(const TurnConditions& conditions, const std::string& where) {
+  const auto check = [&](const char* name, double value, bool holds, const char* rule) {
+    if (!holds || !std::isfinite(value))
+      throw Error(where + ": " + name + ": must " + rule + ", got " + std::to_string(value));
+  };
+  check("airspeed", conditions.airspeed, conditions.airspeed > 0.0, "be positive");
+  check("wind", conditions.wind_speed,
+        conditions.wind_speed >= 0.0 && conditions.wind_speed < conditions.airspeed,
+        "be at least 0 and below the airspeed");
+  check("roll", conditions.roll, conditions.roll > 0.0 && conditions.roll < kPi / 2.0,
+        "lie between 0 and pi/2");
+  check("gravity", conditions.gravity, conditions.gravity > 0.0, "be positive");
+}
+
+double leastRadius(const TurnConditions& conditions) noexcept {
+  if (!(conditions.wind_speed < conditions.airspeed)) return std::numeric_limits<double>::infinity();
+  const double fastest = conditions.airspeed + conditions.wind_speed;
+  return fastest * fastest / (conditions.gravity * std::tan(conditions.roll));
+}
+
+double steepestRoll(const PathSegment& segment, const TurnConditions& conditions) {
+  const double curvature = largestCurvature(segment);
+  if (curvature == 0.0) return 0.0;
+  if (!(conditions.wind_speed < conditions.airspeed)) return kPi / 2.0;
+  const double fastest = conditions.airspeed + conditions.wind_speed;
+  return std::atan(fastest * fastest * curvature / conditions.gravity);
+}
+
+double steepestRoll(const PathSegment& segment, const Vector2d& position, const LateralConditions& conditions,
+                    double gravity) noexcept {
+  if (std::holds_alternative<LineSegment>(segment)) return 0.0;
+  const double downwind = std::atan2(conditions.wind.y(), conditions.wind.x());
+  double curvature = 0.0;
+  double course = downwind;
+  if (const auto* arc = std::get_if<ArcSegment>(&segment)) {
+    curvature = (arc->direction == TurnDirection::kRight ? 1.0 : -1.0) / arc->radius;
+    course = courseNearestDownwind(*arc, conditions.wind);
+  } else if (const auto* circle = std::get_if<LoiterCircle>(&segment)) {
+    curvature = (circle->direction == TurnDirection::kRight ? 1.0 : -1.0) / circle->radius;
+  } else {
+    const ClosestPoint nearest = closestPoint(segment, position);
+    curvature = nearest.curvature;
+    course = std::atan2(nearest.point.tangent.y(), nearest.point.tangent.x());
+  }
+  if (curvature == 0.0) return 0.0;
+  return std::abs(rollAlongCourse(curvature, course, conditions, gravity));
+}
+
+std::vector<SteepSegment> steepSegments(const std::vector<PathSegment>& segments,
+                                        const TurnConditions& conditions) {
+  std::vector<SteepSegment> steep;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const double roll = steepestRoll(segments[i], conditions);
+    if (roll > conditions.roll + kRounding) steep.push_back({static_cast<int>(i), roll});
+  }
+  return steep;
+}
+
+std::string describeSteep(const std::vector<PathSegment>& segments, const TurnConditions& conditions) {
+  const std::vector<SteepSegment> steep = steepSegments(segments, conditions);
+  if (steep.empty()) return {};
+  const auto steepest =
+      *std::max_element(steep.begin(), steep.end(),
+                        [](const SteepSegment& a, const SteepSegment& b) { return a.roll < b.roll; });
+  std::string others;
+  if (steep.size() > 1) others = " (and " + std::to_string(steep.size() - 1) + " more too much)";
+  return "segment " + std::to_string(steepest.segment) +
+         format(" asks for %.1f degrees of roll", kDegree * steepest.roll, 0.0, 0.0, 0.0) + others +
+         format(" where %.1f are allowed: at %.1f m/s in a wind of %.1f m/s circles need %.1f m",
+                kDegree * conditions.roll, conditions.airspeed, conditions.wind_speed,
+                leastRadius(conditions));
+}
+
+TightTurns tightTurnsOf(const std::string& name, const std::string& where) {
+  if (name == "keep") return TightTurns::kKeep;
+  if (name == "refuse") return TightTurns::kRefuse;
+  if (name == "widen") return TightTurns::kWiden;
+  throw Error(where + ": must be keep, refuse or widen, got '" + name + "'");
+}
+
+double TurnPlan::planned(double radius) const noexcept {
+  return tight == TightTurns::kWiden ? std::max(radius, leastRadius(conditions)) : radius;
+}
+
+Mission fitTurns(Mission mission, const TurnPlan& plan, const std::string& where) {
+  if (plan.tight == TightTurns::kKeep) return mission;
+  if (plan.tight == TightTurns::kWiden && !mission.segments.empty()) {
+    PathSegment& last = mission.segments.back();
+    const auto* circle = std::get_if<LoiterCircle>(&last);
+    const double least = leastRadius(plan.conditions);
+    const PathSegment* before =
+        mission.segments.size() > 1 ? &mission.segments[mission.segments.size() - 2] : nullptr;
+    if (circle != nullptr && circle->radius < least) last = widened(*circle, least, before);
+  }
+  const std::string steep = describeSteep(mission.segments, plan.conditions);
+  if (!steep.empty()) throw Error(where + ": " + steep);
+  return mission;
+}
+
+}  // namespace polyfly
