@@ -88,7 +88,13 @@ LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::stri
 
 void LateralGuidance::setMission(Mission mission) {
   track_ = MissionTrack(std::move(mission), options_.criterion, "mission");
+  beginSegment(Reversal::kNone);
   needs_restart_ = true;
+}
+
+void LateralGuidance::beginSegment(Reversal reversal) noexcept {
+  reversal_.begin(reversal);
+  junction_ = junctionOf(track_.current(), track_.next(), air_.wind(), options_.criterion.acceptance_radius);
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -121,6 +127,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   learn(input);
   if (track_.advance(state.position, state.ground_velocity)) {
     nmpc_.clearSwitch();
+    beginSegment(junction_.reversal);
     prepared_ = false;
   }
   output_.segment = track_.index();
@@ -256,13 +263,24 @@ void LateralGuidance::judgeSegment(const AircraftState& state) noexcept {
   output_.segment_roll = 0.0;
   output_.error = TrackError{};
   if (!track_.empty()) {
-    output_.error = trackError(closestPoint(track_.current(), state.position).point, state.position,
-                               state.ground_velocity);
+    const PathPoint nearest = closestPoint(track_.current(), state.position).point;
+    output_.error = trackError(nearest, state.position, state.ground_velocity);
+    chooseReversal(state);
     const LateralConditions conditions = presentConditions();
     output_.segment_roll = steepestRoll(track_.current(), state.position, conditions, options_.model.gravity);
   }
   const double limit = options_.limits.roll_reference;
   too_steep_ = output_.segment_roll > limit * (too_steep_ ? 1.0 - options_.safety.hysteresis : 1.0);
+}
+
+// By the error that the optimisation sees.
+void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
+  const PathPoint nearest = closestOnCarrier(track_.current(), state.position).point;
+  const TrackError error = trackError(nearest, state.position, state.ground_velocity);
+  const Reversal before = reversal_.chosen();
+  const Reversal now =
+      reversal_.update(error, nearest.position - state.position, state.ground_velocity, air_.wind());
+  if (now != before) prepared_ = false;
 }
 
 // From the reference of the call before, if the autopilot followed it.
@@ -280,7 +298,9 @@ void LateralGuidance::fillData() noexcept {
   data_.conditions = presentConditions();
   data_.conditions.gate = track_.gate();
   data_.current = track_.current();
-  data_.next = track_.next();
+  data_.next = junction_.is_shown ? track_.next() : track_.current();
+  data_.reversal = reversal_.chosen();
+  data_.next_reversal = track_.isLoitering() || !junction_.is_shown ? data_.reversal : Reversal::kNone;
 }
 
 void LateralGuidance::restart(const LateralState& state) noexcept {

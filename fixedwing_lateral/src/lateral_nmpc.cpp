@@ -137,14 +137,17 @@ void LateralNmpc::setBounds() noexcept {
 // The gradient of the Lagrangian by the moves, at the nodes and with the roll bounds' last multipliers; where
 // a move is at its bound, the part that pushes outwards does not count.
 double LateralNmpc::stationarity() noexcept {
-  const HorizonStage* stages = qp_.stages();
+  HorizonStage* stages = qp_.stages();
   const RollTransition& roll = qp_.roll;
   const double* multipliers = qp_.multipliers();
   double largest = 0.0;
   double y[kStates];
   for (int i = 0; i < kStates; ++i) y[i] = stages[N_].q[i];
   for (int k = N_ - 1; k >= 0; --k) {
-    const HorizonStage& s = stages[k];
+    HorizonStage& s = stages[k];
+    // Of position by heading the second derivatives are the first ones of the other axis.
+    const double bend = y[1] * s.n_psi - y[0] * s.e_psi;
+    s.Q_psipsi += weights_.curvature * std::max(bend, 0.0);
     y[3] += multipliers[N_ + k];
     double gradient =
         s.r + s.n_u * y[0] + s.e_u * y[1] + s.psi_u * y[2] + roll.phi_u * y[3] + roll.p_u * y[4];

@@ -19,6 +19,10 @@ LoiterCircle loiterAt(const PathPoint& end, const LoiterOptions& options) {
 constexpr double kSmoothGap = 1.0;       // between an end and the next segment, at most [m]
 constexpr double kSmoothCosine = 0.995;  // of the angle between their directions, at least
 
+constexpr double kNearShare = 2.0;   // of the acceptance radius, within which an aircraft is close to an end
+constexpr double kLeftShare = 1.25;  // of that, beyond which it has left
+constexpr int kMissesMost = 2;       // of an end, after which the mission goes on
+
 /// The next segment goes on where this one ends, in the same direction.
 bool isSmooth(const PathSegment& segment, const PathSegment& next) {
   const PathPoint end = pointAt(segment, length(segment));
@@ -59,7 +63,7 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
 }
 
 MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where)
-    : mission_(std::move(mission)) {
+    : mission_(std::move(mission)), near_radius_(kNearShare * criterion.acceptance_radius) {
   gates_.reserve(mission_.segments.size());
   for (std::size_t i = 0; i < mission_.segments.size(); ++i) {
     SwitchCriterion here = criterion;
@@ -72,9 +76,13 @@ MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, co
 
 bool MissionTrack::advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) noexcept {
   if (empty() || isLoitering()) return false;
-  if (!gate().isMet(position, ground_velocity) && !hasPassedEnd(position)) return false;
+  // Each is asked: they remember.
+  const bool passed = hasPassedEnd(position);
+  const bool missed = hasMissedEnd(position);
+  if (!gate().isMet(position, ground_velocity) && !passed && !missed) return false;
   ++index_;
-  near_end_ = false;
+  near_end_ = close_to_end_ = false;
+  misses_ = 0;
   return true;
 }
 
@@ -86,6 +94,20 @@ bool MissionTrack::hasPassedEnd(const Eigen::Vector2d& position) noexcept {
     return true;
   near_end_ = nearest.foot == Foot::kOnSegment && nearest.remaining < 0.5 * length(current());
   return false;
+}
+
+// Of a segment that comes by its own end more than once only the rest counts.
+bool MissionTrack::hasMissedEnd(const Eigen::Vector2d& position) noexcept {
+  const double distance = (position - pointAt(current(), length(current())).position).norm();
+  if (!std::isfinite(distance)) return false;
+  if (distance > kLeftShare * near_radius_) {
+    misses_ += close_to_end_ ? 1 : 0;
+    close_to_end_ = false;
+  } else if (distance < near_radius_ &&
+             closestPoint(current(), position).remaining < kPi / 2.0 * near_radius_) {
+    close_to_end_ = true;
+  }
+  return misses_ >= kMissesMost;
 }
 
 }  // namespace polyfly

@@ -26,13 +26,24 @@ const PathSegment& TrackingCost::segmentAt(const LateralState& state,
   return switched ? data_.next : data_.current;
 }
 
+Reversal TrackingCost::reversalOn(const PathSegment& segment) const noexcept {
+  return &segment == &data_.next ? data_.next_reversal : data_.reversal;
+}
+
+double TrackingCost::trackWeight(Reversal reversal) const noexcept {
+  return reversal == Reversal::kNone ? weights_.track : 0.0;
+}
+
 double TrackingCost::cost(const LateralState& state, double roll_reference) const noexcept {
   const Eigen::Vector2d velocity = groundVelocity(data_.conditions, state[Index::kHeading]);
-  const ClosestPoint nearest = closestOnCarrier(segmentAt(state, velocity), state.head<2>());
+  const PathSegment& segment = segmentAt(state, velocity);
+  const ClosestPoint nearest = closestOnCarrier(segment, state.head<2>());
   const TrackError error = trackError(nearest.point, state.head<2>(), velocity);
+  const Reversal reversal = reversalOn(segment);
+  const double course = courseError(error.course, reversal);
   const double roll = state[Index::kRoll] - roll_reference;
   const double rate = state[Index::kRollRate];
-  return weights_.track * error.track * error.track + weights_.course * error.course * error.course +
+  return trackWeight(reversal) * error.track * error.track + weights_.course * course * course +
          weights_.roll * roll * roll + weights_.roll_rate * rate * rate;
 }
 
@@ -53,15 +64,18 @@ StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stag
       data_.conditions.airspeed * Eigen::Vector2d(std::cos(heading), std::sin(heading));
   const Eigen::Vector2d velocity = air + data_.conditions.wind;
   const Eigen::Vector2d position = state.head<2>();
-  const ClosestPoint nearest = closestOnCarrier(segmentAt(state, velocity), position);
+  const PathSegment& segment = segmentAt(state, velocity);
+  const ClosestPoint nearest = closestOnCarrier(segment, position);
   TrackErrorJacobian by;
   const TrackError error = trackError(nearest, position, velocity, by);
+  const Reversal reversal = reversalOn(segment);
+  const double course = courseError(error.course, reversal);
   const double t_n = by.track_by_position.x();
   const double t_e = by.track_by_position.y();
   const double c_n = by.course_by_position.x();
   const double c_e = by.course_by_position.y();
   const double c_h = by.course_by_velocity.y() * air.x() - by.course_by_velocity.x() * air.y();
-  const double w_t = weights_.track;
+  const double w_t = trackWeight(reversal);
   const double w_c = weights_.course;
   stage.Q_nn = w_t * t_n * t_n + w_c * c_n * c_n;
   stage.Q_ne = w_t * t_n * t_e + w_c * c_n * c_e;
@@ -72,14 +86,13 @@ StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stag
   stage.Q_phi = weights_.roll;
   stage.Q_p = weights_.roll_rate;
   const double rate = state[Index::kRollRate];
-  stage.q[0] = w_t * error.track * t_n + w_c * error.course * c_n;
-  stage.q[1] = w_t * error.track * t_e + w_c * error.course * c_e;
-  stage.q[2] = w_c * error.course * c_h;
+  stage.q[0] = w_t * error.track * t_n + w_c * course * c_n;
+  stage.q[1] = w_t * error.track * t_e + w_c * course * c_e;
+  stage.q[2] = w_c * course * c_h;
   stage.q[3] = 0.0;
   stage.q[4] = weights_.roll_rate * rate;
   StageTerms terms;
-  terms.cost =
-      w_t * error.track * error.track + w_c * error.course * error.course + weights_.roll_rate * rate * rate;
+  terms.cost = w_t * error.track * error.track + w_c * course * course + weights_.roll_rate * rate * rate;
   if (weights_.feedforward > 0.0)
     terms.roll_along = weights_.feedforward * rollAlong(nearest, error.track, air, velocity);
   return terms;

@@ -45,33 +45,6 @@ TEST(Mission, RefusesWhatCannotBeFlown) {
   EXPECT_EQ(missionThrough({{0.0, 0.0}, {0.0, 0.0}, {9.0, 0.0}}, {}, "test").segments.size(), 2U);
 }
 
-// By differences, from headings that keep a course along the circle in the wind.
-TEST(SteepestRoll, IsThatOfACircleFlownInWind) {
-  constexpr double kAirspeed = 14.0;
-  constexpr double kRadius = 60.0;
-  const LoiterCircle circle{{0.0, 0.0}, kRadius, TurnDirection::kRight};
-  EXPECT_NEAR(steepestRoll(circle, kAirspeed, 0.0), std::atan(14.0 * 14.0 / (9.81 * kRadius)), 1e-12);
-  for (const double wind : {3.0, 7.0, 10.0}) {
-    const auto headingAt = [&](double course) {
-      return course - std::asin(wind / kAirspeed * std::sin(-course));
-    };
-    double steepest = 0.0;
-    for (double course = -kPi; course < kPi; course += 1e-3) {  // the wind blows to the north
-      const double heading = headingAt(course);
-      const double north = kAirspeed * std::cos(heading) + wind;
-      const double east = kAirspeed * std::sin(heading);
-      EXPECT_NEAR(wrapCourse(std::atan2(east, north) - course), 0.0, 1e-9);
-      constexpr double kStep = 1e-5;
-      const double rate = (headingAt(course + kStep) - headingAt(course - kStep)) / (2.0 * kStep) *
-                          std::hypot(north, east) / kRadius;
-      steepest = std::max(steepest, std::atan(kAirspeed * rate / 9.81));
-    }
-    EXPECT_NEAR(steepestRoll(circle, kAirspeed, wind), steepest, 1e-3) << wind;
-  }
-  EXPECT_EQ(steepestRoll(LineSegment{{0.0, 0.0}, {9.0, 0.0}}, kAirspeed, 5.0), 0.0);
-  EXPECT_EQ(steepestRoll(circle, kAirspeed, 14.0), kPi / 2.0);
-}
-
 TEST(MissionTrack, CutsCornersAndDoesNotCutSmoothJunctions) {
   MissionTrack corner(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
                       "test");
@@ -121,6 +94,19 @@ TEST(MissionTrack, StaysOnItsLoiter) {
   MissionTrack nothing;
   EXPECT_TRUE(nothing.empty());
   EXPECT_FALSE(nothing.advance({0.0, 0.0}, kNorthward));
+}
+
+// It comes near the end twice, across it, and leaves again.
+TEST(MissionTrack, GoesOnWhereAnEndWasMissedTwice) {
+  const ArcSegment arc{{0.0, 0.0}, 30.0, TurnDirection::kRight, 0.0, 1.0};
+  MissionTrack track(makeMission({arc}, {}, "test"), kCriterion, "test");
+  const Vector2d westward(0.0, -14.0);
+  for (int pass = 0; pass < 2; ++pass) {
+    EXPECT_FALSE(track.advance({16.0, 150.0}, westward));
+    EXPECT_FALSE(track.advance({60.0, 20.0}, westward));
+    EXPECT_EQ(track.advance({60.0, -100.0}, westward), pass == 1);
+  }
+  EXPECT_TRUE(track.isLoitering());
 }
 
 TEST(MissionTrack, WaitsForANumber) {

@@ -10,6 +10,7 @@
 #include "fixedwing_lateral/lateral_nmpc.hpp"
 #include "fixedwing_lateral/lateral_observer.hpp"
 #include "fixedwing_lateral/mission.hpp"
+#include "fixedwing_lateral/reversal.hpp"
 
 namespace polyfly {
 
@@ -123,12 +124,16 @@ class LateralGuidance {
   void keepHorizon(double time) noexcept;
   void holdOrLevel(double time) noexcept;
   LateralConditions presentConditions() const noexcept;
+  void beginSegment(Reversal reversal) noexcept;
+  void chooseReversal(const AircraftState& state) noexcept;
   void judgeSegment(const AircraftState& state) noexcept;
   double upwindReference(double heading) const noexcept;
   void command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept;
 
   GuidanceOptions options_;
   MissionTrack track_;
+  ReversalChoice reversal_;
+  Junction junction_;  // at the end of the current segment
   AirData air_;
   LateralObserver observer_;
   LateralNmpc nmpc_;

@@ -26,6 +26,7 @@ struct SafetyOptions {
 inline LateralWeights withFeedforward() {
   LateralWeights weights;
   weights.feedforward = 1.0;
+  weights.curvature = 1.0;
   return weights;
 }
 

@@ -32,7 +32,9 @@ Mission missionThrough(const std::vector<Eigen::Vector2d>& points, const LoiterO
                        const std::string& where);
 
 /// Where an aircraft is in its mission. Advances where the switch condition is met, and where the end of a
-/// segment was passed without meeting it (beside the acceptance radius, or in another direction).
+/// segment was passed without meeting it (beside the acceptance radius, or in another direction); and where
+/// an end was missed twice, coming near it and leaving again, as happens where the segments do not join or
+/// cannot be flown.
 class MissionTrack {
  public:
   /// One gate for each segment. Throws polyfly::Error like SwitchGate.
@@ -55,11 +57,15 @@ class MissionTrack {
 
  private:
   bool hasPassedEnd(const Eigen::Vector2d& position) noexcept;
+  bool hasMissedEnd(const Eigen::Vector2d& position) noexcept;
 
   Mission mission_;
   std::vector<SwitchGate> gates_;
   int index_ = 0;
   bool near_end_ = false;  // on the second half of the segment, at the last call
+  double near_radius_ = 0.0;
+  bool close_to_end_ = false;  // within near_radius_ of it
+  int misses_ = 0;             // of the segment's end
 };
 
 }  // namespace polyfly

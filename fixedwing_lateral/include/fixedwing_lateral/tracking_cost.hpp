@@ -32,6 +32,8 @@ class TrackingCost {
  private:
   double rollAlong(const ClosestPoint& nearest, double track, const Eigen::Vector2d& air,
                    const Eigen::Vector2d& velocity) const noexcept;
+  Reversal reversalOn(const PathSegment& segment) const noexcept;
+  double trackWeight(Reversal reversal) const noexcept;
   const PathSegment& segmentAt(const LateralState& state, const Eigen::Vector2d& velocity) const noexcept;
 
   const LateralModel& model_;

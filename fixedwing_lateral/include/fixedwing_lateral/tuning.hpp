@@ -17,6 +17,11 @@ struct LateralWeights {
   /// Share of the roll that the path's curvature asks for in this wind, from which phi and phi_r are counted,
   /// taken at the nodes. 0 as published: then a circle is flown a little outside, for the roll's sake.
   double feedforward = 0.0;
+  /// Share of the curvature of the motion (position by heading) in the quadratic program's Hessian, where it
+  /// is convex. 0 as published: Gauss-Newton. Farther from a path than the horizon reaches, its steps
+  /// overshoot, and the roll reference jumps from bound to bound at each call; on the path there is no
+  /// difference.
+  double curvature = 0.0;
 };
 
 struct LateralLimits {
@@ -41,6 +46,7 @@ void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/roll_reference", weights.roll_reference, "1/rad^2", Range{1e-3, 1e5});
   visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6});
   visit("weights/feedforward", weights.feedforward, "", Range{0.0, 1.0});
+  visit("weights/curvature", weights.curvature, "", Range{0.0, 1.0});
 }
 
 template <class Limits, class Visit>

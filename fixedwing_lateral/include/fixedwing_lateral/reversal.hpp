@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fixedwing_lateral/horizon_data.hpp"
+
+namespace polyfly {
+
+/// Decides which way an aircraft turns that flies against its path, and stays with it until it has turned. An
+/// error near half a turn is no reason for either side, so the side is that of the path or, on the path, the
+/// one that the wind comes from, which then brings the aircraft back; a smaller error decides by itself.
+class ReversalChoice {
+ public:
+  /// `error` at the state, of which only the course is used, `to_path` from the aircraft to the nearest point
+  /// [m].
+  Reversal update(const TrackError& error, const Eigen::Vector2d& to_path,
+                  const Eigen::Vector2d& ground_velocity, const Eigen::Vector2d& wind) noexcept;
+
+  /// A segment begins: the side that was chosen for it goes on, or nothing is chosen.
+  void begin(Reversal reversal) noexcept { chosen_ = reversal; }
+
+  Reversal chosen() const noexcept { return chosen_; }
+
+ private:
+  Reversal chosen_ = Reversal::kNone;
+};
+
+/// How a segment follows another one.
+struct Junction {
+  Reversal reversal = Reversal::kNone;  ///< kNone unless it leads back
+  /// It is not shown to the optimisation before it begins where it leads back or lies elsewhere: there is no
+  /// corner to cut, and the horizon would do what it can to stay off the gate.
+  bool is_shown = true;
+};
+
+/// `reach` [m]: how far from the end the next segment may begin, to be shown.
+Junction junctionOf(const PathSegment& segment, const PathSegment& next, const Eigen::Vector2d& wind,
+                    double reach) noexcept;
+
+}  // namespace polyfly

@@ -1,0 +1,53 @@
+#include "fixedwing_lateral/reversal.hpp"
+
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBegins = 120.0 / 180.0 * kPi;  // course error at which a side is chosen [rad]
+constexpr double kEnds =
+    45.0 / 180.0 * kPi;  // below which it is no longer needed, also far from the path [rad]
+constexpr double kDoubtful = 160.0 / 180.0 * kPi;  // above which the error is no reason for a side [rad]
+constexpr double kBeside = 5.0;                    // from the path on which its side counts [m]
+
+/// Positive where `vector` points to the right of `direction`.
+double toTheRight(const Vector2d& direction, const Vector2d& vector) noexcept {
+  return direction.x() * vector.y() - direction.y() * vector.x();
+}
+
+Reversal sideOf(double right) noexcept { return right < 0.0 ? Reversal::kLeft : Reversal::kRight; }
+
+Reversal choose(double course_error, const Vector2d& direction, const Vector2d& to_path,
+                const Vector2d& wind) noexcept {
+  if (!(std::abs(course_error) > kBegins)) return Reversal::kNone;
+  if (std::abs(course_error) < kDoubtful) return sideOf(course_error);
+  const double beside = toTheRight(direction, to_path);
+  return sideOf(std::abs(beside) > kBeside ? beside : -toTheRight(direction, wind));
+}
+
+}  // namespace
+
+Reversal ReversalChoice::update(const TrackError& error, const Vector2d& to_path,
+                                const Vector2d& ground_velocity, const Vector2d& wind) noexcept {
+  if (!error.course_defined) return chosen_;
+  if (chosen_ != Reversal::kNone && std::abs(courseError(error.course, chosen_)) < kEnds)
+    chosen_ = Reversal::kNone;
+  if (chosen_ == Reversal::kNone) chosen_ = choose(error.course, ground_velocity.normalized(), to_path, wind);
+  return chosen_;
+}
+
+Junction junctionOf(const PathSegment& segment, const PathSegment& next, const Vector2d& wind,
+                    double reach) noexcept {
+  if (std::holds_alternative<LoiterCircle>(segment)) return {};
+  const PathPoint end = pointAt(segment, length(segment));
+  const PathPoint onward = closestOnCarrier(next, end.position).point;
+  const Vector2d between = onward.position - end.position;
+  const TrackError error = trackError(onward, end.position, end.tangent);
+  const Reversal reversal = choose(error.course, end.tangent, between, wind);
+  return {reversal, reversal == Reversal::kNone && between.norm() <= reach};
+}
+
+}  // namespace polyfly
