@@ -243,6 +243,10 @@ void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
 void fillMarkers(const polyfly::LateralGuidance& guidance, const std_msgs::Header& header, double altitude,
                  visualization_msgs::MarkerArray& message) {
   constexpr int kPoints = 60;
+  visualization_msgs::Marker clear;  // what a longer mission left
+  clear.header = header;
+  clear.action = visualization_msgs::Marker::DELETEALL;
+  message.markers.push_back(clear);
   visualization_msgs::Marker prediction = makeLine(header, "prediction", 0, 1.0);
   setColour(prediction, 1.0F, 0.4F, 0.0F, 1.0F);
   for (int k = 0; k <= guidance.nmpc().horizon(); ++k)

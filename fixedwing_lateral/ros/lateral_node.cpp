@@ -35,6 +35,7 @@ void pairOptions(Options& options, Config& config, Pair&& pair) {
   pair(options.weights.roll_reference, config.weights_roll_reference);
   pair(options.weights.slew, config.weights_slew);
   pair(options.weights.feedforward, config.weights_feedforward);
+  pair(options.weights.curvature, config.weights_curvature);
   pair(options.limits.roll_reference, config.limits_roll_reference);
   pair(options.limits.roll, config.limits_roll);
   pair(options.limits.roll_penalty, config.limits_roll_penalty);

@@ -95,6 +95,8 @@ for figure in box dubins; do
     pictures+=("${figure}_$air" "${figure}_${air}_rough" "${figure}_${air}_six_dof")
   done
 done
+drawFlight tight_wind "Dubins planned for calm, in wind: arcs and a loiter that cannot be flown" || return
+pictures+=(tight_wind)
 for file in "$output"/loiter_*_path.csv; do
   [ -s "$file" ] || continue
   name=$(basename "${file%_path.csv}")

@@ -160,11 +160,12 @@ TEST(Conversions, MarkersInTheWorldOfTheOdometry) {
   header.frame_id = "map";
   visualization_msgs::MarkerArray markers;
   fillMarkers(guidance, header, 80.0, markers);
-  ASSERT_EQ(markers.markers.size(), 3U);
-  EXPECT_EQ(markers.markers[0].points.size(), 41U);
-  EXPECT_EQ(markers.markers[1].header.frame_id, "map");
-  EXPECT_NEAR(markers.markers[1].points.back().y, 200.0, 1e-9);  // north
-  EXPECT_NEAR(markers.markers[1].points.back().z, 80.0, 1e-9);
+  ASSERT_EQ(markers.markers.size(), 4U);
+  EXPECT_EQ(markers.markers[0].action, visualization_msgs::Marker::DELETEALL);
+  EXPECT_EQ(markers.markers[1].points.size(), 41U);
+  EXPECT_EQ(markers.markers[2].header.frame_id, "map");
+  EXPECT_NEAR(markers.markers[2].points.back().y, 200.0, 1e-9);  // north
+  EXPECT_NEAR(markers.markers[2].points.back().z, 80.0, 1e-9);
 }
 
 TEST(Conversions, AMissionThereAndBack) {

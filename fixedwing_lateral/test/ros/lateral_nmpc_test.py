@@ -137,10 +137,13 @@ def tracks(status):
 
 class LateralNmpcTest(unittest.TestCase):
     def start(self, parameters=None):
+        return self.start_as(self.id().split(".")[-1], parameters or {})
+
+    def start_as(self, name, parameters):
         # Patience with a slow machine, except where silence is the subject.
         chosen = {"safety/state_timeout": 10.0, "safety/airspeed_timeout": 60.0}
-        chosen.update(parameters or {})
-        guidance = Guidance(self.id().split(".")[-1], chosen)
+        chosen.update(parameters)
+        guidance = Guidance(name, chosen)
         self.addCleanup(guidance.stop)
         return guidance.connect()
 
@@ -168,6 +171,27 @@ class LateralNmpcTest(unittest.TestCase):
         guidance.mission.publish(bad)
         for _ in range(5):
             self.assertTrue(tracks(guidance.exchange()))
+
+    def test_turns_that_cannot_be_flown_are_told_refused_or_widened(self):
+        def loiter(radius):
+            return Mission(segments=[PathSegment(type=PathSegment.LOITER, radius=radius, direction=1)])
+
+        guidance = self.start({"path/tight_turns": "refuse", "path/wind_expected": 7.0, "path/turn_share": 1.0})
+        guidance.mission.publish(loiter(200.0))
+        self.assertEqual(guidance.exchange(accept=tracks).reason, LateralStatus.REASON_NONE)
+        guidance.mission.publish(loiter(60.0))  # 64.2 m is the least
+        for _ in range(5):
+            self.assertLess(guidance.exchange(accept=tracks).segment_roll, 0.2)
+        keeping = self.start_as("keeping", {})
+        keeping.mission.publish(loiter(20.0))  # 28.5 m is the least in calm
+        status = keeping.exchange(accept=tracks)
+        self.assertEqual(status.reason, LateralStatus.REASON_TOO_STEEP)
+        self.assertGreater(status.segment_roll, 0.611)
+        widening = self.start_as("widening", {"path/tight_turns": "widen"})
+        widening.mission.publish(loiter(20.0))
+        status = widening.exchange(accept=tracks)
+        self.assertEqual(status.reason, LateralStatus.REASON_NONE)
+        self.assertAlmostEqual(status.segment_roll, 0.9 * 0.6108652381980153, places=6)
 
     def test_attitude_target_by_option(self):
         guidance = self.start({"output/attitude_target": True, "output/thrust": 0.5})
@@ -337,7 +361,7 @@ class LateralNmpcTest(unittest.TestCase):
         deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
         while not found and rospy.Time.now() < deadline:
             guidance.exchange(accept=tracks)
-            found = markers.wait(lambda m: {marker.ns for marker in m.markers} == {"prediction", "mission"}, RETRY)
+            found = markers.wait(lambda m: {marker.ns for marker in m.markers[1:]} == {"prediction", "mission"}, RETRY)
         self.assertIsNotNone(found)
 
         def is_ours(array):
