@@ -46,6 +46,11 @@ struct IndexKernel {
     return static_cast<std::uint32_t>(block[(kPairs + 1) * Index::kChildren + number]);
   }
 
+  /// Bit i: plane i of the block is that of a node; a path that ended goes on below.
+  static unsigned nodes(const std::int32_t* block) noexcept {
+    return static_cast<unsigned>(block[Index::kChildren - 1]);
+  }
+
   /// The node of the file that the block begins with.
   static std::uint32_t node(const std::int32_t* block) noexcept {
     return static_cast<std::uint32_t>(block[kPairs * Index::kChildren + Index::kChildren - 1]);
@@ -56,44 +61,63 @@ struct IndexKernel {
     return index.records + std::size_t{candidate} * Index::kHead;
   }
 
-  /// Number of the child that theta belongs to, or kNoChild when rounding may have decided.
-  static std::uint32_t childNumber(const std::int32_t* block, const Theta& theta,
-                                   const Lanes::Type& twice_margin) noexcept {
+  /// On which sides of a block's planes theta lies, bit i: above plane i.
+  struct Sides {
+    unsigned perhaps = 0;
+    unsigned surely = 0;
+  };
+
+  static Sides sides(const std::int32_t* block, const Theta& theta,
+                     const Lanes::Type& twice_margin) noexcept {
     constexpr std::size_t kHalf = Index::kChildren / 2;
-    Lanes::Type first = Lanes::load(block + kPairs * Index::kChildren);
-    Lanes::Type second = Lanes::load(block + kPairs * Index::kChildren + kHalf);
-    for (std::size_t k = 0; k < kPairs; ++k) {
-      first = Lanes::addProducts(first, Lanes::load(block + k * Index::kChildren), theta[k]);
-      second = Lanes::addProducts(second, Lanes::load(block + k * Index::kChildren + kHalf), theta[k]);
-    }
-    const std::uint32_t surely = number(first, second);
-    const std::uint32_t perhaps = number(Lanes::add(first, twice_margin), Lanes::add(second, twice_margin));
-    return surely == perhaps ? surely : kNoChild;
+    const Lanes::Type first = sum<Index::kChildren>(block, theta);
+    const Lanes::Type second = sum<Index::kChildren>(block + kHalf, theta);
+    const auto both = [](const Lanes::Type& low, const Lanes::Type& high) {
+      return (Lanes::negative(low) | Lanes::negative(high) << kHalf) & 0x7fu;
+    };
+    return {both(first, second), both(Lanes::add(first, twice_margin), Lanes::add(second, twice_margin))};
+  }
+
+  /// Number of the child that theta belongs to, or kNoChild when rounding may have decided.
+  static std::uint32_t childNumber(const Sides& sides) noexcept {
+    const std::uint32_t number = kNumbers[sides.perhaps];
+    return number == kNumbers[sides.surely] ? number : kNoChild;
   }
 
   /// Of the region whose record that is.
   static Verdict verdict(const std::int32_t* record, const Theta& theta,
                          const Lanes::Type& twice_margin) noexcept {
     const std::int32_t groups = record[2];
-    const std::int32_t* group = record + Index::kHead;
     Lanes::Type unsure = Lanes::all(0);
-    for (std::int32_t g = 0; g < groups; ++g, group += kGroupWords) {
-      Lanes::Type sum = Lanes::load(group + kPairs * Index::kRowLanes);
-      for (std::size_t k = 0; k < kPairs; ++k) {
-        sum = Lanes::addProducts(sum, Lanes::load(group + k * Index::kRowLanes), theta[k]);
-      }
-      if (Lanes::negative(Lanes::add(sum, twice_margin)) != 0) return Verdict::kOutside;
-      unsure = Lanes::either(unsure, sum);
+    for (std::int32_t g = 0; g < groups; ++g) {
+      const Lanes::Type rows = sum<Index::kRowLanes>(group(record, g), theta);
+      if (Lanes::negative(Lanes::add(rows, twice_margin)) != 0) return Verdict::kOutside;
+      unsure = Lanes::either(unsure, rows);
     }
     return Lanes::negative(unsure) == 0 ? Verdict::kInside : Verdict::kUnsure;
   }
 
- private:
-  /// Where the signs of the seven planes of a block lead, negative: above.
-  static std::uint32_t number(const Lanes::Type& first, const Lanes::Type& second) noexcept {
-    return kNumbers[(Lanes::negative(first) | Lanes::negative(second) << 4) & 0x7fu];
+  /// Which rows of group g it is not sure that theta holds, bit i: row i.
+  static unsigned unsureRows(const std::int32_t* record, std::int32_t g, const Theta& theta) noexcept {
+    return Lanes::negative(sum<Index::kRowLanes>(group(record, g), theta));
   }
 
+ private:
+  static const std::int32_t* group(const std::int32_t* record, std::int32_t g) noexcept {
+    return record + Index::kHead + static_cast<std::size_t>(g) * kGroupWords;
+  }
+
+  /// Of four of kCount lanes.
+  template <std::size_t kCount>
+  static Lanes::Type sum(const std::int32_t* lanes, const Theta& theta) noexcept {
+    Lanes::Type sum = Lanes::load(lanes + kPairs * kCount);
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      sum = Lanes::addProducts(sum, Lanes::load(lanes + k * kCount), theta[k]);
+    }
+    return sum;
+  }
+
+  /// Where the sides of the seven planes of a block lead.
   static constexpr std::array<std::uint8_t, 128> numbers() noexcept {
     std::array<std::uint8_t, 128> table{};
     for (std::uint32_t signs = 0; signs < table.size(); ++signs) {

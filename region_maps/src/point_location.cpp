@@ -67,17 +67,20 @@ struct RegionMap::PointLocation {
     return LookupStatus::kOutsideBox;
   }
 
+  static double rowViolation(const Tables& tables, std::int32_t row, const double* theta) noexcept {
+    const std::size_t p = size(tables);
+    const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
+    return negatedIf(row < 0, distance(tables.planes + plane * (p + 1), theta, p));
+  }
+
   /// How far theta violates the row of the region that it violates most; <= 0 within the region, infinite
   /// when it is more than the tolerance.
   static double violation(const Tables& tables, std::size_t region, const double* theta) noexcept {
-    const std::size_t p = size(tables);
     const MapContent::Region& r = tables.regions[region];
     const std::int32_t* const rows = tables.rows + r.first_row;
     double greatest = -kInfinity;
     for (std::uint32_t i = 0; i < r.row_count; ++i) {
-      const std::int32_t row = rows[i];
-      const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
-      const double beyond = negatedIf(row < 0, distance(tables.planes + plane * (p + 1), theta, p));
+      const double beyond = rowViolation(tables, rows[i], theta);
       if (!(beyond <= tables.tolerance)) return kInfinity;
       greatest = std::max(greatest, beyond);
     }
@@ -96,12 +99,16 @@ struct RegionMap::PointLocation {
     double least = kInfinity;
 
     /// A region and its violation. True when no later one can be better.
-    bool offer(const Tables& tables, std::uint32_t region, double beyond) noexcept {
+    bool offer(const Tables& tables, std::uint32_t region, std::uint32_t law, double beyond) noexcept {
       if (region >= tables.first_fallback) beyond = std::max(beyond, 0.0) + tables.handicap;
       if (!(beyond < least)) return false;
       least = beyond;
-      found = {LookupStatus::kInside, region, tables.regions[region].law};
+      found = {LookupStatus::kInside, region, law};
       return beyond <= 0.0;
+    }
+
+    bool offerOfFile(const Tables& tables, std::uint32_t region, const double* theta) noexcept {
+      return offer(tables, region, tables.regions[region].law, violation(tables, region, theta));
     }
   };
 
@@ -140,7 +147,7 @@ struct RegionMap::PointLocation {
     const std::uint32_t* const candidates = tables.candidates + leaf.first;
     Best best;
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      if (best.offer(tables, candidates[i], violation(tables, candidates[i], theta))) break;
+      if (best.offerOfFile(tables, candidates[i], theta)) break;
     }
     return best.found;
   }
@@ -153,8 +160,9 @@ struct RegionMap::PointLocation {
     std::uint32_t reference = index.root;
     while ((reference & SearchIndex::kLeaf) == 0) {
       const std::int32_t* const block = Kernel::block(index, reference);
-      std::uint32_t number = Kernel::childNumber(block, rounded, twice_margin);
-      if (number == Kernel::kNoChild) number = childNumber(tables, Kernel::node(block), theta);
+      const typename Kernel::Sides sides = Kernel::sides(block, rounded, twice_margin);
+      std::uint32_t number = Kernel::childNumber(sides);
+      if (number == Kernel::kNoChild) number = childNumber(tables, block, sides, theta);
       reference = Kernel::child(block, number);
     }
     const std::uint32_t* candidate = index.candidates + (reference & ~SearchIndex::kLeaf);
@@ -165,25 +173,51 @@ struct RegionMap::PointLocation {
       const Verdict verdict = Kernel::verdict(record, rounded, twice_margin);
       if (verdict == Verdict::kOutside) continue;  // by more than the tolerance
       const auto region = static_cast<std::uint32_t>(record[0]);
-      const double beyond = verdict == Verdict::kInside ? 0.0 : violation(tables, region, theta);
-      if (best.offer(tables, region, beyond)) break;
+      const double beyond = verdict == Verdict::kInside ? 0.0 : violation(tables, record, rounded, theta);
+      if (best.offer(tables, region, static_cast<std::uint32_t>(record[1]), beyond)) break;
     }
     return best.found;
   }
 
-  /// Number of the child of the index's block that begins with that node, by the planes of the file.
-  [[gnu::noinline]] static std::uint32_t childNumber(const Tables& tables, std::uint32_t child,
-                                                     const double* theta) noexcept {
-    std::uint32_t number = 0;
+  /// Number of the child of a block of the index that theta belongs to; where the index is not sure, by the
+  /// planes of the file.
+  template <class Sides>
+  [[gnu::noinline]] static std::uint32_t childNumber(const Tables& tables, const std::int32_t* block,
+                                                     const Sides& sides, const double* theta) noexcept {
+    using Kernel = IndexKernel<kParameters>;
+    std::uint32_t child = Kernel::node(block);
+    std::uint32_t plane = 0;
     for (std::uint32_t level = 0; level < SearchIndex::kLevels; ++level) {
-      number *= 2;
-      if ((child & MapContent::kLeaf) != 0) continue;  // a path that ended goes on below
+      const unsigned bit = 1u << plane;
+      plane = 2 * plane + 1;
+      if ((Kernel::nodes(block) & bit) == 0) continue;  // a path that ended goes on below
       const MapContent::Node& node = tables.nodes[child];
-      const bool below = isBelow(tables, node, theta);
-      number += below ? 0 : 1;
-      child = below ? node.below : node.above;
+      const bool sure = ((sides.perhaps ^ sides.surely) & bit) == 0;
+      const bool above = sure ? (sides.surely & bit) != 0 : !isBelow(tables, node, theta);
+      child = above ? node.above : node.below;
+      plane += above ? 1 : 0;
     }
-    return number;
+    return plane - (SearchIndex::kChildren - 1);
+  }
+
+  /// Of the region with that record of the index, which is sure that theta does not violate it otherwise:
+  /// that of the rows of which it is not sure.
+  template <class Theta>
+  [[gnu::noinline]] static double violation(const Tables& tables, const std::int32_t* record,
+                                            const Theta& rounded, const double* theta) noexcept {
+    const std::int32_t* const rows = tables.rows + static_cast<std::uint32_t>(record[3]);
+    double greatest = -kInfinity;
+    for (std::int32_t g = 0; g < record[2]; ++g) {
+      const unsigned unsure = IndexKernel<kParameters>::unsureRows(record, g, rounded);
+      for (std::uint32_t i = 0; i < SearchIndex::kRowLanes; ++i) {
+        if ((unsure >> i & 1u) == 0) continue;
+        const double beyond =
+            rowViolation(tables, rows[static_cast<std::uint32_t>(g) * SearchIndex::kRowLanes + i], theta);
+        if (!(beyond <= tables.tolerance)) return kInfinity;
+        greatest = std::max(greatest, beyond);
+      }
+    }
+    return greatest;
   }
 
   static Lookup locateFrom(const Tables& tables, const double* theta, std::uint32_t last) noexcept {
@@ -220,8 +254,7 @@ struct RegionMap::PointLocation {
     if (box != LookupStatus::kInside) return {box};
     Best best;
     for (std::size_t i = 0; i < regions; ++i) {
-      const auto region = static_cast<std::uint32_t>(i);
-      if (best.offer(tables, region, violation(tables, region, theta))) break;
+      if (best.offerOfFile(tables, static_cast<std::uint32_t>(i), theta)) break;
     }
     return best.found;
   }

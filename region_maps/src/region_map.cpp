@@ -102,8 +102,12 @@ std::uint64_t RegionMap::reducedFrom() const noexcept { return header_->reduced_
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
   const MapContent::Region& region = tables_.regions[index];
-  return {tables_.rows + region.first_row, region.row_count, active_ + region.first_active,
-          region.active_count, region.law};
+  return {tables_.rows + region.first_row,
+          region.row_count,
+          active_ + region.first_active,
+          region.active_count,
+          region.law,
+          region.first_row};
 }
 
 std::uint32_t RegionMap::root() const noexcept { return tables_.root; }

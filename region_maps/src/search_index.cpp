@@ -58,16 +58,36 @@ class SearchIndex::Builder {
     std::int32_t constant = 0;
   };
 
-  /// Every kLevels-th node of a path begins a block.
+  /// Which nodes begin a block: so that there are as few blocks as possible.
   void numberBlocks() {
-    std::vector<unsigned char> level(map_.nodeCount(), 0);
-    block_.assign(map_.nodeCount(), kNowhere);
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (level[i] == 0) block_[i] = static_cast<std::uint32_t>(index_.block_count_++);
-      for (const std::uint32_t child : {map_.node(i).below, map_.node(i).above}) {
-        if (!isLeaf(child)) level[child] = static_cast<unsigned char>((level[i] + 1) % kLevels);
+    const std::size_t count = map_.nodeCount();
+    fewest_.resize(count);
+    for (std::size_t i = count; i-- > 0;) {  // a node comes before its children
+      Fewest& fewest = fewest_[i];
+      fewest[0] = 1 + fewestBelow(i, kLevels - 1);
+      for (std::size_t left = 1; left < kLevels; ++left) {
+        fewest[left] = std::min(fewest[0], fewestBelow(i, left - 1));
       }
     }
+    std::vector<unsigned char> left(count, 0);  // levels that the parent's block has for the node
+    block_.assign(count, kNowhere);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool begins = left[i] == 0 || fewest_[i][0] < fewestBelow(i, left[i] - 1u);
+      if (begins) block_[i] = static_cast<std::uint32_t>(index_.block_count_++);
+      for (const std::uint32_t child : {map_.node(i).below, map_.node(i).above}) {
+        if (!isLeaf(child)) left[child] = static_cast<unsigned char>(begins ? kLevels - 1 : left[i] - 1u);
+      }
+    }
+    std::vector<Fewest>().swap(fewest_);
+  }
+
+  /// Blocks that hold all below a node of whose block so many levels are left.
+  std::uint32_t fewestBelow(std::size_t node, std::size_t left) const {
+    std::uint32_t sum = 0;
+    for (const std::uint32_t child : {map_.node(node).below, map_.node(node).above}) {
+      if (!isLeaf(child)) sum += fewest_[child][left];
+    }
+    return sum;
   }
 
   bool fits() {
@@ -166,13 +186,17 @@ class SearchIndex::Builder {
     record[0] = static_cast<std::int32_t>(number);
     record[1] = static_cast<std::int32_t>(region.law);
     record[2] = static_cast<std::int32_t>(groups);
+    record[3] = static_cast<std::int32_t>(region.first_row);
     record += kHead;
     for (std::size_t i = 0; i < std::size_t{groups} * kRowLanes; ++i) {
-      // the last row fills its group
-      const std::int32_t row = region.rows[std::min<std::size_t>(i, region.row_count - 1)];
-      const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
-      std::int32_t* const group = record + i / kRowLanes * groupWords(p_);
-      place(rounded(map_.plane(plane), row < 0), -index_.view_.margin, group + i % kRowLanes, kRowLanes);
+      std::int32_t* const lane = record + i / kRowLanes * groupWords(p_) + i % kRowLanes;
+      if (i < region.row_count) {
+        const std::int32_t row = region.rows[i];
+        const std::size_t plane = static_cast<std::size_t>(row < 0 ? -row : row) - 1;
+        place(rounded(map_.plane(plane), row < 0), -index_.view_.margin, lane, kRowLanes);
+      } else {
+        lane[pairs_ * kRowLanes] = kFar;  // holds anywhere
+      }
     }
     return record + std::size_t{groups} * groupWords(p_);
   }
@@ -214,13 +238,14 @@ class SearchIndex::Builder {
     children[0] = node;
     for (std::uint32_t lane = 0; lane < kPlanes; ++lane) {
       const std::uint32_t child = children[lane];
-      if (child == kNowhere || isLeaf(child)) {  // a path that ended goes on below
-        constants[lane] = kFar;
+      if (child == kNowhere || isLeaf(child) || (lane > 0 && block_[child] != kNowhere)) {
+        constants[lane] = kFar;  // a path that ended goes on below
         children[2 * lane + 1] = child;
         children[2 * lane + 2] = kNowhere;
       } else {
         place(rounded(map_.plane(map_.node(child).plane), false), -index_.view_.margin, block + lane,
               kChildren);
+        block[kPlanes] |= 1 << lane;
         children[2 * lane + 1] = map_.node(child).below;
         children[2 * lane + 2] = map_.node(child).above;
       }
@@ -251,6 +276,10 @@ class SearchIndex::Builder {
   const std::uint32_t pairs_;
   std::array<double, kMostParameters> half_{};
   std::array<double, kMostParameters> greatest_{};
+  /// Blocks that hold a node and all below, when so many levels of its parent's block are left for it.
+  using Fewest = std::array<std::uint32_t, kLevels>;
+
+  std::vector<Fewest> fewest_;
   std::vector<std::uint32_t> block_;   // of each node that begins one
   std::vector<std::uint32_t> record_;  // of each region, and the empty one [kHead words]
   std::vector<std::uint32_t> first_;   // candidate of each leaf

@@ -45,6 +45,7 @@ struct RegionView {
   const std::int32_t* active = nullptr;
   std::uint32_t active_count = 0;
   std::uint32_t law = 0;
+  std::uint32_t first_row = 0;  ///< of rows, among all of the file
 };
 
 /// The regions that may hold a parameter at a leaf of the search tree, in the order in which they are tested.

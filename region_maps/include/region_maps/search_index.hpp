@@ -55,12 +55,13 @@ class SearchIndex {
 
   /// What a look-up reads. Valid as long as the index, also when that moves.
   struct View {
-    /// Lanes of planes, a plane's children 2 i + 1 (below) and 2 i + 2 (above) after it; in the last constant
-    /// the file's node that the block begins with. Then a reference for each child, from below to above.
+    /// Lanes of planes, a plane's children 2 i + 1 (below) and 2 i + 2 (above) after it; in the last lane
+    /// which planes are those of nodes (bits), and as its constant the node of the file that the block begins
+    /// with. Then a reference for each child, from below to above.
     const std::int32_t* blocks = nullptr;
     const std::uint32_t* candidates = nullptr;  ///< where in `records` a region begins, in kHead words; kLast
     const std::int32_t* records =
-        nullptr;              ///< of a region: its index, its law, number of groups, 0; the groups
+        nullptr;              ///< of a region: its index, law, number of groups, first row; groups
     std::uint32_t root = 0;   ///< a reference
     std::int32_t margin = 0;  ///< taken off all constants
     std::array<double, kMostParameters> centre{};  ///< of each range
