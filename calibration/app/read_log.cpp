@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "ask.hpp"
 #include "autopilot/autopilot_signals.hpp"
 #include "identification/bag_signals.hpp"
 #include "read_progress.hpp"
@@ -94,6 +95,7 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   options.choice = choice;
   options.topics = arguments.topics;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
+  if (!arguments.quiet) options.ask = askWhereThereIsATerminal();
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
   provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;

@@ -44,7 +44,8 @@ std::string findNamespace(const std::string& path, const std::map<std::string, s
   if (found.size() > 1) {
     std::string names;
     for (const std::string& name : found) names += " " + name;
-    throw Error(path + ": holds commands of several vehicles, in the namespaces" + names + ": choose one");
+    throw Error(path + ": holds commands of several vehicles, in the namespaces" + names +
+                ": choose one with --namespace");
   }
   return found.empty() ? "/" : found.front();
 }
@@ -203,18 +204,21 @@ struct HeldMessage {
 
 class BagReader {
  public:
-  BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress)
-      : path_(path), topics_(topics), builder_(path) {
+  BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress,
+            const BagQuestion& ask)
+      : path_(path), topics_(topics), ask_(ask), builder_(path) {
     scan(progress);
     if (types_.empty()) throw Error(path_ + ": holds no message" + remarks());
-    prefix_ = topics.name_space.empty() ? findNamespace(path_, types_, topics.command)
-                                        : "/" + topics.name_space + "/";
-    while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
+    findPrefix();
+    if (!askForTopics()) return;
+    held_.clear();  // the messages of the topics that were named now
+    scan(progress);
+    findPrefix();
   }
 
   FlightLog read() {
-    require<nav_msgs::Odometry>(topics_.odometry);
-    require<mav_msgs::RollPitchYawrateThrust>(topics_.command);
+    require<nav_msgs::Odometry>(topics_.odometry, "--odometry");
+    require<mav_msgs::RollPitchYawrateThrust>(topics_.command, "--command");
     const bool has_trajectory = use<trajectory_msgs::MultiDOFJointTrajectory>(topics_.trajectory);
     const bool has_pose = use<geometry_msgs::PoseStamped>(topics_.pose);
     if (!has_trajectory && !has_pose) {
@@ -235,6 +239,44 @@ class BagReader {
 
  private:
   using Handler = std::function<void(const HeldMessage&)>;
+
+  void findPrefix() {
+    prefix_ = topics_.name_space.empty() ? findNamespace(path_, types_, topics_.command)
+                                         : "/" + topics_.name_space + "/";
+    while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
+  }
+
+  template <class Message>
+  std::vector<std::string> topicsOf() const {
+    std::vector<std::string> names;
+    for (const auto& [name, type] : types_) {
+      if (type == typeOf<Message>()) names.push_back(name);
+    }
+    return names;
+  }
+
+  // Whether a topic was named by somebody who was asked, in place of one that is not there.
+  template <class Message>
+  bool askFor(const char* what, std::string* topic) {
+    const std::vector<std::string> choices = topicsOf<Message>();
+    if (types_.count(fullName(*topic)) > 0 || choices.empty() || !ask_) return false;
+    const auto answer =
+        ask_(path_ + ": no message on " + fullName(*topic) + ". Which topic is the " + what + "?", choices);
+    if (answer) *topic = choices[*answer];
+    return answer.has_value();
+  }
+
+  bool askForTopics() {
+    bool named = askFor<nav_msgs::Odometry>("odometry", &topics_.odometry);
+    named = askFor<mav_msgs::RollPitchYawrateThrust>("command", &topics_.command) || named;
+    if (types_.count(fullName(topics_.pose)) == 0) {
+      named = askFor<trajectory_msgs::MultiDOFJointTrajectory>("reference", &topics_.trajectory) || named;
+    }
+    if (types_.count(fullName(topics_.trajectory)) == 0) {
+      named = askFor<geometry_msgs::PoseStamped>("reference", &topics_.pose) || named;
+    }
+    return named;
+  }
 
   // Holds the messages of all topics that may be wanted; the namespace is not known before the end.
   void scan(const BagProgress& progress) {
@@ -267,10 +309,10 @@ class BagReader {
     return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
   }
 
-  [[noreturn]] void missing(const std::string& topic) const {
+  [[noreturn]] void missing(const std::string& topic, const std::string& hint = "") const {
     std::string known;
     for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
-    throw Error(path_ + ": no message on " + topic + "; the bag has " + known + remarks());
+    throw Error(path_ + ": no message on " + topic + "; the bag has " + known + hint + remarks());
   }
 
   // Whether the topic is in the bag; from then on its messages are read.
@@ -311,8 +353,12 @@ class BagReader {
   }
 
   template <class Message>
-  void require(const std::string& topic) {
-    if (!use<Message>(topic)) missing(fullName(topic));
+  void require(const std::string& topic, const std::string& option) {
+    if (use<Message>(topic)) return;
+    std::string names;
+    for (const std::string& name : topicsOf<Message>()) names += (names.empty() ? "" : ", ") + name;
+    missing(fullName(topic),
+            names.empty() ? "" : "; " + typeOf<Message>() + " is on " + names + ": choose with " + option);
   }
 
   void readMessages() {
@@ -335,6 +381,7 @@ class BagReader {
 
   std::string path_;
   BagTopics topics_;
+  BagQuestion ask_;
   LogBuilder builder_;
   polyfly::BagHealth health_;
   std::map<std::string, std::string> types_;
@@ -347,8 +394,9 @@ class BagReader {
 
 }  // namespace
 
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress) {
-  return BagReader(path, topics, progress).read();
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress,
+                           const BagQuestion& ask) {
+  return BagReader(path, topics, progress, ask).read();
 }
 
 }  // namespace polyfly_ros

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../app/ask.hpp"
 #include "../app/read_progress.hpp"
 #include "calibration/controller_options.hpp"
 #include "calibration/map_comparison.hpp"
@@ -145,7 +146,9 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
                              polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
-  const polyfly::FlightLog log = polyfly_ros::readBag(bag, arguments.topics, progress);
+  const polyfly::FlightLog log =
+      polyfly_ros::readBag(bag, arguments.topics, progress,
+                           arguments.quiet ? polyfly::Ask() : polyfly::askWhereThereIsATerminal());
   for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::FlightSummary flight;

@@ -29,6 +29,13 @@ const std::vector<KnownType>& knownTypes() {
         {"pitch_cmd", "pitch"},
         {"yaw_rate_cmd", "yaw_rate"},
         {"thrust_cmd", "thrust.z"}}},
+      {"mavros_msgs/AttitudeTarget",
+       "",
+       1,
+       {{"roll_cmd", "orientation", Angle::kRoll},
+        {"pitch_cmd", "orientation", Angle::kPitch},
+        {"yaw_rate_cmd", "body_rate.z"},
+        {"thrust_cmd", "thrust"}}},
       {"geometry_msgs/PoseStamped",
        "attitude",
        1,
@@ -50,8 +57,34 @@ const std::vector<KnownType>& knownTypes() {
         {"yaw", "orientation", Angle::kYaw},
         {"yaw_rate", "angular_velocity.z"},
         {"specific_force_z", "linear_acceleration.z"}}},
+      {"geometry_msgs/TransformStamped",
+       "",
+       2,
+       {{"roll", "transform.rotation", Angle::kRoll},
+        {"pitch", "transform.rotation", Angle::kPitch},
+        {"yaw", "transform.rotation", Angle::kYaw}}},
+      {"geometry_msgs/PoseStamped",
+       "pose",
+       3,
+       {{"roll", "pose.orientation", Angle::kRoll},
+        {"pitch", "pose.orientation", Angle::kPitch},
+        {"yaw", "pose.orientation", Angle::kYaw}}},
+      {"geometry_msgs/TwistStamped",
+       "velocity_local",
+       1,
+       {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
   };
   return types;
+}
+
+// Whether messages of this type on this topic are what the list means.
+bool isKnown(const KnownType& known, const BagConnection& connection) {
+  const auto named = [&connection](const char* part) {
+    return connection.topic.find(part) != std::string::npos;
+  };
+  // A pose that was asked for is not one that was measured.
+  const bool asked = std::string(known.topic) == "pose" && (named("command") || named("setpoint"));
+  return connection.type == known.type && named(known.topic) && !asked;
 }
 
 constexpr int kTruthRank = 10;  // added to that of the type
@@ -149,8 +182,7 @@ class Collector {
                                                                 return endsWith(connection.topic, ending);
                                                               });
     for (const KnownType& known : knownTypes()) {
-      if (!heard || connection.type != known.type || connection.topic.find(known.topic) == std::string::npos)
-        continue;
+      if (!heard || !isKnown(known, connection)) continue;
       std::vector<FieldUse> uses;
       for (const FieldUse& use : known.uses) {
         if (!isChosen(use.signal)) uses.push_back(use);
@@ -184,9 +216,7 @@ class Collector {
           if (series.time.empty()) continue;
           const auto before = ranks.find(signal);
           if (before != ranks.end() && before->second == one.rank) {
-            throw Error(path_ + ": " + signal + " could come from " + result->signals.origin[signal] +
-                        " or from " + topic + ": choose with --topic, or with --signal " + signal +
-                        "=TOPIC:FIELD");
+            if (preferred(signal, result->signals.origin[signal], topic) != topic) continue;
           }
           if (before != ranks.end() && before->second < one.rank) continue;
           ranks[signal] = one.rank;
@@ -197,8 +227,23 @@ class Collector {
     }
   }
 
+  // Which of two topics gives a signal; the answer holds for everything that both could give.
+  std::string preferred(const std::string& signal, const std::string& one, const std::string& other) const {
+    const auto pair = std::make_pair(one, other);
+    const auto known = answers_.find(pair);
+    if (known != answers_.end()) return known->second;
+    const std::string question = path_ + ": " + signal + " could come from " + one + " or from " + other;
+    std::optional<std::size_t> answer;
+    if (options_.ask) answer = options_.ask(question + ". Which?", {one, other});
+    if (!answer) {
+      throw Error(question + ": choose with --topic, or with --signal " + signal + "=TOPIC:FIELD");
+    }
+    return answers_[pair] = *answer == 0 ? one : other;
+  }
+
   std::string path_;
   const BagSignalOptions& options_;
+  mutable std::map<std::pair<std::string, std::string>, std::string> answers_;
   std::vector<Choice> choices_;
   std::set<std::string> topics_;
   std::map<std::string, std::vector<Source>> sources_;

@@ -160,6 +160,74 @@ TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
   EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("roll"), "/two/odometry");
 }
 
+TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {
+  writeFlight({"/one", "/two"});
+  int questions = 0;
+  BagSignalOptions options;
+  options.ask = [&questions](const std::string& question, const std::vector<std::string>& choices) {
+    ++questions;
+    EXPECT_NE(question.find(" could come from /one/"), std::string::npos);
+    EXPECT_EQ(choices.size(), 2u);
+    return std::optional<std::size_t>(1);
+  };
+  const BagSignals found = signalsFromBag(path_, options);
+  EXPECT_EQ(found.signals.origin.at("roll"), "/two/odometry");
+  EXPECT_EQ(found.signals.origin.at("pitch_cmd"), "/two/command/roll_pitch_yawrate_thrust");
+  EXPECT_EQ(questions, 2);  // for commands and for odometry
+  options.ask = [](const std::string&, const std::vector<std::string>&) {
+    return std::optional<std::size_t>();
+  };
+  EXPECT_NE(errorOf(options).find("choose with --topic"), std::string::npos);
+}
+
+// As mavros and motion capture record a flight.
+TEST_F(BagSignalsTest, ReadsAttitudeTargetsTransformsAndPoses) {
+  const std::string quaternion =
+      "===\nMSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
+  const std::string vector = "===\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+  const std::string target = definition(
+      "uint8 IGNORE_THRUST=64\nuint8 type_mask\ngeometry_msgs/Quaternion orientation\n"
+      "geometry_msgs/Vector3 body_rate\nfloat32 thrust",
+      quaternion + vector);
+  const std::string transform = definition("string child_frame_id\ngeometry_msgs/Transform transform",
+                                           "===\nMSG: geometry_msgs/Transform\nVector3 translation\n"
+                                           "Quaternion rotation\n" +
+                                               vector + quaternion);
+  const std::string pose = definition("geometry_msgs/Pose pose",
+                                      "===\nMSG: geometry_msgs/Pose\nPoint position\nQuaternion orientation\n"
+                                      "===\nMSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n" +
+                                          quaternion);
+  const auto rolled = [](MessageBytes bytes, double roll) {
+    return bytes.put(std::sin(0.5 * roll)).put(0.0).put(0.0).put(std::cos(0.5 * roll));
+  };
+  MadeBag bag;
+  const auto commands = bag.connect("/mavros/setpoint_raw/attitude", "mavros_msgs/AttitudeTarget", target);
+  const auto vicon = bag.connect("/vicon/quad", "geometry_msgs/TransformStamped", transform);
+  const auto local = bag.connect("/mavros/local_position/pose", "geometry_msgs/PoseStamped", pose);
+  const auto asked = bag.connect("/mavros/setpoint_position/pose", "geometry_msgs/PoseStamped", pose);
+  for (int i = 0; i < 5; ++i) {
+    const double time = kStart + 0.01 * i;
+    MessageBytes command = rolled(MessageBytes().header(time).put(std::uint8_t{0}), 0.3);
+    command.put(0.0).put(0.0).put(0.5).put(0.6F);
+    bag.write(commands, time, command.bytes);
+    const MessageBytes head = MessageBytes().header(time).text("quad").put(0.0).put(0.0).put(0.0);
+    bag.write(vicon, time, rolled(head, 0.2).bytes);
+    const MessageBytes place = MessageBytes().header(time).put(0.0).put(0.0).put(0.0);
+    bag.write(local, time, rolled(place, 0.1).bytes);
+    bag.write(asked, time, rolled(place, 0.7).bytes);
+  }
+  bag.endChunk();
+  write(bag.bytes());
+  const FlightSignals signals = signalsFromBag(path_, {}).signals;
+  EXPECT_NEAR(signals.at("roll_cmd").value[0], 0.3, 1e-9);
+  EXPECT_NEAR(signals.at("yaw_rate_cmd").value[0], 0.5, 1e-9);
+  EXPECT_NEAR(signals.at("thrust_cmd").value[0], 0.6, 1e-6);
+  EXPECT_NEAR(signals.at("roll").value[0], 0.2, 1e-9);
+  BagSignalOptions poses;
+  poses.topics = {"attitude", "pose"};
+  EXPECT_NEAR(signalsFromBag(path_, poses).signals.at("roll").value[0], 0.1, 1e-9);
+}
+
 TEST_F(BagSignalsTest, TakesASimulatorsTruthLast) {
   writeFlight({"/firefly"}, 0.0, false, "/ground_truth");
   EXPECT_EQ(signalsFromBag(path_, {}).signals.origin.at("roll"), "/firefly/odometry");

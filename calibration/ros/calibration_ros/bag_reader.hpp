@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "calibration/flight_log.hpp"
 
@@ -18,6 +20,10 @@ struct BagTopics {
   std::string disturbance = "ground_truth/disturbance";  ///< may be missing
 };
 
+/// Asked which topic is meant where none bears the name: the index of one of `choices`, or none.
+using BagQuestion = std::function<std::optional<std::size_t>(const std::string& question,
+                                                             const std::vector<std::string>& choices)>;
+
 /// Told the share of the file that was read, 0..1.
 using BagProgress = std::function<void(double)>;
 
@@ -26,7 +32,9 @@ using BagProgress = std::function<void(double)>;
 /// (bags/scan_bag.hpp). Throws polyfly::Error naming file, topic and rule when the file is missing, empty or
 /// no bag, when a topic is missing or of another type, or when a message breaks the rules of
 /// online_controller_ros/conversions.hpp.
-polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics,
-                           const BagProgress& progress = {});
+/// `ask` may say which topic of the right type is meant where odometry, commands or references are not found
+/// by their names.
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress = {},
+                           const BagQuestion& ask = {});
 
 }  // namespace polyfly_ros
