@@ -247,7 +247,7 @@ void fillMarkers(const polyfly::LateralGuidance& guidance, const std_msgs::Heade
   clear.header = header;
   clear.action = visualization_msgs::Marker::DELETEALL;
   message.markers.push_back(clear);
-  visualization_msgs::Marker prediction = makeLine(header, "prediction", 0, 1.0);
+  visualization_msgs::Marker prediction = makeLine(header, "prediction", 0, 3.0);
   setColour(prediction, 1.0F, 0.4F, 0.0F, 1.0F);
   for (int k = 0; k <= guidance.nmpc().horizon(); ++k)
     prediction.points.push_back(toPoint(guidance.nmpc().nodes()[k].head<2>(), altitude));
@@ -257,9 +257,9 @@ void fillMarkers(const polyfly::LateralGuidance& guidance, const std_msgs::Heade
     const polyfly::PathSegment& segment = track.segments()[i];
     const auto* loiter = std::get_if<polyfly::LoiterCircle>(&segment);
     const double length = loiter != nullptr ? 2.0 * polyfly::kPi * loiter->radius : polyfly::length(segment);
-    visualization_msgs::Marker line = makeLine(header, "mission", i, 0.5);
+    visualization_msgs::Marker line = makeLine(header, "mission", i, 1.5);
     const bool is_current = i == track.index();
-    setColour(line, is_current ? 0.0F : 0.4F, is_current ? 0.8F : 0.4F, 0.4F, is_current ? 1.0F : 0.6F);
+    setColour(line, is_current ? 0.0F : 0.7F, is_current ? 0.9F : 0.7F, is_current ? 0.4F : 0.7F, 1.0F);
     for (int j = 0; j <= kPoints; ++j)
       line.points.push_back(toPoint(polyfly::pointAt(segment, length * j / kPoints).position, altitude));
     message.markers.push_back(line);

@@ -1,5 +1,6 @@
 // A simulated aircraft on mavros' topics (the rough one, or with ~rigid the one in six degrees of freedom),
 // in steps: each command moves it on by one period, so that a slow machine flies the same as a fast one.
+// ~pace 1 waits for the clock on the wall, to be watched in rviz.
 #include <geometry_msgs/TwistStamped.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <mavros_msgs/VFR_HUD.h>
@@ -20,7 +21,7 @@ constexpr double kPeriod = 0.05;  // [s]
 
 class PlantNode {
  public:
-  PlantNode(ros::NodeHandle& handle, bool rigid) : aircraft_(makeAircraft(rigid)) {
+  PlantNode(ros::NodeHandle& handle, bool rigid, double pace) : aircraft_(makeAircraft(rigid)), pace_(pace) {
     odometry_ = handle.advertise<nav_msgs::Odometry>("mavros/local_position/odom", 10);
     imu_ = handle.advertise<sensor_msgs::Imu>("mavros/imu/data", 10);
     hud_ = handle.advertise<mavros_msgs::VFR_HUD>("mavros/vfr_hud", 10);
@@ -55,6 +56,7 @@ class PlantNode {
     if (command.header.stamp != sent_) return;  // of an earlier state
     aircraft_->fly(command.twist.angular.x, kPeriod);
     answered_ = true;
+    if (pace_ > 0.0) ros::WallDuration(kPeriod / pace_).sleep();
     publish();
   }
 
@@ -115,6 +117,7 @@ class PlantNode {
   ros::WallTimer patience_;
   ros::Time sent_;
   bool answered_ = true;
+  double pace_ = 0.0;  // of simulated time by the wall's; 0: as fast as commands come
 };
 
 }  // namespace
@@ -122,6 +125,7 @@ class PlantNode {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "lateral_plant");
   ros::NodeHandle handle;
-  const PlantNode plant(handle, ros::NodeHandle("~").param("rigid", false));
+  const ros::NodeHandle own("~");
+  const PlantNode plant(handle, own.param("rigid", false), own.param("pace", 0.0));
   ros::spin();
 }
