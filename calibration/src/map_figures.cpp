@@ -34,6 +34,10 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
     return named ? static_cast<double>(std::distance(met.begin(), met.find(region)))
                  : static_cast<double>(region);
   })};
+  if (met.empty() && !content.samples.empty()) {  // nothing to fit a range to
+    panel.x_range =
+        padded(0.0, content.samples.back().state.stamp - content.samples.front().state.stamp, 1.0);
+  }
   panel.series[0].style = Style::kSteps;
   panel.series[0].width = 2.2;
   if (!named) {

@@ -127,6 +127,7 @@ TEST_F(Coverage, countsByRegionParameterAndTime) {
 }
 
 TEST_F(Coverage, tellsWhereTheFlightLeftTheMapAndWhatWasAnswered) {
+  options_.solve_outside = false;
   const ValidationReport report = validated(flight(2.0, 40, 47));
   ASSERT_EQ(report.axes[0].excursions.size(), 1u);
   const Excursion& excursion = report.axes[0].excursions[0];

@@ -63,6 +63,7 @@ TEST_F(Validation, findsWhatTheFlightWasMadeOf) {
 
 TEST_F(Validation, countsSamplesOutsideByTheirParameter) {
   options_.jump_distance = 0.0;  // it is far away from one sample to the next
+  options_.solve_outside = false;
   FlightRecorder recorder(maps_.axes(), options_);
   recorder.hold(SyntheticFlight::home());
   constexpr std::size_t kAway = 7;

@@ -103,8 +103,8 @@ TEST(Axis, BindsByNameNotByPlace) {
   std::reverse(turned.laws.begin(), turned.laws.end() - 1);
   const MapInMemory map(content);
   const MapInMemory turned_map(turned);
-  const Axis axis(map.map(), kAxisNames[1], {});
-  const Axis turned_axis(turned_map.map(), kAxisNames[1], {});
+  Axis axis(map.map(), kAxisNames[1], {});
+  Axis turned_axis(turned_map.map(), kAxisNames[1], {});
   const AxisSample sample{0.5, -0.3, 0.04};
   const AxisReference reference{0.1, 0.2, 0.3, 0.1};
   polyfly::AxisReport report;
@@ -133,7 +133,7 @@ MapContent robustContent(const std::string& problem_text, const std::vector<doub
 TEST(Axis, TakesTheMapOfARobustProblem) {
   const std::string text = polyfly_test::robustAxisProblem("lateral");
   const MapInMemory map(robustContent(text, {1.0, 10.0, 100.0, 1000.0, 10000.0}));
-  const Axis axis(map.map(), kAxisNames[1], {});
+  Axis axis(map.map(), kAxisNames[1], {});
   const AxisSample sample{0.5, -0.3, 0.04};
   const AxisReference reference{0.1, 0.2, 0.3, 0.0};
   polyfly::AxisReport report;
@@ -148,7 +148,7 @@ TEST(Axis, TakesTheMapOfARobustProblem) {
 
   // without references the target is level flight
   const MapInMemory level_map(robustContent(text, {1.0, 10.0, 100.0}));
-  const Axis level(level_map.map(), kAxisNames[1], {});
+  Axis level(level_map.map(), kAxisNames[1], {});
   EXPECT_EQ(level.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
   ASSERT_EQ(report.size, 3);
   EXPECT_NEAR(report.theta[2], 0.04, 1e-15);
@@ -175,7 +175,7 @@ TEST(Axis, TakesTheModelsOfTheRobustProblems) {
 TEST(AxisTarget, AtRestIsTheSteadyStateOfEquation6) {
   for (std::size_t i = 0; i < 3; ++i) {
     const MapInMemory map(axisContent(i));
-    const Axis axis(map.map(), kAxisNames[i], {});
+    Axis axis(map.map(), kAxisNames[i], {});
     const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
     const polyfly::DiscreteModel model = polyfly::discretise(problem, problem.sampling_time);
     for (const double disturbance : {0.0, 0.7, -1.3}) {
@@ -202,7 +202,7 @@ TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const MapInMemory map(axisContent(i));
-    const Axis axis(map.map(), kAxisNames[i], {});
+    Axis axis(map.map(), kAxisNames[i], {});
     const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(i), "problem");
     const int states = problem.stateCount();
     const auto state_at = [&](double t) {

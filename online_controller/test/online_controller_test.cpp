@@ -33,6 +33,7 @@ constexpr double kRounding = 1e-12;
 MultirotorOptions withoutObserver() {
   MultirotorOptions options;
   options.offset_free = false;
+  options.solve_outside = false;
   return options;
 }
 
@@ -243,7 +244,9 @@ TEST(MultirotorController, OutsideThePartitionHoldsThenLevels) {
 TEST(MultirotorController, ClippedIntoAnInfeasiblePlaceHasNoAnswer) {
   std::array<polyfly::MapContent, 3> contents = polyfly_test::axisContents();
   polyfly_test::cutOff(contents[0], 0, 1.0);
-  Flight flight(contents);
+  MultirotorOptions options;
+  options.solve_outside = false;
+  Flight flight(contents, options);
   VehicleState state;
   state.position.x() = 7.0;
   const ControlReport& report = flight.controller->step(state, Reference{});
@@ -313,7 +316,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 22);
+  EXPECT_EQ(count, 24);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mpc_core_allocations.hpp"
+#include "online_controller/attitude_trim.hpp"
 #include "online_controller/flight_options.hpp"
 #include "online_controller/nonlinear_controller.hpp"
 #include "online_controller/vehicle_observer.hpp"
@@ -25,6 +26,58 @@ constexpr double kGravity = 9.8066;
 constexpr double kMass = 1.52;
 constexpr double kPeriod = 0.01;
 constexpr double kDrag = 0.01;
+
+/// Roll and pitch of a first-order lag with another gain than the observer's model and an offset.
+struct Tilt {
+  static constexpr double kTime = 0.25, kGain = 0.8, kOffset = 0.02;
+  polyfly::TiltAngles angles;
+
+  void move(const AttitudeCommand& command) {
+    const double decay = std::exp(-kPeriod / kTime);
+    angles.roll = decay * angles.roll + (1.0 - decay) * (kGain * command.roll + kOffset);
+    angles.pitch = decay * angles.pitch + (1.0 - decay) * kGain * command.pitch;
+  }
+};
+
+TEST(AttitudeTrim, findsTheCommandsThatTheModelDoesNotExplain) {
+  polyfly::MultirotorOptions options;
+  options.pitch_trim = 0.01;
+  polyfly::AttitudeTrim trim({0.9, 0.25, 0.9, 0.25}, options);
+  EXPECT_EQ(trim.angles().roll, 0.0);
+  EXPECT_EQ(trim.angles().pitch, 0.01);
+  Tilt tilt;
+  AttitudeCommand command;
+  command.roll = 0.1;
+  command.pitch = -0.2;
+  const auto fly = [&](double seconds) {
+    for (int k = 0; k < static_cast<int>(seconds / kPeriod); ++k) {
+      tilt.move(command);
+      trim.update(tilt.angles, command, 1);
+    }
+  };
+  fly(60.0);
+  // In rest the model has angle = 0.9 (command - trim).
+  EXPECT_NEAR(trim.angles().roll, 0.1 - (0.8 * 0.1 + 0.02) / 0.9, 1e-4);
+  EXPECT_NEAR(trim.angles().pitch, -0.2 + 0.8 * 0.2 / 0.9, 1e-4);
+
+  polyfly::AttitudeTrim next({0.9, 0.25, 0.9, 0.25}, options);
+  next.takeOver(trim);
+  EXPECT_EQ(next.angles().roll, trim.angles().roll);
+  trim.reset();
+  EXPECT_EQ(trim.angles().pitch, 0.01);
+
+  command.roll = 5.0;  // it does not follow: held by something
+  tilt.angles = {};
+  for (int k = 0; k < 10000; ++k) trim.update({0.0, 0.0}, command, 1);
+  EXPECT_NEAR(trim.angles().roll, polyfly::AttitudeTrim::kMost, 1e-12);
+
+  options.trim_drift = 0.0;
+  polyfly::AttitudeTrim given({0.9, 0.25, 0.9, 0.25}, options);
+  given.update({0.1, 0.1}, command, 1);
+  EXPECT_EQ(given.angles().roll, 0.0);
+  EXPECT_EQ(given.angles().pitch, 0.01);
+  EXPECT_THROW(polyfly::AttitudeTrim({0.0, 0.25, 0.9, 0.25}, {}), polyfly::Error);
+}
 
 /// A vehicle with the attitude loops of MomentModel about small angles, under a force and a moment,
 /// integrated in steps of a tenth of a period.

@@ -358,7 +358,9 @@ TEST(Supervisor, AJumpThatLastsIsBelievedInTheEnd) {
 TEST(Supervisor, ALawWithoutAnswerEndsInFailsafeAndTheNextAnswerEndsIt) {
   std::array<polyfly::MapContent, 3> contents = polyfly_test::axisContents();
   polyfly_test::cutOff(contents[0], 0, 1.0);  // infeasible above e_p_x = 1
-  polyfly_test::Flight law(contents);
+  polyfly::MultirotorOptions options;
+  options.solve_outside = false;
+  polyfly_test::Flight law(contents, options);
   polyfly::FlightSupervisor supervisor(*law.controller, {}, {});
   polyfly::VehicleState state;
   supervisor.onOdometry(state);

@@ -173,7 +173,7 @@ class FlightTest(unittest.TestCase):
             "far",
             {
                 "plant": {"faults": {"jump_start": 38.0, "jump_time": 0.1, "jump": [0.0, 5.0, 0.0]}},
-                "controller": {"controller": {"jump_distance": 0.0}},
+                "controller": {"controller": {"jump_distance": 0.0, "solve_outside": False}},
             },
         )
         self.assert_commands_within_limits(flown)

@@ -51,6 +51,26 @@ struct AxisReference {
   double disturbance = 0.0;   ///< known beside the observer's [m/s^2]
 };
 
+/// What the parameters of an axis' law may be.
+enum class AxisEntry : std::size_t {
+  kPositionError,
+  kVelocityError,
+  kAngleError,
+  kPreviousInput,
+  kInputReference,
+  kVelocityReference,
+};
+
+/// A value for each AxisEntry, from which the parameters are assembled in the law's order.
+class AxisValues {
+ public:
+  double& operator[](AxisEntry entry) noexcept { return values_[static_cast<std::size_t>(entry)]; }
+  double operator[](AxisEntry entry) const noexcept { return values_[static_cast<std::size_t>(entry)]; }
+
+ private:
+  std::array<double, 6> values_{};
+};
+
 /// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
 /// active.
 struct AxisTarget {
@@ -90,55 +110,61 @@ class Axis {
   /// is ignored.
   void takeOver(const Axis& other) noexcept;
 
-  double kktResidual() const noexcept { return law_->kktResidual(); }
+  /// Of the last evaluate(), see ControlLaw::kktResidual.
+  double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }
 
   /// The axis in error coordinates, one stage after the other: open loop along the plan of an online law,
   /// closed loop through the map of an explicit one.
   struct Prediction {
     int stage = 0;
-    double position_error = 0.0;   ///< [m]
-    double velocity_error = 0.0;   ///< [m/s]
-    double angle_error = 0.0;      ///< [rad]
-    double input = 0.0;            ///< u over the stage [rad or m/s^2]
-    double input_reference = 0.0;  ///< [rad or m/s^2]
+    AxisValues values;    ///< errors and references at its beginning
+    double input = 0.0;   ///< u over the stage [rad or m/s^2]
+    bool beyond = false;  ///< begins outside the map
   };
   Prediction beginPrediction(const AxisReport& report) const noexcept;
   void advance(Prediction& at) const noexcept;
   double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
 
   /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
-  /// input is left alone. Where a minimum-peak robust MPC has no plan that meets all bounds (a disturbance
-  /// beyond its range has been at work), the errors are scaled down until it has one, by 12 halvings:
-  /// kClipped.
+  /// input is left alone. Where a map has no answer, its problem is solved online, the report says so
+  /// (kOptimal with a look-up that is not kInside), and u is that of the online law; with
+  /// options.solve_outside unset the parameters are clipped to the map's box instead (kClipped). Where a
+  /// minimum-peak robust MPC has no plan that meets all bounds (a disturbance beyond its range has been at
+  /// work), the errors are scaled down until it has one, by 12 halvings: kClipped.
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
-                         AxisReport& report) const noexcept;
+                         AxisReport& report) noexcept;
 
   /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC,
   /// which answers for the whole disturbance: what an estimate took away would be answered twice.
   double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
   const MpcProblem& problem() const noexcept { return law_->problem(); }
+
+  /// Of the lag s' = a s + b u: -b / a [1], -1 / a [s]; not for the vertical axis.
+  double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
+  double lagTime() const noexcept { return -1.0 / lag_pole_; }
+
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
 
  private:
-  enum class Entry {
-    kPositionError,
-    kVelocityError,
-    kAngleError,
-    kPreviousInput,
-    kInputReference,
-    kVelocityReference,
-  };
+  using Parameters = std::array<double, kMaxParameters>;
 
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
+  const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }
+  Parameters parametersAt(const AxisValues& values) const noexcept;
+  Parameters clipped(const Parameters& theta) const noexcept;
+  int firstOutside(const Parameters& theta) const noexcept;
+  ControlStatus answer(AxisReport& report, double& input) noexcept;
   double nextInput(const Prediction& at) const noexcept;
-  Lookup retreat(const std::array<double, kMaxParameters>& theta, double& input) const noexcept;
+  Lookup retreat(const Parameters& theta, double& input) const noexcept;
 
   std::unique_ptr<AxisLaw> law_;
-  std::array<Entry, kMaxParameters> entries_{};
-  std::array<double, kMaxParameters> lower_{};
-  std::array<double, kMaxParameters> upper_{};
+  std::unique_ptr<AxisLaw> beyond_;  // where law_, a map, has no answer; nullptr: nothing
+  bool answered_beyond_ = false;     // by the last evaluate()
+  std::array<AxisEntry, kMaxParameters> entries_{};
+  Parameters lower_{};
+  Parameters upper_{};
   int size_ = 0;
   double input_lower_ = 0.0;
   double input_upper_ = 0.0;

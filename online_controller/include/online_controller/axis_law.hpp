@@ -27,6 +27,10 @@ class AxisLaw {
   /// solution is kOutsidePartition. Unless kInside, `input` is left alone.
   virtual Lookup evaluate(const double* theta, double* input) noexcept = 0;
 
+  /// For a map of a tracking problem: a law that solves the same problem online, with the parameters in the
+  /// same order; nullptr for others. Throws Error.
+  virtual std::unique_ptr<AxisLaw> onlineTwin() const { return nullptr; }
+
   virtual void reset() noexcept = 0;
 
   /// The input u of stage `stage` as the last evaluate() planned it under the steady input `reference`, for a

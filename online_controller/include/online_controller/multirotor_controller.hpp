@@ -3,6 +3,7 @@
 #include <array>
 
 #include "online_controller/attitude.hpp"
+#include "online_controller/attitude_trim.hpp"
 #include "online_controller/axis.hpp"
 #include "online_controller/control_law.hpp"
 #include "online_controller/options.hpp"
@@ -78,7 +79,7 @@ class MultirotorController : public ControlLaw {
 
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
-  void observe(const VehicleState& state, const std::array<AxisSample, 3>& samples) noexcept;
+  void observe(const VehicleState& state, const Measured& measured) noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
   TiltAngles forceAngles(const AttitudeCommand& command) const noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
@@ -93,6 +94,7 @@ class MultirotorController : public ControlLaw {
   std::array<double, 3> applied_{};  // the same after the limits on what is sent: what the observer is told
   double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
   bool observing_ = false;
+  AttitudeTrim trim_;
   SafetyLadder ladder_;
   PositionIntegrator integrator_;
 };

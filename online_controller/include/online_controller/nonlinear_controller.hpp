@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/attitude_trim.hpp"
 #include "online_controller/control_law.hpp"
 #include "online_controller/force_observer.hpp"
 #include "online_controller/options.hpp"
@@ -52,6 +53,8 @@ class NonlinearController : public ControlLaw {
  private:
   int observe(const VehicleState& state) noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
+  StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
+  void lead(StageReference& from, const StageReference& to, double period) const noexcept;
   void makeReferences(const Reference* preview) noexcept;
   bool solve(const MultirotorState& x, int periods) noexcept;
   bool isFar(const MultirotorState& x) const noexcept;
@@ -64,11 +67,13 @@ class NonlinearController : public ControlLaw {
   MultirotorOptions options_;
   NonlinearMpc mpc_;
   ForceObserver observer_;
+  AttitudeTrim trim_;
   ControlReport report_;
 
   std::vector<StageConditions> stages_;     // N + 1: the last one has the yaw at the end
   std::vector<StageReference> references_;  // N + 1
   std::vector<Reference> preview_;          // of the last step, for the preparation of the next
+  TiltAngles sooner_;                       // from a stage's command to one control period's [rad]
   double yaw_ = 0.0;                        // of the last sample [rad]
   double observed_until_ = 0.0;             // time up to which the observer has advanced [s]
   bool observing_ = false;

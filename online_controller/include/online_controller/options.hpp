@@ -24,9 +24,11 @@ struct MultirotorOptions {
   double descend_thrust = 0.95;  ///< share of the hover thrust [1]
   double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
   double disturbance_drift =
-      0.005;                ///< of the observer's model, per control period: greater follows faster [m/s^2]
-  bool offset_free = true;  ///< use the disturbance estimate (Eq. 5-6)
-  bool integrator = false;  ///< add the integral of the position error to it, see PositionIntegrator
+      0.005;                  ///< of the observer's model, per control period: greater follows faster [m/s^2]
+  double trim_drift = 5e-4;   ///< of the attitude's trim per control period, 0: only the given one [rad]
+  bool offset_free = true;    ///< use the disturbance estimate (Eq. 5-6)
+  bool solve_outside = true;  ///< where a map has no answer, solve its problem online; else clip to its box
+  bool integrator = false;    ///< add the integral of the position error to it, see PositionIntegrator
   double integral_gain_xy = 0.2;  ///< [1/s^3]
   double integral_gain_z = 0.3;   ///< [1/s^3]
   double integral_limit = 2.0;    ///< of the integral of the error [m s]
@@ -53,7 +55,9 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/descend_thrust", options.descend_thrust, "1", Range{0.5, 1.0});
   visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
+  visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1});
   visit("controller/offset_free", options.offset_free);
+  visit("controller/solve_outside", options.solve_outside);
   visit("controller/integrator", options.integrator);
   visit("controller/integral_gain_xy", options.integral_gain_xy, "1/s^3", Range{0.0, 10.0});
   visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0});

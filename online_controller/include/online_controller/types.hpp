@@ -38,7 +38,7 @@ struct AttitudeCommand {
 
 /// Why the command is what it is. Worse states have greater numbers; the step reports the worst of the axes.
 enum class ControlStatus : std::uint8_t {
-  kOptimal = 0,   ///< the law's answer
+  kOptimal = 0,   ///< the law's answer; with a reason: outside its map, by solving the map's problem online
   kClipped = 1,   ///< a parameter left the map's box; it was clipped to the box and the law evaluated there
   kHoldLast = 2,  ///< no answer for this sample: the last command is repeated
   kLevel = 3,     ///< no answer for longer: level attitude, hover thrust

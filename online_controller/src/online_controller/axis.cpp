@@ -36,11 +36,14 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
       observer_(law_->problem(), observerOptions(options)) {
   bindSignals(names);
   readModel(law_->problem(), names);
+  if (options.solve_outside) beyond_ = law_->onlineTwin();
 }
 
 void Axis::reset() noexcept {
   observer_.reset();
   law_->reset();
+  if (beyond_ != nullptr) beyond_->reset();
+  answered_beyond_ = false;
 }
 
 void Axis::takeOver(const Axis& other) noexcept {
@@ -54,16 +57,16 @@ void Axis::bindSignals(const AxisNames& names) {
   struct Wanted {
     const char* name;
     const char* unit;
-    Entry entry;
+    AxisEntry entry;
     bool required;
   };
   const bool tracking = !law_->problem().minimum_peak;
-  std::vector<Wanted> wanted{{names.position_error, "m", Entry::kPositionError, true},
-                             {names.velocity_error, "m/s", Entry::kVelocityError, true},
-                             {names.input_reference, names.input_unit, Entry::kInputReference, tracking}};
-  if (tracking) wanted.push_back({names.previous_input, names.input_unit, Entry::kPreviousInput, true});
-  if (!tracking) wanted.push_back({names.velocity_reference, "m/s", Entry::kVelocityReference, false});
-  if (has_lag_) wanted.push_back({names.angle_error, "rad", Entry::kAngleError, true});
+  std::vector<Wanted> wanted{{names.position_error, "m", AxisEntry::kPositionError, true},
+                             {names.velocity_error, "m/s", AxisEntry::kVelocityError, true},
+                             {names.input_reference, names.input_unit, AxisEntry::kInputReference, tracking}};
+  if (tracking) wanted.push_back({names.previous_input, names.input_unit, AxisEntry::kPreviousInput, true});
+  if (!tracking) wanted.push_back({names.velocity_reference, "m/s", AxisEntry::kVelocityReference, false});
+  if (has_lag_) wanted.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
   static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
 
   std::vector<bool> found(wanted.size(), false);
@@ -80,7 +83,7 @@ void Axis::bindSignals(const AxisNames& names) {
       throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) + ": listed twice");
     found[which] = true;
     requireUnit(*law_, names, signal, match->unit);
-    has_input_reference_ = has_input_reference_ || match->entry == Entry::kInputReference;
+    has_input_reference_ = has_input_reference_ || match->entry == AxisEntry::kInputReference;
     const auto slot = static_cast<std::size_t>(size_++);
     entries_[slot] = match->entry;
     lower_[slot] = signal.lower;
@@ -175,51 +178,66 @@ void Axis::observe(const AxisSample& sample, double applied_input, int periods) 
   observer_.update(measured.data(), &applied_input, periods);
 }
 
+Axis::Parameters Axis::parametersAt(const AxisValues& values) const noexcept {
+  Parameters theta{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) theta[i] = values[entries_[i]];
+  return theta;
+}
+
+Axis::Parameters Axis::clipped(const Parameters& theta) const noexcept {
+  Parameters result{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+    result[i] = std::clamp(theta[i], lower_[i], upper_[i]);
+  return result;
+}
+
+int Axis::firstOutside(const Parameters& theta) const noexcept {
+  for (int i = 0; i < size_; ++i) {
+    const double value = theta[static_cast<std::size_t>(i)];
+    if (value < lower_[static_cast<std::size_t>(i)] || value > upper_[static_cast<std::size_t>(i)]) return i;
+  }
+  return -1;
+}
+
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
-                             AxisReport& report) const noexcept {
+                             AxisReport& report) noexcept {
   const AxisTarget goal = has_input_reference_
                               ? target(reference, disturbance() + reference.disturbance / disturbance_gain_)
                               : AxisTarget{};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-    switch (entries_[i]) {
-      case Entry::kPositionError:
-        report.theta[i] = sample.position - reference.position;
-        break;
-      case Entry::kVelocityError:
-        report.theta[i] = sample.velocity - reference.velocity;
-        break;
-      case Entry::kAngleError:
-        report.theta[i] = sample.angle - goal.angle;
-        break;
-      case Entry::kPreviousInput:
-        report.theta[i] = previous_input;
-        break;
-      case Entry::kInputReference:
-        report.theta[i] = goal.input;
-        break;
-      case Entry::kVelocityReference:
-        report.theta[i] = reference.velocity;
-        break;
-    }
-  }
+  AxisValues values;
+  values[AxisEntry::kPositionError] = sample.position - reference.position;
+  values[AxisEntry::kVelocityError] = sample.velocity - reference.velocity;
+  values[AxisEntry::kAngleError] = sample.angle - goal.angle;
+  values[AxisEntry::kPreviousInput] = previous_input;
+  values[AxisEntry::kInputReference] = goal.input;
+  values[AxisEntry::kVelocityReference] = reference.velocity;
+  report.theta = parametersAt(values);
   report.size = size_;
   report.disturbance = disturbance();
   report.outside_parameter = -1;
   report.region = -1;
 
   double input = 0.0;
+  const ControlStatus status = answer(report, input);
+  // The law meets the bounds up to rounding; what is applied meets them exactly.
+  if (status != ControlStatus::kHoldLast) report.input = std::clamp(input, input_lower_, input_upper_);
+  return status;
+}
+
+ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
+  answered_beyond_ = false;
   Lookup lookup = law_->evaluate(report.theta.data(), &input);
   report.lookup = lookup.status;
   report.iterations = law_->iterations();
   ControlStatus status = ControlStatus::kOptimal;
-  if (lookup.status == LookupStatus::kOutsideBox) {
-    std::array<double, kMaxParameters> clipped{};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-      clipped[i] = std::clamp(report.theta[i], lower_[i], upper_[i]);
-      if (clipped[i] != report.theta[i] && report.outside_parameter < 0)
-        report.outside_parameter = static_cast<int>(i);
-    }
-    lookup = law_->evaluate(clipped.data(), &input);
+  if (lookup.status == LookupStatus::kOutsideBox) report.outside_parameter = firstOutside(report.theta);
+  if (beyond_ != nullptr &&
+      (lookup.status == LookupStatus::kOutsideBox || lookup.status == LookupStatus::kOutsidePartition)) {
+    lookup = beyond_->evaluate(report.theta.data(), &input);
+    report.iterations = beyond_->iterations();
+    answered_beyond_ = lookup.status == LookupStatus::kInside;
+  } else if (lookup.status == LookupStatus::kOutsideBox) {
+    lookup = law_->evaluate(clipped(report.theta).data(), &input);
     status = ControlStatus::kClipped;
   }
   if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
@@ -227,26 +245,24 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
     status = ControlStatus::kClipped;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
-  report.region = lookup.region;
-  // The law meets the bounds up to rounding; what is applied meets them exactly.
-  report.input = std::clamp(input, input_lower_, input_upper_);
+  if (!answered_beyond_) report.region = lookup.region;
   return status;
 }
 
 // The feasible parameters are convex and hold the target, so the way to it enters them once.
-Lookup Axis::retreat(const std::array<double, kMaxParameters>& theta, double& input) const noexcept {
+Lookup Axis::retreat(const Parameters& theta, double& input) const noexcept {
   constexpr int kHalvings = 12;
   double inside = 0.0, outside = 1.0;
   Lookup found;
   for (int k = 0; k <= kHalvings; ++k) {
     const double share = k == 0 ? 0.0 : 0.5 * (inside + outside);
-    std::array<double, kMaxParameters> nearer{};
+    Parameters nearer = theta;
     for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-      const bool error = entries_[i] == Entry::kPositionError || entries_[i] == Entry::kVelocityError ||
-                         entries_[i] == Entry::kAngleError;
-      nearer[i] = std::clamp(error ? share * theta[i] : theta[i], lower_[i], upper_[i]);
+      const bool error = entries_[i] == AxisEntry::kPositionError ||
+                         entries_[i] == AxisEntry::kVelocityError || entries_[i] == AxisEntry::kAngleError;
+      if (error) nearer[i] *= share;
     }
-    const Lookup lookup = law_->evaluate(nearer.data(), &input);
+    const Lookup lookup = law_->evaluate(clipped(nearer).data(), &input);
     if (lookup.status == LookupStatus::kInside) {
       inside = share;
       found = lookup;

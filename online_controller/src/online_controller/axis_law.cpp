@@ -26,6 +26,7 @@ class ExplicitAxisLaw final : public AxisLaw {
     return map_->evaluate(theta, input);
   }
   void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
+  std::unique_ptr<AxisLaw> onlineTwin() const override;
   void reset() noexcept override {}
 
  private:
@@ -76,7 +77,28 @@ class OnlineAxisLaw final : public AxisLaw {
   OnlineProgram program_;
 };
 
+/// `problem` with its parameters in the order of `signals`.
+MpcProblem inOrder(MpcProblem problem, const std::vector<Signal>& signals) {
+  std::vector<MpcProblem::Parameter> ordered;
+  for (const Signal& signal : signals) {
+    const auto found =
+        std::find_if(problem.parameters.begin(), problem.parameters.end(),
+                     [&](const MpcProblem::Parameter& p) { return p.signal.name == signal.name; });
+    if (found == problem.parameters.end()) {
+      throw Error(problem.source + ": parameter '" + signal.name + "': of the map, but not of its problem");
+    }
+    ordered.push_back(*found);
+  }
+  problem.parameters = std::move(ordered);
+  return problem;
+}
+
 }  // namespace
+
+std::unique_ptr<AxisLaw> ExplicitAxisLaw::onlineTwin() const {
+  if (problem_.minimum_peak) return nullptr;
+  return onlineAxisLaw(inOrder(problem_, parameters()));
+}
 
 MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
   if (map.solverStatus() != "complete") {

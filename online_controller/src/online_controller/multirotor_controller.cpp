@@ -62,9 +62,30 @@ SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_peri
 
 /// A minimum-peak robust MPC answers for the whole disturbance: what an estimate took away would be answered
 /// twice.
-MultirotorOptions integratorOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
-  if (axes[0].problem().minimum_peak) options.integrator = false;
+MultirotorOptions offsetOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
+  if (!axes[0].problem().minimum_peak) return options;
+  options.integrator = false;
+  options.offset_free = false;
   return options;
+}
+
+TiltModel tiltModel(const std::array<Axis, 3>& axes) {
+  return {axes[1].lagGain(), axes[1].lagTime(), axes[0].lagGain(), axes[0].lagTime()};
+}
+
+ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
+  if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
+  if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
+  switch (report.lookup) {  // of an axis that has its answer, the map's or else the online law's
+    case LookupStatus::kOutsideBox:
+      return ControlReason::kOutsideBox;
+    case LookupStatus::kOutsidePartition:
+      return ControlReason::kOutsidePartition;
+    case LookupStatus::kInside:
+    case LookupStatus::kNotFinite:
+      break;
+  }
+  return ControlReason::kNone;
 }
 
 AxisReference along(const Reference& reference, const Eigen::Vector3d& disturbance, int axis) noexcept {
@@ -98,13 +119,15 @@ MultirotorController::MultirotorController(std::array<Axis, 3> axes, const Multi
     : options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
+      trim_(tiltModel(axes_), offsetOptions(axes_, options)),
       ladder_(options),
-      integrator_(integratorOptions(axes_, options)) {
+      integrator_(offsetOptions(axes_, options)) {
   reset();
 }
 
 void MultirotorController::reset() noexcept {
   for (Axis& axis : axes_) axis.reset();
+  trim_.reset();
   clock_.reset();
   integrator_.reset();
   observing_ = false;
@@ -122,7 +145,7 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     return report_;
   }
   const Measured measured = measure(state);
-  observe(state, measured.axes);
+  observe(state, measured);
   if (!isSane(reference)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
@@ -142,11 +165,8 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     const ControlStatus status = axes_[i].evaluate(
         measured.axes[i], along(reference, integral, static_cast<int>(i)), inputs_[i], reports[i]);
     report_.iterations += reports[i].iterations;
-    if (status > worst) {
-      worst = status;
-      reason =
-          status == ControlStatus::kClipped ? ControlReason::kOutsideBox : ControlReason::kOutsidePartition;
-    }
+    if (status > worst || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
+    worst = std::max(worst, status);
   }
   if (worst == ControlStatus::kHoldLast) {
     withoutAnswer(reason);
@@ -179,7 +199,7 @@ MultirotorController::Measured MultirotorController::measure(const VehicleState&
 void MultirotorController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   if (!isSane(state)) return;
   const Measured measured = measure(state);
-  observe(state, measured.axes);
+  observe(state, measured);
   clock_.reset();
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
@@ -192,13 +212,13 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
   ladder_.answered();
 }
 
-void MultirotorController::observe(const VehicleState& state,
-                                   const std::array<AxisSample, 3>& samples) noexcept {
+void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
   // Whole periods are counted on a time line of their own, so that jitter of the stamps does not add up.
   const double late = (state.stamp - observed_until_) / options_.control_period;
   int periods = DisturbanceObserver::kMaxPeriods + 1;  // starts on the sample
   if (observing_ && late < -0.5) {
     for (Axis& axis : axes_) axis.reset();  // time went back: another flight
+    trim_.reset();
   } else if (observing_ && late < DisturbanceObserver::kMaxPeriods + 0.5) {
     periods = static_cast<int>(std::lround(late));
   }
@@ -207,7 +227,8 @@ void MultirotorController::observe(const VehicleState& state,
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(samples[i], applied_[i], periods);
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
+  trim_.update(measured.tilt, report_.command, periods);
 }
 
 void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
@@ -219,7 +240,8 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   const TiltAngles desired = worldToBodyTilt({inputs_[1], inputs_[0]}, yaw);
   const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
   AttitudeCommand& command = report_.command;
-  const TiltAngles trimmed{tilt.roll + options_.roll_trim, tilt.pitch + options_.pitch_trim};
+  const TiltAngles trim = trim_.angles();
+  const TiltAngles trimmed{tilt.roll + trim.roll, tilt.pitch + trim.pitch};
   command.roll = std::clamp(trimmed.roll, -options_.angle_max, options_.angle_max);
   command.pitch = std::clamp(trimmed.pitch, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * thrust;
@@ -239,7 +261,8 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
 // Eq. 41 backwards: the tilt that a command asks for, times T / g.
 TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command) const noexcept {
   const double scale = command.thrust / options_.mass / options_.gravity;
-  return {(command.roll - options_.roll_trim) * scale, (command.pitch - options_.pitch_trim) * scale};
+  const TiltAngles trim = trim_.angles();
+  return {(command.roll - trim.roll) * scale, (command.pitch - trim.pitch) * scale};
 }
 
 void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
@@ -262,6 +285,7 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
 }
 
 void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  trim_.reset();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }

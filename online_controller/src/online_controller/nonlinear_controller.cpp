@@ -48,6 +48,9 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
     : options_(checked(options)),
       mpc_(completed(mpc, options)),
       observer_(mpc_.options().model, options.control_period, options.disturbance_drift),
+      trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
+             mpc_.options().model.pitch_time},
+            options),
       ladder_(options),
       integrator_(options) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
@@ -59,6 +62,7 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
 
 void NonlinearController::reset() noexcept {
   observer_.reset();
+  trim_.reset();
   integrator_.reset();
   observing_ = false;
   observed_until_ = 0.0;
@@ -99,6 +103,7 @@ int NonlinearController::observe(const VehicleState& state) noexcept {
   int periods = ForceObserver::kMaxPeriods + 1;  // starts on the sample
   if (observing_ && late < -0.5) {
     observer_.reset();  // time went back: another flight
+    trim_.reset();
   } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
     periods = static_cast<int>(std::lround(late));
   }
@@ -108,6 +113,8 @@ int NonlinearController::observe(const VehicleState& state) noexcept {
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
   observer_.update(state, report_.command.thrust / options_.mass, periods);
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  trim_.update({angles.roll, angles.pitch}, report_.command, periods);
   return periods;
 }
 
@@ -126,33 +133,49 @@ void NonlinearController::predictYaw(double yaw, const Reference* preview) noexc
   }
 }
 
-// Attitude and lift from the specific force that the path needs (the model is flat), then the commands that
-// lead the attitude through them.
-void NonlinearController::makeReferences(const Reference* preview) noexcept {
+// Attitude and lift from the specific force that the path needs (the model is flat).
+StageReference NonlinearController::onPath(const Reference& path, double yaw,
+                                           const Eigen::Vector3d& disturbance) const noexcept {
   const MultirotorModel& model = mpc_.options().model;
-  for (std::size_t k = 0; k < references_.size(); ++k) {
-    StageReference& reference = references_[k];
-    const double sine = std::sin(stages_[k].yaw), cosine = std::cos(stages_[k].yaw);
-    const auto heading = [&](const Eigen::Vector3d& world) {
-      return Eigen::Vector3d(cosine * world.x() + sine * world.y(), cosine * world.y() - sine * world.x(),
-                             world.z());
-    };
-    Eigen::Vector3d force = heading(preview[k].acceleration - stages_[k].disturbance) +
-                            model.drag.cwiseProduct(heading(preview[k].velocity));
-    force.z() = std::max(force.z() + model.gravity, kLeastSupport);
-    reference.position = preview[k].position;
-    reference.velocity = preview[k].velocity;
-    reference.roll = -std::asin(force.y() / force.norm());
-    reference.pitch = std::atan2(force.x(), force.z());
-    reference.lift = force.z();
-  }
-  const double period = mpc_.options().period;
-  for (std::size_t k = 0; k + 1 < references_.size(); ++k) {
-    StageReference& from = references_[k];
-    const StageReference& to = references_[k + 1];
-    from.roll_command = leadingCommand(from.roll, to.roll, model.roll_gain, model.roll_time, period);
-    from.pitch_command = leadingCommand(from.pitch, to.pitch, model.pitch_gain, model.pitch_time, period);
-  }
+  const double sine = std::sin(yaw), cosine = std::cos(yaw);
+  const auto heading = [&](const Eigen::Vector3d& world) {
+    return Eigen::Vector3d(cosine * world.x() + sine * world.y(), cosine * world.y() - sine * world.x(),
+                           world.z());
+  };
+  Eigen::Vector3d force =
+      heading(path.acceleration - disturbance) + model.drag.cwiseProduct(heading(path.velocity));
+  force.z() = std::max(force.z() + model.gravity, kLeastSupport);
+  StageReference reference;
+  reference.position = path.position;
+  reference.velocity = path.velocity;
+  reference.roll = -std::asin(force.y() / force.norm());
+  reference.pitch = std::atan2(force.x(), force.z());
+  reference.lift = force.z();
+  return reference;
+}
+
+// The commands that lead the attitude from one reference through the next one.
+void NonlinearController::lead(StageReference& from, const StageReference& to, double period) const noexcept {
+  const MultirotorModel& model = mpc_.options().model;
+  from.roll_command = leadingCommand(from.roll, to.roll, model.roll_gain, model.roll_time, period);
+  from.pitch_command = leadingCommand(from.pitch, to.pitch, model.pitch_gain, model.pitch_time, period);
+}
+
+void NonlinearController::makeReferences(const Reference* preview) noexcept {
+  for (std::size_t k = 0; k < references_.size(); ++k)
+    references_[k] = onPath(preview[k], stages_[k].yaw, stages_[k].disturbance);
+  // A stage's command is right for all of its time; what is sent is held for one control period only. At the
+  // middle of a stage a command that changes would lead by the difference.
+  Reference soon = *preview;
+  const double period = options_.control_period;
+  soon.velocity += period * soon.acceleration;
+  soon.acceleration += period * soon.jerk;
+  StageReference now = references_.front();
+  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate, stages_.front().disturbance), period);
+  for (std::size_t k = 0; k + 1 < references_.size(); ++k)
+    lead(references_[k], references_[k + 1], mpc_.options().period);
+  sooner_ = {now.roll_command - references_.front().roll_command,
+             now.pitch_command - references_.front().pitch_command};
 }
 
 bool NonlinearController::isFar(const MultirotorState& x) const noexcept {
@@ -166,8 +189,8 @@ void NonlinearController::startIteration(const MultirotorState& x) noexcept {
   MultirotorInput u = hover;
   if (ladder_.canHold()) {
     const AttitudeCommand& command = report_.command;
-    u << command.roll - options_.roll_trim, command.pitch - options_.pitch_trim,
-        command.thrust / options_.mass;
+    const TiltAngles trim = trim_.angles();
+    u << command.roll - trim.roll, command.pitch - trim.pitch, command.thrust / options_.mass;
   }
   mpc_.start(x, u, stages_.data());
   for (int i = 1; i < kFirstIterations; ++i) {
@@ -208,18 +231,19 @@ void NonlinearController::prepare() noexcept {
 
 void NonlinearController::send(double yaw, const Reference& reference) noexcept {
   const MultirotorInput& u = mpc_.input(0);
+  const TiltAngles trim = trim_.angles();
   AttitudeCommand& command = report_.command;
   // The QP meets the bounds up to rounding; what is sent meets them exactly.
-  command.roll = std::clamp(u(0) + options_.roll_trim, -options_.angle_max, options_.angle_max);
-  command.pitch = std::clamp(u(1) + options_.pitch_trim, -options_.angle_max, options_.angle_max);
+  command.roll = std::clamp(u(0) + sooner_.roll + trim.roll, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(u(1) + sooner_.pitch + trim.pitch, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * std::clamp(u(2), options_.thrust_min, options_.thrust_max);
   command.yaw_rate = yawRate(reference, yaw);
   const Eigen::Vector3d disturbance = stages_.front().disturbance;
   for (std::size_t i = 0; i < report_.axis.size(); ++i) {
     report_.axis[i].disturbance = disturbance(static_cast<Eigen::Index>(i));
   }
-  report_.axis[0].input = command.pitch - options_.pitch_trim;
-  report_.axis[1].input = command.roll - options_.roll_trim;
+  report_.axis[0].input = command.pitch - trim.pitch;
+  report_.axis[1].input = command.roll - trim.roll;
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.status = ControlStatus::kOptimal;
   report_.reason = ControlReason::kNone;
@@ -233,6 +257,7 @@ void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
 }
 
 void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  trim_.reset();
   observer_.setDisturbance(disturbance);
 }
 

@@ -21,7 +21,7 @@ int MultirotorController::predict(const Reference* preview, int count,
     Axis::Prediction prediction = axes_[i].beginPrediction(report_.axis[i]);
     for (int k = 0; k < count; ++k) {
       positions[k](static_cast<Eigen::Index>(i)) =
-          preview[k].position(static_cast<Eigen::Index>(i)) + prediction.position_error;
+          preview[k].position(static_cast<Eigen::Index>(i)) + prediction.values[AxisEntry::kPositionError];
       axes_[i].advance(prediction);
     }
   }
@@ -31,76 +31,37 @@ int MultirotorController::predict(const Reference* preview, int count,
 // In error coordinates e = x - x_ref, u~ = u - u_ref, as the problem has them.
 Axis::Prediction Axis::beginPrediction(const AxisReport& report) const noexcept {
   Prediction prediction;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(report.size, size_)); ++i) {
-    const double value = report.theta[i];
-    switch (entries_[i]) {
-      case Entry::kPositionError:
-        prediction.position_error = value;
-        break;
-      case Entry::kVelocityError:
-        prediction.velocity_error = value;
-        break;
-      case Entry::kAngleError:
-        prediction.angle_error = value;
-        break;
-      case Entry::kInputReference:
-        prediction.input_reference = value;
-        break;
-      case Entry::kPreviousInput:
-      case Entry::kVelocityReference:
-        break;
-    }
-  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(report.size, size_)); ++i)
+    prediction.values[entries_[i]] = report.theta[i];
   prediction.input = report.input;
+  prediction.beyond = answered_beyond_;
   return prediction;
 }
 
 void Axis::advance(Prediction& at) const noexcept {
+  AxisValues& values = at.values;
   std::array<double, 3> error{};
-  error[static_cast<std::size_t>(position_state_)] = at.position_error;
-  error[static_cast<std::size_t>(velocity_state_)] = at.velocity_error;
-  if (has_lag_) error[static_cast<std::size_t>(angle_state_)] = at.angle_error;
+  error[static_cast<std::size_t>(position_state_)] = values[AxisEntry::kPositionError];
+  error[static_cast<std::size_t>(velocity_state_)] = values[AxisEntry::kVelocityError];
+  if (has_lag_) error[static_cast<std::size_t>(angle_state_)] = values[AxisEntry::kAngleError];
   std::array<double, 3> next{};
   const std::size_t states = has_lag_ ? 3 : 2;
   for (std::size_t i = 0; i < states; ++i) {
-    next[i] = stage_input_[i] * (at.input - at.input_reference);
+    next[i] = stage_input_[i] * (at.input - values[AxisEntry::kInputReference]);
     for (std::size_t j = 0; j < states; ++j) next[i] += stage_[i][j] * error[j];
   }
-  at.position_error = next[static_cast<std::size_t>(position_state_)];
-  at.velocity_error = next[static_cast<std::size_t>(velocity_state_)];
-  if (has_lag_) at.angle_error = next[static_cast<std::size_t>(angle_state_)];
+  values[AxisEntry::kPositionError] = next[static_cast<std::size_t>(position_state_)];
+  values[AxisEntry::kVelocityError] = next[static_cast<std::size_t>(velocity_state_)];
+  if (has_lag_) values[AxisEntry::kAngleError] = next[static_cast<std::size_t>(angle_state_)];
+  values[AxisEntry::kPreviousInput] = at.input;
   ++at.stage;
   at.input = nextInput(at);
 }
 
 double Axis::nextInput(const Prediction& at) const noexcept {
-  double input = 0.0;
-  if (law_->planned(at.stage, at.input_reference, &input)) return input;
-  std::array<double, kMaxParameters> theta{};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-    switch (entries_[i]) {
-      case Entry::kPositionError:
-        theta[i] = at.position_error;
-        break;
-      case Entry::kVelocityError:
-        theta[i] = at.velocity_error;
-        break;
-      case Entry::kAngleError:
-        theta[i] = at.angle_error;
-        break;
-      case Entry::kPreviousInput:
-        theta[i] = at.input;
-        break;
-      case Entry::kInputReference:
-        theta[i] = at.input_reference;
-        break;
-      case Entry::kVelocityReference:
-        break;
-    }
-    theta[i] = std::clamp(theta[i], lower_[i], upper_[i]);
-  }
-  input = at.input;
-  law_->lookUp(theta.data(), &input);
+  double input = at.input;
+  if (answering(at.beyond).planned(at.stage, at.values[AxisEntry::kInputReference], &input)) return input;
+  law_->lookUp(clipped(parametersAt(at.values)).data(), &input);
   return input;
 }
 

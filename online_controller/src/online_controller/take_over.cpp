@@ -26,6 +26,7 @@ void MultirotorController::takeOver(const ControlLaw& from) noexcept {
     axes_[i].takeOver(other->axes_[i]);
     inputs_[i] = std::clamp(other->inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
+  trim_.takeOver(other->trim_);
   report_ = other->report_;
   limit(options_, report_.command);
   applied_ = other->applied_;
@@ -46,6 +47,7 @@ void NonlinearController::takeOver(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const NonlinearController*>(&from);
   if (other == nullptr) return;
   observer_.takeOver(other->observer_);
+  trim_.takeOver(other->trim_);
   report_ = other->report_;
   limit(options_, report_.command);
   yaw_ = other->yaw_;
