@@ -41,6 +41,19 @@ std::string checksumText(std::uint64_t checksum) {
   return text;
 }
 
+// What the problem's text tells of where its numbers are from: the lines under `provenance`, which
+// `calibrate` writes and which stand at its end.
+std::string_view originOf(const RegionMap& map) {
+  constexpr std::string_view kKey = "\nprovenance:\n";
+  const std::string_view text = map.problemText();
+  const std::size_t place = text.find(kKey);
+  if (place == std::string_view::npos) return {};
+  const std::string_view rest = text.substr(place + kKey.size());
+  std::size_t end = 0;
+  while (end < rest.size() && rest[end] == ' ') end = std::min(rest.find('\n', end), rest.size() - 1) + 1;
+  return rest.substr(0, end);
+}
+
 void printJson(const RegionMap& map) {
   nlohmann::ordered_json json;
   json["file"] = map.path();
@@ -67,6 +80,7 @@ void printJson(const RegionMap& map) {
                    {"bytes", map.index().bytes()},
                    {"multiply_adds", map.index().multiplyAdds()}};
   json["notes"] = map.solverNotes();
+  json["provenance"] = originOf(map);
   std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }
 
@@ -118,6 +132,10 @@ void printText(const RegionMap& map) {
   }
   std::printf("problem     %.*s, %zu bytes of text\n", static_cast<int>(map.problemKind().size()),
               map.problemKind().data(), map.problemText().size());
+  if (!originOf(map).empty()) {
+    std::printf("provenance\n");
+    printNotes(originOf(map));
+  }
   if (!map.solverNotes().empty()) {
     std::printf("notes\n");
     printNotes(map.solverNotes());

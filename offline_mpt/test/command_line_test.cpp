@@ -119,6 +119,27 @@ TEST_F(CommandLine, ShowsWhatAMapHolds) {
   EXPECT_GT(info["index"]["multiply_adds"], 0);
 }
 
+// A problem that names its calibration: the map tells which flight its numbers are from.
+TEST_F(CommandLine, ShowsWhereTheNumbersOfAMapAreFrom) {
+  writeBytes(
+      path("lag.yaml"),
+      "polyfly_calibration: 1\nkind: drag\ndata: {file: \"a.bag\", checksum: \"xxh64:1\", recorded: \"\"}\n"
+      "parameters:\n  drag_x: {value: 0.5, supported: true}\n");
+  writeBytes(path("cart.yaml"),
+             "polyfly_problem: 1\nname: cart\ntype: tracking_mpc\ncalibration: lag.yaml\nmodel:\n"
+             "  states: [{name: v, unit: m/s}]\n  inputs: [{name: u, unit: m/s^2, range: [-1, 1]}]\n"
+             "  disturbances: []\n  A: [[-0.1]]\n  B: [[1.0]]\n  C: [[1.0]]\nsampling_time: 0.1\nhorizon: 2\n"
+             "weights: {Q: [1.0], R: [0.1], R_delta: [0.0]}\n"
+             "parameters:\n  - {name: e_v_x, unit: m/s, role: error, of: v, range: [-1, 1]}\n"
+             "  - {name: u_ref, unit: m/s^2, role: input_reference, of: u, range: [-0.5, 0.5]}\n");
+  const Outcome solved = run({"solve", path("cart.yaml"), "-o", path("cart.map")});
+  ASSERT_EQ(solved.exit_code, 0) << solved.err;
+  const std::string text = run({"info", path("cart.map")}).out;
+  EXPECT_NE(text.find("file: \"lag.yaml\", checksum: \"xxh64:"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"a.bag\""), std::string::npos) << text;
+  EXPECT_NE(text.find("model.A[0][0]"), std::string::npos) << text;
+}
+
 TEST_F(CommandLine, EvaluatesRows) {
   const std::string map = solvedToy();
   const nlohmann::json info = nlohmann::json::parse(run({"info", map, "--json"}).out);

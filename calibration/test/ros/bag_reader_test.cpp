@@ -143,7 +143,8 @@ TEST_F(BagReader, findsTheNamespaceOrAsksForIt) {
       writeFlight(log_, options, &bag);
     }
   }
-  EXPECT_EQ(errorOf(), "holds commands of several vehicles, in the namespaces /one/ /two/: choose one with --namespace");
+  EXPECT_EQ(errorOf(),
+            "holds commands of several vehicles, in the namespaces /one/ /two/: choose one with --namespace");
   BagTopics topics;
   for (const char* name : {"two", "/two", "/two/"}) {
     topics.name_space = name;
