@@ -13,10 +13,25 @@ status=0
 build/bin/soak --maps build/demo/maps "$output/maps" --problems region_maps/problems --output "$output" \
   --duration "${POLYFLY_SOAK_SECONDS:-1800}" --seed "${POLYFLY_SOAK_SEED:-1}" || status=$?
 [ -s "$output/summary.json" ] || return 1
+# The same through the node: odometry, references and requests over topics and services.
+inWorkspace rostest -t polyfly_test soak.test maps:="$root/build/demo/maps" other_maps:="$(realpath "$output/maps")" \
+  problems:="$root/region_maps/problems" duration:="${POLYFLY_SOAK_SECONDS:-1800}" seed:="${POLYFLY_SOAK_SEED:-1}" \
+  output:="$(realpath "$output")/node.json" time_limit:=3600 > "$output/node.log" 2>&1 || true
+[ -s "$output/node.json" ] || status=1
+grep -q '\[  PASSED  \] 1 test' "$output/node.log" || status=1
 python3 - "$output" << 'PY'
 import html, json, sys
 with open(sys.argv[1] + "/summary.json") as file:
     summary = json.load(file)
+try:
+    with open(sys.argv[1] + "/node.json") as file:
+        summary["node"] = json.load(file)
+    summary["headline"] += [["through the node: violated bounds and faults not recovered from", summary["node"]["violations"], ""],
+                            ["through the node: growth of the memory in use", summary["node"]["allocated_growth_bytes"], "bytes"]]
+except FileNotFoundError:
+    summary["node"] = "left nothing, see node.log"
+with open(sys.argv[1] + "/summary.json", "w") as file:
+    json.dump(summary, file, indent=2)
 rows = "".join("<tr><td>%s</td><td>%s</td></tr>\n" % (html.escape(key), html.escape("%s" % value))
                for key, value in summary.items() if key not in ("headline", "violations"))
 said = "".join("<li>%s</li>\n" % html.escape(text) for text in summary["violations"])

@@ -25,6 +25,11 @@ install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # End to end, over real topics; POLYFLY_MAPS must name the folder of the solved maps, aslquad_*.map among them.
 if(CATKIN_ENABLE_TESTING)
   find_package(rostest REQUIRED)
+  find_package(GTest REQUIRED)
+  add_executable(node_soak_test ros/node_soak.cpp ros/node_soak_test.cpp src/soak.cpp)
+  target_link_libraries(node_soak_test PRIVATE polyfly_test_ros GTest::gtest)
+  polyfly_warnings(node_soak_test)
+  add_rostest(rostest/soak.test DEPENDENCIES node_soak_test)
   foreach(test calibration flights launch_files robust_flights)
     add_rostest(rostest/${test}.test
       DEPENDENCIES polyfly_test_ros multirotor_plant_node figure_player_node flight_recorder_node)

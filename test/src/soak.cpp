@@ -8,12 +8,6 @@
 #include <memory>
 #include <random>
 
-#include "online_controller/flight_supervisor.hpp"
-#include "online_controller/hand_over.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 
@@ -23,27 +17,20 @@ namespace {
 using namespace polyfly;
 
 constexpr double kPeriod = 0.01;     // of control [s]
-constexpr int kStalePeriods = 10;    // until silence is noticed
 constexpr double kOnPath = 0.3;      // position error of a vehicle that is back [m]
 constexpr double kRounding = 1e-12;  // of a bound
 
 enum class Fault { kNone, kSilence, kNotANumber, kJump, kOutOfOrder, kWrongFrame, kHuge };
 constexpr int kFaults = 6;
 
-/// A set of laws with the options that they were made with, as the node hands it over.
-struct LawSet {
-  MultirotorOptions options;
-  std::unique_ptr<LawSwitch> laws;
-};
-
 class Soak {
  public:
-  Soak(const SoakLaws& laws, const SoakOptions& options)
-      : sources_(laws),
+  Soak(SoakController& controller, const SoakTuning& tuning, int map_sets, const SoakOptions& options)
+      : controller_(controller),
+        made_with_(tuning),
+        map_sets_(map_sets),
         random_(options.seed),
         options_(options),
-        set_(build()),
-        flight_(*set_->laws, set_->options, FlightOptions{}, PilotRule::kNotRequired),
         plant_(plantOptions(options.seed), startState()) {}
 
   SoakResult run(const std::function<void(double)>& progress) {
@@ -87,32 +74,21 @@ class Soak {
   int below(int count) { return std::uniform_int_distribution<int>(0, count - 1)(random_); }
 
   /// New weights, limits and gains, such as fly.
-  std::unique_ptr<LawSet> build() {
-    auto set = std::make_unique<LawSet>();
-    set->options.mass *= uniform(0.97, 1.03);
-    set->options.yaw_gain = uniform(0.8, 3.0);
-    set->options.angle_max = uniform(0.3, 0.45);
-    set->options.thrust_min = uniform(4.0, 6.0);
-    set->options.thrust_max = uniform(15.0, 20.0);
-    set->options.disturbance_drift = uniform(0.002, 0.01);
-    NonlinearMpcOptions nonlinear;
-    nonlinear.position_weight *= uniform(0.5, 2.0);
-    nonlinear.thrust_weight = uniform(0.5, 2.0);
-    LinearTuning tuning = linearTuning(sources_.problems);
-    for (AxisTuning& axis : tuning) {
+  SoakTuning otherTuning() {
+    SoakTuning next = made_with_;
+    next.options.mass *= uniform(0.97, 1.03);
+    next.options.yaw_gain = uniform(0.8, 3.0);
+    next.options.angle_max = uniform(0.3, 0.45);
+    next.options.thrust_min = uniform(4.0, 6.0);
+    next.options.thrust_max = uniform(15.0, 20.0);
+    next.options.disturbance_drift = uniform(0.002, 0.01);
+    next.nonlinear.position_weight *= uniform(0.5, 2.0);
+    next.nonlinear.thrust_weight = uniform(0.5, 2.0);
+    for (AxisTuning& axis : next.linear) {
       axis.position_weight *= uniform(0.6, 1.5);
       axis.command_weight *= uniform(0.7, 1.4);
     }
-    const auto& maps = sources_.maps[map_set_];
-    std::array<std::unique_ptr<ControlLaw>, kLawCount> laws;
-    laws[static_cast<std::size_t>(Law::kExplicitLinear)] =
-        std::make_unique<MultirotorController>(maps, set->options);
-    laws[static_cast<std::size_t>(Law::kLinear)] =
-        std::make_unique<MultirotorController>(tuned(sources_.problems, tuning), set->options);
-    laws[static_cast<std::size_t>(Law::kNonlinear)] =
-        std::make_unique<NonlinearController>(set->options, nonlinear);
-    set->laws = std::make_unique<LawSwitch>(std::move(laws), Law::kExplicitLinear);
-    return set;
+    return next;
   }
 
   void disturb() {
@@ -139,37 +115,36 @@ class Soak {
     figure.yaw_turn = uniform(-6.0, 6.0);
     figure.hold_time = 2.0;
     const FlightFigure path(figure);
-    std::vector<TrajectorySample> samples;
-    for (const Reference& point : path.sample()) {
-      TrajectorySample sample;
-      sample.time = static_cast<double>(samples.size()) * figure.sample_period;
-      sample.position = point.position;
-      sample.velocity = point.velocity;
-      sample.acceleration = point.acceleration;
-      sample.yaw = point.yaw;
-      sample.yaw_rate = point.yaw_rate;
-      sample.has_velocity = sample.has_acceleration = true;
-      samples.push_back(sample);
-    }
-    flight_.onReference(ReferenceTrajectory(std::move(samples)), now);
+    points_ = path.sample();
+    point_period_ = figure.sample_period;
+    reference_start_ = now;
+    controller_.setReference(points_, point_period_, now);
     next_reference_ = now + path.duration();
     ++result_.references;
+  }
+
+  /// Where the vehicle should be.
+  Eigen::Vector3d wanted(double now) const {
+    const double place = (now - reference_start_) / point_period_;
+    const auto before = std::min(static_cast<std::size_t>(place), points_.size() - 1);
+    const auto after = std::min(before + 1, points_.size() - 1);
+    const double share = std::min(place - static_cast<double>(before), 1.0);
+    return (1.0 - share) * points_[before].position + share * points_[after].position;
   }
 
   void change() {
     switch (below(4)) {
       case 0:
-        map_set_ = static_cast<std::size_t>(below(static_cast<int>(sources_.maps.size())));
+        controller_.swapMaps(static_cast<std::size_t>(below(map_sets_)));
         ++result_.swaps;
-        slot_.offer(build());
         break;
       case 1:
-        set_->laws->select(static_cast<Law>(below(3)));
+        controller_.select(static_cast<Law>(below(3)));
         ++result_.selections;
         break;
       default:
+        controller_.reconfigure(otherTuning());
         ++result_.reconfigurations;
-        slot_.offer(build());
         break;
     }
   }
@@ -202,31 +177,15 @@ class Soak {
     const double now = plant_.time();
     VehicleState state = plant_.measure();
     if (fault_ != Fault::kNone) last_fault_ = fault_;
-    flight_.onTime(now);
     if (fault_ == Fault::kSilence) {
-      if (++silent_ > kStalePeriods) {
-        exchange();
-        flight_.onSilence(now);
-        check(now);
-      }
+      check(controller_.onSilence(now, ++silent_), now);
     } else {
       silent_ = 0;
       spoil(state);
-      flight_.onOdometry(state, fault_ != Fault::kWrongFrame);
-      check(now);
-      exchange();
-      set_->laws->prepare();
+      check(controller_.onOdometry(state, fault_ != Fault::kWrongFrame), now);
     }
     plant_.advance(sent_);
     watch(now);
-  }
-
-  void exchange() {
-    const bool taken =
-        slot_.take(set_, [](LawSet& next, const LawSet& old) { next.laws->takeOver(*old.laws); });
-    if (!taken) return;
-    flight_.setLaw(*set_->laws, set_->options);
-    slot_.collect();
   }
 
   void spoil(VehicleState& state) {
@@ -253,15 +212,15 @@ class Soak {
   }
 
   /// What is sent keeps the limits in force, whatever led to it.
-  void check(double now) {
-    const ControlReport& report = flight_.report();
-    result_.failsafe += report.status > ControlStatus::kClipped ? 1 : 0;
-    if (!flight_.sends()) return;
+  void check(const SoakAnswer& answer, double now) {
+    status_ = answer.status;
+    result_.failsafe += answer.status > ControlStatus::kClipped ? 1 : 0;
+    if (!answer.sends) return;
     ++result_.commands;
-    sent_ = report.command;
-    const MultirotorOptions& limits = set_->options;
+    sent_ = answer.command;
+    const MultirotorOptions& limits = answer.limits;
     const double thrust = sent_.thrust / limits.mass;
-    const bool off = report.status == ControlStatus::kMotorsOff && thrust == 0.0;
+    const bool off = answer.status == ControlStatus::kMotorsOff && thrust == 0.0;
     const bool within =
         std::abs(sent_.roll) <= limits.angle_max + kRounding &&
         std::abs(sent_.pitch) <= limits.angle_max + kRounding &&
@@ -271,12 +230,12 @@ class Soak {
     result_.violations.push_back(std::to_string(now) + " s: sent roll " + std::to_string(sent_.roll) +
                                  ", pitch " + std::to_string(sent_.pitch) + ", yaw rate " +
                                  std::to_string(sent_.yaw_rate) + ", thrust " + std::to_string(thrust) +
-                                 ", status " + std::to_string(static_cast<int>(report.status)));
+                                 ", status " + std::to_string(static_cast<int>(answer.status)));
   }
 
   void watch(double now) {
-    if (fault_ != Fault::kNone || flight_.report().status > ControlStatus::kClipped) return;
-    const double error = (plant_.state().position - flight_.preview().front().position).norm();
+    if (fault_ != Fault::kNone || status_ > ControlStatus::kClipped) return;
+    const double error = (plant_.state().position - wanted(now)).norm();
     if (recovered_) {
       result_.greatest_error = std::max(result_.greatest_error, error);
     } else if (error < kOnPath) {
@@ -285,17 +244,19 @@ class Soak {
     }
   }
 
-  const SoakLaws& sources_;
+  SoakController& controller_;
+  SoakTuning made_with_;
+  int map_sets_;
   std::mt19937 random_;
   SoakOptions options_;
-  std::size_t map_set_ = 0;
-  HandOver<LawSet> slot_;
-  std::unique_ptr<LawSet> set_;
-  FlightSupervisor flight_;
   MultirotorPlant plant_;
   AttitudeCommand sent_{0.0, 0.0, 0.0, PlantOptions{}.mass* PlantOptions{}.gravity};
+  ControlStatus status_ = ControlStatus::kNoReference;
   SoakResult result_;
 
+  std::vector<Reference> points_;  // of the trajectory in force
+  double point_period_ = 1.0;      // [s]
+  double reference_start_ = 0.0;   // [s]
   double next_reference_ = 0.0, next_change_ = 5.0, next_fault_ = 12.0, fault_end_ = 0.0;  // [s]
   Fault fault_ = Fault::kNone;
   Fault last_fault_ = Fault::kNone;
@@ -307,9 +268,9 @@ class Soak {
 
 }  // namespace
 
-SoakResult soak(const SoakLaws& laws, const SoakOptions& options,
-                const std::function<void(double)>& progress) {
-  return std::make_unique<Soak>(laws, options)->run(progress);
+SoakResult soak(SoakController& controller, const SoakTuning& tuning, int map_sets,
+                const SoakOptions& options, const std::function<void(double)>& progress) {
+  return std::make_unique<Soak>(controller, tuning, map_sets, options)->run(progress);
 }
 
 }  // namespace polyfly_test

@@ -7,6 +7,10 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/law_switch.hpp"
+#include "online_controller/linear_tuning.hpp"
+#include "online_controller/options.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly_test {
@@ -35,9 +39,45 @@ struct SoakResult {
       violations;  ///< of bounds in what was sent, and faults that were not recovered from
 };
 
-/// Flies in simulated time and lets everything go wrong at random: odometry falls silent, jumps, is not a
-/// number or huge, comes in the wrong order or frame; options, maps and laws change, as the node changes
-/// them. `progress` is told the simulated time now and then.
+/// Weights, limits and gains.
+struct SoakTuning {
+  polyfly::MultirotorOptions options;
+  polyfly::NonlinearMpcOptions nonlinear;
+  polyfly::LinearTuning linear;
+};
+
+/// What became of a control period.
+struct SoakAnswer {
+  bool sends = false;                ///< a command was sent
+  polyfly::AttitudeCommand command;  ///< that was
+  polyfly::ControlStatus status = polyfly::ControlStatus::kStopped;
+  polyfly::MultirotorOptions limits;  ///< in force when it was made
+};
+
+/// The controller under test: its core, or the node around it. Axes as everywhere.
+class SoakController {
+ public:
+  virtual ~SoakController() = default;
+
+  /// One control period with odometry, `frame_fits` or in another frame than the others.
+  virtual SoakAnswer onOdometry(const polyfly::VehicleState& state, bool frame_fits) = 0;
+  /// One without, at time `now` [s]; silence has lasted for `periods`.
+  virtual SoakAnswer onSilence(double now, int periods) = 0;
+  /// A trajectory of points `period` seconds apart, from time `start` on [s].
+  virtual void setReference(const std::vector<polyfly::Reference>& points, double period, double start) = 0;
+
+  virtual void reconfigure(const SoakTuning& tuning) = 0;
+  virtual void swapMaps(std::size_t set) = 0;  ///< one of SoakLaws::maps
+  virtual void select(polyfly::Law law) = 0;
+};
+
+/// Flies `controller` in simulated time and lets everything go wrong at random: odometry falls silent, jumps,
+/// is not a number or huge, comes in the wrong order or frame; options, maps (one of `map_sets`) and laws
+/// change. `tuning` is what the controller was made with. `progress` is told the simulated time now and then.
+SoakResult soak(SoakController& controller, const SoakTuning& tuning, int map_sets,
+                const SoakOptions& options, const std::function<void(double)>& progress = {});
+
+/// The same of the controller's core, which exchanges laws as the node does.
 SoakResult soak(const SoakLaws& laws, const SoakOptions& options,
                 const std::function<void(double)>& progress = {});
 
