@@ -33,6 +33,10 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
     require(kind == "singular" || kind == "definite", "convexity: " + kind);
     singular_ = kind == "singular";
     penalty_ = line.real();
+  } else if (key == "coverage") {
+    const std::string kind = line.word();
+    require(kind == "exact" || kind == "widened", "coverage: " + kind);
+    widened_ = kind == "widened";
   } else if (key == "counts") {
     Counts& counts = counts_.emplace_back();
     counts.name = line.word();
@@ -61,10 +65,14 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
     claim = &claims_.emplace_back();
     claim->is_sliver = true;
     for (std::size_t k = line.count(kMany); k > 0; --k) claim->active.push_back(line.count(kMany));
-  } else if (key == "P" || key == "I" || key == "D" || key == "X" || key == "L" || key == "V") {
+  } else if (key == "P" || key == "I" || key == "D" || key == "X" || key == "W" || key == "Y" || key == "L" ||
+             key == "V") {
     require(claim != nullptr, key + " before the first region");
     if (key == "P") {
       while (!line.done()) claim->point.push_back(line.fraction());
+    } else if (key == "Y") {
+      require(widened_, "a row is forgiven where nothing is moved outwards");
+      claim->forgiven.insert(line.word());
     } else if (key == "V") {
       require(claim->is_sliver && claim->cover.empty(), "a cover of what is no sliver");
       while (!line.done()) claim->cover += line.word() + " ";
@@ -123,6 +131,8 @@ void Certificate::checkSizes() {
   for (const auto* rows : {&equalities_, &dropped_, &relaxed_})
     require(rows->empty() || *rows->rbegin() < m_, "no such row");
   require(claims_.size() >= map_.regions.size() && !map_.regions.empty(), "regions are missing");
+  require(!widened_ || claims_.size() == map_.regions.size(),
+          "slivers beside regions that are moved outwards");
 }
 
 std::string Certificate::conditions() const {
@@ -136,6 +146,11 @@ std::string Certificate::conditions() const {
   if (slivers > 0)
     text +=
         std::to_string(slivers) + " slivers are left to the regions about them, within the same distance\n";
+  if (widened_) text += "coverage is that of the regions moved outwards by that distance\n";
+  std::size_t forgiven = 0;
+  for (const Claim& claim : claims_) forgiven += claim.forgiven.size();
+  if (forgiven > 0)
+    text += std::to_string(forgiven) + " rows hold in a region within 2^-40 of their size only\n";
   if (linear_) text += "linear program: of several optima the shortest\n";
   if (singular_) text += "H is singular: of several optima the shortest\n";
   if (!counts_.empty())

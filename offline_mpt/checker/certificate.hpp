@@ -24,6 +24,7 @@ struct Claim {
   Vector point;
   std::vector<std::string> listed;    ///< origin of each row of the map, then of others
   std::vector<std::string> closings;  ///< how each facet is closed
+  std::set<std::string> forgiven;     ///< origins that hold up to rounding
   std::map<std::string, std::pair<Integer, Weights>> proofs;  ///< by origin
 };
 
@@ -38,6 +39,8 @@ struct Region {
   std::set<std::size_t> active;
   std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
   std::map<std::string, Row> dropped;  ///< with what they may fall short added
+  std::map<std::string, Row>
+      forgiven;  ///< of a widened certificate: slacks with what rounding may take added
   std::vector<Row> listed;
   std::size_t own = 0;  ///< of the listed rows, those of the map
   Vector law;
@@ -82,6 +85,7 @@ class Certificate {
   void checkRows(std::size_t index, Region& region) const;
   void checkMapRows(std::size_t index, Region& region) const;
   Row relaxed(const Row& row) const;
+  std::vector<Row> coveringRows(const Region& region, bool of_sliver) const;
   const Region& checkedRegion(std::size_t index) const;
   void checkPoint(const Claim& claim, const Region& region) const;
   void checkClosing(std::size_t index, const Region& region, std::size_t facet) const;
@@ -99,6 +103,7 @@ class Certificate {
   std::vector<Counts> counts_;
   Scaling scaling_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
+  bool widened_ = false;                           ///< coverage is that of the regions moved outwards
   bool linear_ = false;                            ///< H = 0
   bool singular_ = false;                          ///< H is otherwise
   std::vector<Claim> claims_;                      ///< regions of the map, then slivers

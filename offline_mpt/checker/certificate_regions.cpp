@@ -97,7 +97,13 @@ void Certificate::checkRows(std::size_t index, Region& region) const {
   };
   for (const auto& [origin, row] : region.rows) {
     const bool is_listed = std::find(claim.listed.begin(), claim.listed.end(), origin) != claim.listed.end();
-    if (!is_listed && origin[0] != 'b') follows("I" + origin, row, listed);
+    if (claim.forgiven.count(origin) > 0) {
+      const auto at = region.forgiven.find(origin);
+      require(at != region.forgiven.end() && !is_listed, origin + " cannot be forgiven");
+      follows("W" + origin, at->second, own);
+    } else if (!is_listed && origin[0] != 'b') {
+      follows("I" + origin, row, listed);
+    }
   }
   for (const auto& [origin, row] : region.dropped) follows("D" + origin, row, listed);
   for (std::size_t f = region.own; f < listed.size() && !claim.is_sliver; ++f)
@@ -136,7 +142,7 @@ void Certificate::checkClosing(std::size_t index, const Region& region, std::siz
     if (kind == "domain") {
       require(origin[0] == 'd' || origin[0] == 'b', "a facet is not at the edge of the domain");
     } else {
-      require(!singular_ && (origin[0] == 'm' || origin[0] == 's'),
+      require(!singular_ && !widened_ && (origin[0] == 'm' || origin[0] == 's'),
               "a facet of this kind has no single neighbour");
       const std::size_t other = line.count(claims_.size() - 1);
       std::set<std::size_t> changed = region.active;
@@ -150,6 +156,16 @@ void Certificate::checkClosing(std::size_t index, const Region& region, std::siz
     }
   } else if (kind == "edge") {
     checkEdge(line, plane);
+  } else if (kind == "out") {
+    require(widened_ && facet >= region.own, "a facet of the map is left open");
+  } else if (widened_) {
+    require(kind == "cover" && facet < region.own, kind + " closes no facet that is moved outwards");
+    const std::vector<Row> rows = coveringRows(region, false);
+    std::vector<const Row*> cell;
+    for (const Row& row : rows) {
+      if (!proportional(row, rows[facet])) cell.push_back(&row);
+    }
+    checkCover(line, &rows[facet], cell);
   } else {
     require(kind == "cover", kind + " closes no facet");
     std::vector<const Row*> cell;
@@ -177,6 +193,15 @@ void Certificate::checkEdge(Line& line, const Row& plane) const {
   require(sameHalfSpace(primitive(bound), plane), "an edge is not the facet's plane");
 }
 
+/// What of a region counts in covers: all that is listed, or, moved outwards, what the map lists.
+std::vector<Row> Certificate::coveringRows(const Region& region, bool of_sliver) const {
+  std::vector<Row> rows = region.listed;
+  if (!of_sliver && !widened_) return rows;
+  rows.resize(region.own);
+  for (Row& row : rows) row = relaxed(row);
+  return rows;
+}
+
 /// The cell, a part of a facet, is empty, or is cut by the rows of a region behind: what lies outside of each
 /// is covered by others, what remains lies in that region. Without a plane it is a part of a sliver, and the
 /// rows are those of the map, relaxed.
@@ -186,16 +211,13 @@ void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row
   require(kind == "N", kind + " covers nothing");
   const std::size_t other = line.count((plane != nullptr ? claims_.size() : map_.regions.size()) - 1);
   const Region& behind = checkedRegion(other);
-  require(plane == nullptr || valueAt(*plane, claims_[other].point) < 0,
+  require(plane == nullptr || widened_ || valueAt(*plane, claims_[other].point) < 0,
           "a region does not lie behind the facet that it covers");
-  std::vector<Row> rows = behind.listed;
-  if (plane == nullptr) {
-    rows.resize(behind.own);
-    for (Row& row : rows) row = relaxed(row);
-  }
+  const std::vector<Row> rows = coveringRows(behind, plane == nullptr);
   for (const Row& row : rows) {
     const std::string what = line.word();
     require((plane != nullptr && proportional(row, *plane)) == (what == "z"), "a cut along the facet");
+    require(!widened_ || what != "z", "a region that ends at the facet covers it");
     if (what == "z") continue;
     Row negated = row;
     for (Integer& value : negated) value = -value;

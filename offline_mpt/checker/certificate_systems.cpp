@@ -5,7 +5,7 @@
 namespace checker {
 namespace {
 
-constexpr int kDroppedBits = 30;
+constexpr unsigned long kDroppedBits = 30, kForgivenBits = 40;
 
 /// Solves the square system in place, without fractions; its last columns then are determinant * solution.
 /// Unknowns from `required` on may be left free, and are zero then; the others must be unique.
@@ -151,15 +151,19 @@ void Certificate::addSlacks(const std::vector<Row>& z, const Integer& determinan
       slack.push_back(value);
     }
     const std::string origin = "s" + std::to_string(i);
+    const auto within = [&](Row relaxed, unsigned long bits) {
+      Integer greatest(0);
+      for (std::size_t k = 0; k < n_; ++k) greatest = std::max(greatest, Integer(abs(row[k])));
+      for (Integer& value : relaxed) value <<= bits;
+      relaxed.back() += determinant * greatest;
+      return primitive(relaxed);
+    };
     if (equalities_.count(i) > 0) {
       for (const Integer& value : slack) require(value == 0, "an equality does not hold");
     } else if (dropped_.count(i) > 0) {
-      Integer greatest(0);
-      for (std::size_t k = 0; k < n_; ++k) greatest = std::max(greatest, Integer(abs(row[k])));
-      for (Integer& value : slack) value <<= kDroppedBits;
-      slack.back() += determinant * greatest;
-      region.dropped[origin] = primitive(slack);
+      region.dropped[origin] = within(slack, kDroppedBits);
     } else {
+      if (widened_) region.forgiven[origin] = within(slack, kForgivenBits);
       region.rows[origin] = primitive(slack);
     }
   }

@@ -62,7 +62,7 @@ void appendReplaced(const ReplacedEntry& entry, std::string& text) {
 }  // namespace
 
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
-                            const Adjustment& adjustment, const CertifyOptions& options) {
+                            const Adjustment& adjustment, bool widened, const CertifyOptions& options) {
   const std::string_view problem = map.problemText();
   std::string text = "polyfly certificate 3\n";
   text += mapLine("map", map);
@@ -96,6 +96,7 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
   appendList("relaxed", adjustment.relaxed, text);
   text += std::string("convexity ") + (adjustment.singular ? "singular " : "definite ") +
           hex(adjustment.penalty) + "\n";
+  text += std::string("coverage ") + (widened ? "widened" : "exact") + "\n";
   for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
   text += "regions " + std::to_string(map.regionCount()) + "\n";
   return text;

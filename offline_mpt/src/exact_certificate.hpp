@@ -11,7 +11,7 @@ namespace polyfly {
 
 /// The certificate up to the first region: what it is about.
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
-                            const Adjustment& adjustment, const CertifyOptions& options);
+                            const Adjustment& adjustment, bool widened, const CertifyOptions& options);
 
 /// The certificate of a reduction: a proof for each region of the original, then of the reduced map.
 std::string reductionCertificate(const RegionMap& reduced, const RegionMap& original,

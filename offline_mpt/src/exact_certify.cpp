@@ -55,6 +55,8 @@ std::vector<char> rowsNeverActive(const RegionMap& map, int rows) {
   return result;
 }
 
+constexpr std::uint64_t kMostWidened = 3000;  // regions of a map that is also tried with all moved outwards
+
 struct Closed {
   std::string text;
   std::vector<Defect> defects;
@@ -85,6 +87,7 @@ void add(CertifyReport& report, const RegionSurvey& survey, const Closed& closed
   if (survey.is_sliver) ++report.slivers;
   report.left_out_rows += survey.left_out;
   report.rows += survey.rows;
+  report.forgiven_rows += survey.forgiven;
   report.implied_rows += survey.implied;
   report.facets += survey.facets.size();
   report.law_error = std::max(report.law_error, survey.law_error);
@@ -115,8 +118,10 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
 }
 
 /// Closes the facets of all regions; where something is missing that proves to be a sliver, that joins the
-/// surveys and is closed too, until nothing more is found. False when stopped.
-bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, std::vector<Closed>& closed) {
+/// surveys and is closed too, until nothing more is found. `widened`: of the regions moved outwards, without
+/// slivers. False when stopped.
+bool closeAll(const SurveyContext& context, bool widened, std::vector<RegionSurvey>& surveys,
+              std::vector<Closed>& closed) {
   const std::uint64_t count = surveys.size();
   std::set<std::vector<int>> tried;
   for (const RegionSurvey& survey : surveys) tried.insert(survey.active);
@@ -125,7 +130,7 @@ bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, 
   while (!open.empty()) {
     closed.resize(surveys.size());
     {
-      const FacetClosing closing(context, surveys);
+      const FacetClosing closing(context, surveys, widened);
       const bool finished = forEach(
           open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 2 * count, context.options,
           [&](std::uint32_t k) { closed[open[k]] = closeRegion(closing, surveys, open[k]); });
@@ -139,6 +144,7 @@ bool closeAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys, 
       again.push_back(r);
       std::copy_if(closed[r].defects.begin(), closed[r].defects.end(), std::back_inserter(gaps), is_gap);
     }
+    if (widened) break;
     std::vector<std::vector<int>> candidates = missingSets(context, gaps);
     const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
@@ -167,33 +173,41 @@ bool surveyAll(const SurveyContext& context, std::vector<RegionSurvey>& surveys)
 }
 
 /// Rows whose slack is negative in regions that claim otherwise may hold there up to rounding: those that no
-/// region counts as active are dropped, the others relaxed. False where there are none.
+/// region counts as active are dropped, the others relaxed. False where there are no more.
 bool giveWay(const std::vector<RegionSurvey>& surveys, const std::vector<char>& may_drop,
              const ExactProgram& program, Adjustment& adjustment) {
   std::set<int> rows;
   for (const RegionSurvey& survey : surveys) rows.insert(survey.unlisted.begin(), survey.unlisted.end());
+  bool more = false;
   for (const int row : rows) {
     const auto at = static_cast<std::size_t>(row);
-    if (program.is_dropped[at] != 0 || program.in_basis[at] != 0 || program.is_equality[at] != 0)
+    const auto known = [row](const std::vector<int>& list) {
+      return std::find(list.begin(), list.end(), row) != list.end();
+    };
+    if (program.in_basis[at] != 0 || program.is_equality[at] != 0 || known(adjustment.dropped) ||
+        known(adjustment.relaxed))
       return false;
     (may_drop[at] != 0 ? adjustment.dropped : adjustment.relaxed).push_back(row);
+    more = true;
   }
   std::sort(adjustment.dropped.begin(), adjustment.dropped.end());
-  return !rows.empty();
+  std::sort(adjustment.relaxed.begin(), adjustment.relaxed.end());
+  return more;
 }
 
-CertifyReport finish(const SurveyContext& context, const Adjustment& adjustment,
+CertifyReport finish(const SurveyContext& context, const Adjustment& adjustment, bool widened,
                      std::vector<RegionSurvey>& surveys, bool interrupted) {
   CertifyReport report;
   report.regions = context.map.regionCount();
   report.plane_tolerance = context.options.plane_tolerance;
+  report.widened = widened;
   describeAdjustment(context.source, context.program, adjustment, report);
   std::vector<Closed> closed;
-  report.interrupted = interrupted || !closeAll(context, surveys, closed);
+  report.interrupted = interrupted || !closeAll(context, widened, surveys, closed);
   closed.resize(surveys.size());
   for (std::size_t r = 0; r < surveys.size(); ++r) add(report, surveys[r], closed[r]);
   if (!report.passed()) return report;
-  report.certificate = certificateHead(context.map, context.source, adjustment, context.options);
+  report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);
   for (std::size_t r = 0; r < surveys.size(); ++r) {
     if (r < report.regions) report.certificate += "R " + std::to_string(r) + "\n";
     report.certificate += surveys[r].text + closed[r].text;
@@ -214,17 +228,26 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   const SurveyContext context{map, program, exact, options};
   std::vector<RegionSurvey> surveys;
   const bool finished = surveyAll(context, surveys);
+  CertifyReport as_given = finish(context, adjustment, false, surveys, !finished);
+  if (as_given.passed() || as_given.interrupted || map.regionCount() > kMostWidened) return as_given;
+  // Where coincidences hold up to rounding only, rows may give way by as little, or slivers between regions
+  // may be too many or too thin to be described: the regions moved outwards then cover all.
   Adjustment fewer = adjustment;
-  if (!finished || !giveWay(surveys, may_drop, exact, fewer))
-    return finish(context, adjustment, surveys, !finished);
-  const ExactProgram without(program, fewer);
-  const SurveyContext second{map, program, without, options};
   std::vector<RegionSurvey> again;
-  const bool settled = surveyAll(second, again);
-  const bool fails = std::any_of(again.begin(), again.end(),
-                                 [](const RegionSurvey& survey) { return !survey.unlisted.empty(); });
-  if (settled && fails) return finish(context, adjustment, surveys, false);
-  return finish(second, fewer, again, !settled);
+  if (giveWay(surveys, may_drop, exact, fewer)) {
+    const ExactProgram without(program, fewer);
+    const SurveyContext second{map, program, without, options};
+    if (!surveyAll(second, again)) return as_given;
+    CertifyReport report = finish(second, fewer, false, again, false);
+    if (report.passed() || report.interrupted) return report;
+  }
+  ExactProgram forgiving = exact;
+  forgiving.forgiving = true;
+  const SurveyContext third{map, program, forgiving, options};
+  if (!surveyAll(third, again)) return as_given;
+  CertifyReport widened = finish(third, adjustment, true, again, false);
+  if (widened.passed() || widened.interrupted) return widened;
+  return as_given;
 }
 
 }  // namespace polyfly

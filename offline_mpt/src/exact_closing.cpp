@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "exact_cover.hpp"
+#include "exact_slivers.hpp"
 #include "offline_mpt/exact_lp.hpp"
 
 namespace polyfly {
@@ -33,7 +34,8 @@ std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin) 
   return active;
 }
 
-FacetClosing::FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys)
+FacetClosing::FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys,
+                           bool widened)
     : context_(context), surveys_(surveys), users_(context.map.planeCount()) {
   for (std::uint32_t r = 0; r < surveys.size(); ++r) {
     if (surveys[r].described) by_active_set_.emplace(surveys[r].active, r);
@@ -56,6 +58,11 @@ FacetClosing::FacetClosing(const SurveyContext& context, const std::vector<Regio
     }
     unit.push_back(constant);
     planes_.push_back(std::move(unit));
+  }
+  const Rational distance(context.options.plane_tolerance);
+  for (std::uint32_t r = 0; widened && r < context.map.regionCount(); ++r) {
+    wide_.push_back(surveys[r].described ? mapRows(context, surveys, r) : std::vector<ExactRow>());
+    for (ExactRow& row : wide_.back()) row = relaxedRow(row, distance);
   }
 }
 
@@ -174,6 +181,25 @@ std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const Exa
   return candidates;
 }
 
+Closing FacetClosing::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
+                             const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const {
+  Defect defect;
+  defect.kind = Defect::Kind::kGap;
+  defect.region = region;
+  defect.row = static_cast<int>(row);
+  const ExactProgram& program = context_.program;
+  for (int k = 0; k < kWitnessTries && defect.witness.size() == 0; ++k) {
+    std::vector<Rational> t = uncovered;
+    for (int j = 0; j < program.p; ++j)
+      t[j] += Rational(std::ldexp(plane.unit[static_cast<std::size_t>(j)], -kWitnessBits - k));
+    if (strictlyInside(t, {}, nullptr)) defect.witness = toTheta(program, t);
+  }
+  defect.text = "region " + std::to_string(region) + ", row " + std::to_string(row) +
+                ": no region of the map lies behind a part of this facet";
+  defects.push_back(std::move(defect));
+  return Closing::kOpen;
+}
+
 Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
                                    const std::vector<ExactRow>& listed, std::string& text,
                                    std::vector<Defect>& defects, std::vector<Rational>& uncovered) const {
@@ -188,21 +214,34 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
   }
   if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
   uncovered = cover.uncovered();
-  Defect defect;
-  defect.kind = Defect::Kind::kGap;
-  defect.region = region;
-  defect.row = static_cast<int>(row);
-  const ExactProgram& program = context_.program;
-  for (int k = 0; k < kWitnessTries && defect.witness.size() == 0; ++k) {
-    std::vector<Rational> t = cover.uncovered();
-    for (int j = 0; j < program.p; ++j)
-      t[j] += Rational(std::ldexp(plane.unit[static_cast<std::size_t>(j)], -kWitnessBits - k));
-    if (strictlyInside(t, {}, nullptr)) defect.witness = toTheta(program, t);
+  return addGap(region, row, plane, uncovered, defects);
+}
+
+// The facet of the region moved outwards: all other regions that have no row along it, moved outwards too,
+// may cover it, first those with the facet's plane.
+Closing FacetClosing::closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
+                                   std::vector<Defect>& defects) const {
+  const ExactRow& plane = wide_[region][row];
+  std::deque<std::vector<ExactRow>> storage;
+  std::vector<std::uint32_t> order;
+  for (const CoverCandidate& near : behind(region, plane, storage)) order.push_back(near.region);
+  for (std::uint32_t r = 0; r < wide_.size(); ++r) {
+    if (r != region && std::find(order.begin(), order.end(), r) == order.end()) order.push_back(r);
   }
-  defect.text = "region " + std::to_string(region) + ", row " + std::to_string(row) +
-                ": no region of the map lies behind a part of this facet";
-  defects.push_back(std::move(defect));
-  return Closing::kOpen;
+  std::vector<CoverCandidate> candidates;
+  for (const std::uint32_t r : order) {
+    const auto along = [&](const ExactRow& other) { return vanishesOn(other, plane); };
+    if (!wide_[r].empty() && std::none_of(wide_[r].begin(), wide_[r].end(), along))
+      candidates.push_back({r, &wide_[r]});
+  }
+  FacetCover cover(&plane, context_.program.p, candidates, context_.options.stop);
+  std::string proof;
+  if (cover.cover(wide_[region], proof)) {
+    text += " cover" + proof;
+    return Closing::kCovered;
+  }
+  if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
+  return addGap(region, row, plane, cover.uncovered(), defects);
 }
 
 // Whether the set describes a region with an interior that holds `uncovered`, a point of a facet.
@@ -256,6 +295,16 @@ Closing FacetClosing::close(std::uint32_t region, std::uint32_t row, std::string
     if (origin.kind != ExactOrigin::Kind::kDomain && origin.kind != ExactOrigin::Kind::kBox) continue;
     text += line + " domain " + originText(origin) + "\n";
     return Closing::kDomain;
+  }
+  if (!wide_.empty()) {
+    if (row >= wide_[region].size()) {
+      text += line + " out\n";
+      return Closing::kMatched;
+    }
+    const Closing wide =
+        proveEdge(survey, origins, line) ? Closing::kEdge : closeWidened(region, row, line, defects);
+    if (wide != Closing::kOpen) text += line + "\n";
+    return wide;
   }
   for (const ExactOrigin& origin : origins) {
     // Where H is singular and not zero, multipliers may change from one side to the other.

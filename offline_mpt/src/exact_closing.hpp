@@ -16,7 +16,8 @@ enum class Closing : std::uint8_t { kDomain, kEdge, kMatched, kCovered, kOpen };
 /// Decides for each facet of each region what lies behind it. Read-only after construction.
 class FacetClosing {
  public:
-  FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys);
+  /// `widened`: half-spaces of the map count as moved outwards by the plane tolerance.
+  FacetClosing(const SurveyContext& context, const std::vector<RegionSurvey>& surveys, bool widened);
 
   /// Appends the facet's line of the certificate to `text`, or a defect to `defects`.
   Closing close(std::uint32_t region, std::uint32_t row, std::string& text,
@@ -38,6 +39,10 @@ class FacetClosing {
   Closing closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
                        std::string& text, std::vector<Defect>& defects,
                        std::vector<Rational>& uncovered) const;
+  Closing closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
+                       std::vector<Defect>& defects) const;
+  Closing addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
+                 const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const;
   void findMissing(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
                    const std::vector<Rational>& uncovered, Defect& defect) const;
   bool liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,
@@ -45,6 +50,8 @@ class FacetClosing {
 
   const SurveyContext& context_;
   const std::vector<RegionSurvey>& surveys_;
+  std::vector<std::vector<ExactRow>>
+      wide_;  ///< of each region of the map, moved outwards; empty unless widened
   std::map<std::vector<int>, std::uint32_t> by_active_set_;
   std::vector<std::vector<double>> planes_;       // of the map, unit in t, as they are
   std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated

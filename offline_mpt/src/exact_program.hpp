@@ -57,13 +57,15 @@ struct ExactProgram {
   std::vector<char> in_basis;     ///< m
   std::vector<char> is_equality;  ///< m, of the program
   std::vector<char> is_dropped;   ///< m
+  bool forgiving = false;         ///< slacks may be negative by rounding, see ExactRegion::forgiven
   std::vector<Integer> row_size;  ///< m, greatest |entry| of the row of A
 };
 
 /// How far below zero a dropped row's slack may be, relative to the row's greatest entry: 2^-kDroppedBits.
 constexpr int kDroppedBits = 30;
 
-/// By how much a relaxed row's bound is greater, relative to the row's greatest entry: 2^-kRelaxedBits.
+/// By how much a relaxed row's bound is greater, or a forgiven slack may be negative, relative to the row's
+/// greatest entry: 2^-kRelaxedBits.
 constexpr int kRelaxedBits = 40;
 
 /// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.

@@ -60,10 +60,10 @@ ExactRow makeRow(ExactOrigin origin, std::vector<Integer> value) {
   return row;
 }
 
-// slack + determinant 2^shift 2^-kDroppedBits size >= 0
+// slack + determinant 2^shift 2^-bits size >= 0
 std::vector<Integer> relax(const ExactProgram& program, std::vector<Integer> slack,
-                           const Integer& determinant, int row) {
-  for (Integer& value : slack) value <<= kDroppedBits;
+                           const Integer& determinant, int row, int bits) {
+  for (Integer& value : slack) value <<= static_cast<unsigned long>(bits);
   slack.back() += (determinant * program.row_size[row]) << static_cast<unsigned long>(program.shift);
   return slack;
 }
@@ -76,9 +76,12 @@ bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const
     if (program.is_equality[i]) {
       if (!isZero(slack)) return false;
     } else if (program.is_dropped[i]) {
-      slack = relax(program, std::move(slack), solution.denominator(), i);
+      slack = relax(program, std::move(slack), solution.denominator(), i, kDroppedBits);
       region.dropped.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
     } else {
+      if (program.forgiving)
+        region.forgiven.push_back(makeRow({ExactOrigin::Kind::kSlack, i},
+                                          relax(program, slack, solution.denominator(), i, kRelaxedBits)));
       region.rows.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
     }
   }

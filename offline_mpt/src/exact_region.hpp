@@ -39,7 +39,9 @@ struct ExactRegion {
   std::vector<int> active;        ///< without equalities, ascending
   std::vector<ExactRow> rows;     ///< multipliers, slacks and domain; no box, and none that is dropped
   std::vector<ExactRow> dropped;  ///< slacks of dropped rows, with what they may fall short added
-  std::vector<Rational> law;      ///< q x (p + 1), u = law (t, 1)
+  std::vector<ExactRow>
+      forgiven;               ///< of a forgiving program: slacks with what rounding may take from them added
+  std::vector<Rational> law;  ///< q x (p + 1), u = law (t, 1)
 };
 
 enum class ExactStatus : std::uint8_t {

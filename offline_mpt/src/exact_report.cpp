@@ -39,6 +39,10 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
     text << "  slivers that are left to the regions about them " << report.slivers
          << ", half-spaces left out " << report.left_out_rows << ": within " << report.plane_tolerance
          << " (scaled)\n";
+  if (report.widened)
+    text << "  coverage: by the regions moved outwards by " << report.plane_tolerance << " (scaled)\n";
+  if (report.forgiven_rows > 0)
+    text << "  rows that hold within 2^-40 of their size in a region: " << report.forgiven_rows << "\n";
   if (report.linear) text << "  linear program: of several optima the shortest\n";
   if (report.singular) text << "  H is singular: of several optima the shortest\n";
   if (report.replaced_entries > 0)
@@ -108,6 +112,8 @@ std::string certifyJson(const CertifyReport& report) {
   json["left_out_rows"] = report.left_out_rows;
   json["law_error"] = report.law_error;
   json["plane_error"] = report.plane_error;
+  json["forgiven_rows"] = report.forgiven_rows;
+  json["widened"] = report.widened;
   json["linear"] = report.linear;
   json["singular"] = report.singular;
   json["replaced_entries"] = report.replaced_entries;

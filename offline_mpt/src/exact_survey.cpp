@@ -141,6 +141,14 @@ void proveRows(const SurveyContext& context, std::uint32_t index, const ExactReg
       ++survey.left_out;
       return;
     }
+    for (const ExactRow& forgiven : exact.forgiven) {
+      if (!(forgiven.origin == row.origin) || *letter != 'I') continue;
+      const std::string marked = "Y " + originText(row.origin) + "\n";
+      if (!proveRow(survey.listed, own, forgiven, "W", solver, survey.text).holds) break;
+      survey.text += marked;
+      ++survey.forgiven;
+      return;
+    }
     if (row.origin.kind == ExactOrigin::Kind::kSlack) survey.unlisted.push_back(row.origin.index);
     double outside = -row.unit.back();
     for (std::size_t j = 0; j < result.witness.size(); ++j)

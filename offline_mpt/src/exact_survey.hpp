@@ -30,7 +30,8 @@ struct RegionSurvey {
   std::uint64_t implied = 0;
   std::size_t left_out =
       0;  ///< conditions that bound it although the map does not list them: last of `listed`
-  std::vector<int> unlisted;  ///< rows whose slack is negative in it
+  std::uint64_t forgiven = 0;  ///< conditions that hold up to rounding only
+  std::vector<int> unlisted;   ///< rows whose slack is negative in it
   double law_error = 0.0;
   double plane_error = 0.0;
   std::vector<Defect> defects;

@@ -66,6 +66,9 @@ struct CertifyReport {
   std::uint64_t replaced_entries = 0;  ///< of H, f, F and A, proven with others that differ by rounding
   double greatest_replacement = 0.0;   ///< difference, relative to the greatest entry of the matrix or row
   bool linear = false;
+  std::uint64_t forgiven_rows =
+      0;                 ///< with `widened`: rows that hold within 2^-40 of their size in some region
+  bool widened = false;  ///< coverage is that of the regions moved outwards by plane_tolerance
   std::vector<int>
       implied_equalities;  ///< inequalities that hold with equality wherever the program is feasible
   std::vector<int>
