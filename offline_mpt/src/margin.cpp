@@ -9,9 +9,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMargin = 1e-9;   // margins below this count as none [rows of unit length]
-constexpr double kRegular = 1e-7;  // weight of |(z, t)|^2 that makes the search strictly convex
-constexpr double kImplied = 1e-4;  // share of the margin's price above which a row counts as blocking
+constexpr double kMargin = 1e-9;     // margins below this count as none [rows of unit length]
+constexpr double kRegular = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
+constexpr double kImplied = 1e-4;    // share of the margin's price above which a row counts as blocking
+constexpr double kOpposite = 1e-14;  // entries of two unit rows that cancel up to this are opposite
 constexpr double kNoLength =
     1e-13;  // rows shorter than this, relative to their largest entry, have no normal
 
@@ -62,13 +63,37 @@ Search assemble(const ParametricProgram& program) {
   return search;
 }
 
+bool isEquality(const ParametricProgram& program, int row) {
+  return std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end();
+}
+
+/// Pairs of rows that are each other's negative, of which the search, in doubles, may just see a margin.
+void addOpposite(ParametricProgram& program) {
+  const Eigen::Index n = program.A.cols(), p = program.S.cols();
+  Eigen::MatrixXd rows(program.A.rows(), n + p + 1);
+  rows << program.A, program.S, program.b;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double length = program.A.row(i).norm();
+    rows.row(i) *= length > 0.0 ? 1.0 / length : 0.0;
+  }
+  for (int i = 0; i < program.rowCount(); ++i) {
+    for (int k = 0; k < i && !rows.row(i).isZero(0.0); ++k) {
+      const double size = rows.row(i).cwiseAbs().maxCoeff();
+      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > kOpposite * size) continue;
+      for (const int row : {i, k}) {
+        if (!isEquality(program, row)) program.equalities.push_back(row);
+      }
+    }
+  }
+  std::sort(program.equalities.begin(), program.equalities.end());
+}
+
 /// Rows that keep the margin at zero; false when only the parameters' own rows do.
 bool addImplied(const DenseQp& qp, const Search& search, ParametricProgram& program) {
   bool added = false;
   for (int row = 0; row < search.domain; ++row) {
     if (qp.lambda()(row) <= kImplied) continue;
-    if (std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end())
-      continue;
+    if (isEquality(program, row)) continue;
     program.equalities.push_back(row);
     added = true;
   }
@@ -81,6 +106,7 @@ bool addImplied(const DenseQp& qp, const Search& search, ParametricProgram& prog
 Margin findMargin(ParametricProgram& program) {
   const int n = program.variableCount();
   const int p = program.parameterCount();
+  addOpposite(program);
   for (;;) {
     const Search search = assemble(program);
     const Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);

@@ -183,5 +183,23 @@ TEST(Explore, RefusesAnUnboundedParameter) {
   EXPECT_THROW(explore(program), Error);
 }
 
+TEST(Explore, TwoOppositeRowsAreAnEquality) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    ParametricProgram given = randomProgram(4, 5, 2, seed);
+    given.b(4) = 0.3;
+    ParametricProgram hidden = given;
+    given.equalities = {4};
+    hidden.A.conservativeResize(6, 4);
+    hidden.b.conservativeResize(6);
+    hidden.S.conservativeResize(6, 2);
+    hidden.A.row(5) = -hidden.A.row(4);
+    hidden.b(5) = -hidden.b(4);
+    hidden.S.row(5) = -hidden.S.row(4);
+    const Partition wanted = explore(given), found = explore(hidden);
+    EXPECT_EQ(found.status, wanted.status) << seed;
+    EXPECT_EQ(found.regions.size(), wanted.regions.size()) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace polyfly
