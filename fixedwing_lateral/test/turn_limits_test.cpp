@@ -25,13 +25,13 @@ LoiterCircle circleOf(double radius) { return {{0.0, 0.0}, radius, TurnDirection
 /// By differences of the heading that keeps a course in a wind that blows to the north; no formula for the
 /// roll.
 double rollByDifferences(double course, double turn, double radius, double wind) {
-  const auto headingAt = [&](double at) { return at - std::asin(wind / kAirspeed * std::sin(-at)); };
-  const double heading = headingAt(course);
+  const auto heading_at = [&](double at) { return at - std::asin(wind / kAirspeed * std::sin(-at)); };
+  const double heading = heading_at(course);
   const double north = kAirspeed * std::cos(heading) + wind;
   const double east = kAirspeed * std::sin(heading);
   EXPECT_NEAR(wrapCourse(std::atan2(east, north) - course), 0.0, 1e-9);
   constexpr double kStep = 1e-5;
-  const double rate = (headingAt(course + kStep) - headingAt(course - kStep)) / (2.0 * kStep) *
+  const double rate = (heading_at(course + kStep) - heading_at(course - kStep)) / (2.0 * kStep) *
                       std::hypot(north, east) / radius;
   return std::atan(kAirspeed * turn * rate / 9.81);
 }

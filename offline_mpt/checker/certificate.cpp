@@ -255,7 +255,7 @@ Fraction Certificate::hessian(std::size_t i, std::size_t j) const {
 /// the row of A. All of H is replaced or nothing; it then has the penalty in it.
 void Certificate::replaceEntries() {
   constexpr unsigned long kRoundingBits = 30;
-  const auto greatestOf = [](const Matrix& matrix, std::size_t first, std::size_t count) {
+  const auto greatest_of = [](const Matrix& matrix, std::size_t first, std::size_t count) {
     Fraction greatest;
     for (std::size_t k = first; k < first + count; ++k)
       greatest = std::max(greatest, Fraction(abs(matrix.entries[k])));
@@ -284,8 +284,8 @@ void Certificate::replaceEntries() {
   for (const Counts& counts : counts_) {
     const Matrix& old = before.at(counts.name);
     const bool by_row = counts.name == "A";
-    const Fraction size = by_row ? greatestOf(old, counts.row * old.columns, old.columns)
-                                 : greatestOf(old, 0, old.entries.size());
+    const Fraction size = by_row ? greatest_of(old, counts.row * old.columns, old.columns)
+                                 : greatest_of(old, 0, old.entries.size());
     Fraction& entry = data_.at(counts.name).entries[counts.row * old.columns + counts.column];
     entry = counts.value;
     require(abs(entry - old.at(counts.row, counts.column)) * Fraction(Integer(1) << kRoundingBits) <= size,

@@ -141,15 +141,15 @@ void Map::checkTables() const {
 }
 
 void Map::checkTree() const {
-  const auto requireChild = [&](std::uint32_t child) {
+  const auto require_child = [&](std::uint32_t child) {
     require((child & kLeaf) != 0 ? (child & ~kLeaf) < leaves.size() : child < nodes.size(),
             "the map's tree leads to no leaf");
   };
-  requireChild(root);
+  require_child(root);
   for (const Node& node : nodes) {
     require((std::size_t{node.plane} + 1) * (p + 1) <= planes.size(), "a node of the map names no plane");
-    requireChild(node.below);
-    requireChild(node.above);
+    require_child(node.below);
+    require_child(node.above);
   }
   for (const Leaf& leaf : leaves)
     require(std::uint64_t{leaf.first} + leaf.count <= candidates.size(), "a leaf reaches beyond its table");

@@ -115,17 +115,17 @@ Region Certificate::describe(std::size_t index) const {
     const auto first = system[unknown].begin() + static_cast<std::ptrdiff_t>(size + group * width);
     return Row(first, first + static_cast<std::ptrdiff_t>(width));
   };
-  const auto isZero = [](const Row& row) {
+  const auto is_zero = [](const Row& row) {
     return std::all_of(row.begin(), row.end(), [](const Integer& v) { return v == 0; });
   };
   std::vector<Row> z;
   for (std::size_t i = 0; i < n_; ++i) {
     z.push_back(part(i, 0));
-    require(!linear_ || isZero(part(i, 1)), "active rows do not pay for the cost");
+    require(!linear_ || is_zero(part(i, 1)), "active rows do not pay for the cost");
   }
   for (std::size_t r = basis_.size(); r < rows.size(); ++r) {
     const Row price = linear_ ? part(n_ + r, 1) : singular_ ? part(n_ + r, 0) : Row(width);
-    const bool priced = !isZero(price);
+    const bool priced = !is_zero(price);
     const Row own = priced ? price : part(n_ + r + (singular_ ? rows.size() : 0), 0);
     region.rows[(priced ? "p" : "m") + std::to_string(rows[r])] = primitive(own);
   }

@@ -280,17 +280,17 @@ void Reduction::checkReduced(std::size_t region) const {
 }
 
 void Reduction::check() const {
-  const auto checkAll = [&](std::size_t count, const char* of, auto&& checkOne) {
+  const auto check_all = [&](std::size_t count, const char* of, auto&& check_one) {
     for (std::size_t region = 0; region < count; ++region) {
       try {
-        checkOne(region);
+        check_one(region);
       } catch (const Refused& error) {
         throw Refused("region " + std::to_string(region) + " of the " + of + ": " + error.what());
       }
     }
   };
-  checkAll(originals_.size(), "original", [&](std::size_t region) { checkOriginal(region); });
-  checkAll(claims_.size(), "reduced map", [&](std::size_t region) { checkReduced(region); });
+  check_all(originals_.size(), "original", [&](std::size_t region) { checkOriginal(region); });
+  check_all(claims_.size(), "reduced map", [&](std::size_t region) { checkReduced(region); });
 }
 
 }  // namespace checker

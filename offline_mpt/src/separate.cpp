@@ -212,12 +212,12 @@ Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowLis
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   Piece domain;
   for (const std::int32_t row : rows) {
-    const auto isInside = [&](const Piece& piece) {
+    const auto is_inside = [&](const Piece& piece) {
       return geometry.planes().value(row, piece.centre.data()) <= slack;
     };
-    if (!std::all_of(pieces.begin(), pieces.end(), isInside)) continue;
-    const auto isHeld = [&](Piece& piece) { return geometry.holdsOn(row, piece, slack); };
-    if (std::all_of(pieces.begin(), pieces.end(), isHeld)) domain.rows.push_back(row);
+    if (!std::all_of(pieces.begin(), pieces.end(), is_inside)) continue;
+    const auto is_held = [&](Piece& piece) { return geometry.holdsOn(row, piece, slack); };
+    if (std::all_of(pieces.begin(), pieces.end(), is_held)) domain.rows.push_back(row);
   }
   domain.centre = pieces.front().centre;
   geometry.describe(domain);

@@ -250,13 +250,13 @@ TEST_F(CoverMutation, NothingChangedIsConfirmed) {
 TEST_F(CoverMutation, CoversAreChecked) {
   const std::size_t count = content_.regions.size();
   int tried = 0;
-  const auto isCover = [](const std::vector<std::string>& words) {
+  const auto is_cover = [](const std::vector<std::string>& words) {
     return words.size() > 5 && words[3] == "cover";
   };
   EXPECT_NE(refusalOfLines(
                 "L ",
                 [&](std::vector<std::string>& words) {
-                  if (!isCover(words) || words[4] != "N") return false;
+                  if (!is_cover(words) || words[4] != "N") return false;
                   words[5] = std::to_string((std::stoul(words[5]) + 1) % count);
                   return true;
                 },
@@ -266,7 +266,7 @@ TEST_F(CoverMutation, CoversAreChecked) {
   EXPECT_NE(refusalOfLines(
                 "L ",
                 [&](std::vector<std::string>& words) {
-                  if (!isCover(words)) return false;
+                  if (!is_cover(words)) return false;
                   words.pop_back();
                   return true;
                 },
@@ -275,7 +275,7 @@ TEST_F(CoverMutation, CoversAreChecked) {
   EXPECT_NE(refusalOfLines(
                 "L ",
                 [&](std::vector<std::string>& words) {
-                  if (!isCover(words)) return false;
+                  if (!is_cover(words)) return false;
                   words = {words[0], words[1], words[2], "cover",
                            "e",      "1",      "0",      "1"};  // "there is no such facet"
                   return true;

@@ -76,10 +76,10 @@ void requireSmall(const RegionMap& next, double change, double share) {
 LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps::Request& request,
                        const FlightSnapshot* last, std::array<double, 3>& change) {
   change.fill(std::numeric_limits<double>::quiet_NaN());
-  const auto mapsOf = [&](const LawSetup& of) -> const MapSet& {
+  const auto maps_of = [&](const LawSetup& of) -> const MapSet& {
     return request.robust != 0 ? of.sources->robust_maps : of.sources->explicit_maps;
   };
-  if (mapsOf(setup).empty()) throw Error("swap_maps: this controller was started without such maps");
+  if (maps_of(setup).empty()) throw Error("swap_maps: this controller was started without such maps");
   if (!(request.most_change >= 0.0)) throw Error("swap_maps: most_change: must be 0 or more");
   const double share = request.most_change > 0.0 ? request.most_change : kMostChange;
   const polyfly::Law law =
@@ -93,11 +93,11 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
   // With the checks of the start.
   next.sources = LawSources::load(next.files, next.nonlinear.model, next.controller);
   for (std::size_t i = 0; i < 3; ++i) {
-    const RegionMap& now = mapsOf(setup).maps[i];
-    const RegionMap& map = mapsOf(next).maps[i];
-    const bool robust = mapsOf(next).problems.at(i).minimum_peak;
+    const RegionMap& now = maps_of(setup).maps[i];
+    const RegionMap& map = maps_of(next).maps[i];
+    const bool robust = maps_of(next).problems.at(i).minimum_peak;
     requireSamePeriod(now, map);
-    if (mapsOf(setup).problems.at(i).minimum_peak != robust)
+    if (maps_of(setup).problems.at(i).minimum_peak != robust)
       refuse(map, "must be of the kind of the map in force (tracking or minimum peak)");
     if (!robust) requireRest(map);
     // The other linear law has the same parameters.

@@ -149,16 +149,16 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
     add(option, alias.name, OptionTable::toTheirs(alias.links.front(), value(option)));
   }
   int id = 0;
-  const auto addGroup = [&](const std::string& name) {
+  const auto add_group = [&](const std::string& name) {
     all.groups.emplace_back();
     all.groups.back().name = name;
     all.groups.back().state = 1;
     all.groups.back().id = id++;
     all.groups.back().parent = 0;
   };
-  addGroup("Default");
-  for (const std::string& name : table_.groups()) addGroup(name);
-  if (!table_.aliases().empty()) addGroup(kAliasGroup);
+  add_group("Default");
+  for (const std::string& name : table_.groups()) add_group(name);
+  if (!table_.aliases().empty()) add_group(kAliasGroup);
   return all;
 }
 

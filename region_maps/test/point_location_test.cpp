@@ -306,14 +306,14 @@ TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   content.first_fallback = 2;
   content.planes.insert(content.planes.end(), {1.0, 1.0 + kHandicap});  // the second cell begins later
   const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
-  const auto setLower = [&](std::uint32_t region, std::int32_t plane) {
+  const auto set_lower = [&](std::uint32_t region, std::int32_t plane) {
     for (std::uint32_t i = 0; i < content.regions[region].row_count; ++i) {
       std::int32_t& row = content.rows[content.regions[region].first_row + i];
       if (row < 0) row = -plane;
     }
   };
-  setLower(1, late);
-  setLower(2, 1);  // [0, 3]
+  set_lower(1, late);
+  set_lower(2, 1);  // [0, 3]
   content.reduced_from = 7;
   const MadeMap made(std::move(content));
   EXPECT_EQ(made.map.firstFallback(), 2u);

@@ -181,7 +181,7 @@ void expectMargin(double centre) {
   const SearchIndex::View& index = made.map.index().view();
   const double margin = index.margin * 0x1p-28;
   EXPECT_LT(margin, 6e-4);
-  const auto sidesOf = [&](const std::vector<double>& theta) {
+  const auto sides_of = [&](const std::vector<double>& theta) {
     return Kernel::sides(Kernel::block(index, index.root), Kernel::prepare(index, theta.data()),
                          Lanes::all(2 * index.margin));
   };
@@ -193,7 +193,7 @@ void expectMargin(double centre) {
     const double beyond = std::uniform_real_distribution<double>(-2.5, 2.5)(random) * margin;
     moveOnto(made.content, root, beyond, theta);
     if (made.map.locate(theta.data()).status == LookupStatus::kOutsideBox) continue;
-    const auto sides = sidesOf(theta);
+    const auto sides = sides_of(theta);
     const std::uint32_t number = Kernel::childNumber(sides);
     EXPECT_EQ(sides.surely & ~sides.perhaps, 0u);
     if (number == Kernel::kNoChild) {
@@ -216,7 +216,7 @@ void expectMargin(double centre) {
       near = near || std::abs(distance) < 2.0L * margin;
     }
     if (near) continue;
-    EXPECT_NE(Kernel::childNumber(sidesOf(theta)), Kernel::kNoChild);
+    EXPECT_NE(Kernel::childNumber(sides_of(theta)), Kernel::kNoChild);
   }
 }
 
@@ -337,7 +337,7 @@ TEST(LanesTest, AllKindsComputeTheSame) {
     }
     return words;
   };
-  const auto expectSame = [](const PortableLanes::Type& portable, const Sse2Lanes::Type& lanes) {
+  const auto expect_same = [](const PortableLanes::Type& portable, const Sse2Lanes::Type& lanes) {
     PortableLanes::Type other;
     std::memcpy(other.data(), &lanes, sizeof other);
     EXPECT_EQ(portable, other);
@@ -348,10 +348,10 @@ TEST(LanesTest, AllKindsComputeTheSame) {
     const auto pa = PortableLanes::load(a.words), pb = PortableLanes::load(b.words),
                pc = PortableLanes::load(c.words);
     const auto sa = Sse2Lanes::load(a.words), sb = Sse2Lanes::load(b.words), sc = Sse2Lanes::load(c.words);
-    expectSame(PortableLanes::addProducts(pc, pa, pb), Sse2Lanes::addProducts(sc, sa, sb));
-    expectSame(PortableLanes::add(pa, pb), Sse2Lanes::add(sa, sb));
-    expectSame(PortableLanes::either(pa, pb), Sse2Lanes::either(sa, sb));
-    expectSame(PortableLanes::all(a.words[0]), Sse2Lanes::all(a.words[0]));
+    expect_same(PortableLanes::addProducts(pc, pa, pb), Sse2Lanes::addProducts(sc, sa, sb));
+    expect_same(PortableLanes::add(pa, pb), Sse2Lanes::add(sa, sb));
+    expect_same(PortableLanes::either(pa, pb), Sse2Lanes::either(sa, sb));
+    expect_same(PortableLanes::all(a.words[0]), Sse2Lanes::all(a.words[0]));
   }
 }
 #endif

@@ -160,7 +160,7 @@ ExactPolytope minimal(const ExactPolytope& set) {
     }
   }
   DoubleDescription flat(set.dimension + 1);  // to tell equalities that follow from those before
-  const auto addEquality = [&](const ExactHalfSpace& row) {
+  const auto add_equality = [&](const ExactHalfSpace& row) {
     const std::vector<Integer> values = coneRow(row);
     const bool depends = std::all_of(flat.lines().begin(), flat.lines().end(),
                                      [&](const auto& line) { return dot(values, line) == 0; });
@@ -168,9 +168,9 @@ ExactPolytope minimal(const ExactPolytope& set) {
     flat.add(values, true);
     result.equalities.push_back(halfSpace(values));
   };
-  for (const ExactHalfSpace& row : set.equalities) addEquality(row);
+  for (const ExactHalfSpace& row : set.equalities) add_equality(row);
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (faces[i] == all) addEquality(set.rows[i]);
+    if (faces[i] == all) add_equality(set.rows[i]);
   }
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (faces[i] == all || infinity.contains(faces[i])) continue;

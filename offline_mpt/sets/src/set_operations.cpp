@@ -71,7 +71,7 @@ ExactSupport support(const ExactPolytope& set, const RationalVector& direction) 
     lp.setObjective(j, direction[static_cast<std::size_t>(j)]);
   }
   lp.setSense(ExactLp::Sense::kMaximise);
-  const auto addRow = [&](const ExactHalfSpace& row, ExactLp::Bound type) {
+  const auto add_row = [&](const ExactHalfSpace& row, ExactLp::Bound type) {
     const int i = lp.addRows(1);
     lp.setRowBounds(i, type, row.b, row.b);
     for (int j = 0; j < set.dimension; ++j) {
@@ -79,8 +79,8 @@ ExactSupport support(const ExactPolytope& set, const RationalVector& direction) 
       if (value != 0) lp.setCoefficient(i, j, value);
     }
   };
-  for (const ExactHalfSpace& row : set.rows) addRow(row, ExactLp::Bound::kUpper);
-  for (const ExactHalfSpace& row : set.equalities) addRow(row, ExactLp::Bound::kFixed);
+  for (const ExactHalfSpace& row : set.rows) add_row(row, ExactLp::Bound::kUpper);
+  for (const ExactHalfSpace& row : set.equalities) add_row(row, ExactLp::Bound::kFixed);
   ExactSupport result;
   const ExactLp::Status status = lp.solve();
   if (status == ExactLp::Status::kInfeasible) return result;
