@@ -121,9 +121,11 @@ void writeText(const std::string& text, const std::string& path) {
 // Fills the report's proposals, and writes their problems where that is asked for.
 void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly::ValidationReport* report) {
   if (arguments.propose_limit == 0) return;
+  polyfly::ProposalLimits limits;
+  limits.regions = arguments.propose_limit;
   for (std::size_t axis = 0; axis < maps.flown.size(); ++axis) {
     const polyfly::AxisValidation& use = report->axes[axis];
-    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis, arguments.propose_limit);
+    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis, limits);
     if (!proposal) continue;
     report->proposals.push_back(*proposal);
     if (arguments.propose.empty() || proposal->problem.empty()) continue;

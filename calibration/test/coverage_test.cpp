@@ -191,7 +191,7 @@ TEST_F(Coverage, theFirstMapOfEachAxisFlew) {
 TEST_F(Coverage, proposesTheProblemThatWouldHaveHeldTheFlight) {
   const ValidationReport report = validated(flight(0.6, 40, 47));
   const RegionMap& map = *maps_.axes()[0];
-  const auto proposal = proposeMap(map, report.axes[0], "longitudinal", 5000);
+  const auto proposal = proposeMap(map, report.axes[0], "longitudinal");
   ASSERT_TRUE(proposal.has_value());
   ASSERT_EQ(proposal->obstacle, "");
   const MpcProblem before = parseProblem(std::string(map.problemText()), "before");
@@ -207,7 +207,7 @@ TEST_F(Coverage, proposesTheProblemThatWouldHaveHeldTheFlight) {
   }
   EXPECT_TRUE(proposal->counted_all);
   EXPECT_GE(proposal->regions_then, 1u);
-  EXPECT_FALSE(proposeMap(*maps_.axes()[kLateral], report.axes[kLateral], "lateral", 5000).has_value());
+  EXPECT_FALSE(proposeMap(*maps_.axes()[kLateral], report.axes[kLateral], "lateral").has_value());
 }
 
 TEST_F(Coverage, saysThatNoRangeCoversWhatHasNoSolution) {
@@ -216,7 +216,7 @@ TEST_F(Coverage, saysThatNoRangeCoversWhatHasNoSolution) {
   std::vector<double> theta(map.parameters().size(), 0.0);
   theta[0] = 0.1;
   counter.add(0.0, theta.data());
-  const auto proposal = proposeMap(map, counter.use(), "lateral", 5000);
+  const auto proposal = proposeMap(map, counter.use(), "lateral");
   ASSERT_TRUE(proposal.has_value());
   EXPECT_EQ(proposal->infeasible, 1u);
   EXPECT_TRUE(proposal->problem.empty());

@@ -12,6 +12,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kLeastSpeed = 1.0;  // of a wing whose course means something [m/s]
+constexpr double kOvershoot = 0.1;   // of a wing's roll: left free below the limit of attitude [rad]
 
 bool finite(const VehicleState& state) {
   return std::isfinite(state.stamp) && state.position.allFinite() && state.velocity.allFinite() &&
@@ -57,6 +58,10 @@ ExcitationFlight::ExcitationFlight(ExcitationPlan plan, const ExcitationOptions&
   if (!(options_.thrust_min < options_.gravity && options_.gravity < options_.thrust_max)) {
     throw Error(
         "excitation: command/thrust_min and thrust_max: hover thrust per mass, gravity, must lie between");
+  }
+  if (options_.wing && options_.distance_max <= options_.wing_return) {
+    throw Error(
+        "excitation: limits/distance_max: of a wing, which flies on, must be above wing/return_distance");
   }
   for (const Manoeuvre& manoeuvre : plan_.manoeuvres) {
     if (options_.wing && manoeuvre.channel != ExcitedChannel::kRoll) {
@@ -109,8 +114,14 @@ AttitudeCommand ExcitationFlight::step(const VehicleState& state) noexcept {
   const int before = std::exchange(running_, plan_.running(elapsed_));
   if (elapsed_ >= plan_.duration()) state_ = ExcitationState::kDone;
   if (running_ >= 0) {
+    const Manoeuvre& manoeuvre = plan_.manoeuvres[static_cast<std::size_t>(running_)];
+    if (options_.wing) {
+      // A turn back goes on in a manoeuvre, as far as there is bank left for it.
+      const double left = std::max(options_.attitude_max - kOvershoot - std::abs(manoeuvre.amplitude), 0.0);
+      command.roll = std::clamp(command.roll, -left, left);
+    }
     if (running_ != before) frozen_ = command;
-    if (pulsed(plan_.manoeuvres[static_cast<std::size_t>(running_)])) {
+    if (pulsed(manoeuvre)) {
       command.roll = frozen_.roll;
       command.pitch = options_.wing ? command.pitch : frozen_.pitch;
     }

@@ -185,6 +185,12 @@ TEST(ExcitationFlight, badOptionsAreRefused) {
   options = {};
   options.thrust_max = 9.0;
   EXPECT_THROW(ExcitationFlight(smallPlan(), options), Error);
+  options = {};
+  options.wing = true;  // it would leave the room of a multirotor within a second
+  EXPECT_THROW(
+      ExcitationFlight(parsePlan("manoeuvres: [{shape: doublet, channels: roll, amplitudes: 0.3}]", "plan"),
+                       options),
+      Error);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // A simulated aircraft on mavros' topics (the rough one, or with ~rigid the one in six degrees of freedom),
-// in steps: each command moves it on by one period, so that a slow machine flies the same as a fast one.
+// in steps: each command, of roll or of attitude, moves it on by one period, so that a slow machine flies the
+// same as a fast one.
 // ~pace 1 waits for the clock on the wall, to be watched in rviz.
 #include <geometry_msgs/TwistStamped.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <mavros_msgs/AttitudeTarget.h>
 #include <mavros_msgs/VFR_HUD.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
@@ -10,6 +12,7 @@
 #include <sensor_msgs/Imu.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <memory>
 
 #include "fixedwing_lateral_ros/conversions.hpp"
@@ -28,6 +31,7 @@ class PlantNode {
     wind_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("mavros/wind_estimation", 10);
     clock_ = handle.advertise<rosgraph_msgs::Clock>("/clock", 10);
     command_ = handle.subscribe("mavros/setpoint_attitude/cmd_vel", 10, &PlantNode::onCommand, this);
+    attitude_ = handle.subscribe("mavros/setpoint_raw/attitude", 10, &PlantNode::onAttitude, this);
     patience_ =
         handle.createWallTimer(ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) { onSilence(); });
   }
@@ -53,8 +57,19 @@ class PlantNode {
   }
 
   void onCommand(const geometry_msgs::TwistStamped& command) {
-    if (command.header.stamp != sent_) return;  // of an earlier state
-    aircraft_->fly(command.twist.angular.x, kPeriod);
+    answer(command.header.stamp, command.twist.angular.x);
+  }
+
+  // Height and airspeed are the plant's own: of an attitude it takes the roll.
+  void onAttitude(const mavros_msgs::AttitudeTarget& target) {
+    const auto& q = target.orientation;
+    answer(target.header.stamp,
+           std::atan2(2.0 * (q.w * q.x + q.y * q.z), 1.0 - 2.0 * (q.x * q.x + q.y * q.y)));
+  }
+
+  void answer(const ros::Time& stamp, double roll) {
+    if (stamp != sent_) return;  // of an earlier state
+    aircraft_->fly(roll, kPeriod);
     answered_ = true;
     if (pace_ > 0.0) ros::WallDuration(kPeriod / pace_).sleep();
     publish();
@@ -113,7 +128,7 @@ class PlantNode {
 
   std::unique_ptr<polyfly::Aircraft> aircraft_;
   ros::Publisher odometry_, imu_, hud_, wind_, clock_;
-  ros::Subscriber command_;
+  ros::Subscriber command_, attitude_;
   ros::WallTimer patience_;
   ros::Time sent_;
   bool answered_ = true;

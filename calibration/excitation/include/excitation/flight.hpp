@@ -32,8 +32,8 @@ struct ExcitationOptions {
   double thrust_min = 5.0;        ///< per mass, as commanded [m/s^2]
   double thrust_max = 16.0;       ///< per mass [m/s^2]
 
-  double wing_return = 100.0;      ///< distance from the start beyond which a wing turns back in rests [m]
-  double wing_roll = 0.35;         ///< greatest roll while it turns back [rad]
+  double wing_return = 100.0;      ///< distance from the start beyond which a wing turns back [m]
+  double wing_roll = 0.35;         ///< greatest roll while it turns back; less while it is excited too [rad]
   double wing_pitch = 0.03;        ///< trim [rad]
   double wing_pitch_max = 0.2;     ///< [rad]
   double wing_height_gain = 0.02;  ///< pitch per error of height [rad/m]
