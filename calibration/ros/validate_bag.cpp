@@ -40,6 +40,7 @@ struct Arguments {
   std::uint64_t propose_limit = 20000;
   std::string topics_bag;
   bool quiet = false;
+  bool strict = false;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -65,6 +66,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--topics-bag", arguments.topics_bag,
                  "Write a bag with the validation as topics, for rviz and rqt")
       ->type_name("FILE");
+  app.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
   app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds");
 
   auto& topics = arguments.topics;
@@ -108,7 +110,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-violations", limits.max_violations, "Most recorded commands out of their bounds")
       ->capture_default_str()
       ->group(thresholds);
-  app.footer("Exit code: 0 all thresholds hold, 1 one is broken, 2 bad input or option.");
+  app.footer(
+      "Exit code: 0 all thresholds hold, 1 one is broken (or a warning with --strict), 2 bad input or "
+      "option.");
 }
 
 void writeText(const std::string& text, const std::string& path) {
@@ -207,6 +211,10 @@ int run(const Arguments& arguments) {
   if (!arguments.json.empty()) writeText(json, arguments.json);
   bool broken = false;
   for (const polyfly::FlightSummary& flight : flights) {
+    broken = broken || (arguments.strict && !flight.validation.warnings.empty());
+    for (const std::string& sentence : flight.validation.warnings) {
+      if (arguments.quiet) std::cerr << "warning: " << flight.validation.source << ": " << sentence << "\n";
+    }
     for (const std::string& sentence : flight.broken) {
       broken = true;
       std::cerr << "broken: " << (flights.size() > 1 ? flight.validation.source + ": " : "") << sentence

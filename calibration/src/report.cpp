@@ -25,14 +25,26 @@ void writeTile(const std::string& value, const std::string& label, bool good, st
       << escaped(label) << "</span></div>\n";
 }
 
-void writeVerdict(const std::vector<std::string>& broken, std::ostream& out) {
-  if (broken.empty()) {
-    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it</div>\n";
-    return;
-  }
-  out << "<div class='verdict bad'>Failed<ul>";
-  for (const std::string& sentence : broken) out << "<li>" << escaped(sentence) << "</li>";
+void writeList(const std::vector<std::string>& sentences, std::ostream& out) {
+  out << "<ul>";
+  for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
   out << "</ul></div>\n";
+}
+
+void writeVerdict(const std::vector<std::string>& broken, const std::vector<std::string>& warnings,
+                  std::ostream& out) {
+  if (broken.empty() && warnings.empty()) {
+    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it</div>\n";
+  }
+  if (!warnings.empty()) {
+    out << "<div class='verdict bad'>"
+        << (broken.empty() ? "The map held the flight, but what was recorded does not fit together"
+                           : "Warnings");
+    writeList(warnings, out);
+  }
+  if (broken.empty()) return;
+  out << "<div class='verdict bad'>Failed";
+  writeList(broken, out);
 }
 
 void writeTiles(const ValidationReport& report, std::ostream& out) {
@@ -232,7 +244,7 @@ void writeNumbers(const ValidationReport& report, std::ostream& out) {
 std::string toHtml(const ReportContent& content) {
   std::ostringstream out;
   writeHead(content.validation, out);
-  writeVerdict(content.broken, out);
+  writeVerdict(content.broken, content.validation.warnings, out);
   writeTiles(content.validation, out);
   const std::vector<ReportFigure> figures = reportFigures(content);
   for (const ReportFigure& figure : figures) {
@@ -260,7 +272,7 @@ void writeOverview(const std::vector<FlightSummary>& flights, const ValidationRe
   }
   std::ostringstream out;
   writeHead(all, out);
-  writeVerdict(broken, out);
+  writeVerdict(broken, all.warnings, out);
   writeTiles(all, out);
   writeFlights(flights, out);
   writeNumbers(all, out);

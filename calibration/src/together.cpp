@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include "calibration/validation.hpp"
 #include "difference_collector.hpp"
@@ -98,6 +99,11 @@ ValidationReport together(const std::vector<ValidationReport>& flights) {
   ValidationReport all = flights.front();
   if (flights.size() == 1) return all;
   for (std::size_t flight = 1; flight < flights.size(); ++flight) add(flights[flight], &all);
+  all.warnings.clear();
+  for (const ValidationReport& flight : flights) {
+    const std::string name = std::filesystem::path(flight.source).filename().string();
+    for (const std::string& sentence : flight.warnings) all.warnings.push_back(name + ": " + sentence);
+  }
   all.source = std::to_string(flights.size()) + " flights";
   all.hold.reset();
   all.coverage = all.tracked_samples == 0 ? 0.0

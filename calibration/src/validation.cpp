@@ -105,6 +105,7 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.lookup_ns = percentiles(lookups);
   report.commands = validateCommands(log, samples, options);
   report.statuses = validateStatuses(log, samples);
+  report.warnings = flightWarnings(log, samples, maps, options);
   report.hold = holdOffset(log, samples);
   return report;
 }

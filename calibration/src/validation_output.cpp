@@ -182,6 +182,7 @@ Json json(const ValidationReport& report) {
   out["commands"] = json(report.commands);
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
+  out["warnings"] = report.warnings;
   out["comparisons"] = Json::array();
   for (const MapComparison& comparison : report.comparisons) out["comparisons"].push_back(json(comparison));
   out["proposals"] = Json::array();

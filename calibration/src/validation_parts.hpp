@@ -18,6 +18,11 @@ AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample
 CommandValidation validateCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,
                                    const MultirotorOptions& options);
 
+/// What does not fit together, in sentences: frames, signs, clocks, limits, and the vehicle's roll and pitch
+/// loops (identified from the flight) against the models of the maps. No sentence where the data do not tell.
+std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                                        const AxisMaps& maps, const MultirotorOptions& options);
+
 /// The node's own account against the replay's.
 StatusValidation validateStatuses(const FlightLog& log, const std::vector<ReplaySample>& samples);
 

@@ -176,6 +176,7 @@ std::string toText(const ValidationReport& report) {
     if (report.hold->disturbance) out << ", true one " << report.hold->disturbance->transpose();
     out << "\n";
   }
+  for (const std::string& sentence : report.warnings) out << "  warning: " << sentence << "\n";
   for (const MapComparison& other : report.comparisons) writeComparison(other, out);
   for (const MapProposal& proposal : report.proposals) writeProposal(proposal, out);
   return out.str();

@@ -98,6 +98,8 @@ struct ValidationReport {
   StatusValidation statuses;
   std::optional<HoldOffset> hold;  ///< none if the reference does not rest at the end
 
+  std::vector<std::string> warnings;  ///< sentences: why this record may not say what it seems to say
+
   std::vector<MapComparison> comparisons;  ///< with other maps, where compareMaps was asked
   std::vector<MapProposal> proposals;      ///< where proposeMap was asked
 

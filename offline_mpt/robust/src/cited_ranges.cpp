@@ -36,6 +36,17 @@ std::string origin(const YamlField& file, const std::string& path, const std::st
   return oneLine(remark);
 }
 
+/// `calibrate disturbance` says by the letter of each d_LETTER whether the data support its bound.
+void refuseUnsupported(const YamlField& file, const std::string& name, const YamlField& from) {
+  if (!file.has("axes") || name.size() < 2 || name.compare(0, 2, "d_") != 0) return;
+  const YamlField axes = file.at("axes");
+  const std::string axis = name.substr(2);
+  if (!axes.has(axis) || !axes.at(axis).has("supported")) return;
+  if (axes.at(axis).at("supported").text() != "false") return;
+  from.at("name").fail("the data do not support the bound of " + name +
+                       " (supported: false): fly longer, or write the range as numbers");
+}
+
 Cited cite(const YamlField& channel, const std::string& folder) {
   const YamlField from = channel.at("range");
   from.checkKeys({"from", "name"}, {});
@@ -46,6 +57,7 @@ Cited cite(const YamlField& channel, const std::string& folder) {
     if (entry.at("name").name() != name) continue;
     if (entry.at("unit").unit() != channel.at("unit").unit())
       entry.at("unit").fail("must be " + channel.at("unit").unit() + ", as where it is cited");
+    refuseUnsupported(file, name, from);
     const std::vector<YamlField> ends = entry.at("range").items();
     if (ends.size() != 2) entry.at("range").fail("must be [lower, upper]");
     return {"[" + ends[0].text() + ", " + ends[1].text() + "]", origin(file, path, name)};

@@ -90,6 +90,13 @@ TEST_F(CitedRanges, RefuseWhatIsNotThere) {
   EXPECT_NE(refusal("{name: d_y, from: data/bounds.yaml}").find("on one line"), std::string::npos);
   write("data/bounds.yaml", "disturbances:\n  - {name: d_y, unit: m/s^2, range: [1]}\n");
   EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_y}").find("[lower, upper]"), std::string::npos);
+  const std::string bounds =
+      "disturbances:\n  - {name: d_y, unit: m/s^2, range: [-1, 1]}\naxes:\n  y: {supported: ";
+  write("data/bounds.yaml", bounds + "false}\n");
+  EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_y}").find("name: the data do not support"),
+            std::string::npos);
+  write("data/bounds.yaml", bounds + "true}\n");
+  EXPECT_EQ(refusal("{from: data/bounds.yaml, name: d_y}"), "");
   // a text alone has no folder to look in
   MadeRobust made;
   made.disturbance = "{from: data/bounds.yaml, name: d_y}";
