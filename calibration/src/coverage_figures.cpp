@@ -112,7 +112,7 @@ ReportFigure heatFigure(const ReportContent& content) {
 }
 
 ReportFigure distanceFigure(const ReportContent& content) {
-  const double kFloor = 1e-4;  // of the logarithmic axis
+  constexpr double kFloor = 1e-4;  // of the logarithmic axis
   ReportFigure result;
   result.heading = "Distance to the map's edge";
   result.caption =
@@ -139,7 +139,7 @@ ReportFigure distanceFigure(const ReportContent& content) {
     auto left = used.excursions.begin();
     for (const auto& [stamp, to_face, to_edge] : used.edge_series) {
       for (; left != used.excursions.end() && left->from < stamp; ++left) add(left->from, kNothing, kNothing);
-      const auto drawn = [kFloor](double distance) {
+      const auto drawn = [&](double distance) {
         return std::isfinite(distance) ? std::max(distance, kFloor) : kNothing;
       };
       add(stamp, drawn(to_face), drawn(to_edge));

@@ -152,7 +152,7 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
   panels[1].series = {phase};
   panels[2].series = {coherence};
   panels[2].y_range = {{0.0, 1.05}};
-  const auto addModel = [&](const LoopFit& fit, const char* label, const char* color) {
+  const auto add_model = [&](const LoopFit& fit, const char* label, const char* color) {
     Series model_gain;
     model_gain.label = label;
     model_gain.color = color;
@@ -167,9 +167,9 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
     panels[0].series.push_back(model_gain);
     panels[1].series.push_back(model_phase);
   };
-  addModel(axis.with_delay, "lag and delay", palette::kBlue);
-  addModel(axis.without_delay, "lag alone", palette::kVermilion);
-  if (axis.second_order) addModel(*axis.second_order, "second order", palette::kGreen);
+  add_model(axis.with_delay, "lag and delay", palette::kBlue);
+  add_model(axis.without_delay, "lag alone", palette::kVermilion);
+  if (axis.second_order) add_model(*axis.second_order, "second order", palette::kGreen);
   result.figure.panels = std::move(panels);
   result.figure.columns = 3;
   result.figure.width = kFigureWidth;

@@ -146,10 +146,11 @@ Panel scatterPanel(const MotionTrace& trace) {
 ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
   ReportFigure result;
   result.heading = trace.name + ": distribution";
-  result.caption = trace.against.empty()
-                       ? "Quantiles: how much of the time the disturbance lies below a value."
-                       : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
-                         "the model against what it depends on.";
+  result.caption =
+      trace.against.empty()
+          ? "Quantiles: how much of the time the disturbance lies below a value."
+          : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
+            "the model against what it depends on.";
   result.figure.panels = {quantilePanel(trace, bound)};
   if (!trace.against.empty()) result.figure.panels.push_back(scatterPanel(trace));
   result.figure.columns = static_cast<int>(result.figure.panels.size());

@@ -10,6 +10,7 @@
 #include "autopilot/autopilot_log.hpp"
 #include "region_maps/error.hpp"
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const int file = memfd_create("log", 0);
   if (file < 0 || write(file, data, size) != static_cast<ssize_t>(size)) __builtin_trap();

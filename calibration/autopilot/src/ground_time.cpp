@@ -65,8 +65,8 @@ GroundTime fromEvents(const AutopilotLog& log, int flies, const std::vector<int>
 }  // namespace
 
 const std::vector<std::string>& groundTables() {
-  static const std::vector<std::string> names = {"vehicle_land_detected", "STAT", "EV", "ARM"};
-  return names;
+  static const std::vector<std::string> kNames = {"vehicle_land_detected", "STAT", "EV", "ARM"};
+  return kNames;
 }
 
 GroundTime groundTime(const AutopilotLog& log) {

@@ -54,7 +54,7 @@ MadeULog smallULog() {
   log.subscribe(1, 4, "other");
   for (int row = 0; row < 3; ++row) {
     std::vector<std::uint8_t> bytes;
-    put<std::uint64_t>(static_cast<std::uint64_t>(2000000 + 500000 * row), &bytes);
+    put<std::uint64_t>(std::uint64_t{2000000} + 500000U * static_cast<std::uint64_t>(row), &bytes);
     put(1.5F * static_cast<float>(row), &bytes);
     for (int part = 0; part < 2; ++part) {
       put(static_cast<std::int16_t>(-100 * part - row), &bytes);
@@ -297,7 +297,7 @@ TEST_F(AutopilotLogs, commandsThatAreLoggedSeldomAreJoinedByLines) {
     const double time = 0.001 * i;
     if (i % 100 == 0) {
       std::vector<std::uint8_t> row;
-      put(static_cast<std::uint64_t>(1000000 + 1000 * i), &row);
+      put(std::uint64_t{1000000} + 1000U * static_cast<std::uint64_t>(i), &row);
       put(static_cast<std::int16_t>(std::lround(100.0 * command(time))), &row);
       put(static_cast<std::int16_t>(std::lround(100.0 * roll)), &row);
       log.row(10, row);

@@ -111,7 +111,7 @@ MadeULog madePx4Flight(double gain, double tau) {
   log.subscribe(0, 1, "vehicle_attitude");
   log.subscribe(0, 2, "vehicle_attitude_setpoint");
   for (int sample = 0; sample < kSamples; ++sample) {
-    const auto stamp = static_cast<std::uint64_t>(5000000 + 10000 * sample);
+    const auto stamp = std::uint64_t{5000000} + 10000U * static_cast<std::uint64_t>(sample);
     std::vector<std::uint8_t> setpoint;
     put(stamp, &setpoint);
     put(static_cast<float>(roll.command[static_cast<std::size_t>(sample)]), &setpoint);
@@ -133,7 +133,7 @@ MadeDataflash madeArduPilotFlight(double gain, double tau) {
   log.format(10, "ATT", "Qccccf", "TimeUS,DesRoll,Roll,DesPitch,Pitch,Yaw", 3 + 8 + 8 + 4);
   for (int sample = 0; sample < kSamples; ++sample) {
     std::vector<std::uint8_t> row;
-    put(static_cast<std::uint64_t>(7000000 + 10000 * sample), &row);
+    put(std::uint64_t{7000000} + 10000U * static_cast<std::uint64_t>(sample), &row);
     for (const double angle : {roll.command[static_cast<std::size_t>(sample)],
                                roll.response[static_cast<std::size_t>(sample)], 0.0, 0.0}) {
       put(static_cast<std::int16_t>(std::lround(100.0 * angle / kDegrees)), &row);

@@ -10,6 +10,7 @@
 #include "bags/scan_bag.hpp"
 #include "region_maps/error.hpp"
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::map<std::uint32_t, std::unique_ptr<polyfly::MessageLayout>> layouts;
   std::uint64_t handed = 0;

@@ -21,7 +21,7 @@ struct KnownType {
 };
 
 const std::vector<KnownType>& knownTypes() {
-  static const std::vector<KnownType> types = {
+  static const std::vector<KnownType> kTypes = {
       {"mav_msgs/RollPitchYawrateThrust",
        "",
        0,
@@ -74,7 +74,7 @@ const std::vector<KnownType>& knownTypes() {
        1,
        {{"vx", "twist.linear.x"}, {"vy", "twist.linear.y"}, {"vz", "twist.linear.z"}}},
   };
-  return types;
+  return kTypes;
 }
 
 // Whether messages of this type on this topic are what the list means.
@@ -106,9 +106,9 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
   Choice choice = {text.substr(0, colon), {signal, text.substr(colon + 1), Angle::kNone}};
-  const std::pair<const char*, Angle> kAngles[] = {
+  const std::pair<const char*, Angle> angles[] = {
       {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
-  for (const auto& [ending, angle] : kAngles) {
+  for (const auto& [ending, angle] : angles) {
     if (!endsWith(choice.use.path, ending)) continue;
     choice.use.angle = angle;
     choice.use.path.resize(choice.use.path.size() - std::string(ending).size());

@@ -60,13 +60,13 @@ void checkSegments(const std::vector<LoopSegment>& segments) {
 Eigen::VectorXd shapeDerivative(LinearPart& part, LoopShape shape, double LoopShape::*entry, double step) {
   const Eigen::VectorXd coefficients = part.coefficients();
   const double middle = shape.*entry;
-  const auto modelAt = [&](double value) -> Eigen::VectorXd {
+  const auto model_at = [&](double value) -> Eigen::VectorXd {
     shape.*entry = value;
     part.setShape(shape);
     return part.columns() * coefficients;
   };
-  const Eigen::VectorXd above = modelAt(middle + step);
-  const Eigen::VectorXd below = modelAt(middle - step);
+  const Eigen::VectorXd above = model_at(middle + step);
+  const Eigen::VectorXd below = model_at(middle - step);
   return (above - below) / (2.0 * step);
 }
 

@@ -26,7 +26,7 @@ const std::vector<Pattern>& patterns() {
   static const std::vector<const char*> kAngle = {"rad", "deg"};
   static const std::vector<const char*> kRate = {"radps", "degps"};
   static const std::vector<const char*> kSpeed = {"mps"};
-  static const std::vector<Pattern> list = {
+  static const std::vector<Pattern> kList = {
       {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
       {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
       {"yaw_rate_cmd", {"yaw_rate_cmd", "yawrate_cmd", "yaw_rate_ref", "yaw_rate_sp", "yaw_rate_des"}, kRate},
@@ -47,7 +47,7 @@ const std::vector<Pattern>& patterns() {
       {"ve", {"ve"}, kSpeed},
       {"airspeed", {"tas", "ias", "airspeed"}, kSpeed},
   };
-  return list;
+  return kList;
 }
 
 bool matches(const Pattern& pattern, const std::string& column) {
@@ -124,7 +124,7 @@ const TimeSeries& FlightSignals::at(const std::string& name) const {
 }
 
 const std::vector<std::string>& signalNames() {
-  static const std::vector<std::string> names = [] {
+  static const std::vector<std::string> kNames = [] {
     std::vector<std::string> list;
     for (const Pattern& pattern : patterns()) {
       if (std::find(list.begin(), list.end(), pattern.signal) == list.end())
@@ -132,7 +132,7 @@ const std::vector<std::string>& signalNames() {
     }
     return list;
   }();
-  return names;
+  return kNames;
 }
 
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {

@@ -80,6 +80,7 @@ double unwrapped(double phase, double before) {
 std::vector<FrequencyPoint> measureFrequencyResponse(const std::vector<LoopSegment>& segments, double block,
                                                      double greatest, int points) {
   std::vector<double> frequencies;
+  frequencies.reserve(static_cast<std::size_t>(points));
   const double least = 2.0 / block;
   for (int i = 0; i < points; ++i) {
     frequencies.push_back(least * std::pow(greatest / least, static_cast<double>(i) / (points - 1)));
