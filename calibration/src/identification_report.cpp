@@ -29,6 +29,25 @@ void writeFit(const char* name, const LoopFit& fit, std::ostream& out) {
   }
 }
 
+// What to do with the table.
+void writeAdvice(const AxisModel& axis, std::ostream& out) {
+  if (!axis.supported) {
+    out << "<p><b>Not to be used:</b> these data do not support the numbers; the sentences on top say why, "
+           "and "
+           "calibrate apply refuses them.</p>";
+    return;
+  }
+  if (axis.axis != "roll" && axis.axis != "pitch") return;
+  const LoopFit& fit = axis.with_delay;
+  const double tau = fit.find("tau")->value, delay = fit.find("delay")->value;
+  out << "<p>For problem files: gain " << number(fit.find("gain")->value) << ", tau " << number(tau + delay)
+      << " s (lag and delay together, what calibrate apply writes); a controller that compensates the delay "
+         "takes "
+         "tau "
+      << number(tau) << " s and delay " << number(delay)
+      << " s. The offset is a trim and goes into no model.</p>";
+}
+
 void writeTable(const AxisModel& axis, std::ostream& out) {
   out << "<section><h2>" << escaped(axis.axis) << ": parameters</h2><p>" << axis.with_delay.samples
       << " samples in " << axis.segments.size() << (axis.segments.size() == 1 ? " stretch" : " stretches");
@@ -38,7 +57,9 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
         << number(axis.validation->validation_percent, 4) << " %, on its own data "
         << number(axis.validation->training_percent, 4) << " %";
   }
-  out << ".</p><div "
+  out << ".</p>";
+  writeAdvice(axis, out);
+  out << "<div "
          "class='scroll'><table><tr><th>model</th><th>fit</th><th>parameter</th><th>value</th><th>standard "
          "error</th><th>95 % interval</th></tr>\n";
   writeFit("lag and delay", axis.with_delay, out);

@@ -34,7 +34,8 @@ void writeList(const std::vector<std::string>& sentences, std::ostream& out) {
 void writeVerdict(const std::vector<std::string>& broken, const std::vector<std::string>& warnings,
                   std::ostream& out) {
   if (broken.empty() && warnings.empty()) {
-    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it</div>\n";
+    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it. Of "
+           "regions that were not visited, this says nothing.</div>\n";
   }
   if (!warnings.empty()) {
     out << "<div class='verdict bad'>"
