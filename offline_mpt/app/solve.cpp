@@ -126,6 +126,7 @@ ExitCode exitCode(ExploreStatus status) {
     case ExploreStatus::kComplete:
       return ExitCode::kDone;
     case ExploreStatus::kIncomplete:
+    case ExploreStatus::kUnbounded:
       return ExitCode::kFailed;
     case ExploreStatus::kLimited:
     case ExploreStatus::kInterrupted:
@@ -200,6 +201,12 @@ void reportEnd(const Options& options, const Partition& partition, const RegionM
     case ExploreStatus::kIncomplete:
       std::fprintf(stderr,
                    "offline_mpt: %s: the partition has a gap at theta = %s; kept, marked incomplete\n",
+                   options.map.c_str(), vectorText(partition.witness).c_str());
+      break;
+    case ExploreStatus::kUnbounded:
+      std::fprintf(stderr,
+                   "offline_mpt: %s: the cost is unbounded below at theta = %s; kept the regions of all "
+                   "parameters with a finite optimum, marked unbounded\n",
                    options.map.c_str(), vectorText(partition.witness).c_str());
       break;
     case ExploreStatus::kLimited:
@@ -279,6 +286,10 @@ ExitCode lead(const Options& options, Session& session) {
   session.leave();
   if (partition.status == ExploreStatus::kInfeasible) {
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
+  }
+  if (partition.status == ExploreStatus::kUnbounded && partition.regions.empty()) {
+    throw Error(options.problem + ": the cost is unbounded below at theta = " +
+                vectorText(partition.witness) + ", and no set of parameters has a finite optimum");
   }
   if (!mayWrite(options, partition)) return exitCode(partition.status);
   endOnSignal();

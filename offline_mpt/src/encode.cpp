@@ -5,6 +5,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "offline_mpt/vector_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -203,6 +204,8 @@ std::string notes(const Partition& partition, const SearchTree& tree) {
        << "degenerate_facets: " << partition.stats.degenerate_facets << "\n"
        << "least_radius: " << radius << "\n"
        << "tree_depth: " << tree.depth << "\n";
+  if (partition.status == ExploreStatus::kUnbounded)
+    text << "unbounded_at: " << vectorText(partition.witness) << "\n";
   return text.str();
 }
 

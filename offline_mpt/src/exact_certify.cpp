@@ -6,6 +6,7 @@
 #include "exact_certificate.hpp"
 #include "exact_closing.hpp"
 #include "exact_slivers.hpp"
+#include "exact_unbounded.hpp"
 #include "in_parallel.hpp"
 #include "offline_mpt/certify.hpp"
 #include "region_maps/error.hpp"
@@ -206,7 +207,10 @@ CertifyReport finish(const SurveyContext& context, const Adjustment& adjustment,
   report.interrupted = interrupted || !closeAll(context, widened, surveys, closed);
   closed.resize(surveys.size());
   for (std::size_t r = 0; r < surveys.size(); ++r) add(report, surveys[r], closed[r]);
-  if (!report.passed()) return report;
+  if (!report.passed()) {
+    nameUnboundedGaps(context, report.defects);
+    return report;
+  }
   report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);
   for (std::size_t r = 0; r < surveys.size(); ++r) {
     if (r < report.regions) report.certificate += "R " + std::to_string(r) + "\n";

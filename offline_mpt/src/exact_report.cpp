@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -78,6 +79,8 @@ const char* toString(Defect::Kind kind) {
       return "law";
     case Defect::Kind::kGap:
       return "gap";
+    case Defect::Kind::kUnbounded:
+      return "unbounded";
   }
   return "unknown";
 }
@@ -86,6 +89,12 @@ std::string certifyText(const CertifyReport& report) {
   std::ostringstream text;
   writeStatement(report, text);
   if (!report.defects.empty()) text << "  defects " << report.defects.size() << "\n";
+  const auto unbounded = std::find_if(report.defects.begin(), report.defects.end(), [](const Defect& defect) {
+    return defect.kind == Defect::Kind::kUnbounded;
+  });
+  if (unbounded != report.defects.end())
+    text << "  no map answers all parameters that have solutions: proven that the cost is unbounded below at "
+         << list(unbounded->witness) << "\n";
   for (std::size_t k = 0; k < report.defects.size() && k < kDefectsShown; ++k) {
     const Defect& defect = report.defects[k];
     text << "  - " << defect.text << "\n";

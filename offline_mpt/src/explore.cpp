@@ -17,6 +17,7 @@
 #include "region_maps/error.hpp"
 #include "starting_point.hpp"
 #include "team_leader.hpp"
+#include "unbounded_cost.hpp"
 
 namespace polyfly {
 namespace {
@@ -140,9 +141,10 @@ bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Work
 
 namespace {
 
-// A probe that none of its facet's own candidates holds must lie in some other region.
+// A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
+// no end.
 void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& unsettled,
-                  Partition& partition) {
+                  UnboundedCost& unbounded, Partition& partition) {
   const auto p = static_cast<std::size_t>(program.p);
   for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
@@ -150,7 +152,7 @@ void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& 
     const bool held = std::any_of(
         partition.regions.begin(), partition.regions.end(),
         [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
-    if (held) continue;
+    if (held || unbounded.direction(t)) continue;
     const std::optional<double> slack = feasibleSlack(program, t);
     if (slack && *slack <= kEdge) continue;  // the edge of the feasible set after all
     partition.status = ExploreStatus::kIncomplete;
@@ -209,16 +211,26 @@ ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& op
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
 
-Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& start, std::uint64_t key,
-                      const ExploreOptions& options) {
+// Where the regions leave out parameters that have solutions: the cost falls without end there.
+void noteUnbounded(const LeastDistance& program, UnboundedCost& unbounded, Partition& partition) {
+  const std::optional<Eigen::VectorXd> t = unbounded.witness(partition.regions);
+  if (!t) return;
+  partition.status = ExploreStatus::kUnbounded;
+  partition.witness = program.centre + program.half.cwiseProduct(*t);
+}
+
+Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasible, UnboundedCost& unbounded,
+                      std::uint64_t key, const ExploreOptions& options) {
   const std::clock_t cpu_start = std::clock();
   Partition partition;
   ExplorationState state(program);
   Worker worker(program, options);
   ActiveSet first;
-  if (!findStart(program, start, worker, first)) {
+  const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
+  if (!start || !findStart(program, *start, worker, first)) {
     partition.status = ExploreStatus::kIncomplete;
-    partition.witness = program.centre + program.half.cwiseProduct(start);
+    partition.witness = program.centre + program.half.cwiseProduct(start.value_or(feasible));
+    if (!start) noteUnbounded(program, unbounded, partition);
     return partition;
   }
   if (options.resume) {
@@ -229,7 +241,9 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& start
   partition.stats.resumed_regions = state.regions.size();
   partition.status = describeAll(program, options, key, state, partition.stats);
   convertRegions(program, state, partition);
-  if (partition.status == ExploreStatus::kComplete) settleProbes(program, state.unsettled, partition);
+  if (partition.status == ExploreStatus::kComplete)
+    settleProbes(program, state.unsettled, unbounded, partition);
+  if (partition.status == ExploreStatus::kComplete) noteUnbounded(program, unbounded, partition);
   partition.stats.regions = partition.regions.size();
   partition.stats.candidate_sets = state.found.size();
   partition.stats.open_sets = state.open();
@@ -254,6 +268,8 @@ const char* toString(ExploreStatus status) {
       return "interrupted";
     case ExploreStatus::kInfeasible:
       return "infeasible";
+    case ExploreStatus::kUnbounded:
+      return "unbounded";
   }
   return "unknown";
 }
@@ -265,7 +281,8 @@ Partition explore(const ParametricProgram& program, const ExploreOptions& option
   if (!margin.feasible) return {};
   const LeastDistance scaled = toLeastDistance(explicit_equalities);
   if (scaled.domain_empty) return {};
-  return exploreFrom(scaled, margin.t, fingerprint(program, options), options);
+  UnboundedCost unbounded(explicit_equalities, scaled);
+  return exploreFrom(scaled, margin.t, unbounded, fingerprint(program, options), options);
 }
 
 }  // namespace polyfly

@@ -139,8 +139,8 @@ const OracleAnswer& ProgramOracle::solve(const Eigen::VectorXd& theta) {
   switch (solution.status) {
     case InteriorPointStatus::kInfeasible:
       return answer_;
-    case InteriorPointStatus::kUnbounded:
-      answer_.verdict = Verdict::kUnbounded;
+    case InteriorPointStatus::kUnbounded:  // a direction alone: there need not be a solution to start from
+      if (!(distanceToFeasible(theta) > kCertainDistance)) answer_.verdict = Verdict::kUnbounded;
       return answer_;
     case InteriorPointStatus::kOptimal:
       answer_.verdict = Verdict::kFeasible;
@@ -191,7 +191,7 @@ ProgramOracle::Place ProgramOracle::place(const Eigen::VectorXd& theta, double d
       if (moved[i] < signal.lower || moved[i] > signal.upper) continue;
       const Verdict verdict = solve(moved).verdict;
       if (verdict == Verdict::kInfeasible) return Place::kEdge;
-      known = known && verdict == Verdict::kFeasible;
+      known = known && verdict != Verdict::kUndecided;
     }
     moved[i] = theta[i];
   }

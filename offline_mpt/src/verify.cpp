@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -56,6 +55,7 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   merge(total.false_inside, part.false_inside);
   merge(total.overlaps, part.overlaps);
   merge(total.tree_errors, part.tree_errors);
+  merge(total.unbounded, part.unbounded);
   merge(total.undecided, part.undecided);
   merge(total.empty_regions, part.empty_regions);
   total.oracle_residual = std::max(total.oracle_residual, part.oracle_residual);
@@ -136,7 +136,7 @@ class Checker {
           judgeByDistance(theta, inside ? report.false_inside : report.tree_errors, report);
         break;
       case OracleAnswer::Verdict::kUnbounded:
-        note(report.undecided, std::numeric_limits<double>::infinity(), theta);
+        judgeByPlace(theta, report.unbounded, report);
         break;
       case OracleAnswer::Verdict::kUndecided:
         judgeByPlace(theta, report.undecided, report);
@@ -300,7 +300,7 @@ void runRound(std::vector<Checker>& checkers, std::uint64_t first, std::uint64_t
 
 bool VerifyReport::passed() const {
   for (const Finding* finding :
-       {&errors, &missed, &false_inside, &overlaps, &tree_errors, &undecided, &empty_regions}) {
+       {&errors, &missed, &false_inside, &overlaps, &tree_errors, &unbounded, &undecided, &empty_regions}) {
     if (finding->count > 0) return false;
   }
   return !interrupted && samples == requested && map_status == toString(ExploreStatus::kComplete);

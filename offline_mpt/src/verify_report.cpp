@@ -24,6 +24,7 @@ std::vector<NamedFinding> findings(const VerifyReport& report) {
       {"overlaps", "in several regions that differ", "scaled difference", &report.overlaps},
       {"tree_errors", "tree and test of all regions disagree", "", &report.tree_errors},
       {"empty_regions", "drawn from a region without interior", "by [scaled]", &report.empty_regions},
+      {"unbounded", "feasible, cost unbounded below", "", &report.unbounded},
       {"undecided", "undecided: oracle not accurate enough", "", &report.undecided},
   };
 }

@@ -276,6 +276,39 @@ TEST_F(CommandLine, RefusesBadProblems) {
   expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json", "H"});
 }
 
+// min (t + 0.5) z over z >= -1, t in [-2, 2]: without end where t < -0.5.
+TEST_F(CommandLine, SaysWhereTheCostIsUnboundedBelow) {
+  nlohmann::json problem = toy();
+  problem["H"] = {{0.0}};
+  problem["f"] = {0.5};
+  problem["F"] = {{1.0, 0.0}};
+  problem["A"] = {{-1.0}};
+  problem["b"] = {1.0};
+  problem["B"] = {{0.0, 0.0}};
+  const std::string map = path("part.map"), file = written("part.json", problem);
+  const Outcome part = run({"solve", file, "-o", map, "--stats", path("stats.json")});
+  EXPECT_EQ(part.exit_code, 1);
+  EXPECT_NE(part.err.find("the cost is unbounded below at theta = (-"), std::string::npos) << part.err;
+  EXPECT_NE(part.out.find("unbounded, 1 regions"), std::string::npos) << part.out;
+  const nlohmann::json stats = nlohmann::json::parse(readBytes(path("stats.json")));
+  EXPECT_EQ(stats["status"], "unbounded");
+  EXPECT_LT(stats["witness"][0].get<double>(), -0.5);
+  EXPECT_NE(run({"info", map}).out.find("unbounded_at: (-"), std::string::npos);
+
+  const Outcome sampled = run({"verify", map, "--problem", file, "--samples", "200"});
+  EXPECT_EQ(sampled.exit_code, 1);
+  EXPECT_NE(sampled.out.find("the map says that it is unbounded"), std::string::npos) << sampled.out;
+  const Outcome exact =
+      run({"verify", map, "--problem", file, "--exact", "--certificate", path("part.certificate")});
+  EXPECT_EQ(exact.exit_code, 1);
+  EXPECT_NE(exact.out.find("proven that the cost is unbounded below at -"), std::string::npos) << exact.out;
+  EXPECT_FALSE(fs::exists(path("part.certificate")));
+
+  problem["f"] = {-3.0};
+  expectRefused({"solve", written("whole.json", problem), "-o", path("whole.map")},
+                {"whole.json", "the cost is unbounded below at theta = "});
+}
+
 TEST_F(CommandLine, RefusesDamagedMaps) {
   const std::string bytes = readBytes(solvedToy());
   const std::string map = path("damaged.map");

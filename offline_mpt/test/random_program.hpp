@@ -37,4 +37,16 @@ inline ParametricProgram randomProgram(int n, int m, int p, unsigned seed) {
   return program;
 }
 
+/// One more row a'z <= b + s'theta.
+inline void appendRow(ParametricProgram& program, const Eigen::VectorXd& a, double b,
+                      const Eigen::VectorXd& s) {
+  const Eigen::Index m = program.A.rows();
+  program.A.conservativeResize(m + 1, a.size());
+  program.b.conservativeResize(m + 1);
+  program.S.conservativeResize(m + 1, s.size());
+  program.A.row(m) = a;
+  program.b(m) = b;
+  program.S.row(m) = s;
+}
+
 }  // namespace polyfly

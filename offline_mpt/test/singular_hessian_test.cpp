@@ -31,16 +31,6 @@ enum class Family {
   kCount
 };
 
-void appendRow(ParametricProgram& program, const Eigen::VectorXd& a, double b, const Eigen::VectorXd& s) {
-  const Eigen::Index m = program.A.rows();
-  program.A.conservativeResize(m + 1, a.size());
-  program.b.conservativeResize(m + 1);
-  program.S.conservativeResize(m + 1, s.size());
-  program.A.row(m) = a;
-  program.b(m) = b;
-  program.S.row(m) = s;
-}
-
 ParametricProgram singularProgram(Family family, unsigned seed) {
   Random random(1000u * static_cast<unsigned>(family) + seed);
   const int n = 2 + random.below(4), p = 1 + random.below(3);

@@ -34,6 +34,7 @@ struct Defect {
     kUnlisted,   ///< a condition of optimality fails at `witness`, which the region claims
     kLaw,        ///< u is wrong by `size`
     kGap,  ///< behind a facet there is a feasible parameter that no region holds: `witness`, if one was found
+    kUnbounded,  ///< the same, and proven that no optimum is finite at `witness`: the map cannot go on there
   };
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;

@@ -16,6 +16,8 @@ enum class ExploreStatus {
   kLimited,      ///< a limit on regions, time or memory was reached
   kInterrupted,  ///< stopped from outside
   kInfeasible,   ///< no parameter in the box admits a solution
+  kUnbounded,    ///< complete where the optimum is finite; at `witness` there are solutions, but the cost
+                 ///< falls without end
 };
 
 const char* toString(ExploreStatus status);
@@ -49,7 +51,7 @@ struct ExploreStats {
 struct Partition {
   ExploreStatus status = ExploreStatus::kInfeasible;
   std::vector<CriticalRegion> regions;
-  Eigen::VectorXd witness;  ///< p, with kIncomplete
+  Eigen::VectorXd witness;  ///< p, with kIncomplete and kUnbounded
   ExploreStats stats;
 };
 

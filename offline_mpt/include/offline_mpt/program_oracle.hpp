@@ -12,8 +12,8 @@ struct OracleAnswer {
   enum class Verdict {
     kFeasible,    ///< u and objective hold
     kInfeasible,  ///< no z admits this parameter, or it lies outside A_theta theta <= b_theta
-    kUnbounded,
-    kUndecided,  ///< the oracle was not accurate enough: `residual`
+    kUnbounded,   ///< there are solutions, and the cost falls without end
+    kUndecided,   ///< the oracle was not accurate enough: `residual`
   };
   Verdict verdict = Verdict::kUndecided;
   Eigen::VectorXd u;       ///< q
@@ -38,7 +38,7 @@ class ProgramOracle {
   double distanceToFeasible(const Eigen::VectorXd& theta);
 
   enum class Place {
-    kDeep,     ///< all these are feasible
+    kDeep,     ///< all these are feasible, with a finite optimum or without
     kEdge,     ///< one is infeasible
     kUnknown,  ///< none is infeasible, but one could not be decided
   };

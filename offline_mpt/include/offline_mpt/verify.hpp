@@ -63,6 +63,7 @@ struct VerifyReport {
   Finding false_inside;  ///< infeasible, but the map answers; worst: distance to the feasible set [scaled]
   Finding overlaps;      ///< regions that both hold the sample and differ in u; worst: scaled difference
   Finding tree_errors;   ///< the tree and the test of all regions disagree
+  Finding unbounded;     ///< the program has solutions there, but its cost is unbounded below
   Finding undecided;     ///< the oracle was not accurate enough
   Finding
       empty_regions;  ///< regions without a point inside, among those visited; worst: by how much [scaled]

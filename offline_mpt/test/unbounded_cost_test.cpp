@@ -1,0 +1,185 @@
+// Programs whose cost falls without end at all, some or none of their parameters: the partition says so, with
+// a parameter where it does, and holds all others. The oracle is GLPK, parameter by parameter.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "glpk_lp.hpp"
+#include "map_in_memory.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "offline_mpt/verify.hpp"
+#include "random.hpp"
+#include "random_program.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kFalls = 1e-7;
+
+enum class Family {
+  kLinear,          ///< H = 0, cost depends on theta: all kinds
+  kConstantCost,    ///< H = 0, cost does not depend on theta: nowhere or everywhere
+  kTilted,          ///< H = 0, one open direction along which the cost falls in a part of the box
+  kOutsideAnyway,   ///< the same, where that part has no solution: complete
+  kSingular,        ///< H singular, random rows
+  kSingularTilted,  ///< H singular, one open direction along which the cost falls in a part of the box
+  kEqualities,      ///< H = 0 with an equality
+  kCount
+};
+
+/// z_0 >= -1 is open above; all others lie between -1 and 1. Its cost is offset + theta_0.
+void tilt(ParametricProgram& program, double offset) {
+  const int n = program.variableCount(), p = program.parameterCount();
+  program.A.resize(0, n);
+  program.b.resize(0);
+  program.S.resize(0, p);
+  for (int i = 0; i < n; ++i) {
+    appendRow(program, -Eigen::VectorXd::Unit(n, i), 1.0, Eigen::VectorXd::Zero(p));
+    if (i > 0) appendRow(program, Eigen::VectorXd::Unit(n, i), 1.0, 0.2 * Eigen::VectorXd::Ones(p));
+  }
+  program.F.row(0) = Eigen::RowVectorXd::Unit(p, 0);
+  program.f(0) = offset;
+}
+
+ParametricProgram makeProgram(Family family, unsigned seed) {
+  Random random(100u * static_cast<unsigned>(family) + seed);
+  const int n = 2 + random.below(3), p = 1 + random.below(3), m = n + random.below(4);
+  ParametricProgram program = randomProgram(n, m, p, 1000u * static_cast<unsigned>(family) + seed);
+  program.name = "unbounded_" + std::to_string(static_cast<int>(family)) + "_" + std::to_string(seed);
+  program.H.setZero();
+  const double offset = 0.8 * random.matrix(1, 1)(0, 0);
+  switch (family) {
+    case Family::kConstantCost:
+      program.F.setZero();
+      break;
+    case Family::kTilted:
+      tilt(program, offset);
+      break;
+    case Family::kOutsideAnyway: {
+      tilt(program, 0.5);
+      const Eigen::VectorXd first = Eigen::VectorXd::Unit(p, 0);
+      appendRow(program, Eigen::VectorXd::Unit(n, 1), -0.6, first);  // theta_0 >= -0.4: above the tilt's edge
+      break;
+    }
+    case Family::kSingular: {
+      const Eigen::MatrixXd root = random.matrix(1 + random.below(n - 1), n);
+      program.H = root.transpose() * root;
+      break;
+    }
+    case Family::kSingularTilted: {
+      tilt(program, offset);
+      Eigen::MatrixXd root = random.matrix(1, n);
+      root(0, 0) = 0.0;
+      program.H = root.transpose() * root;
+      break;
+    }
+    case Family::kEqualities:
+      program.equalities = {m};
+      appendRow(program, random.matrix(n, 1), 0.1, 0.1 * random.matrix(p, 1));
+      break;
+    default:
+      break;
+  }
+  program.E = Eigen::MatrixXd::Identity(n, n);
+  program.C = Eigen::MatrixXd::Zero(n, p);
+  program.c = Eigen::VectorXd::Zero(n);
+  program.inputs.assign(static_cast<std::size_t>(n), program.inputs.front());
+  for (int i = 0; i < n; ++i) program.inputs[static_cast<std::size_t>(i)].name = "z_" + std::to_string(i);
+  return program;
+}
+
+/// GLP_OPT, GLP_NOFEAS or GLP_UNBND. With H, along directions that H leaves free.
+int glpkStatus(const ParametricProgram& program, const Eigen::VectorXd& theta) {
+  const Eigen::VectorXd cost = program.f + program.F * theta, bound = program.b + program.S * theta;
+  if (program.H.isZero(0.0)) return solveByGlpk(cost, program.A, bound, program.equalities).status;
+  const int n = program.variableCount(), m = program.rowCount();
+  const LpAnswer feasible = solveByGlpk(Eigen::VectorXd::Zero(n), program.A, bound, program.equalities);
+  if (feasible.status != GLP_OPT) return feasible.status;
+  Eigen::MatrixXd rows(m + 3 * n, n);
+  rows << program.A, program.H, Eigen::MatrixXd::Identity(n, n), -Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd bounds = Eigen::VectorXd::Zero(m + 3 * n);
+  bounds.tail(2 * n).setOnes();
+  std::vector<int> fixed = program.equalities;
+  for (int i = 0; i < n; ++i) fixed.push_back(m + i);
+  const LpAnswer direction = solveByGlpk(cost, rows, bounds, fixed);
+  EXPECT_EQ(direction.status, GLP_OPT) << program.name;
+  return direction.objective < -kFalls ? GLP_UNBND : GLP_OPT;
+}
+
+struct Seen {
+  int finite = 0, unbounded = 0;
+};
+
+/// Regions hold the parameters with a finite optimum, and no others.
+Seen expectRightPlaces(const ParametricProgram& program, const Partition& partition, unsigned seed) {
+  Random random(seed);
+  Seen seen;
+  for (int k = 0; k < 60; ++k) {
+    const Eigen::VectorXd theta = random.matrix(program.parameterCount(), 1);
+    const int status = glpkStatus(program, theta);
+    seen.finite += status == GLP_OPT;
+    seen.unbounded += status == GLP_UNBND;
+    const bool held = std::any_of(
+        partition.regions.begin(), partition.regions.end(),
+        [&](const CriticalRegion& region) { return (region.G * theta - region.g).maxCoeff() <= 1e-8; });
+    EXPECT_EQ(held, status == GLP_OPT)
+        << program.name << " at " << theta.transpose() << ", GLPK says " << status;
+  }
+  return seen;
+}
+
+/// `verify` and `certify` say of the map what the partition does.
+void expectSameVerdicts(const ParametricProgram& program, const Partition& partition) {
+  const bool complete = partition.status == ExploreStatus::kComplete;
+  const MapInMemory map(encode(program, partition));
+  EXPECT_EQ(map.map().solverStatus(), toString(partition.status));
+  EXPECT_EQ(map.map().solverNotes().find("unbounded_at: (") != std::string_view::npos, !complete);
+  const CertifyReport exact = certify(map.map(), program);
+  EXPECT_EQ(exact.passed(), complete) << program.name << "\n" << certifyText(exact);
+  const bool named = std::any_of(exact.defects.begin(), exact.defects.end(), [](const Defect& defect) {
+    return defect.kind == Defect::Kind::kUnbounded;
+  });
+  EXPECT_EQ(named, !complete) << program.name << "\n" << certifyText(exact);
+  EXPECT_EQ(exact.certificate.empty(), !complete);
+  VerifyOptions options;
+  options.samples = 100;
+  const VerifyReport sampled = verify(map.map(), program, options);
+  EXPECT_EQ(sampled.passed(), complete) << program.name << "\n" << verifyText(sampled);
+}
+
+class UnboundedBelow : public testing::TestWithParam<int> {};
+
+TEST_P(UnboundedBelow, IsStatedWithAWitness) {
+  const auto family = static_cast<Family>(GetParam());
+  int none = 0, part = 0, whole = 0;
+  for (unsigned seed = 1; seed <= 25; ++seed) {
+    const ParametricProgram program = makeProgram(family, seed);
+    const Partition partition = explore(program);
+    const Seen seen = expectRightPlaces(program, partition, seed);
+    if (seen.unbounded > 0) {
+      EXPECT_EQ(partition.status, ExploreStatus::kUnbounded) << program.name;
+    }
+    if (partition.status == ExploreStatus::kUnbounded) {
+      ASSERT_EQ(partition.witness.size(), program.parameterCount());
+      EXPECT_EQ(glpkStatus(program, partition.witness), GLP_UNBND) << program.name;
+      EXPECT_LE(partition.witness.cwiseAbs().maxCoeff(), 1.0);
+    } else {
+      EXPECT_EQ(partition.status, ExploreStatus::kComplete) << program.name << toString(partition.status);
+    }
+    const bool unbounded = partition.status == ExploreStatus::kUnbounded;
+    ++(!unbounded ? none : partition.regions.empty() ? whole : part);
+    if (!partition.regions.empty()) expectSameVerdicts(program, partition);
+  }
+  EXPECT_EQ(none == 25, family == Family::kOutsideAnyway);
+  EXPECT_EQ(part > 0, family != Family::kConstantCost && family != Family::kOutsideAnyway);
+  if (family == Family::kConstantCost) {
+    EXPECT_GT(whole, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, UnboundedBelow, testing::Range(0, static_cast<int>(Family::kCount)));
+
+}  // namespace
+}  // namespace polyfly
