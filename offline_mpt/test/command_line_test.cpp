@@ -279,12 +279,8 @@ TEST_F(CommandLine, RefusesBadProblems) {
 // min (t + 0.5) z over z >= -1, t in [-2, 2]: without end where t < -0.5.
 TEST_F(CommandLine, SaysWhereTheCostIsUnboundedBelow) {
   nlohmann::json problem = toy();
-  problem["H"] = {{0.0}};
-  problem["f"] = {0.5};
-  problem["F"] = {{1.0, 0.0}};
-  problem["A"] = {{-1.0}};
-  problem["b"] = {1.0};
-  problem["B"] = {{0.0, 0.0}};
+  problem.update(nlohmann::json::parse(
+      R"({"H": [[0]], "f": [0.5], "F": [[1, 0]], "A": [[-1]], "b": [1], "B": [[0, 0]]})"));
   const std::string map = path("part.map"), file = written("part.json", problem);
   const Outcome part = run({"solve", file, "-o", map, "--stats", path("stats.json")});
   EXPECT_EQ(part.exit_code, 1);
