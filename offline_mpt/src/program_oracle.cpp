@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace polyfly {
@@ -70,12 +71,18 @@ InteriorPointQp distanceProgram(const ParametricProgram& program, const std::vec
   return InteriorPointQp(Eigen::MatrixXd::Zero(A.cols(), A.cols()), A, equalities);
 }
 
-InteriorPointQp programWithOutput(const ParametricProgram& program, std::vector<int> equalities) {
+// The rows, the equalities' other sides and, as equalities, the outputs: z may leave an equality by a slack,
+// as it may any row, or outputs that are rounded would contradict it.
+InteriorPointQp programWithOutput(const ParametricProgram& program, const std::vector<int>& equalities) {
   const Eigen::Index m = program.rowCount(), q = program.inputCount();
-  Eigen::MatrixXd A(m + q, program.variableCount());
-  A << program.A, program.E;
-  for (Eigen::Index i = 0; i < q; ++i) equalities.push_back(static_cast<int>(m + i));
-  return InteriorPointQp(program.H, A, std::move(equalities));
+  const auto e = static_cast<Eigen::Index>(equalities.size());
+  Eigen::MatrixXd A(m + e + q, program.variableCount());
+  A.topRows(m) = program.A;
+  for (Eigen::Index i = 0; i < e; ++i) A.row(m + i) = -program.A.row(equalities[static_cast<std::size_t>(i)]);
+  A.bottomRows(q) = program.E;
+  std::vector<int> outputs(static_cast<std::size_t>(q));
+  std::iota(outputs.begin(), outputs.end(), static_cast<int>(m + e));
+  return InteriorPointQp(program.H, A, std::move(outputs));
 }
 
 bool definiteOnNullSpace(const ParametricProgram& program, const std::vector<int>& equalities) {
@@ -201,10 +208,16 @@ ProgramOracle::Place ProgramOracle::place(const Eigen::VectorXd& theta, double d
 double ProgramOracle::objectiveWithOutput(const Eigen::VectorXd& theta, const Eigen::VectorXd& u,
                                           double slack) {
   const Eigen::Index m = program_->rowCount(), q = program_->inputCount();
+  const auto e = static_cast<Eigen::Index>(equalities_.size());
   const Eigen::VectorXd g = program_->f + program_->F * theta;
-  Eigen::VectorXd bounds(m + q);
-  bounds.head(m) = program_->b + program_->S * theta + slack * program_->A.rowwise().norm();
-  for (const int i : equalities_) bounds[i] = program_->b[i] + program_->S.row(i).dot(theta);
+  const Eigen::VectorXd give = slack * program_->A.rowwise().norm();
+  Eigen::VectorXd bounds(m + e + q);
+  bounds.head(m) = program_->b + program_->S * theta;
+  for (Eigen::Index i = 0; i < e; ++i) {
+    const int row = equalities_[static_cast<std::size_t>(i)];
+    bounds[m + i] = give[row] - bounds[row];
+  }
+  bounds.head(m) += give;
   bounds.tail(q) = u - program_->C * theta - program_->c;
   const InteriorPointSolution& solution = with_output_.solve(g, bounds);
   if (solution.status == InteriorPointStatus::kInfeasible) return kInfinity;

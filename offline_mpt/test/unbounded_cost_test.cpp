@@ -179,6 +179,14 @@ TEST_P(UnboundedBelow, IsStatedWithAWitness) {
   }
 }
 
+// With all of z among the outputs, rounded, an equality of z could not be met: a right map was called wrong.
+TEST(OutputsThatAreAllOfZ, DoNotContradictAnEquality) {
+  const ParametricProgram program = makeProgram(Family::kEqualities, 256);
+  const Partition partition = explore(program);
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  expectSameVerdicts(program, partition);
+}
+
 INSTANTIATE_TEST_SUITE_P(Families, UnboundedBelow, testing::Range(0, static_cast<int>(Family::kCount)));
 
 }  // namespace
