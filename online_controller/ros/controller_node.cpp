@@ -60,7 +60,9 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
     if (!refused.empty()) ROS_WARN("explicit MPC: %s", refused.c_str());
   };
   control_thread_.emplace(queue_, "mpc_control", begin, [this](double most) {
-    return poll_.sleep(polyfly::PollWindow::Clock::now(), most);
+    const auto now = polyfly::PollWindow::Clock::now();
+    if (poll_.rehearses(now)) laws().rehearse();
+    return poll_.sleep(now, most);
   });
 }
 

@@ -64,6 +64,22 @@ TEST(PollWindow, LooksOnlyWhileASampleIsDue) {
   EXPECT_EQ(always.sleep(after(0.03), 0.05), 0.05);
 }
 
+TEST(PollWindow, RehearsesOnceShortlyBeforeASample) {
+  using Clock = PollWindow::Clock;
+  using std::chrono::microseconds;
+  const Clock::time_point start{std::chrono::hours(1)};
+  PollWindow window(0.01, 0.25), never(0.01, 0.0);
+  EXPECT_FALSE(window.rehearses(start));  // nothing is known of samples yet
+  for (const Clock::time_point sample : {start, start + microseconds(10100)}) {
+    window.served(sample);
+    never.served(sample);
+    EXPECT_FALSE(window.rehearses(sample + microseconds(9600)));
+    EXPECT_TRUE(window.rehearses(sample + microseconds(9800)));
+    EXPECT_FALSE(window.rehearses(sample + microseconds(9900)));
+    EXPECT_FALSE(never.rehearses(sample + microseconds(9800)));
+  }
+}
+
 TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {
   ThrustCurveOptions options;
   options.polynomial = {0.05, 0.02, 0.0005};

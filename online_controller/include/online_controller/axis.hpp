@@ -110,6 +110,9 @@ class Axis {
   /// is ignored.
   void takeOver(const Axis& other) noexcept;
 
+  /// The last evaluate() once more, see ControlLaw::rehearse. `report` is what it filled.
+  void rehearse(const AxisReport& report) noexcept;
+
   /// Of the last evaluate(), see ControlLaw::kktResidual.
   double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }
 

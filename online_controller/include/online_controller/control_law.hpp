@@ -23,6 +23,10 @@ class ControlLaw {
   /// What can be done for the next step without its sample.
   virtual void prepare() noexcept {}
 
+  /// Shortly before the next sample is due: computes once more what is computed already, so that memory and
+  /// instructions which the next step() needs lie in the caches. Its answer stays the same.
+  virtual void rehearse() noexcept {}
+
   /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
   virtual const ControlReport& stepWithoutReference(double stamp) noexcept = 0;
 

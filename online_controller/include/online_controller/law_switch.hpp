@@ -44,6 +44,7 @@ class LawSwitch : public ControlLaw {
     catchUp();
     current().prepare();
   }
+  void rehearse() noexcept override { current().rehearse(); }
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;

@@ -53,6 +53,7 @@ class MultirotorController : public ControlLaw {
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
     return step(state, *preview);
   }
+  void rehearse() noexcept override;
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;

@@ -33,6 +33,7 @@ class NonlinearController : public ControlLaw {
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override;
+  void rehearse() noexcept override;
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;

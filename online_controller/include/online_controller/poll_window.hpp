@@ -15,12 +15,24 @@ class PollWindow {
 
   /// `period` between samples [s]; `share` of it from 0, never looks, to 1, always does.
   PollWindow(double period, double share) noexcept
-      : opens_(toDuration((1.0 - share) * period)), closes_(toDuration(2.0 * period)), ever_(share > 0.0) {}
+      : opens_(toDuration((1.0 - share) * period)),
+        rehearses_(toDuration((1.0 - kRehearsalLead) * period)),
+        closes_(toDuration(2.0 * period)),
+        ever_(share > 0.0) {}
 
   /// A sample was served.
   void served(Clock::time_point now) noexcept {
     last_ = now;
     serving_ = true;
+    rehearsed_ = false;
+  }
+
+  /// Whether the next sample is due so soon that a rehearsal of its step keeps the caches warm until then;
+  /// once between two samples.
+  bool rehearses(Clock::time_point now) noexcept {
+    if (!ever_ || !serving_ || rehearsed_ || now - last_ < rehearses_) return false;
+    rehearsed_ = true;
+    return true;
   }
 
   /// How long it may sleep, at most `most` [s]; zero: look again at once.
@@ -31,14 +43,18 @@ class PollWindow {
   }
 
  private:
+  static constexpr double kRehearsalLead = 0.03;  // before a sample that is in time, of the period
+
   static Clock::duration toDuration(double seconds) noexcept {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
 
-  Clock::duration opens_;   // since the last sample
-  Clock::duration closes_;  // since the last sample
+  Clock::duration opens_;      // since the last sample
+  Clock::duration rehearses_;  // since the last sample
+  Clock::duration closes_;     // since the last sample
   bool ever_;
   bool serving_ = false;
+  bool rehearsed_ = false;
   Clock::time_point last_;
 };
 

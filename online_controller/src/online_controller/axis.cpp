@@ -224,6 +224,12 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   return status;
 }
 
+void Axis::rehearse(const AxisReport& report) noexcept {
+  if (report.size != size_) return;  // nothing was evaluated
+  double input = 0.0;
+  (answered_beyond_ ? *beyond_ : *law_).evaluate(report.theta.data(), &input);
+}
+
 ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
   answered_beyond_ = false;
   Lookup lookup = law_->evaluate(report.theta.data(), &input);

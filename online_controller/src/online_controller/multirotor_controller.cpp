@@ -304,6 +304,10 @@ const ControlReport& MultirotorController::withoutSample(double stamp, ControlRe
   return report_;
 }
 
+void MultirotorController::rehearse() noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].rehearse(report_.axis[i]);
+}
+
 const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
   report_.axis.fill(AxisReport{});
   ladder_.forget();

@@ -229,6 +229,12 @@ void NonlinearController::prepare() noexcept {
   if (!prepared_) iterating_ = false;
 }
 
+void NonlinearController::rehearse() noexcept {
+  if (!prepared_) return;
+  prepared_ = mpc_.prepare(stages_.data());
+  makeReferences(preview_.data());
+}
+
 void NonlinearController::send(double yaw, const Reference& reference) noexcept {
   const MultirotorInput& u = mpc_.input(0);
   const TiltAngles trim = trim_.angles();
