@@ -102,6 +102,9 @@ TEST(DisturbanceRoundTrip, FromABagToAMap) {
   polyfly::MotionCalibration calibration;
   calibration.kind = "disturbance";
   calibration.data = polyfly::provenanceOf(folder + "helix.bag");
+  // Half a minute tells as much as twenty independent samples: enough to bound two thirds of the time,
+  // and what it does not support is refused.
+  calibration.limits.share = 0.65;
   calibration.bounds =
       polyfly::boundDisturbance(polyfly::motionOf(signals, options), options, calibration.limits);
   std::ofstream(folder + "disturbance.yaml") << polyfly::toYaml(calibration);
