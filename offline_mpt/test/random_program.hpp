@@ -49,4 +49,14 @@ inline void appendRow(ParametricProgram& program, const Eigen::VectorXd& a, doub
   program.S.row(m) = s;
 }
 
+/// All of z for output, named z_0, z_1, ..., instead of the first entry.
+inline void outputAllVariables(ParametricProgram& program) {
+  const int n = program.variableCount();
+  program.E = Eigen::MatrixXd::Identity(n, n);
+  program.C = Eigen::MatrixXd::Zero(n, program.parameterCount());
+  program.c = Eigen::VectorXd::Zero(n);
+  program.inputs.assign(static_cast<std::size_t>(n), program.inputs.front());
+  for (int i = 0; i < n; ++i) program.inputs[static_cast<std::size_t>(i)].name = "z_" + std::to_string(i);
+}
+
 }  // namespace polyfly

@@ -71,11 +71,7 @@ ParametricProgram singularProgram(Family family, unsigned seed) {
     appendRow(program, 2.0 * program.A.row(last), 2.0 * program.b(last), 2.0 * program.S.row(last));
     appendRow(program, program.A.row(last - 1), program.b(last - 1) + 1.0, program.S.row(last - 1));
   }
-  program.E = Eigen::MatrixXd::Identity(n, n);
-  program.C = Eigen::MatrixXd::Zero(n, p);
-  program.c = Eigen::VectorXd::Zero(n);
-  program.inputs.assign(static_cast<std::size_t>(n), program.inputs.front());
-  for (int i = 0; i < n; ++i) program.inputs[static_cast<std::size_t>(i)].name = "z_" + std::to_string(i);
+  outputAllVariables(program);
   return program;
 }
 

@@ -82,11 +82,7 @@ ParametricProgram makeProgram(Family family, unsigned seed) {
     default:
       break;
   }
-  program.E = Eigen::MatrixXd::Identity(n, n);
-  program.C = Eigen::MatrixXd::Zero(n, p);
-  program.c = Eigen::VectorXd::Zero(n);
-  program.inputs.assign(static_cast<std::size_t>(n), program.inputs.front());
-  for (int i = 0; i < n; ++i) program.inputs[static_cast<std::size_t>(i)].name = "z_" + std::to_string(i);
+  outputAllVariables(program);
   return program;
 }
 

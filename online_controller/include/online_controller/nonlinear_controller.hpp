@@ -52,7 +52,7 @@ class NonlinearController : public ControlLaw {
   const ForceObserver& observer() const noexcept { return observer_; }
 
  private:
-  int observe(const VehicleState& state) noexcept;
+  int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
   StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
   void lead(StageReference& from, const StageReference& to, double period) const noexcept;

@@ -77,14 +77,14 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
-  const int periods = observe(state);
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  const int periods = observe(state, angles);
   if (!std::all_of(preview, preview + previewLength(), [](const Reference& r) { return isSane(r); })) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
   integrator_.update(state, *preview, report_);
   std::copy_n(preview, preview_.size(), preview_.begin());
-  const EulerAngles angles = eulerAngles(state.attitude.normalized());
   yaw_ = angles.yaw;
   predictYaw(yaw_, preview);
   makeReferences(preview);
@@ -98,7 +98,7 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
 }
 
 // Number of control periods since the last sample, at most kMaxPeriods + 1.
-int NonlinearController::observe(const VehicleState& state) noexcept {
+int NonlinearController::observe(const VehicleState& state, const EulerAngles& angles) noexcept {
   const double late = (state.stamp - observed_until_) / options_.control_period;
   int periods = ForceObserver::kMaxPeriods + 1;  // starts on the sample
   if (observing_ && late < -0.5) {
@@ -113,7 +113,6 @@ int NonlinearController::observe(const VehicleState& state) noexcept {
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
   observer_.update(state, report_.command.thrust / options_.mass, periods);
-  const EulerAngles angles = eulerAngles(state.attitude.normalized());
   trim_.update({angles.roll, angles.pitch}, report_.command, periods);
   return periods;
 }
@@ -299,7 +298,7 @@ const ControlReport& NonlinearController::onSilence(double now) noexcept {
 
 void NonlinearController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   if (!isSane(state)) return;
-  observe(state);
+  observe(state, eulerAngles(state.attitude.normalized()));
   report_.command = sent;
   ladder_.answered();
   iterating_ = false;
