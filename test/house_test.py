@@ -6,6 +6,7 @@ installed. With GTEST_OUTPUT=xml:FOLDER/ the cases are left in FOLDER/house_test
 """
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -43,7 +44,7 @@ class TreeCase(unittest.TestCase):
 class Usage(TreeCase):
     def test_wrong_command_lines_give_usage_and_2(self):
         for arguments in ([], ["fly"], ["demo", "twice"], ["clean", "-f"], ["bench", "nosuch"], ["bench", "lookup", "solve"],
-                          ["bench", "../run"], ["experiments", "nosuch"], ["experiments", ""]):
+                          ["bench", "../run"], ["experiments", "nosuch"], ["experiments", ""], ["lint", "nosuch"]):
             result = run(self.tree, *arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn("usage: ./run COMMAND", result.stderr, arguments)
@@ -113,6 +114,7 @@ class Count(unittest.TestCase):
     def count(self, *arguments):
         result = subprocess.run([sys.executable, os.path.join(HOUSE, "count_tests.py"), *arguments], capture_output=True,
                                 text=True)
+        self.printed = result.stdout
         return result.returncode, result.stdout.splitlines()[-1]
 
     def test_cases_of_programs_are_summed(self):
@@ -146,6 +148,17 @@ class Count(unittest.TestCase):
         self.write("results/pkg/rosunit-program.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure/>'
                    '</testcase></testsuites>')
         self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+
+    def test_what_failed_is_named_with_what_it_said(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
+                           '</testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testcase classname="A" name="b" status="run">'
+                   '<failure message="a.cpp:3&#x0A;1 is not 2"/></testcase></testsuites>')
+        self.write("results/pkg/rosunit-p.xml", '<testsuites><testcase name="q"><error>gone</error></testcase></testsuites>')
+        self.count("--ctest", junit, self.folder + "/g", "--catkin", self.folder + "/results")
+        for said in ("  failed: a_test.xml: A b", "  failed:     a.cpp:3", "  failed:     1 is not 2", "rosunit-p.xml:  q",
+                     "  failed:     gone"):
+            self.assertIn(said, self.printed)
 
     def test_a_rostest_that_crashed_is_a_failure(self):
         self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
@@ -189,6 +202,101 @@ class Workspace(unittest.TestCase):
             package = xml.parse(os.path.join(link, "package.xml")).getroot()
             self.assertEqual(package.findtext("name"), name)
             self.assertEqual(package.findtext("license"), "BSD-3-Clause")
+
+
+class Tidy(TreeCase):
+    """tidy.py with a clang-tidy that notes what it is asked, and complains of a file that says so."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("bin/clang-tidy", "#!/bin/bash\n[ \"$1\" = --version ] && exec echo 14\n"
+                   "echo \"${@: -1}\" >> \"$ASKED\"\n! grep complain \"${@: -1}\"\n")
+        os.chmod(self.path("bin", "clang-tidy"), 0o755)
+        self.write(".clang-tidy", "Checks: all\n")
+        self.write("include/one.hpp", '#include "two.hpp"\n')
+        self.write("include/two.hpp", "")
+        self.write("with.cpp", '#include <vector>\n#include "one.hpp"\n')
+        self.write("without.cpp", "")
+        commands = [{"directory": self.tree, "file": self.path(name), "command": f"c++ -I{self.path('include')} -c {name}"}
+                    for name in ("with.cpp", "without.cpp", "with.cpp")]
+        self.write("build/compile_commands.json", json.dumps(commands))
+
+    def write(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def look(self, *paths):
+        """The status, and the files that were looked at."""
+        asked = self.path("asked")
+        open(asked, "w").close()
+        environment = {"PATH": self.path("bin") + ":/usr/bin:/bin", "ASKED": asked}
+        result = subprocess.run(["/usr/bin/python3", self.path("launch", "house", "tidy.py"), self.path("build"),
+                                 self.path("notes"), *map(self.path, paths)], env=environment, capture_output=True, text=True)
+        with open(asked) as file:
+            return result.returncode, sorted(os.path.basename(line.strip()) for line in file)
+
+    def test_a_clean_file_is_looked_at_once(self):
+        self.assertEqual(self.look(), (0, ["with.cpp", "without.cpp"]))
+        self.assertEqual(self.look(), (0, []))
+        self.write("include/two.hpp", "// changed\n")
+        self.assertEqual(self.look(), (0, ["with.cpp"]))
+        self.write(".clang-tidy", "Checks: more\n")
+        self.assertEqual(self.look("without.cpp"), (0, ["without.cpp"]))
+        self.assertEqual(self.look(), (0, ["with.cpp"]))
+
+    def test_a_finding_fails_until_it_is_mended(self):
+        self.write("without.cpp", "// complain\n")
+        self.assertEqual(self.look(), (1, ["with.cpp", "without.cpp"]))
+        self.assertEqual(self.look(), (1, ["without.cpp"]))
+        self.write("without.cpp", "// mended\n")
+        self.assertEqual(self.look(), (0, ["without.cpp"]))
+
+
+class Pictures(TreeCase):
+    def take(self, headings):
+        line = "M0.004,0.004 L1.004,0.004 L9.004,0.004 L9.504,0.004 "
+        with open(self.path("index.html"), "w") as file:
+            for heading in headings:
+                file.write(f"<section><h2>{heading}</h2><p>caption</p>\n<svg><g a='b'>\n<g></g></g>"
+                           f"<path d='{line}'/><path d='m1,1 L2,2'/></svg></section>\n")
+        return subprocess.run(["/usr/bin/python3", self.path("launch", "house", "pictures.py"), self.path("index.html"),
+                               self.path("pictures")], capture_output=True, text=True)
+
+    def test_pictures_are_taken_without_what_nobody_sees(self):
+        result = self.take(["The flight from above", "Where the flight spent its time", "Look-up time"])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.path("pictures"))), ["coverage.svg", "flight.svg", "latency.svg"])
+        with open(self.path("pictures", "flight.svg")) as file:
+            self.assertEqual(file.read(), "<svg>\n<path d='M0.0,0.0 L9.0,0.0 L9.5,0.0'/>\n<path d='m1,1 L2,2'/>\n</svg>\n")
+
+    def test_a_report_without_a_picture_is_refused(self):
+        result = self.take(["The flight from above"])
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("there is no picture 'Where the flight spent its time'", result.stderr)
+
+
+class Pages(unittest.TestCase):
+    ENDINGS = ("md", "cpp", "hpp", "py", "sh", "launch", "cmake", "msg", "srv", "cfg", "test", "rviz", "svg")
+
+    def test_files_that_the_pages_name_exist(self):
+        files = set()
+        for folder, below, names in os.walk(ROOT):
+            below[:] = [name for name in below if name not in ("build", "devel", "install", "logs", ".git")]
+            files.update(os.path.relpath(os.path.join(folder, name), ROOT) for name in names)
+        checked = 0
+        for page in sorted(name for name in files if name.endswith(".md")):
+            with open(os.path.join(ROOT, page)) as file:
+                text = file.read()
+            for link in re.findall(r"\]\(([^)#:\s]+)\)", text):
+                self.assertTrue(os.path.exists(os.path.join(ROOT, os.path.dirname(page), link)), f"{page}: {link}")
+            for name in re.findall(r"`([\w./-]+\.(?:%s))`" % "|".join(self.ENDINGS), text):
+                if "NAME" in name:
+                    continue
+                end = os.path.normpath(name).lstrip("./")
+                self.assertTrue(any(("/" + file).endswith("/" + end) for file in files), f"{page}: there is no {name}")
+                checked += 1
+        self.assertGreater(checked, 100)
 
 
 class Recorder(unittest.TextTestResult):

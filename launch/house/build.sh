@@ -68,12 +68,30 @@ buildCommand() {
   say "For ROS: source build/catkin/devel/setup.bash"
 }
 
+# catkinIsolated FOLDER: the packages one after the other, each by itself, as `catkin build` does. What is to be seen is
+# that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
+catkinIsolated() {
+  mkdir -p "$1/src"
+  ln -sfn ../../../catkin_ws/src "$1/src/polyfly"
+  (
+    cd "$1"
+    [ -d .catkin_tools ] || catkin init
+    catkin build --no-status --no-color --summary -p 1 "-j$(jobs_at_once)" --cmake-args \
+      -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=Debug \
+      "-DCMAKE_CXX_COMPILER_LAUNCHER=$root/launch/house/preprocess_only.sh" \
+      -DCMAKE_EXE_LINKER_FLAGS=-Wl,--unresolved-symbols=ignore-all
+  )
+}
+
 # The workspace as in a user's own: everything from source, libraries shared.
 workspaceCommand() {
-  planInstall run
+  planInstall run workspace
   planBuilding workspace 300 workspace/build
-  requirePackages run
+  plan isolated 120
+  requirePackages run workspace
   own workspace
+  own isolated
   step workspace "building the catkin workspace from source alone" catkinMake build/workspace
-  say "1 passed, 0 failed"
+  step isolated "seeing that each package finds its siblings in a build of its own" catkinIsolated build/isolated
+  say "2 passed, 0 failed"
 }

@@ -4,12 +4,16 @@
 usage: count_tests.py [--ctest JUNIT GTEST_FOLDER]... [--catkin FOLDER] [--check NAME FILE]...
 
 A ctest program that wrote a GoogleTest file counts with its cases, any other as one case; a program that
-failed without a failed case (it crashed, or a sanitizer stopped it) counts as one failure more. Exit
+failed without a failed case (it crashed, or a sanitizer stopped it) counts as one failure more. What failed
+is named before, with the begin of what it said, in lines that begin with "  failed:". Exit
 status 1 when something failed or nothing ran. FILE of a check holds the exit status of one script.
 """
 import os
 import sys
 import xml.etree.ElementTree as xml
+
+
+SAID = 1200  # characters of what a failed case said
 
 
 class Count:
@@ -26,12 +30,22 @@ class Count:
         return f"{self.passed} passed, {self.failed} failed{end}"
 
 
+def tell(where, case, complaint):
+    """Names a failed case. What it said is in an attribute (GoogleTest), in the element or beside it (a rostest)."""
+    said = complaint.get("message") or complaint.text or case.findtext("system-out") or ""
+    print(f"  failed: {where}: {case.get('classname') or ''} {case.get('name')}")
+    for line in said.strip()[:SAID].splitlines():
+        print(f"  failed:     {line.rstrip()}")
+
+
 def count_cases(path):
     """Cases of one GoogleTest or JUnit file."""
     count = Count()
     for case in xml.parse(path).getroot().iter("testcase"):
-        if case.find("failure") is not None or case.find("error") is not None:
+        complaint = next((found for found in (case.find("failure"), case.find("error")) if found is not None), None)
+        if complaint is not None:
             count.failed += 1
+            tell(os.path.basename(path), case, complaint)
         elif case.find("skipped") is not None or case.get("status") == "notrun":
             count.skipped += 1
         else:
@@ -71,8 +85,6 @@ def count_catkin(folder):
         for name in sorted(names):
             if name.endswith(".xml"):
                 found[name] = count_cases(os.path.join(where, name))
-                if found[name].failed:
-                    print(f"  failed: {name}: {found[name].text()}")
         programs = [count for name, count in found.items() if not name.startswith("rostest-")]
         for count in programs:
             total.add(count)
@@ -101,6 +113,7 @@ def main(arguments):
                     count.passed = 1
                 else:
                     count.failed = 1
+                    print(f"  failed: {label}")
         else:
             sys.exit(__doc__)
         print(f"{label + ':':9} {count.text()}")

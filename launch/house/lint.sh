@@ -2,20 +2,22 @@
 # ./run lint: what a reviewer should not have to look for.
 
 # Our C++ files, from git, so that nothing that was built is looked at.
-cppFiles() { git ls-files --cached --others --exclude-standard '*.cpp' '*.hpp'; }
-checkFormat() { cppFiles | xargs -r clang-format --dry-run --Werror; }
-lintBuild() { configurePreset "$1" && buildPreset "$1" all; }
+cppFiles() { git ls-files --cached --others --exclude-standard "$@" | awk '/\.(cpp|hpp)$/'; }
+checkFormat() { cppFiles "$@" | xargs -r clang-format --dry-run --Werror; }
+clangBuild() { configurePreset clang && buildPreset clang all; }
+clangTidy() { configurePreset clang && python3 launch/house/tidy.py build/clang build/tidy "$@"; }
 
+# lintCommand [PATH...]: all, or the format and clang-tidy's findings below these.
 lintCommand() {
   planInstall run lint
   plan format 5
-  planBuilding clang 120 clang
-  planBuilding tidy 400 tidy
+  [ $# -gt 0 ] || planBuilding clang 120 clang
+  plan tidy 30
   requirePackages run lint
   own clang
   own tidy
-  step format "checking the formatting" checkFormat
-  step clang "building with clang, every warning an error" lintBuild clang
-  step tidy "building with clang-tidy, every finding an error" lintBuild tidy
+  step format "checking the formatting" checkFormat "$@"
+  [ $# -gt 0 ] || step clang "building with clang, every warning an error" clangBuild
+  step tidy "looking with clang-tidy at what changed since it was found clean" clangTidy "$@"
   say "Nothing found."
 }
