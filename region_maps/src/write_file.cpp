@@ -75,13 +75,17 @@ void FileDraft::fail(const char* what) const {
   throw Error(target_ + ": " + what + ": " + std::strerror(errno));
 }
 
-void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes) {
+void writeFileAtomically(const std::string& path, std::string_view text) {
   FileDraft draft(path);
-  const std::size_t head = std::min(kWrittenLast, bytes.size());
-  draft.write(bytes.data() + head, head, bytes.size() - head);
+  const std::size_t head = std::min(kWrittenLast, text.size());
+  draft.write(text.data() + head, head, text.size() - head);
   draft.sync();
-  draft.write(bytes.data(), 0, head);
+  draft.write(text.data(), 0, head);
   draft.commit();
+}
+
+void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes) {
+  writeFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace polyfly

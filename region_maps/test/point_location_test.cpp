@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "allocation_counter.hpp"
+#include "allocations.hpp"
 #include "made_map.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -408,13 +408,13 @@ TEST(PointLocationBox, ARangeMayBeASinglePoint) {
 
 TEST(PointLocationAllocation, TheCounterCounts) {
   // Direct calls: compilers may leave out a pair of new and delete.
-  const std::uint64_t before = allocationCount();
+  const long before = polyfly_test::allocationCount();
   ::operator delete(::operator new(8));
   ::operator delete(::operator new(8, std::align_val_t(64)), std::align_val_t(64));
-  const std::uint64_t after = allocationCount();
+  const long after = polyfly_test::allocationCount();
   EXPECT_EQ(after, before + 2);
   const MadeMap made(makeSmallMap());
-  EXPECT_GT(allocationCount(), after + 10);
+  EXPECT_GT(polyfly_test::allocationCount(), after + 10);
 }
 
 TEST(PointLocationAllocation, LookUpsAllocateNothing) {
@@ -433,7 +433,7 @@ TEST(PointLocationAllocation, LookUpsAllocateNothing) {
     }
     int seen[4] = {};
     double u[2];
-    const std::uint64_t before = allocationCount();
+    const long before = polyfly_test::allocationCount();
     for (std::size_t i = 0; i < points.size(); i += p) {
       const Lookup found = made.map.evaluate(&points[i], u);
       ++seen[static_cast<int>(found.status)];
@@ -442,7 +442,7 @@ TEST(PointLocationAllocation, LookUpsAllocateNothing) {
       made.map.locateExhaustively(&points[i]);
       made.map.contains(0, &points[i]);
     }
-    EXPECT_EQ(allocationCount(), before);
+    EXPECT_EQ(polyfly_test::allocationCount(), before);
     for (const int count : seen) EXPECT_GT(count, 0) << p << " parameters";
   }
 }

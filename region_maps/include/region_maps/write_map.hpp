@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "region_maps/map_content.hpp"
@@ -20,5 +21,6 @@ void writeMap(const MapContent& content, const std::string& path);
 /// zero until then, so a left-over of a killed writer (`path`.tmp-*) is recognisable. Throws Error; the old
 /// file is untouched then and nothing is left behind.
 void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes);
+void writeFileAtomically(const std::string& path, std::string_view text);
 
 }  // namespace polyfly

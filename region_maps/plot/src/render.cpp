@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 
 #include "map_plot/figure.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
 #include "run_gnuplot.hpp"
 
 namespace polyfly {
@@ -68,16 +66,7 @@ std::string renderFigure(const Figure& figure, ImageFormat format) {
 }
 
 void writeFigure(const Figure& figure, const std::string& path) {
-  const std::string image = renderFigure(figure, formatOf(path));
-  const std::string beside = path + ".part";
-  std::ofstream file(beside, std::ios::binary);
-  file.write(image.data(), static_cast<std::streamsize>(image.size()));
-  file.close();
-  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove(beside.c_str());
-    throw Error(path + ": cannot be written: " + reason);
-  }
+  writeFileAtomically(path, renderFigure(figure, formatOf(path)));
 }
 
 Series histogram(const std::vector<double>& values, double lower, double upper, int bins, bool logarithmic) {

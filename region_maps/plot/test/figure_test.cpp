@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "error_of.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -35,15 +35,6 @@ Figure smallFigure() {
   Figure figure;
   figure.panels = {panel};
   return figure;
-}
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 // Sets an environment variable for the life of the object.
@@ -121,36 +112,36 @@ TEST(RenderFigure, textIsNeverACommand) {
 TEST(RenderFigure, refusesFiguresThatBreakTheRules) {
   Figure figure = smallFigure();
   figure.panels[0].series[0].y.pop_back();
-  EXPECT_NE(messageOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("differ in size"),
+  EXPECT_NE(errorOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("differ in size"),
             std::string::npos);
   figure.panels[0].series.clear();
-  EXPECT_NE(messageOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("nothing to draw"),
+  EXPECT_NE(errorOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("nothing to draw"),
             std::string::npos);
   figure.panels.clear();
-  EXPECT_NE(messageOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("at least one panel"),
+  EXPECT_NE(errorOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("at least one panel"),
             std::string::npos);
   figure = smallFigure();
   figure.width = 0;
-  EXPECT_NE(messageOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("pixels"), std::string::npos);
+  EXPECT_NE(errorOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("pixels"), std::string::npos);
 }
 
 TEST(RenderFigure, saysWhenGnuplotIsMissing) {
   const Environment path("PATH", "/nonexistent");
-  EXPECT_NE(messageOf([] { renderFigure(smallFigure(), ImageFormat::kSvg); }).find("gnuplot: "),
+  EXPECT_NE(errorOf([] { renderFigure(smallFigure(), ImageFormat::kSvg); }).find("gnuplot: "),
             std::string::npos);
 }
 
 TEST(RenderFigure, saysWhatGnuplotComplainsOf) {
   Figure figure = smallFigure();
   figure.panels[0].series[0].color = "no such colour";
-  EXPECT_NE(messageOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("gnuplot: failed: "),
+  EXPECT_NE(errorOf([&] { renderFigure(figure, ImageFormat::kSvg); }).find("gnuplot: failed: "),
             std::string::npos);
 }
 
 TEST(WriteFigure, namesTheFileThatCannotBeWritten) {
-  EXPECT_EQ(messageOf([] { writeFigure(smallFigure(), "picture.bmp"); }),
+  EXPECT_EQ(errorOf([] { writeFigure(smallFigure(), "picture.bmp"); }),
             "picture.bmp: ending: a picture is named .svg or .png");
-  EXPECT_EQ(messageOf([] { writeFigure(smallFigure(), "/nonexistent/picture.svg"); }),
+  EXPECT_EQ(errorOf([] { writeFigure(smallFigure(), "/nonexistent/picture.svg"); }),
             "/nonexistent/picture.svg: cannot be written: No such file or directory");
 }
 

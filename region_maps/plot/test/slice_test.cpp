@@ -7,14 +7,13 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "error_of.hpp"
 #include "map_fixture.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -47,15 +46,6 @@ int cellOf(const MapContent& content, const std::vector<double>& theta) {
     if (excess < 0.0) cell |= 1 << plane;
   }
   return cell;
-}
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 class SliceOfArrangement : public testing::TestWithParam<unsigned> {};
@@ -138,13 +128,13 @@ TEST(Slice, aWindowShowsTheSameRegionsThere) {
     }
   }
   request.x_window = Panel::Range{3.0, 4.0};
-  EXPECT_NE(messageOf([&] { slice(memory.map(), request); }).find("window of alpha"), std::string::npos);
+  EXPECT_NE(errorOf([&] { slice(memory.map(), request); }).find("window of alpha"), std::string::npos);
 }
 
 TEST(Slice, refusesBadRequestsByName) {
   const MapInMemory memory(arrangement(1, 2));
   const auto message = [&memory](const SliceRequest& request) {
-    return messageOf([&] { slice(memory.map(), request); });
+    return errorOf([&] { slice(memory.map(), request); });
   };
   EXPECT_EQ(message({"alpha", "delta", {}}),
             "arrangement: slice: no parameter 'delta'; the map has alpha, beta, gamma");
