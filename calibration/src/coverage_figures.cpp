@@ -93,21 +93,20 @@ ReportFigure heatFigure(const ReportContent& content) {
       "Samples in each cell of a grid over position and velocity error, whatever the other parameters; the "
       "lines are the regions that a slice at the other parameters' middle cuts. Regions without colour were "
       "never tried.";
+  std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     SliceRequest request;
     request.x = kAxisNames[axis].position_error;
     request.y = kAxisNames[axis].velocity_error;
-    result.figure.panels.push_back(heatPanel(content, axis, slice(*content.maps[axis], request)));
-    result.figure.panels.back().title = std::string(kAxisNames[axis].axis) + ", whole range";
+    panels.push_back(heatPanel(content, axis, slice(*content.maps[axis], request)));
+    panels.back().title = std::string(kAxisNames[axis].axis) + ", whole range";
     request.x_window = visitedRange(content.validation.axes[axis], request.x);
     request.y_window = visitedRange(content.validation.axes[axis], request.y);
     if (!request.x_window || !request.y_window) continue;
-    result.figure.panels.push_back(heatPanel(content, axis, slice(*content.maps[axis], request)));
-    result.figure.panels.back().title = std::string(kAxisNames[axis].axis) + ", where the flight was";
+    panels.push_back(heatPanel(content, axis, slice(*content.maps[axis], request)));
+    panels.back().title = std::string(kAxisNames[axis].axis) + ", where the flight was";
   }
-  result.figure.columns = 2;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 400 * static_cast<int>((result.figure.panels.size() + 1) / 2);
+  result.figure = pageFigure(std::move(panels), row_height::kView, 2);
   return result;
 }
 
@@ -120,6 +119,7 @@ ReportFigure distanceFigure(const ReportContent& content) {
       "ended (coloured), and how far the nearest face of the region was (grey); ranges are scaled to -1 .. "
       "1. "
       "Shaded: outside the map.";
+  std::vector<Panel> panels;
   const double start = content.samples.front().state.stamp;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const AxisValidation& used = content.validation.axes[axis];
@@ -151,10 +151,9 @@ ReportFigure distanceFigure(const ReportContent& content) {
       panel.bands.push_back({excursion.from - start, excursion.to - start});
     }
     panel.series = {thinned(face, kCurvePoints), thinned(edge, kCurvePoints)};
-    result.figure.panels.push_back(panel);
+    panels.push_back(panel);
   }
-  result.figure.width = kFigureWidth;
-  result.figure.height = 220 * static_cast<int>(std::max<std::size_t>(1, result.figure.panels.size()));
+  result.figure = pageFigure(std::move(panels), row_height::kStacked);
   return result;
 }
 

@@ -83,10 +83,9 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     activity.series = {thinned(curve, kCurvePoints)};
     activity.bounds = {{axis.choice.threshold, "threshold"}};
   }
-  result.figure.panels = {panel};
-  if (!activity.series.empty()) result.figure.panels.push_back(activity);
-  result.figure.width = kFigureWidth;
-  result.figure.height = 480;
+  std::vector<Panel> panels = {panel};
+  if (!activity.series.empty()) panels.push_back(activity);
+  result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
 
@@ -110,9 +109,7 @@ ReportFigure comparisonFigure(
     panel.series.push_back(thinned(model, 2 * kCurvePoints));
     residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
   }
-  result.figure.panels = {panel, residuals};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 560;
+  result.figure = pageFigure({panel, residuals}, row_height::kPaired);
   return result;
 }
 
@@ -170,10 +167,7 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
   add_model(axis.with_delay, "lag and delay", palette::kBlue);
   add_model(axis.without_delay, "lag alone", palette::kVermilion);
   if (axis.second_order) add_model(*axis.second_order, "second order", palette::kGreen);
-  result.figure.panels = std::move(panels);
-  result.figure.columns = 3;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 420;
+  result.figure = pageFigure(std::move(panels), row_height::kView, 3);
   return result;
 }
 

@@ -1,6 +1,5 @@
 #include "calibration/identification_report.hpp"
 
-#include <filesystem>
 #include <sstream>
 
 #include "report_page.hpp"
@@ -77,15 +76,12 @@ std::string toHtml(const AttitudeCalibration& calibration) {
     writeTable(axis, out);
     for (const ReportFigure& figure : identificationFigures(axis)) writeFigureSection(figure, out);
   }
-  out << "</main></body></html>\n";
+  out << kPageEnd;
   return out.str();
 }
 
 void writeReport(const AttitudeCalibration& calibration, const std::string& folder) {
-  makeFolder(folder);
-  const std::filesystem::path base(folder);
-  writeWhole(toHtml(calibration), base / "index.html");
-  writeWhole(toYaml(calibration), base / "calibration.yaml");
+  writePage(folder, toHtml(calibration), "calibration.yaml", toYaml(calibration));
 }
 
 }  // namespace polyfly

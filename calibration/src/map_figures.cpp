@@ -62,13 +62,13 @@ ReportFigure regionFigure(const ReportContent& content) {
       "that the set of active constraints changed, a gap that there was no answer.";
   constexpr double kFrame = 110.0;  // of a panel: title and axis [px]
   double height = 0.0;
+  std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    result.figure.panels.push_back(regionPanel(content, axis));
-    const std::size_t lines = result.figure.panels.back().y_ticks.size();
+    panels.push_back(regionPanel(content, axis));
+    const std::size_t lines = panels.back().y_ticks.size();
     height = std::max(height, lines > 0 ? 40.0 + 18.0 * static_cast<double>(lines) : 130.0);
   }
-  result.figure.width = kFigureWidth;
-  result.figure.height = static_cast<int>(3.0 * (height + kFrame));
+  result.figure = pageFigure(std::move(panels), static_cast<int>(height + kFrame));
   return result;
 }
 
@@ -167,10 +167,7 @@ ReportFigure sliceFigure(const ReportContent& content, std::size_t axis) {
       "A slice of the map through " + unitOf(map, cut.x) + " and " + unitOf(map, cut.y) +
       " with the other parameters at their median of the flight: lines part the regions, colour is the "
       "explicit law's answer, the dark dots are what the flight visited (it also moves off the slice).";
-  result.figure.panels = panels;
-  result.figure.columns = 2;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 430;
+  result.figure = pageFigure(std::move(panels), row_height::kView, 2);
   return result;
 }
 
@@ -199,9 +196,7 @@ ReportFigure agreementFigure(const ReportContent& content) {
     if (!series.x.empty()) panel.series.push_back(thinned(series, kCurvePoints));
   }
   panel.y_range = {kFloor, 10.0 * greatest};
-  result.figure.panels = {panel};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 320;
+  result.figure = pageFigure({panel}, row_height::kAlone);
   return result;
 }
 
@@ -221,6 +216,7 @@ ReportFigure latencyFigure(const ReportContent& content) {
   // The tail beyond is counted in the last bar.
   const double lower = 0.8 * *std::min_element(all.begin(), all.end());
   const double upper = std::max(1.3 * percentiles(all).p99, lower + 10.0);
+  std::vector<Panel> panels;
   for (const bool shuffled : {false, true}) {
     std::vector<double> times;
     for (const AxisValidation& axis : content.validation.axes) {
@@ -239,11 +235,9 @@ ReportFigure latencyFigure(const ReportContent& content) {
     panel.marks = {
         {share.p50, "median " + std::to_string(std::lround(share.p50)) + " ns", palette::kInk},
         {share.p99, "99 % below " + std::to_string(std::lround(share.p99)) + " ns", palette::kVermilion}};
-    result.figure.panels.push_back(panel);
+    panels.push_back(panel);
   }
-  result.figure.columns = 2;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 340;
+  result.figure = pageFigure(std::move(panels), row_height::kAlone, 2);
   return result;
 }
 

@@ -63,9 +63,7 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
     series.color = kAxisColors[i % 3];
     panel.series.push_back(thinned(series, kCurvePoints));
   }
-  result.figure.panels = {panel};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 320;
+  result.figure = pageFigure({panel}, row_height::kAlone);
   return result;
 }
 
@@ -84,9 +82,7 @@ ReportFigure timeFigure(const MotionTrace& trace, const DisturbanceBound* bound)
   Panel left = timePanel("", withUnit("measured − modelled", trace.unit));
   left.series = {curve(trace, residualOf(trace), "", palette::kBlue)};
   if (bound != nullptr) left.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
-  result.figure.panels = {panel, left};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 540;
+  result.figure = pageFigure({panel, left}, row_height::kPaired);
   return result;
 }
 
@@ -151,11 +147,10 @@ ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound
           ? "Quantiles: how much of the time the disturbance lies below a value."
           : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
             "the model against what it depends on.";
-  result.figure.panels = {quantilePanel(trace, bound)};
-  if (!trace.against.empty()) result.figure.panels.push_back(scatterPanel(trace));
-  result.figure.columns = static_cast<int>(result.figure.panels.size());
-  result.figure.width = kFigureWidth;
-  result.figure.height = 380;
+  std::vector<Panel> panels = {quantilePanel(trace, bound)};
+  if (!trace.against.empty()) panels.push_back(scatterPanel(trace));
+  const auto columns = static_cast<int>(panels.size());
+  result.figure = pageFigure(std::move(panels), row_height::kView, columns);
   return result;
 }
 
@@ -196,9 +191,7 @@ ReportFigure circleFigure(const MotionCalibration& calibration) {
   panel.series = {dots, circle};
   panel.bounds = {{north, "wind", palette::kGreen}};
   panel.marks = {{east, "", palette::kGreen}};
-  result.figure.panels = {panel};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 620;
+  result.figure = pageFigure({panel}, row_height::kSquare);
   return result;
 }
 

@@ -1,6 +1,5 @@
 #include "calibration/motion_report.hpp"
 
-#include <filesystem>
 #include <sstream>
 
 #include "report_page.hpp"
@@ -60,15 +59,12 @@ std::string toHtml(const MotionCalibration& calibration) {
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
   if (!calibration.parameters.empty()) writeParameters(calibration, out);
   for (const ReportFigure& figure : motionFigures(calibration)) writeFigureSection(figure, out);
-  out << "</main></body></html>\n";
+  out << kPageEnd;
   return out.str();
 }
 
 void writeReport(const MotionCalibration& calibration, const std::string& folder) {
-  makeFolder(folder);
-  const std::filesystem::path base(folder);
-  writeWhole(toHtml(calibration), base / "index.html");
-  writeWhole(toYaml(calibration), base / "calibration.yaml");
+  writePage(folder, toHtml(calibration), "calibration.yaml", toYaml(calibration));
 }
 
 }  // namespace polyfly

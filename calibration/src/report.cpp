@@ -237,7 +237,7 @@ void writeNumbers(const ValidationReport& report, std::ostream& out) {
   writeComparisons(report, out);
   writeAxes(report, out);
   writeRecord(report, out);
-  out << "</main></body></html>\n";
+  out << kPageEnd;
 }
 
 }  // namespace
@@ -256,10 +256,7 @@ std::string toHtml(const ReportContent& content) {
 }
 
 void writeReport(const ReportContent& content, const std::string& folder) {
-  makeFolder(folder);
-  const std::filesystem::path base(folder);
-  writeWhole(toHtml(content), base / "index.html");
-  writeWhole(toJson(content.validation), base / "summary.json");
+  writePage(folder, toHtml(content), "summary.json", toJson(content.validation));
 }
 
 void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
@@ -277,10 +274,7 @@ void writeOverview(const std::vector<FlightSummary>& flights, const ValidationRe
   writeTiles(all, out);
   writeFlights(flights, out);
   writeNumbers(all, out);
-  makeFolder(folder);
-  const std::filesystem::path base(folder);
-  writeWhole(out.str(), base / "index.html");
-  writeWhole(toJson(all, reports), base / "summary.json");
+  writePage(folder, out.str(), "summary.json", toJson(all, reports));
 }
 
 }  // namespace polyfly

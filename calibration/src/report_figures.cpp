@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "report_parts.hpp"
 
 namespace polyfly {
 namespace {
+
+constexpr int kFigureWidth = 1040;  // of the page's text [px]
 
 using Style = Series::Style;
 
@@ -46,9 +49,7 @@ ReportFigure flightFigure(const ReportContent& content) {
   ReportFigure result;
   result.heading = "The flight from above";
   result.caption = "Where the vehicle flew (blue) on top of where it should have flown (grey).";
-  result.figure.panels = {topView(content)};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 430;
+  result.figure = pageFigure({topView(content)}, row_height::kView);
   return result;
 }
 
@@ -71,10 +72,7 @@ ReportFigure heightFigure(const ReportContent& content) {
   speed.series = {reference_of([](const auto& at) { return at.velocity.norm(); }),
                   overTime(content, "flown", palette::kBlue,
                            [](const ReplaySample& sample) { return sample.state.velocity.norm(); })};
-  result.figure.panels = {height, speed};
-  result.figure.columns = 2;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 340;
+  result.figure = pageFigure({height, speed}, row_height::kAlone, 2);
   return result;
 }
 
@@ -98,9 +96,7 @@ ReportFigure errorFigure(const ReportContent& content) {
     const double start = content.samples.front().state.stamp;
     panel.bands = {{content.validation.hold->from - start, content.validation.hold->to - start}};
   }
-  result.figure.panels = {panel};
-  result.figure.width = kFigureWidth;
-  result.figure.height = 340;
+  result.figure = pageFigure({panel}, row_height::kAlone);
   return result;
 }
 
@@ -127,18 +123,16 @@ ReportFigure commandFigure(const ReportContent& content) {
   result.caption =
       "What was sent to the attitude controller, as recorded; the dashed lines are the bounds that it must "
       "not cross.";
-  result.figure.panels = {
-      commandPanel(content, "Roll", "roll [rad]", &AttitudeCommand::roll,
-                   {-options.angle_max, options.angle_max}),
-      commandPanel(content, "Pitch", "pitch [rad]", &AttitudeCommand::pitch,
-                   {-options.angle_max, options.angle_max}),
-      commandPanel(content, "Yaw rate", "yaw rate [rad/s]", &AttitudeCommand::yaw_rate,
-                   {-options.yaw_rate_max, options.yaw_rate_max}),
-      commandPanel(content, "Thrust", "thrust [N]", &AttitudeCommand::thrust,
-                   {options.mass * options.thrust_min, options.mass * options.thrust_max})};
-  result.figure.columns = 2;
-  result.figure.width = kFigureWidth;
-  result.figure.height = 560;
+  result.figure =
+      pageFigure({commandPanel(content, "Roll", "roll [rad]", &AttitudeCommand::roll,
+                               {-options.angle_max, options.angle_max}),
+                  commandPanel(content, "Pitch", "pitch [rad]", &AttitudeCommand::pitch,
+                               {-options.angle_max, options.angle_max}),
+                  commandPanel(content, "Yaw rate", "yaw rate [rad/s]", &AttitudeCommand::yaw_rate,
+                               {-options.yaw_rate_max, options.yaw_rate_max}),
+                  commandPanel(content, "Thrust", "thrust [N]", &AttitudeCommand::thrust,
+                               {options.mass * options.thrust_min, options.mass * options.thrust_max})},
+                 row_height::kPaired, 2);
   return result;
 }
 
@@ -179,6 +173,7 @@ ReportFigure disturbanceFigure(const ReportContent& content) {
       known ? "What the observer took for wind (coloured) on top of the wind that the simulator made (grey), "
               "whose short pushes may leave the picture."
             : "What the observer took for wind; the log does not hold the true one.";
+  std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Panel panel = timePanel(std::string("Along ") + kAxisLetters[axis],
                             std::string("d_") + kAxisLetters[axis] + " [m/s²]");
@@ -187,10 +182,9 @@ ReportFigure disturbanceFigure(const ReportContent& content) {
         overTime(content, "estimate", kAxisColors[axis],
                  [axis](const ReplaySample& sample) { return sample.report.axis[axis].disturbance; }));
     panel.y_range = disturbanceRange(content, axis);
-    result.figure.panels.push_back(panel);
+    panels.push_back(panel);
   }
-  result.figure.width = kFigureWidth;
-  result.figure.height = 640;
+  result.figure = pageFigure(std::move(panels), row_height::kStacked);
   return result;
 }
 
@@ -202,6 +196,16 @@ Panel timePanel(const std::string& title, const std::string& y_label) {
   panel.x_label = "time [s]";
   panel.y_label = y_label;
   return panel;
+}
+
+Figure pageFigure(std::vector<Panel> panels, int row_height, int columns) {
+  Figure figure;
+  const auto count = static_cast<int>(panels.size());
+  figure.panels = std::move(panels);
+  figure.columns = columns;
+  figure.width = kFigureWidth;
+  figure.height = row_height * std::max(1, (count + columns - 1) / columns);
+  return figure;
 }
 
 Panel::Range padded(double least, double greatest, double least_width) {

@@ -1,14 +1,13 @@
 #include "report_page.hpp"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
+#include <filesystem>
 #include <ostream>
 #include <system_error>
 
 #include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 
@@ -112,20 +111,14 @@ std::string inlineSvg(const Figure& figure) {
   return svg.substr(begin);
 }
 
-void makeFolder(const std::string& folder) {
+void writePage(const std::string& folder, const std::string& html, const std::string& data_name,
+               const std::string& data) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) throw Error(folder + ": cannot be made: " + failure.message());
-}
-
-void writeWhole(const std::string& text, const std::filesystem::path& path) {
-  const std::filesystem::path beside = path.string() + ".part";
-  std::ofstream file(beside, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file || std::rename(beside.c_str(), path.c_str()) != 0) {
-    throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
-  }
+  const std::filesystem::path base(folder);
+  writeFileAtomically(base / "index.html", html);
+  writeFileAtomically(base / data_name, data);
 }
 
 }  // namespace polyfly

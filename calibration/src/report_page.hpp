@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -13,6 +12,9 @@ namespace polyfly {
 
 /// Style of the report page; no font, script or image comes from elsewhere.
 extern const char* const kReportStyle;
+
+/// Closes what the head of a page has opened.
+constexpr const char* kPageEnd = "</main></body></html>\n";
 
 /// The text with the characters replaced that mean something in HTML.
 std::string escaped(const std::string& text);
@@ -30,10 +32,9 @@ std::string number(double value, int digits = 3);
 /// The picture as an element of the page. Runs gnuplot. Throws Error.
 std::string inlineSvg(const Figure& figure);
 
-/// Makes a folder and those above it. Throws Error naming it.
-void makeFolder(const std::string& folder);
-
-/// Writes beside the path and renames, so that no half a file is left. Throws Error naming the path.
-void writeWhole(const std::string& text, const std::filesystem::path& path);
+/// Writes the page as `index.html` and its numbers as `data_name` into the folder, which is made where it is
+/// missing. No half a file is left. Throws Error naming the folder or the file.
+void writePage(const std::string& folder, const std::string& html, const std::string& data_name,
+               const std::string& data);
 
 }  // namespace polyfly

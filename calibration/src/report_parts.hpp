@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "calibration/report.hpp"
 #include "map_plot/figure.hpp"
@@ -14,7 +15,6 @@ namespace polyfly {
 // What the pictures of a report have in common.
 
 constexpr std::size_t kCurvePoints = 1200;  ///< of a curve that is drawn
-constexpr int kFigureWidth = 1040;          ///< [px]
 constexpr const char* kAxisColors[3] = {palette::kBlue, palette::kVermilion, palette::kGreen};
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  ///< a gap in a curve
 
@@ -34,8 +34,20 @@ Series overTime(const ReportContent& content, const std::string& label, const st
   return thinned(series, kCurvePoints);
 }
 
+/// Heights of a row of panels [px].
+namespace row_height {
+constexpr int kStacked = 220;  ///< of three and more rows over time
+constexpr int kPaired = 280;   ///< of two rows over time
+constexpr int kAlone = 330;    ///< the only row
+constexpr int kView = 420;     ///< slices, views from above, what is not over time
+constexpr int kSquare = 620;   ///< equal axes over the whole width
+}  // namespace row_height
+
 /// A panel over time, empty.
 Panel timePanel(const std::string& title, const std::string& y_label);
+
+/// A picture as wide as the page.
+Figure pageFigure(std::vector<Panel> panels, int row_height, int columns = 1);
 
 /// The range of values with a margin of a tenth on each side, at least `least_width` before.
 Panel::Range padded(double least, double greatest, double least_width);

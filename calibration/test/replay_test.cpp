@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <string>
 
 #include "calibration/validation.hpp"
-#include "region_maps/error.hpp"
+#include "error_of.hpp"
 #include "region_maps/write_map.hpp"
 #include "synthetic_flight.hpp"
 
@@ -96,15 +95,6 @@ TEST_F(Replay, usesAllOdometryWhereNoCommandBearsItsStamp) {
   EXPECT_FALSE(brokenThresholds(report, {}).empty());
 }
 
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST_F(Replay, assignsMapsByTheirSignalsInAnyOrder) {
   const AxisMaps axes = maps_.axes();
   EXPECT_EQ(assignAxes({axes[2], axes[0], axes[1]}), axes);
@@ -113,11 +103,11 @@ TEST_F(Replay, assignsMapsByTheirSignalsInAnyOrder) {
 
 TEST_F(Replay, refusesMapsThatDoNotMakeThreeAxes) {
   const AxisMaps axes = maps_.axes();
-  EXPECT_EQ(messageOf([&] {
+  EXPECT_EQ(errorOf([&] {
               assignAxes({axes[0], axes[2]});
             }),
             "maps: none for the lateral axis (parameter e_p_y)");
-  EXPECT_NE(messageOf([&] {
+  EXPECT_NE(errorOf([&] {
               assignAxes({axes[0], axes[0], axes[1], axes[2]});
             }).find("already has the map"),
             std::string::npos);
@@ -125,7 +115,7 @@ TEST_F(Replay, refusesMapsThatDoNotMakeThreeAxes) {
   content.parameters[0].name = "something";
   writeMap(content, folder_ / "foreign.map");
   const RegionMap foreign = RegionMap::open(folder_ / "foreign.map");
-  EXPECT_NE(messageOf([&] {
+  EXPECT_NE(errorOf([&] {
               assignAxes({&foreign, axes[1], axes[2]});
             }).find("foreign.map: parameters: none is e_p_x"),
             std::string::npos);

@@ -12,13 +12,13 @@
 namespace {
 
 using namespace polyfly;
-using lateral_test::allocations;
+using polyfly_test::allocationCount;
 
 TEST(Allocations, TheCounterCounts) {
-  const long before = allocations();
+  const long before = allocationCount();
   const auto number = std::make_unique<std::array<double, 100>>();
   const std::vector<double> numbers(100, 1.0);
-  EXPECT_EQ(allocations() - before, 2) << number.get() << numbers.data();
+  EXPECT_EQ(allocationCount() - before, 2) << number.get() << numbers.data();
 }
 
 TEST(Allocations, HorizonPathAndPlanNeedNone) {
@@ -27,7 +27,7 @@ TEST(Allocations, HorizonPathAndPlanNeedNone) {
       LineSegment{{0.0, 0.0}, {200.0, 0.0}},
       ArcSegment{{200.0, 60.0}, 60.0, TurnDirection::kRight, -kPi / 2.0, 2.0},
       LoiterCircle{{0.0, 0.0}, 60.0, TurnDirection::kLeft}};
-  const long before = allocations();
+  const long before = allocationCount();
   double sum = 0.0;
   for (const PathSegment& segment : segments) {
     LateralConditions conditions;
@@ -44,7 +44,7 @@ TEST(Allocations, HorizonPathAndPlanNeedNone) {
     const PathPose end{state.head<2>(), state[LateralIndex::kHeading]};
     sum += shortestDubinsPath(end, {{0.0, 0.0}, 0.0}, 60.0).length;
   }
-  EXPECT_EQ(allocations() - before, 0);
+  EXPECT_EQ(allocationCount() - before, 0);
   EXPECT_NE(sum, 0.0);
 }
 

@@ -316,7 +316,7 @@ TEST_F(Ladder, AllocatesNothing) {
   inputs[7].engaged = false;
   inputs[8].state.position.x() += 500.0;
   inputs[9].state.position.y() = 1e200;
-  const long before = lateral_test::allocations();
+  const long before = polyfly_test::allocationCount();
   for (const GuidanceInput& input : inputs) {
     guidance_.update(input);
     for (int i = 0; i < 3 && guidance_.improve(); ++i) {
@@ -324,7 +324,7 @@ TEST_F(Ladder, AllocatesNothing) {
     guidance_.prepare();
   }
   guidance_.setTuning(LateralWeights{}, LateralLimits{}, SafetyOptions{});
-  EXPECT_EQ(lateral_test::allocations(), before);
+  EXPECT_EQ(polyfly_test::allocationCount(), before);
 }
 
 TEST(GuidanceOptions, AreChecked) {

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "fixedwing_plant/flight_loop.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -142,9 +143,7 @@ TEST(MissionFile, SurvivesBeingCutOffAnywhere) {
 
 TEST(MissionFile, IsReadFromDisk) {
   EXPECT_THROW(loadMission("/nowhere/mission.yaml", {}), Error);
-  const char* root = std::getenv("POLYFLY_ROOT");
-  if (root == nullptr) GTEST_SKIP() << "POLYFLY_ROOT is not set";
-  const Mission mission = loadMission(std::string(root) + "/fixedwing_lateral/missions/survey.yaml", {});
+  const Mission mission = loadMission(projectRoot() + "/fixedwing_lateral/missions/survey.yaml", {});
   EXPECT_GT(mission.segments.size(), 8U);
 }
 

@@ -280,14 +280,14 @@ TEST(RealTimeIteration, AllocatesNothing) {
   LateralLimits tight;
   tight.roll = 0.2;
   tight.roll_reference = 0.3;
-  const long before = lateral_test::allocations();
+  const long before = polyfly_test::allocationCount();
   nmpc.iterate(scene.data, scene.state, 5, 0.0);
   nmpc.setTuning(hardWeights(), tight);
   nmpc.keepAsPrevious(0.5);
   nmpc.iterate(scene.data, scene.state, 5, 0.0);
   nmpc.optimise(scene.data, scene.state, 5, 0.0);
   nmpc.reset(scene.data, scene.state, 0.0);
-  EXPECT_EQ(lateral_test::allocations(), before);
+  EXPECT_EQ(polyfly_test::allocationCount(), before);
 }
 
 TEST(RealTimeIteration, ReadsThePreviousHorizonLater) {

@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
 """A flight in simulated time: `node` or `nodelet` against an aircraft that it does not know, in lock step."""
+import os
 import subprocess
 import sys
 import threading
 import unittest
 
+import rospkg
 import rospy
 import rostest
 from fixedwing_lateral.msg import LateralStatus, Mission
 from geometry_msgs.msg import Pose
 from roslib.packages import find_node
 
+sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("online_controller"), "test", "ros"))
+from twin import TWIN, command_line  # noqa: E402
+
 PATIENCE = 120.0  # for the whole flight, in wall time [s]
-
-
-def guidance_command(space):
-    names = ["__ns:=" + space, "__name:=guidance"]
-    if TWIN == "nodelet":
-        return [find_node("nodelet", "nodelet")[0], "standalone", "fixedwing_lateral/LateralNmpc"] + names
-    return [find_node("fixedwing_lateral", "lateral_nmpc_node")[0]] + names
 
 
 class Flight(unittest.TestCase):
@@ -55,7 +53,8 @@ class Flight(unittest.TestCase):
         subscriber = rospy.Subscriber(space + "/lateral_status", LateralStatus, take)
         publisher = rospy.Publisher(space + "/mission", Mission, queue_size=1, latch=True)
         publisher.publish(mission)
-        guidance = self.run_program(guidance_command(space))
+        guidance = self.run_program(command_line("fixedwing_lateral", "lateral_nmpc_node", "LateralNmpc") +
+                                    ["__ns:=" + space, "__name:=guidance"])
         plant = self.run_program([find_node("fixedwing_lateral", "lateral_plant_node")[0], "__ns:=" + space,
                                   "_rigid:=%s" % str(rigid).lower()])
         self.assertTrue(over.wait(PATIENCE), "the flight did not come to its end")
@@ -74,6 +73,5 @@ class Flight(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
     rospy.init_node("lateral_flight_test")
     rostest.rosrun("fixedwing_lateral", "lateral_flight_" + TWIN, Flight, sys.argv)

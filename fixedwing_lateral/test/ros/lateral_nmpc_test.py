@@ -6,10 +6,10 @@ import os
 import subprocess
 import sys
 import tempfile
-import threading
 import unittest
 
 import dynamic_reconfigure.client
+import rospkg
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -22,56 +22,19 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import Bool, Header
 from visualization_msgs.msg import MarkerArray
 
-PATIENCE = 30.0  # for what must come [s]
-RETRY = 0.5      # until odometry is sent again [s]
+# The partner for topics is the one of the multirotor's tests.
+sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("online_controller"), "test", "ros"))
+from twin import PATIENCE, RETRY, TWIN, Collector, Program, command_line  # noqa: E402
+
 AIRSPEED = 14.0
 
 
-def command_line(namespace):
-    names = ["__ns:=" + namespace, "__name:=guidance"]
-    if TWIN == "nodelet":
-        return [find_node("nodelet", "nodelet")[0], "standalone", "fixedwing_lateral/LateralNmpc"] + names
-    return [find_node("fixedwing_lateral", "lateral_nmpc_node")[0]] + names
-
-
-class Collector:
-    """Messages of a topic, to be waited for."""
-
-    def __init__(self, topic, kind):
-        self.messages = []
-        self.changed = threading.Condition()
-        self.subscriber = rospy.Subscriber(topic, kind, self.take)
-
-    def take(self, message):
-        with self.changed:
-            self.messages.append(message)
-            self.changed.notify_all()
-
-    def wait(self, condition, timeout=PATIENCE):
-        """The first message that meets the condition, None after the time-out."""
-        found = []
-
-        def arrived():
-            found.extend(m for m in self.messages if condition(m))
-            return bool(found)
-
-        with self.changed:
-            self.changed.wait_for(arrived, timeout)
-        return found[0] if found else None
-
-
-class Guidance:
-    """The twin in a namespace of its own, with a partner for its topics."""
+class Guidance(Program):
+    """The twin, with a partner for its topics."""
 
     def __init__(self, namespace, parameters=None):
-        self.namespace = "/" + namespace
-        for key, value in (parameters or {}).items():
-            rospy.set_param(self.namespace + "/guidance/" + key, value)
-        self.process = subprocess.Popen(command_line(self.namespace), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                        universal_newlines=True)
-
-    def publisher(self, topic, kind, latch=False):
-        return rospy.Publisher(self.namespace + "/" + topic, kind, queue_size=10, latch=latch)
+        super().__init__(command_line("fixedwing_lateral", "lateral_nmpc_node", "LateralNmpc"), namespace, "guidance",
+                         parameters)
 
     def connect(self):
         self.odometry = self.publisher("mavros/local_position/odom", Odometry)
@@ -81,9 +44,9 @@ class Guidance:
         self.mission = self.publisher("mission", Mission, latch=True)
         self.state = self.publisher("mavros/state", State, latch=True)
         self.engaged = self.publisher("engaged", Bool, latch=True)
-        self.commands = Collector(self.namespace + "/mavros/setpoint_attitude/cmd_vel", TwistStamped)
-        self.attitudes = Collector(self.namespace + "/mavros/setpoint_raw/attitude", AttitudeTarget)
-        self.statuses = Collector(self.namespace + "/lateral_status", LateralStatus)
+        self.commands = self.collector("mavros/setpoint_attitude/cmd_vel", TwistStamped)
+        self.attitudes = self.collector("mavros/setpoint_raw/attitude", AttitudeTarget)
+        self.statuses = self.collector("lateral_status", LateralStatus)
         return self
 
     def send(self, change=lambda odometry: None):
@@ -103,22 +66,18 @@ class Guidance:
         return stamp
 
     def exchange(self, change=lambda odometry: None, accept=lambda status: True):
-        """Sends odometry until a status with its stamp has arrived and is accepted."""
-        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
-        while rospy.Time.now() < deadline:
+        """Sends odometry until a status with its stamp has arrived and is accepted. Airspeed and wind come on topics of
+        their own: a status that assumes one was made before it was there."""
+        def ask():
             stamp = self.send(change)
             status = self.statuses.wait(lambda m: m.header.stamp == stamp, RETRY)
-            if status and accept(status):
-                return status
-        raise AssertionError("no answer to odometry")
+            assumed = (LateralStatus.REASON_AIRSPEED_ASSUMED, LateralStatus.REASON_WIND_ASSUMED)
+            return status if status and status.reason not in assumed and accept(status) else None
+
+        return self.answer(ask)
 
     def command_of(self, status):
         return self.commands.wait(lambda m: m.header.stamp == status.header.stamp)
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.terminate()
-        self.process.communicate(timeout=PATIENCE)
 
 
 def northward(length=2000.0):
@@ -353,7 +312,7 @@ class LateralNmpcTest(unittest.TestCase):
 
     def test_markers_and_diagnostics(self):
         guidance = self.start()
-        markers = Collector(guidance.namespace + "/lateral_markers", MarkerArray)
+        markers = guidance.collector("lateral_markers", MarkerArray)
         diagnostics = Collector("/diagnostics", DiagnosticArray)
         guidance.mission.publish(northward())
         guidance.exchange(accept=tracks)
@@ -380,7 +339,7 @@ class LateralNmpcTest(unittest.TestCase):
             name = "refusal_%d" % abs(hash(sentence))
             guidance = Guidance(name, parameters)
             self.addCleanup(guidance.stop)
-            output, _ = guidance.process.communicate(timeout=PATIENCE)
+            output = guidance.output_at_end()
             self.assertNotEqual(guidance.process.returncode, 0)
             self.assertIn("lateral guidance does not start", output)
             self.assertIn(sentence, output)
@@ -403,6 +362,5 @@ class LateralNmpcTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
     rospy.init_node("lateral_nmpc_test")
     rostest.rosrun("fixedwing_lateral", "lateral_nmpc_" + TWIN, LateralNmpcTest, sys.argv)
