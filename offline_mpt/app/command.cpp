@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <thread>
 #include <vector>
 
@@ -20,6 +19,13 @@ std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
 extern "C" void onSignal(int) { stop.store(true); }
+
+bool isSameFile(const std::string& a, const std::string& b) {
+  struct stat first = {}, second = {};
+  if (a == b) return true;
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev &&
+         first.st_ino == second.st_ino;
+}
 
 }  // namespace
 
@@ -50,13 +56,40 @@ int defaultThreads() {
   return std::clamp(std::min(mine, all / launchedHere()), 1, 256);
 }
 
-void writeText(const std::string& path, const std::string& text) {
-  std::vector<std::byte> bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  writeFileAtomically(path, bytes);
+void writeText(const std::string& path, const std::string& text) { writeFileAtomically(path, text); }
+
+ExitCode exitCode(ExploreStatus status) {
+  switch (status) {
+    case ExploreStatus::kComplete:
+      return ExitCode::kDone;
+    case ExploreStatus::kIncomplete:
+    case ExploreStatus::kUnbounded:
+      return ExitCode::kFailed;
+    case ExploreStatus::kLimited:
+    case ExploreStatus::kInterrupted:
+      return ExitCode::kStopped;
+    case ExploreStatus::kInfeasible:
+      return ExitCode::kBadInput;
+  }
+  return ExitCode::kBadInput;
 }
 
-void checkWritable(const std::string& path) {
+void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit) {
+  command.add_option("--threads", threads, "worker threads (default: all processors)")
+      ->check(CLI::Range(1, 256));
+  command.add_option("--time-limit", time_limit, "stop after so many seconds (default: none)")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--memory-limit", memory_limit,
+                  "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
+      ->transform(CLI::AsSizeValue(false));
+}
+
+void checkWritable(const std::string& path, std::initializer_list<std::string> beside) {
+  for (const std::string& other : beside) {
+    if (!other.empty() && isSameFile(path, other))
+      throw Error(path + ": is read or written by this command already: the output needs a name of its own");
+  }
   struct stat status = {};
   if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
     throw Error(path + ": is a folder, not a file");

@@ -2,7 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <cstdint>
+#include <initializer_list>
 #include <string>
+
+#include "offline_mpt/partition.hpp"
 
 namespace polyfly {
 
@@ -24,6 +28,13 @@ void addPlot(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);
+void addCount(CLI::App& app, ExitCode& exit_code);
+
+/// What an exploration that ended so returns to the shell.
+ExitCode exitCode(ExploreStatus status);
+
+/// The options --threads, --time-limit and --memory-limit of an exploration.
+void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit);
 
 /// A flag that SIGINT and SIGTERM set from now on. The second signal ends the program at once.
 const std::atomic<bool>& stopOnSignal();
@@ -40,8 +51,9 @@ int defaultThreads();
 /// Writes a text as writeFileAtomically does. Throws Error.
 void writeText(const std::string& path, const std::string& text);
 
-/// Throws Error when `path` cannot be made: its folder does not exist, or it is a folder itself. Called
-/// before long work.
-void checkWritable(const std::string& path);
+/// Throws Error when `path` cannot be made: its folder does not exist, or it is a folder itself; or when it
+/// is one of the files that the command reads or writes `beside` it (empty names apart), which would be lost.
+/// Called before long work.
+void checkWritable(const std::string& path, std::initializer_list<std::string> beside = {});
 
 }  // namespace polyfly

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -13,6 +14,7 @@ namespace {
 const char kFooter[] =
     "Examples:\n"
     "  offline_mpt solve multirotor_lateral.yaml -o lateral.map\n"
+    "  offline_mpt count big.json --map-limit 24G\n"
     "  offline_mpt info lateral.map\n"
     "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
     "  offline_mpt reduce lateral.map -o small.map --separate\n"
@@ -41,11 +43,13 @@ int fail(const char* text) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
   app.footer(kFooter);
   app.require_subcommand(1);
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
   polyfly::addSolve(app, exit_code);
+  polyfly::addCount(app, exit_code);
   polyfly::addInfo(app, exit_code);
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);

@@ -88,25 +88,29 @@ struct Attempt {
 };
 
 /// Where the proof fails, slivers were left out of the search tree that matter, or rounding made too much of
-/// them: trees that leave out thicker or thinner ones are tried.
+/// them: they are added to the leaves, and trees that leave out thicker or thinner ones are tried.
 Attempt reduceAndProve(const RegionMap& map, const Options& options) {
+  constexpr int kMends = 5;
   Attempt attempt;
   for (const double share : {1.0, 3.0, 0.3}) {
     ReduceResult result = reduceWithProgress(map, options, share * options.reduce.side_tolerance);
     attempt.stats = result.stats;
-    attempt.image = std::make_unique<Image>(result.content);
-    if (options.no_proof) break;
-    attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
-                                    options.quiet, !options.certificate.empty());
-    if (attempt.report.passed() || attempt.report.interrupted) break;
+    for (int mends = 0; mends <= kMends; ++mends) {
+      attempt.image = std::make_unique<Image>(result.content);
+      if (options.no_proof) return attempt;
+      attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
+                                      options.quiet, !options.certificate.empty());
+      if (attempt.report.passed() || attempt.report.interrupted) return attempt;
+      if (!mendLeaves(result.content, attempt.report)) break;
+    }
   }
   return attempt;
 }
 
 ExitCode reduceMap(const Options& options) {
-  checkWritable(options.output);
+  checkWritable(options.output, {options.map});
   for (const std::string* file : {&options.stats, &options.certificate}) {
-    if (!file->empty()) checkWritable(*file);
+    if (!file->empty()) checkWritable(*file, {options.map, options.output});
   }
   const RegionMap map = RegionMap::open(options.map);
   const Attempt attempt = reduceAndProve(map, options);

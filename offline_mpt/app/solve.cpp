@@ -121,22 +121,6 @@ Partition exploreWithProgress(const ParametricProgram& program, const Options& o
   return explore(program, explore_options);
 }
 
-ExitCode exitCode(ExploreStatus status) {
-  switch (status) {
-    case ExploreStatus::kComplete:
-      return ExitCode::kDone;
-    case ExploreStatus::kIncomplete:
-    case ExploreStatus::kUnbounded:
-      return ExitCode::kFailed;
-    case ExploreStatus::kLimited:
-    case ExploreStatus::kInterrupted:
-      return ExitCode::kStopped;
-    case ExploreStatus::kInfeasible:
-      return ExitCode::kBadInput;
-  }
-  return ExitCode::kBadInput;
-}
-
 std::string statsJson(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
                       const Seconds& seconds, int threads, int processes) {
   nlohmann::ordered_json json;
@@ -239,8 +223,8 @@ void reportStop(const Options& options, const Partition& partition) {
 }
 
 void checkFiles(const Options& options) {
-  checkWritable(options.map);
-  if (!options.stats.empty()) checkWritable(options.stats);
+  checkWritable(options.map, {options.problem});
+  if (!options.stats.empty()) checkWritable(options.stats, {options.problem, options.map});
   const std::string checkpoint = checkpointOf(options);
   const bool unfinished = exists(checkpoint);
   if (options.explore.resume && !unfinished) throw Error(checkpoint + ": there is no checkpoint to resume");
@@ -339,18 +323,11 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   command->footer(kFooter);
   command->add_option("PROBLEM", options->problem, "problem file, .yaml or .json")->required();
   command->add_option("-o,--output", options->map, "map file to write")->required();
-  command->add_option("--threads", options->explore.threads, "worker threads (default: all processors)")
-      ->check(CLI::Range(1, 256));
   command->add_option("--stats", options->stats, "write counts and times as JSON");
   command->add_option("--region-limit", options->explore.region_limit, "stop after so many regions")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--time-limit", options->explore.time_limit, "stop after so many seconds (default: none)")
-      ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option("--memory-limit", options->explore.memory_limit,
-                   "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
-      ->transform(CLI::AsSizeValue(false));
+  addExploreLimits(*command, options->explore.threads, options->explore.time_limit,
+                   options->explore.memory_limit);
   command->add_flag("--resume", options->explore.resume, "go on from MAP.checkpoint");
   command
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,

@@ -52,7 +52,7 @@ struct Options {
 };
 
 ExitCode verifyMap(const Options& options) {
-  if (!options.json.empty()) checkWritable(options.json);
+  if (!options.json.empty()) checkWritable(options.json, {options.map, options.problem});
   const RegionMap map = RegionMap::open(options.map);
   if (isRobustMap(map)) {
     return verifyRobust(map,

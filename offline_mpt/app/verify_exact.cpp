@@ -81,7 +81,7 @@ bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& p
 
 ExitCode verifyExact(const VerifyExactOptions& options) {
   for (const std::string* file : {&options.certificate, &options.json, &options.output}) {
-    if (!file->empty()) checkWritable(*file);
+    if (!file->empty()) checkWritable(*file, {options.map, options.problem});
   }
   ParametricProgram program;
   {

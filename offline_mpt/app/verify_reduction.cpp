@@ -23,7 +23,7 @@ ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& origin
 
 ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
   for (const std::string* file : {&options.json, &options.certificate}) {
-    if (!file->empty()) checkWritable(*file);
+    if (!file->empty()) checkWritable(*file, {options.map, options.original});
   }
   const RegionMap reduced = RegionMap::open(options.map);
   const RegionMap original = RegionMap::open(options.original);

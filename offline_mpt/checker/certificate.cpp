@@ -2,8 +2,16 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 namespace checker {
+namespace {
+
+/// Lines that every certificate has once, beside the program's numbers.
+const char* const kHead[] = {"map",     "problem", "tolerances", "equalities", "basis",
+                             "dropped", "relaxed", "convexity",  "coverage",   "regions"};
+
+}  // namespace
 
 Certificate::Certificate(const std::string& text, const Map& map) : map_(map), scaling_(map) {
   std::istringstream lines(unsealed(text));
@@ -12,6 +20,7 @@ Certificate::Certificate(const std::string& text, const Map& map) : map_(map), s
   claims_.reserve(map.regions.size());
   Claim* claim = nullptr;
   while (std::getline(lines, line)) readLine(line, claim);
+  checkHead();
   checkSizes();
   replaceEntries();
 }
@@ -19,6 +28,8 @@ Certificate::Certificate(const std::string& text, const Map& map) : map_(map), s
 void Certificate::readLine(const std::string& text, Claim*& claim) {
   Line line(text);
   const std::string key = line.word();
+  if (std::find(std::begin(kHead), std::end(kHead), key) != std::end(kHead))
+    require(head_.insert(key).second, key + " is given twice");
   if (key == "map") {
     require(line.word() == hexText(map_.checksum) && line.count(SIZE_MAX) == map_.size,
             "the certificate is of another map");
@@ -88,14 +99,21 @@ void Certificate::readLine(const std::string& text, Claim*& claim) {
               "a row is proven twice");
     }
   } else {
-    Matrix matrix;
-    matrix.rows = line.count(kMany);
-    matrix.columns = line.count(kMany);
-    while (!line.done()) matrix.entries.push_back(line.real());
-    require(matrix.entries.size() == matrix.rows * matrix.columns, key + ": its size is not as stated");
+    Matrix matrix = readMatrix(line, key);
     require(data_.emplace(key, std::move(matrix)).second, key + " is given twice");
   }
   line.end();
+}
+
+/// Nothing is left out, and the tolerances are such that "within" means something: the map's look-up reaches
+/// twice as far as planes may differ.
+void Certificate::checkHead() const {
+  for (const char* const key : kHead) require(head_.count(key) > 0, std::string(key) + " is missing");
+  require(law_tolerance_ >= 0 && law_tolerance_ <= Fraction(kMostLawTolerance),
+          "the law tolerance is out of range");
+  require(plane_tolerance_ >= 0 && plane_tolerance_ <= Fraction(kMostPlaneTolerance) &&
+              2 * plane_tolerance_ <= Fraction(map_.tolerance),
+          "the plane tolerance is out of range");
 }
 
 void Certificate::checkSizes() {
@@ -103,23 +121,7 @@ void Certificate::checkSizes() {
   m_ = data("A").rows;
   p_ = map_.p;
   q_ = map_.q;
-  const std::map<std::string, std::pair<std::size_t, std::size_t>> sizes = {
-      {"box", {p_, 2}},
-      {"H", {n_, n_}},
-      {"f", {n_, 1}},
-      {"F", {n_, p_}},
-      {"A", {m_, n_}},
-      {"b", {m_, 1}},
-      {"S", {m_, p_}},
-      {"A_theta", {data("A_theta").rows, p_}},
-      {"b_theta", {data("A_theta").rows, 1}},
-      {"E", {q_, n_}},
-      {"C", {q_, p_}},
-      {"c", {q_, 1}}};
-  for (const auto& [name, size] : sizes)
-    require(data(name).rows == size.first && data(name).columns == size.second,
-            name + ": its size does not fit");
-  require(data_.size() == sizes.size(), "an unknown line");
+  requireSizes(data_, n_, m_, p_, q_);
   for (std::size_t j = 0; j < p_; ++j) {
     const Fraction lower = data("box").at(j, 0), upper = data("box").at(j, 1);
     require(
@@ -153,14 +155,23 @@ std::string Certificate::conditions() const {
     text += std::to_string(forgiven) + " rows hold in a region within 2^-40 of their size only\n";
   if (linear_) text += "linear program: of several optima the shortest\n";
   if (singular_) text += "H is singular: of several optima the shortest\n";
-  if (!counts_.empty())
-    text += std::to_string(counts_.size()) +
+  const auto is_bound = [](const Counts& counts) { return counts.name == "b"; };
+  const auto bounds = static_cast<std::size_t>(std::count_if(counts_.begin(), counts_.end(), is_bound));
+  if (bounds > 0)
+    text +=
+        std::to_string(bounds) +
+        " bounds of rows that count as equalities differ by at most 2^-29 of the sum of the row's entries\n";
+  if (counts_.size() > bounds)
+    text += std::to_string(counts_.size() - bounds) +
             " entries count as others that differ by at most 2^-30 of the "
             "greatest of their matrix or row\n";
   if (!relaxed_.empty())
     text += std::to_string(relaxed_.size()) + " rows have bounds that are greater by 2^-40 of their size\n";
-  if (!dropped_.empty())
-    text += std::to_string(dropped_.size()) + " rows hold within 2^-30 of their size only\n";
+  const auto is_equality = [this](std::size_t row) { return equalities_.count(row) > 0; };
+  const auto near = std::count_if(dropped_.begin(), dropped_.end(), is_equality);
+  if (near > 0) text += std::to_string(near) + " equalities hold within 2^-40 of their size only\n";
+  const auto dropped = dropped_.size() - static_cast<std::size_t>(near);
+  if (dropped > 0) text += std::to_string(dropped) + " rows hold within 2^-30 of their size only\n";
   return text;
 }
 
@@ -170,34 +181,8 @@ void Certificate::compareProblem(const std::string& problem) const {
   if (problem.find_first_not_of(" \t\r\n") == std::string::npos ||
       problem[problem.find_first_not_of(" \t\r\n")] != '{')
     return;
-  const auto compare = [&](const std::string& key, const Vector& values) {
-    const std::vector<double> numbers = jsonNumbers(problem, key);
-    require(numbers.size() == values.size() &&
-                std::equal(numbers.begin(), numbers.end(), values.begin(),
-                           [](double number, const Fraction& value) { return Fraction(number) == value; }),
-            key + " is not that of the problem file");
-  };
-  for (const char* key : {"H", "f", "F", "A", "b", "A_theta", "b_theta"}) compare(key, given(key).entries);
-  compare("B", data("S").entries);
-  Vector lower, upper;
-  for (std::size_t j = 0; j < p_; ++j) {
-    lower.push_back(data("box").at(j, 0));
-    upper.push_back(data("box").at(j, 1));
-  }
-  compare("lb", lower);
-  compare("ub", upper);
-  const std::vector<double> ids = jsonNumbers(problem, "eq_ids");
-  require(std::set<std::size_t>(ids.begin(), ids.end()) == equalities_,
-          "eq_ids is not that of the problem file");
-  std::vector<double> out = jsonNumbers(problem, "out");
-  for (std::size_t i = out.size(); out.size() == i && i < q_ && jsonNumbers(problem, "out").empty(); ++i)
-    out.push_back(static_cast<double>(i));
-  require(out.size() == q_, "out is not that of the problem file");
-  for (std::size_t i = 0; i < q_; ++i) {
-    for (std::size_t j = 0; j < n_; ++j)
-      require(data("E").at(i, j) == (static_cast<double>(j) == out[i] ? 1 : 0),
-              "out is not that of the problem file");
-  }
+  compareNumbers(
+      problem, [this](const std::string& name) -> const Matrix& { return given(name); }, equalities_);
 }
 
 /// Row of (matrix theta + vector) in t.
@@ -238,8 +223,13 @@ void Certificate::checkProgram() const {
     }
     for (const Fraction& value : sum) require(value == 0, "an implied equality does not follow");
   }
+  for (const Counts& counts : counts_)
+    require(counts.name != "b" || allowed.count(counts.row) > 0, "b: of no equality");
   for (const std::size_t row : basis_) require(allowed.count(row) > 0, "a row is no equality");
-  for (const std::size_t row : dropped_) require(allowed.count(row) == 0, "an equality is dropped");
+  for (const std::size_t row : dropped_) {
+    require(std::find(basis_.begin(), basis_.end(), row) == basis_.end(), "a row of the basis is dropped");
+    require(allowed.count(row) == 0 || equalities_.count(row) > 0, "an implied equality is dropped");
+  }
   for (const std::size_t row : relaxed_) require(allowed.count(row) == 0, "an equality is relaxed");
   require(penalty_ >= 0, "convexity: negative");
   require(!linear_ || !singular_, "convexity: H is zero");
@@ -252,7 +242,8 @@ Fraction Certificate::hessian(std::size_t i, std::size_t j) const {
 }
 
 /// Entries that count as others. They differ by rounding: 2^-30 of the greatest entry of the matrix, or of
-/// the row of A. All of H is replaced or nothing; it then has the penalty in it.
+/// the row of A; those of b by 2^-29 of the sum of the row's entries. All of H is replaced or nothing; it
+/// then has the penalty in it.
 void Certificate::replaceEntries() {
   constexpr unsigned long kRoundingBits = 30;
   const auto greatest_of = [](const Matrix& matrix, std::size_t first, std::size_t count) {
@@ -263,9 +254,10 @@ void Certificate::replaceEntries() {
   };
   std::map<std::string, std::set<std::pair<std::size_t, std::size_t>>> seen;
   for (const Counts& counts : counts_) {
-    require(
-        singular_ && (counts.name == "H" || counts.name == "F" || counts.name == "f" || counts.name == "A"),
-        counts.name + ": its entries cannot count as others");
+    const bool may_be_singular =
+        counts.name == "H" || counts.name == "F" || counts.name == "f" || counts.name == "A";
+    require((singular_ && may_be_singular) || counts.name == "b",
+            counts.name + ": its entries cannot count as others");
     Matrix& matrix = data_.at(counts.name);
     require(counts.row < matrix.rows && counts.column < matrix.columns, counts.name + ": no such entry");
     require(seen[counts.name].emplace(counts.row, counts.column).second, "an entry counts twice");
@@ -282,6 +274,10 @@ void Certificate::replaceEntries() {
   if (seen.count("H") > 0) require(seen["H"].size() == n_ * n_, "H counts as another only in part");
   const std::map<std::string, Matrix> before = data_;
   for (const Counts& counts : counts_) {
+    if (counts.name == "b") {
+      countBound(counts);
+      continue;
+    }
     const Matrix& old = before.at(counts.name);
     const bool by_row = counts.name == "A";
     const Fraction size = by_row ? greatest_of(old, counts.row * old.columns, old.columns)
@@ -292,6 +288,17 @@ void Certificate::replaceEntries() {
             counts.name + ": an entry counts as one that differs by more than rounding");
   }
   if (seen.count("H") > 0) penalty_ = 0;
+}
+
+/// z moved by 2^-29 in each entry makes up for it.
+void Certificate::countBound(const Counts& counts) {
+  constexpr unsigned long kNarrowBits = 29;
+  Fraction size;
+  for (std::size_t j = 0; j < n_; ++j) size += abs(given("A").at(counts.row, j));
+  const Fraction difference = abs(counts.value - given("b").at(counts.row, 0));
+  require(difference * Fraction(Integer(1) << kNarrowBits) <= size,
+          "b: an entry counts as one that differs by more than rounding");
+  data_.at("b").entries[counts.row] = counts.value;
 }
 
 void Certificate::checkConvexity() const {

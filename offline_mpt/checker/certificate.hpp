@@ -6,15 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "rows.hpp"
+#include "program.hpp"
 
 namespace checker {
-
-struct Matrix {
-  std::size_t rows = 0, columns = 0;
-  Vector entries;
-  const Fraction& at(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
-};
 
 /// What a certificate says of one region, or of a sliver that the map leaves out.
 struct Claim {
@@ -66,10 +60,12 @@ class Certificate {
     return at->second;
   }
   void readLine(const std::string& text, Claim*& claim);
+  void checkHead() const;
   void checkSizes();
   void checkProgram() const;
   void checkConvexity() const;
   void replaceEntries();
+  void countBound(const Counts& counts);
   Fraction hessian(std::size_t i, std::size_t j) const;
   std::vector<Row> optimalitySystem(const std::vector<std::size_t>& rows) const;
   std::vector<Row> limitSystem(const std::vector<std::size_t>& rows) const;
@@ -94,6 +90,7 @@ class Certificate {
   void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;
 
   const Map& map_;
+  std::set<std::string> head_;           ///< its lines that were read
   std::map<std::string, Matrix> data_;   ///< what counts
   std::map<std::string, Matrix> given_;  ///< of `data_`, what was replaced, as the problem has it
   std::set<std::size_t> equalities_, dropped_, relaxed_;

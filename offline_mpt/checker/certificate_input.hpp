@@ -21,6 +21,10 @@ inline void require(bool condition, const std::string& rule) {
   if (!condition) throw Refused(rule);
 }
 
+/// The greatest tolerances that a certificate may state: with any, anything could be confirmed.
+constexpr double kMostLawTolerance = 1e-6;    ///< relative, what is promised of u
+constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
+
 std::string readFile(const std::string& path);
 std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
 std::string hexText(std::uint64_t value);       ///< 16 digits

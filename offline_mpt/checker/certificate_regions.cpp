@@ -14,8 +14,8 @@ std::set<std::size_t> Certificate::activeSet(std::size_t index) const {
   for (const std::int64_t row : rows) {
     require(row >= 0 && static_cast<std::size_t>(row) < m_, "an active set names a row that is not there");
     const auto i = static_cast<std::size_t>(row);
-    require(dropped_.count(i) == 0, "an active set names a dropped row");
     if (equalities_.count(i) > 0 || std::find(basis_.begin(), basis_.end(), i) != basis_.end()) continue;
+    require(dropped_.count(i) == 0, "an active set names a dropped row");
     require(active.insert(i).second, "an active set repeats a row");
   }
   return active;

@@ -158,7 +158,11 @@ void Certificate::addSlacks(const std::vector<Row>& z, const Integer& determinan
       relaxed.back() += determinant * greatest;
       return primitive(relaxed);
     };
-    if (equalities_.count(i) > 0) {
+    if (equalities_.count(i) > 0 && dropped_.count(i) > 0) {
+      region.dropped[origin] = within(slack, kForgivenBits);
+      for (Integer& value : slack) value = -value;
+      region.dropped["x" + std::to_string(i)] = within(slack, kForgivenBits);
+    } else if (equalities_.count(i) > 0) {
       for (const Integer& value : slack) require(value == 0, "an equality does not hold");
     } else if (dropped_.count(i) > 0) {
       region.dropped[origin] = within(slack, kDroppedBits);

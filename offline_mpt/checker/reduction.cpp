@@ -77,11 +77,14 @@ Reduction::Reduction(const std::string& text, const Map& reduced, const Map& ori
   require(originals_.size() == original.regions.size() && claims_.size() == reduced.regions.size(),
           "regions are missing");
   require(slack_ >= 0 && 2 * slack_ <= Fraction(reduced.tolerance), "the slack is above half the tolerance");
-  require(law_tolerance_ >= 0, "the law tolerance is negative");
+  require(law_tolerance_ >= 0 && law_tolerance_ <= Fraction(kMostLawTolerance),
+          "the law tolerance is out of range");
+  require(head_.size() == 3, "a line of the head is missing");
 }
 
 void Reduction::readHead(Line& line) {
   const std::string key = line.word();
+  if (key != "O" && key != "R") require(head_.insert(key).second, key + " is given twice");
   if (key == "reduced" || key == "original") {
     const Map& map = key == "reduced" ? reduced_map_ : original_map_;
     require(line.word() == hexText(map.checksum) && line.count(SIZE_MAX) == map.size,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,6 +72,7 @@ class Reduction {
   const Map &reduced_map_, &original_map_;
   std::uint32_t first_fallback_ = 0;
   Fraction law_tolerance_, slack_;
+  std::set<std::string> head_;                   ///< its lines that were read
   std::vector<std::string> originals_, claims_;  ///< proofs by region
   MapRows reduced_, original_;
   mutable std::map<std::pair<std::uint32_t, std::uint32_t>, bool> same_;

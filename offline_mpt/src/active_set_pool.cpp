@@ -25,19 +25,32 @@ std::uint32_t hashOf(RowSpan set) {
 ActiveSetPool::ActiveSetPool(CountedMemory& memory)
     : arena_(memory), sets_(&memory), table_(kFirstSlots, Slot{}, &memory) {}
 
+// Where the set is in the table, or the free slot where it belongs.
+std::size_t ActiveSetPool::placeOf(RowSpan set, std::uint32_t hash) const {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t place = hash & mask;
+  for (; table_[place].set != 0; place = (place + 1) & mask) {
+    if (table_[place].hash != hash) continue;
+    const RowSpan other = (*this)[table_[place].set - 1];
+    if (std::equal(set.begin(), set.end(), other.begin(), other.end())) break;
+  }
+  return place;
+}
+
+std::optional<std::uint32_t> ActiveSetPool::find(RowSpan set) const {
+  const Slot& slot = table_[placeOf(set, hashOf(set))];
+  if (slot.set == 0) return std::nullopt;
+  return slot.set - 1;
+}
+
 bool ActiveSetPool::insert(RowSpan set) {
   if (sets_.size() == std::numeric_limits<std::uint32_t>::max()) {
     throw Error("exploration: more than 4294967295 active sets");
   }
   if ((sets_.size() + 1) * kFullOf > table_.size() * kFull) grow();
   const std::uint32_t hash = hashOf(set);
-  const std::size_t mask = table_.size() - 1;
-  std::size_t place = hash & mask;
-  for (; table_[place].set != 0; place = (place + 1) & mask) {
-    if (table_[place].hash != hash) continue;
-    const RowSpan other = (*this)[table_[place].set - 1];
-    if (std::equal(set.begin(), set.end(), other.begin(), other.end())) return false;
-  }
+  const std::size_t place = placeOf(set, hash);
+  if (table_[place].set != 0) return false;
   std::uint16_t* const copy = arena_.allocate(set.count + 1);
   copy[0] = static_cast<std::uint16_t>(set.count);
   std::copy(set.begin(), set.end(), copy + 1);

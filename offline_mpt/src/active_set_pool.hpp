@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory_resource>
+#include <optional>
 #include <vector>
 
 #include "arena.hpp"
@@ -27,6 +28,9 @@ class ActiveSetPool {
   /// Whether the set was new. Throws Error when there are 2^32 - 1 sets.
   bool insert(RowSpan set);
 
+  /// Index of the set, none where it is new.
+  std::optional<std::uint32_t> find(RowSpan set) const;
+
   std::uint32_t size() const { return static_cast<std::uint32_t>(sets_.size()); }
 
   /// The rows keep their address.
@@ -39,6 +43,7 @@ class ActiveSetPool {
     std::uint32_t hash = 0;
   };
 
+  std::size_t placeOf(RowSpan set, std::uint32_t hash) const;
   void grow();
 
   Arena<std::uint16_t> arena_;  // for each set its size, then its rows

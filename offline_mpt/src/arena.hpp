@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory_resource>
 #include <utility>
 #include <vector>
@@ -46,7 +47,7 @@ class Arena {
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
   ~Arena() {
-    for (const auto& [block, size] : blocks_) memory_.deallocate(block, size * sizeof(T), alignof(T));
+    while (freed_ < blocks_.size()) freeOldest();
   }
 
   /// `count` numbers, not initialised.
@@ -58,7 +59,15 @@ class Arena {
     return result;
   }
 
+  /// What was allocated before `array`, itself from allocate(), is not used any more: frees whole blocks of
+  /// it.
+  void releaseBefore(const T* array) {
+    while (!holds(blocks_[freed_], array)) freeOldest();
+  }
+
  private:
+  using Block = std::pair<T*, std::size_t>;
+
   static constexpr std::size_t kFirst = (std::size_t{1} << 12) / sizeof(T);
   static constexpr std::size_t kMost = (std::size_t{1} << 20) / sizeof(T);
 
@@ -71,8 +80,18 @@ class Arena {
     blocks_.emplace_back(next_, size);
   }
 
+  static bool holds(const Block& block, const T* array) {
+    return !std::less<>()(array, block.first) && std::less<>()(array, block.first + block.second);
+  }
+
+  void freeOldest() {
+    const auto& [block, size] = blocks_[freed_++];
+    memory_.deallocate(block, size * sizeof(T), alignof(T));
+  }
+
   CountedMemory& memory_;
-  std::pmr::vector<std::pair<T*, std::size_t>> blocks_;
+  std::pmr::vector<Block> blocks_;  // in the order of allocation
+  std::size_t freed_ = 0;           // of blocks_, the first ones
   T* next_ = nullptr;
   std::size_t left_ = 0;
 };

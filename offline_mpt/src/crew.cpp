@@ -5,24 +5,37 @@
 #include <thread>
 
 #include "describe.hpp"
+#include "exploration_state.hpp"
 #include "lend_threads.hpp"
 
 namespace polyfly {
 namespace {
 
-void work(const LeastDistance& program, const ExploreOptions& options, Desk& desk) {
+class RegionDescriber : public Describer {
+ public:
+  RegionDescriber(const LeastDistance& program, const ExploreOptions& options)
+      : program_(program), worker_(program, options) {}
+
+  void answer(RowSpan set, ByteWriter& out) override {
+    active_.assign(set.begin(), set.end());
+    const Described described = describe(program_, worker_, active_);
+    writeAnswer(described, active_, worker_.pivots() - pivots_, out);
+    pivots_ = worker_.pivots();
+  }
+
+ private:
+  const LeastDistance& program_;
+  Worker worker_;
+  ActiveSet active_;
+  unsigned long long pivots_ = 0;
+};
+
+void work(const MakeDescriber& make, Desk& desk) {
   try {
-    Worker worker(program, options);
-    ActiveSet active;
-    unsigned long long pivots = 0;
+    const std::unique_ptr<Describer> describer = make();
     while (Chunk* const chunk = desk.take()) {
       ByteWriter answers(chunk->answers);
-      for (const RowSpan& set : chunk->sets) {
-        active.assign(set.begin(), set.end());
-        const Described described = describe(program, worker, active);
-        writeAnswer(described, active, worker.pivots() - pivots, answers);
-        pivots = worker.pivots();
-      }
+      for (const RowSpan& set : chunk->sets) describer->answer(set, answers);
       desk.give(chunk);
     }
   } catch (...) {
@@ -32,8 +45,7 @@ void work(const LeastDistance& program, const ExploreOptions& options, Desk& des
 
 /// What the threads of a crew share.
 struct Crew {
-  const LeastDistance& program;
-  const ExploreOptions& options;
+  const MakeDescriber& make;
   Desk& desk;
 };
 
@@ -44,7 +56,7 @@ std::atomic<unsigned> order{0};
 void join(void* context) {
   order.fetch_add(1, std::memory_order_acq_rel);
   const Crew& crew = *static_cast<const Crew*>(context);
-  work(crew.program, crew.options, crew.desk);
+  work(crew.make, crew.desk);
   order.fetch_add(1, std::memory_order_acq_rel);
 }
 
@@ -54,11 +66,15 @@ int crewSize(const ExploreOptions& options) {
   return std::clamp(options.threads, 1, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
 }
 
+MakeDescriber regionDescribers(const LeastDistance& program, const ExploreOptions& options) {
+  return [&] { return std::make_unique<RegionDescriber>(program, options); };
+}
+
 // The desk is what the threads meet at: its mutex orders all that they share. TBB may lend fewer threads,
 // which changes nothing but the time.
-void runCrew(const LeastDistance& program, const ExploreOptions& options, int threads, Desk& desk) {
-  if (threads == 1) return work(program, options, desk);
-  Crew crew{program, options, desk};
+void runCrew(const MakeDescriber& make, int threads, Desk& desk) {
+  if (threads == 1) return work(make, desk);
+  Crew crew{make, desk};
   order.fetch_add(1, std::memory_order_acq_rel);
   lendThreads(threads, join, &crew);
   order.fetch_add(1, std::memory_order_acq_rel);

@@ -17,7 +17,8 @@ struct Described {
   BuildStatus status = BuildStatus::kThin;
   RegionData region;
   std::vector<ActiveSet> neighbours;
-  std::vector<double> unsettled;  ///< probes (p numbers each) that no candidate of their facet holds
+  std::vector<std::uint32_t> behind;  ///< of a strictly convex program's region: the neighbours' facets
+  std::vector<double> unsettled;      ///< probes (p numbers each) that no candidate of their facet holds
   std::uint32_t degenerate_facets = 0;
 };
 
@@ -37,6 +38,15 @@ struct Worker {
 };
 
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active);
+
+/// A region holds a probe within this, as the map's look-up does [scaled].
+constexpr double kProbeTolerance = 1e-8;
+
+/// Whether a probe that no region holds lies at the edge of the feasible set, or outside.
+bool isEdge(const LeastDistance& program, const Eigen::VectorXd& probe);
+
+/// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
+double crossingFraction(const RegionData& region, const Facet& facet);
 
 /// A full-dimensional region to begin with, at or near t = `centre`; false where none is found.
 bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,

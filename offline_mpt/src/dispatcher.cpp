@@ -14,7 +14,7 @@ constexpr double kSavingShare = 0.05;  // greatest part of the time that saving 
 
 }  // namespace
 
-Dispatcher::Dispatcher(ExplorationState& state, const ExploreOptions& options, std::function<void()> save)
+Dispatcher::Dispatcher(SetQueue& state, const ExploreOptions& options, std::function<void()> save)
     : state_(state),
       options_(options),
       save_(std::move(save)),
@@ -101,7 +101,7 @@ void Dispatcher::merge(Chunk* chunk) {
 // Sends the numbers from the thread that asked for the exploration, and not while others wait for it.
 void Dispatcher::report(Lock& lock) {
   if (!options_.progress || std::this_thread::get_id() != owner_) return;
-  const ExploreProgress progress{state_.regions.size(), state_.open(), state_.described,
+  const ExploreProgress progress{state_.regionCount(), state_.open(), state_.described,
                                  state_.memory.bytes(), unsaved_};
   lock.unlock();
   options_.progress(progress);
@@ -111,7 +111,7 @@ bool Dispatcher::limitReached() {
   if (state_.open() == 0) return false;  // nothing is left to do
   if (options_.stop != nullptr && options_.stop->load()) {
     stop(ExploreStatus::kInterrupted);
-  } else if (state_.regions.size() >= options_.region_limit ||
+  } else if (state_.regionCount() >= options_.region_limit || state_.enough() ||
              (options_.memory_limit > 0 && state_.memory.bytes() >= options_.memory_limit) ||
              (options_.time_limit > 0.0 &&
               std::chrono::duration<double>(Clock::now() - begin_).count() > options_.time_limit)) {

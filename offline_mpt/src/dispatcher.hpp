@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "exploration_state.hpp"
 #include "offline_mpt/explore.hpp"
+#include "set_queue.hpp"
 
 namespace polyfly {
 
@@ -41,7 +41,7 @@ class Desk {
 class Dispatcher : public Desk {
  public:
   /// `save` is called now and then, with the state at rest.
-  Dispatcher(ExplorationState& state, const ExploreOptions& options, std::function<void()> save);
+  Dispatcher(SetQueue& state, const ExploreOptions& options, std::function<void()> save);
 
   Chunk* take() override;
   void give(Chunk* chunk) override;
@@ -76,7 +76,7 @@ class Dispatcher : public Desk {
   void report(Lock& lock);
   std::uint64_t undispatched() const { return state_.found.size() - handed_out_; }
 
-  ExplorationState& state_;
+  SetQueue& state_;
   const ExploreOptions& options_;
   const std::function<void()> save_;
   const std::thread::id owner_ = std::this_thread::get_id();

@@ -12,8 +12,6 @@ namespace polyfly {
 namespace {
 
 constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-constexpr double kSameLaw = 1e-9;  // greatest difference of two laws that are written once, relative to the
-                                   // outputs that occur [scaled]
 constexpr double kMembership = 1e-8;  // how far outside a half-space still counts as inside [scaled]
 
 /// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.

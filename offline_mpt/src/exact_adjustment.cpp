@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exact_equalities.hpp"
+#include "exact_implied.hpp"
 #include "exact_numbers.hpp"
-#include "exact_program.hpp"
 #include "margin.hpp"
-#include "offline_mpt/exact_lp.hpp"
+#include "program_rows.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -25,60 +26,17 @@ bool isConvex(const ParametricProgram& program, const Adjustment& adjustment) {
   return positiveSemidefinite(std::move(whole));
 }
 
-bool isEquality(const ParametricProgram& program, int row) {
-  return std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end();
-}
-
-/// Weights that prove the inequalities among `rows` to be equalities; empty if there are none.
-ZeroCombination combineToZero(const ParametricProgram& program, const std::vector<int>& rows) {
-  const int n = program.variableCount();
-  const int p = program.parameterCount();
-  ExactLp lp;
-  lp.addRows(n + p + 1);
-  for (int i = 0; i < n + p + 1; ++i) lp.setRowBounds(i, ExactLp::Bound::kFixed, 0, 0);
-  lp.addColumns(static_cast<int>(rows.size()));
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int column = static_cast<int>(k);
-    const auto type = isEquality(program, rows[k]) ? ExactLp::Bound::kFree : ExactLp::Bound::kLower;
-    lp.setColumnBounds(column, type, 1, 0);
-    for (int i = 0; i < n + p + 1; ++i) {
-      const double value = i < n       ? program.A(rows[k], i)
-                           : i < n + p ? program.S(rows[k], i - n)
-                                       : program.b(rows[k]);
-      if (value != 0.0) lp.setCoefficient(i, column, Rational(value));
-    }
-  }
-  if (lp.solve() != ExactLp::Status::kOptimal) return {};
-  Integer denominator(1);
-  for (int k = 0; k < lp.columnCount(); ++k) denominator = lcm(denominator, lp.primal(k).get_den());
-  ZeroCombination result;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Rational weight = lp.primal(static_cast<int>(k)) * denominator;
-    if (weight != 0) result.emplace_back(rows[k], weight.get_num());
-  }
-  return result;
-}
-
 void takeEqualities(const ParametricProgram& program, Adjustment& adjustment) {
   ParametricProgram widened = program;
   if (!findMargin(widened).feasible)
     throw Error(program.name + ": no parameter of the box admits a solution; there is nothing to certify");
   std::vector<int> rows = program.equalities;
-  if (widened.equalities.size() > program.equalities.size()) {
-    ZeroCombination proof = combineToZero(program, widened.equalities);
-    if (!proof.empty()) {
-      rows = widened.equalities;
-      adjustment.implied.push_back(std::move(proof));
-    }
-  }
-  std::vector<Rational> values;
-  for (const int row : rows) {
-    for (int j = 0; j < program.variableCount(); ++j) values.emplace_back(program.A(row, j));
-  }
-  if (rows.empty()) return;
-  for (const int k : independentRows(wholeRows(values, program.variableCount())))
-    adjustment.basis.push_back(rows[static_cast<std::size_t>(k)]);
+  if (widened.equalities.size() > program.equalities.size() &&
+      proveImplied(program, widened.equalities, adjustment))
+    rows = widened.equalities;
+  chooseBasis(program, rows, adjustment);
 }
+
 void makeConvex(const ParametricProgram& program, Adjustment& adjustment) {
   if (program.H.cwiseAbs().maxCoeff() == 0.0) return;
   adjustment.singular = isSingular(program, adjustment.basis);
@@ -145,6 +103,7 @@ void dropRepeated(const ParametricProgram& program, const std::vector<char>& may
       break;
     }
   }
+  std::sort(adjustment.dropped.begin(), adjustment.dropped.end());
 }
 
 }  // namespace

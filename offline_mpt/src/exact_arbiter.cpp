@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "exact_program.hpp"
+#include "exact_equalities.hpp"
 #include "exact_region.hpp"
 
 namespace polyfly {
@@ -26,7 +26,8 @@ Rational valueAt(const Entry& entry, const std::vector<Rational>& t) {
   return value;
 }
 
-/// Whether every multiplier of an inequality and every slack is at least zero, and equalities hold.
+/// Whether every multiplier of an inequality and every slack is at least zero, and equalities hold
+/// that follow from others without rounding.
 bool meetsConditions(const ExactProgram& program, const ExactSolution& solution,
                      const std::vector<Rational>& t) {
   std::vector<char> in_system(static_cast<std::size_t>(program.m), 0);
@@ -37,7 +38,8 @@ bool meetsConditions(const ExactProgram& program, const ExactSolution& solution,
     if (valueAt([&](int j) { return solution.multiplier(static_cast<int>(r), j); }, t) < 0) return false;
   }
   for (int i = 0; i < program.m; ++i) {
-    if (in_system[static_cast<std::size_t>(i)]) continue;
+    if (in_system[static_cast<std::size_t>(i)] != 0 || program.is_dropped[static_cast<std::size_t>(i)] != 0)
+      continue;
     const std::vector<Integer> slack = solution.slack(program, i);
     const Rational value = valueAt([&](int j) { return slack[static_cast<std::size_t>(j)]; }, t);
     if (program.is_equality[static_cast<std::size_t>(i)] ? value != 0 : value < 0) return false;
@@ -50,7 +52,7 @@ bool meetsConditions(const ExactProgram& program, const ExactSolution& solution,
 bool ExactArbiter::optimal(const Eigen::VectorXd& theta, const std::vector<int>& active, Eigen::VectorXd& u) {
   if (!exact_) {
     Adjustment as_given;
-    as_given.basis = program_->equalities;
+    chooseBasis(*program_, program_->equalities, as_given);
     as_given.singular = program_->H.cwiseAbs().maxCoeff() > 0.0 && isSingular(*program_, as_given.basis);
     exact_ = std::make_shared<const ExactProgram>(*program_, as_given);
   }

@@ -106,8 +106,16 @@ void describeAdjustment(const ParametricProgram& source, const ExactProgram& pro
   report.singular = adjustment.singular;
   report.replaced_entries = adjustment.replaced.size();
   report.greatest_replacement = greatestReplacement(source, adjustment);
+  for (const auto& [row, value] : adjustment.bounds) {
+    const Rational difference = abs(value - Rational(source.b(row))) / rowSum(source, row);
+    report.narrow_rows.push_back(row);
+    report.greatest_narrowing = std::max(report.greatest_narrowing, difference.get_d());
+  }
   report.linear = program.linear;
-  report.dropped_rows = adjustment.dropped;
+  for (const int row : adjustment.dropped)
+    (program.is_equality[static_cast<std::size_t>(row)] != 0 ? report.dropped_equalities
+                                                             : report.dropped_rows)
+        .push_back(row);
   report.relaxed_rows = adjustment.relaxed;
   for (const ZeroCombination& proof : adjustment.implied) {
     for (const auto& [row, weight] : proof) {

@@ -174,11 +174,14 @@ std::vector<CoverCandidate> FacetClosing::behind(std::uint32_t region, const Exa
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<CoverCandidate> candidates;
   for (const std::uint32_t other : found) {
-    const RegionSurvey& survey = surveys_[other];
-    if (!survey.described || survey.point.empty() || valueAt(plane, survey.point) >= 0) continue;
-    candidates.push_back({other, &listedRows(other, storage)});
+    if (reachesBehind(other, plane)) candidates.push_back({other, &listedRows(other, storage)});
   }
   return candidates;
+}
+
+bool FacetClosing::reachesBehind(std::uint32_t region, const ExactRow& plane) const {
+  const RegionSurvey& survey = surveys_[region];
+  return survey.described && !survey.point.empty() && valueAt(plane, survey.point) < 0;
 }
 
 Closing FacetClosing::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
@@ -205,16 +208,27 @@ Closing FacetClosing::closeByCover(std::uint32_t region, std::uint32_t row,
                                    std::vector<Defect>& defects, std::vector<Rational>& uncovered) const {
   const ExactRow& plane = listed[row];
   std::deque<std::vector<ExactRow>> storage;
-  const std::vector<CoverCandidate> candidates = behind(region, plane, storage);
-  FacetCover cover(&plane, context_.program.p, candidates, context_.options.stop);
-  std::string proof;
-  if (cover.cover(listed, proof)) {
-    text += " cover" + proof;
-    return Closing::kCovered;
+  std::vector<CoverCandidate> candidates = behind(region, plane, storage);
+  for (;;) {
+    FacetCover cover(&plane, context_.program.p, candidates, context_.options.stop);
+    std::string proof;
+    if (cover.cover(listed, proof)) {
+      text += " cover" + proof;
+      return Closing::kCovered;
+    }
+    if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
+    uncovered = cover.uncovered();
+    // Behind may be regions that do not list the plane, if the map leaves out what they have in common.
+    const std::size_t before = candidates.size();
+    for (std::uint32_t r = 0; r < surveys_.size(); ++r) {
+      const auto is_r = [r](const CoverCandidate& candidate) { return candidate.region == r; };
+      if (r == region || std::any_of(candidates.begin(), candidates.end(), is_r) ||
+          !nearlyHolds(context_, surveys_, r, uncovered) || !reachesBehind(r, plane))
+        continue;
+      candidates.push_back({r, &listedRows(r, storage)});
+    }
+    if (candidates.size() == before) return addGap(region, row, plane, uncovered, defects);
   }
-  if (cover.uncovered().empty()) return Closing::kOpen;  // stopped
-  uncovered = cover.uncovered();
-  return addGap(region, row, plane, uncovered, defects);
 }
 
 // The facet of the region moved outwards: all other regions that have no row along it, moved outwards too,

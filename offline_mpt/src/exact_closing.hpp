@@ -34,6 +34,8 @@ class FacetClosing {
   bool proveEdge(const RegionSurvey& survey, const std::vector<ExactOrigin>& origins,
                  std::string& text) const;
   bool mayCancel(const std::vector<int>& rows, int last) const;
+  /// Whether the region, with an inner point, has that behind the plane.
+  bool reachesBehind(std::uint32_t region, const ExactRow& plane) const;
   std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
                                      std::deque<std::vector<ExactRow>>& storage) const;
   Closing closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,

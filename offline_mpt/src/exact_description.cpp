@@ -3,21 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact_numbers.hpp"
+#include "exact_equalities.hpp"
 
 namespace polyfly {
 namespace {
 
 Adjustment adjustmentOf(const ParametricProgram& program) {
   Adjustment adjustment;
-  if (!program.equalities.empty()) {
-    std::vector<Rational> values;
-    for (const int row : program.equalities) {
-      for (int j = 0; j < program.variableCount(); ++j) values.emplace_back(program.A(row, j));
-    }
-    for (const int k : independentRows(wholeRows(values, program.variableCount())))
-      adjustment.basis.push_back(program.equalities[static_cast<std::size_t>(k)]);
-  }
+  chooseBasis(program, program.equalities, adjustment);
   adjustment.singular = program.H.cwiseAbs().maxCoeff() > 0.0 && isSingular(program, adjustment.basis);
   if (adjustment.singular)
     adjustment.replaced = withoutRounding(program, adjustment.basis, adjustment.penalty);
@@ -49,7 +42,8 @@ bool ExactDescription::describe(const std::vector<std::uint16_t>& active) {
   const ExactProgram& program = source_->program;
   if (solution_.solve(program, rows) != ExactStatus::kRegion) return false;
   return std::all_of(reduced_.source.equalities.begin(), reduced_.source.equalities.end(), [&](int row) {
-    if (program.in_basis[static_cast<std::size_t>(row)]) return true;
+    const auto at = static_cast<std::size_t>(row);
+    if (program.in_basis[at] != 0 || program.is_dropped[at] != 0) return true;
     const std::vector<Integer> slack = solution_.slack(program, row);
     return std::all_of(slack.begin(), slack.end(), [](const Integer& value) { return value == 0; });
   });

@@ -55,7 +55,7 @@ class Dissector {
     const std::uint32_t index = child & ~MapContent::kLeaf;
     if ((child & MapContent::kLeaf) != 0) {
       log_.countPart();
-      return visit_(map_.map().leaf(index), cell);
+      return visit_(index, cell);
     }
     const MapContent::Node& node = map_.map().node(index);
     const auto row = static_cast<std::int32_t>(node.plane) + 1;

@@ -88,7 +88,8 @@ bool makeCertain(const ExactMap& map, ExactCell& cell);
 
 /// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
 /// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
-using LeafVisit = std::function<bool(const LeafView& leaf, const ExactCell& part)>;
+/// `leaf` is its index in the map.
+using LeafVisit = std::function<bool(std::uint32_t leaf, const ExactCell& part)>;
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, CutLog& log);
 
 /// Whose regions cut, and how far their rows are relaxed.

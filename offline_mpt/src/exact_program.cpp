@@ -45,6 +45,12 @@ std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<R
 
 }  // namespace
 
+Rational rowSum(const ParametricProgram& program, int row) {
+  Rational sum;
+  for (int j = 0; j < program.variableCount(); ++j) sum += abs(Rational(program.A(row, j)));
+  return sum;
+}
+
 std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment,
                               double penalty) {
   const int n = program.variableCount();
@@ -92,7 +98,9 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& a
   }
   const std::vector<Rational> cost_values =
       affine(counted(program.F, Matrix::kF, adjustment), counted(program.f, Matrix::kf, adjustment), *this);
-  std::vector<Rational> bound_values = affine(exactly(program.S), exactly(program.b), *this);
+  std::vector<Rational> b_values = exactly(program.b);
+  for (const auto& [row, value] : adjustment.bounds) b_values[static_cast<std::size_t>(row)] = value;
+  std::vector<Rational> bound_values = affine(exactly(program.S), b_values, *this);
   for (const int row : adjustment.relaxed)
     bound_values[row * (p + 1) + p] +=
         Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);

@@ -15,10 +15,11 @@ using ZeroCombination = std::vector<std::pair<int, Integer>>;
 
 /// What is certified in place of the program as it was given; nothing, where all fields are empty.
 struct Adjustment {
-  bool singular = false;                ///< H is, and not zero: of several optima the shortest
-  std::vector<ReplacedEntry> replaced;  ///< of H, f, F and A; with H, all its entries
+  bool singular = false;                         ///< H is, and not zero: of several optima the shortest
+  std::vector<ReplacedEntry> replaced;           ///< of H, f, F and A; with H, all its entries
+  std::vector<std::pair<int, Rational>> bounds;  ///< rows, and what counts instead of their entries of b
   double penalty = 0.0;      ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
-  std::vector<int> dropped;  ///< inequalities that others imply up to rounding
+  std::vector<int> dropped;  ///< rows that others imply up to rounding, ascending
   std::vector<int> relaxed;  ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
   std::vector<int> basis;    ///< rows taken as equalities: independent, and all others follow from them
   std::vector<ZeroCombination> implied;  ///< why inequalities are among them
@@ -61,12 +62,19 @@ struct ExactProgram {
   std::vector<Integer> row_size;  ///< m, greatest |entry| of the row of A
 };
 
-/// How far below zero a dropped row's slack may be, relative to the row's greatest entry: 2^-kDroppedBits.
+/// How far below zero a dropped inequality's slack may be, relative to the row's greatest entry:
+/// 2^-kDroppedBits.
 constexpr int kDroppedBits = 30;
 
-/// By how much a relaxed row's bound is greater, or a forgiven slack may be negative, relative to the row's
-/// greatest entry: 2^-kRelaxedBits.
+/// By how much a relaxed row's bound is greater, a forgiven slack may be negative, or a dropped equality may
+/// fail, relative to the row's greatest entry: 2^-kRelaxedBits.
 constexpr int kRelaxedBits = 40;
+
+/// By how much a bound that counts as another may differ, relative to rowSum: 2^-kNarrowBits.
+constexpr int kNarrowBits = 29;
+
+/// Sum of |entry| of a row of A.
+Rational rowSum(const ParametricProgram& program, int row);
 
 /// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.
 std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment, double penalty);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "exact_certificate.hpp"
 #include "exact_dissection.hpp"
@@ -15,7 +16,10 @@ namespace {
 
 constexpr double kSlackShare = 0.5;  // of the maps' tolerance
 constexpr std::size_t kFew = 16;     // regions that are tried without asking the tree which ones matter
-constexpr double kNear = 0.01;       // regions farther from a sliver are not looked at [scaled]
+constexpr double kNear =
+    0.01;  // regions farther from a sliver's point are looked at only if that fails [scaled]
+constexpr std::size_t kMostLost = 100;  // parts of a region that are reported
+constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// Which laws of two maps count as one.
 class LawTable {
@@ -94,11 +98,26 @@ class ReductionProof {
   /// Every part of a region of the original is answered, with its law or, in slivers that the tree leaves to
   /// a neighbour, with the law of a region that holds it within the slack too.
   Finding checkOriginal(std::uint32_t region) const {
+    Finding finding = checkOriginal(region, kNear);
+    return finding.defects.empty() ? finding : checkOriginal(region, kAnywhere);
+  }
+
+  /// What a region of the reduced map claims belongs to its law.
+  Finding checkReduced(std::uint32_t region) const {
+    Finding finding = checkReduced(region, kNear);
+    return finding.defects.empty() ? finding : checkReduced(region, kAnywhere);
+  }
+
+ private:
+  /// `near`: slivers, which may be long, are looked for in regions of the original no farther from their
+  /// point.
+  Finding checkOriginal(std::uint32_t region, double near) const {
     Finding finding(wants_certificate_);
     ExactCell cell;
     if (!cellOf(original_, region, cell)) return flat(cell, std::move(finding));
     const std::uint32_t law = original_.map().region(region).law;
-    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+    const auto check = [&](std::uint32_t index, const ExactCell& part) {
+      const LeafView leaf = reduced_.map().leaf(index);
       std::vector<std::uint32_t> own, others;
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const std::uint32_t candidate = leaf.candidates[i];
@@ -106,9 +125,11 @@ class ReductionProof {
       }
       const auto rest = [&](const ExactCell& sliver) {
         ExactCell settled = sliver;
-        if (isEmpty(settled, finding) || leftToOthers(settled, others, 0, finding)) return true;
+        if (isEmpty(settled, finding) || leftToOthers(settled, others, 0, near, finding)) return true;
         report(finding, ReductionDefect::Kind::kLost, region, settled);
-        return false;
+        finding.defects.back().leaf = static_cast<int>(index);
+        finding.defects.back().missing = holdersOf(law, settled);
+        return finding.defects.size() < kMostLost;
       };
       return subtract(reduced_, part, own, CutBy::kCandidate, rest, finding.log);
     };
@@ -116,17 +137,17 @@ class ReductionProof {
     return finding;
   }
 
-  /// What a region of the reduced map claims belongs to its law.
-  Finding checkReduced(std::uint32_t region) const {
+  Finding checkReduced(std::uint32_t region, double near) const {
     Finding finding(wants_certificate_);
     ExactCell cell;
     if (!cellOf(reduced_, region, cell)) return flat(cell, std::move(finding));
-    const auto claim = [&](const ExactCell& part) { return belongs(region, part, finding); };
+    const auto claim = [&](const ExactCell& part) { return belongs(region, part, near, finding); };
     if (region < reduced_.map().firstFallback()) {
       claim(cell);
       return finding;
     }
-    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+    const auto check = [&](std::uint32_t index, const ExactCell& part) {
+      const LeafView leaf = reduced_.map().leaf(index);
       std::vector<std::uint32_t> ordinary;
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         if (leaf.candidates[i] < reduced_.map().firstFallback()) ordinary.push_back(leaf.candidates[i]);
@@ -137,7 +158,6 @@ class ReductionProof {
     return finding;
   }
 
- private:
   Finding flat(const ExactCell& cell, Finding finding) const {
     finding.flat = true;
     finding.log.empty('e', cell.rows, original_.p());
@@ -151,25 +171,42 @@ class ReductionProof {
     return true;
   }
 
+  /// Regions of the reduced map with a law of the original that hold the cell's point within the slack.
+  std::vector<std::uint32_t> holdersOf(std::uint32_t law, const ExactCell& cell) const {
+    std::vector<std::uint32_t> result;
+    const RegionMap& map = reduced_.map();
+    for (std::uint32_t r = 0; r < map.regionCount(); ++r) {
+      const RegionView region = map.region(r);
+      const auto holds = [&](std::int32_t row) {
+        return valueAt(reduced_.relaxed(row, Slack::kFull), cell.point) >= 0;
+      };
+      if (laws_.same(region.law, law) && std::all_of(region.rows, region.rows + region.row_count, holds))
+        result.push_back(r);
+    }
+    return result;
+  }
+
   /// Whether the cell lies in the union of what each candidate, from `next` on, has in common with regions of
   /// the original with its law.
   bool leftToOthers(const ExactCell& cell, const std::vector<std::uint32_t>& candidates, std::size_t next,
-                    Finding& finding) const {
+                    double near, Finding& finding) const {
     if (next == candidates.size()) {
       ExactCell rest = cell;
       return isEmpty(rest, finding);
     }
     const RestVisit rest = [&](const ExactCell& part) {
-      return leftToOthers(part, candidates, next + 1, finding);
+      return leftToOthers(part, candidates, next + 1, near, finding);
     };
-    const std::vector<std::uint32_t> owners = nearRegions(reduced_.map().region(candidates[next]).law, cell);
+    const std::vector<std::uint32_t> owners =
+        nearRegions(reduced_.map().region(candidates[next]).law, cell, near);
     finding.log.word('B', candidates[next]);
     return subtract(reduced_, cell, {candidates[next]}, CutBy::kCandidate, rest, finding.log) &&
            subtract(original_, cell, owners, CutBy::kOriginal, rest, finding.log);
   }
 
-  /// Regions of the original with a law of the reduced map that are not far from the cell's point.
-  std::vector<std::uint32_t> nearRegions(std::uint32_t law, const ExactCell& cell) const {
+  /// Regions of the original with a law of the reduced map that are not farther than `near` from the cell's
+  /// point.
+  std::vector<std::uint32_t> nearRegions(std::uint32_t law, const ExactCell& cell, double near) const {
     const RegionMap& map = original_.map();
     const Eigen::VectorXd theta = original_.theta(cell.point);
     const Eigen::Index p = theta.size();
@@ -180,7 +217,7 @@ class ReductionProof {
       const bool is_near = std::all_of(region.rows, region.rows + region.row_count, [&](std::int32_t row) {
         const double* const plane = map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
         const double distance = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
-        return (row > 0 ? distance : -distance) <= kNear;
+        return (row > 0 ? distance : -distance) <= near;
       });
       if (is_near) result.push_back(r);
     }
@@ -189,7 +226,7 @@ class ReductionProof {
 
   /// The original's tree tells which regions matter where; slivers that it leaves to a neighbour are looked
   /// for in all regions about.
-  bool belongs(std::uint32_t region, const ExactCell& cell, Finding& finding) const {
+  bool belongs(std::uint32_t region, const ExactCell& cell, double near, Finding& finding) const {
     const std::uint32_t law = reduced_.map().region(region).law;
     RestVisit sliver;
     const RestVisit foreign = [&](const ExactCell& rest) {
@@ -201,9 +238,10 @@ class ReductionProof {
       return false;
     };
     sliver = [&](const ExactCell& rest) {
-      return subtract(original_, rest, nearRegions(law, rest), CutBy::kOriginal, foreign, finding.log);
+      return subtract(original_, rest, nearRegions(law, rest, near), CutBy::kOriginal, foreign, finding.log);
     };
-    const auto check = [&](const LeafView& leaf, const ExactCell& part) {
+    const auto check = [&](std::uint32_t index, const ExactCell& part) {
+      const LeafView leaf = original_.map().leaf(index);
       std::vector<std::uint32_t> owners;
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         if (laws_.same(law, original_.map().region(leaf.candidates[i]).law))

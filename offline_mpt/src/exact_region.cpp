@@ -73,7 +73,15 @@ bool addSlacks(const ExactProgram& program, const ExactSolution& solution, const
   for (int i = 0; i < program.m; ++i) {
     if (is_used[i]) continue;
     std::vector<Integer> slack = solution.slack(program, i);
-    if (program.is_equality[i]) {
+    if (program.is_equality[i] && program.is_dropped[i]) {
+      std::vector<Integer> excess;
+      for (const Integer& value : slack) excess.push_back(-value);
+      const Integer& determinant = solution.denominator();
+      slack = relax(program, std::move(slack), determinant, i, kRelaxedBits);
+      excess = relax(program, std::move(excess), determinant, i, kRelaxedBits);
+      region.dropped.push_back(makeRow({ExactOrigin::Kind::kSlack, i}, std::move(slack)));
+      region.dropped.push_back(makeRow({ExactOrigin::Kind::kExcess, i}, std::move(excess)));
+    } else if (program.is_equality[i]) {
       if (!isZero(slack)) return false;
     } else if (program.is_dropped[i]) {
       slack = relax(program, std::move(slack), solution.denominator(), i, kDroppedBits);

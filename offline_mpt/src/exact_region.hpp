@@ -17,6 +17,7 @@ struct ExactOrigin {
     kSlack,       ///< of row `index`, >= 0
     kDomain,      ///< row `index` of A_theta
     kBox,         ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
+    kExcess,      ///< minus the slack of row `index`, an equality that is dropped
   };
   Kind kind = Kind::kDomain;
   int index = 0;
@@ -36,9 +37,10 @@ struct ExactRow {
 /// All that optimality asks of t when a given set of rows is active: where every row here is >= 0, the law
 /// below is optimal, and nowhere else.
 struct ExactRegion {
-  std::vector<int> active;        ///< without equalities, ascending
-  std::vector<ExactRow> rows;     ///< multipliers, slacks and domain; no box, and none that is dropped
-  std::vector<ExactRow> dropped;  ///< slacks of dropped rows, with what they may fall short added
+  std::vector<int> active;     ///< without equalities, ascending
+  std::vector<ExactRow> rows;  ///< multipliers, slacks and domain; no box, and none that is dropped
+  std::vector<ExactRow>
+      dropped;  ///< slacks of dropped rows, of equalities both ways, with what they may fall short added
   std::vector<ExactRow>
       forgiven;               ///< of a forgiving program: slacks with what rounding may take from them added
   std::vector<Rational> law;  ///< q x (p + 1), u = law (t, 1)

@@ -111,7 +111,9 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
   std::vector<char> may_drop(static_cast<std::size_t>(program.rowCount()), 0);
   for (const int row : result.report.dropped_rows) may_drop[row] = 1;
   Adjustment adjustment = adjust(program, may_drop);
-  adjustment.dropped = result.report.dropped_rows;
+  adjustment.dropped = result.report.dropped_equalities;
+  adjustment.dropped.insert(adjustment.dropped.end(), result.report.dropped_rows.begin(),
+                            result.report.dropped_rows.end());
   adjustment.relaxed = result.report.relaxed_rows;
   const ExactProgram exact(program, adjustment);
   const SurveyContext context{map, program, exact, options};

@@ -52,6 +52,16 @@ void writeStatement(const CertifyReport& report, std::ostringstream& text) {
          << " (relative)\n";
   if (!report.implied_equalities.empty())
     text << "  rows that can only hold with equality: " << list(report.implied_equalities) << "\n";
+  if (!report.narrow_rows.empty())
+    text << "  of them rows whose bounds leave so little between them that they count as equalities, proven "
+            "with "
+            "bounds in the middle that differ by "
+         << report.greatest_narrowing << " (relative): " << list(report.narrow_rows) << "\n";
+  if (!report.dropped_equalities.empty())
+    text << "  equalities that follow from others, or contradict them, by rounding only, proven to hold "
+            "within "
+            "2^-40 of their size: "
+         << list(report.dropped_equalities) << "\n";
   if (!report.dropped_rows.empty())
     text << "  rows that others imply up to rounding, proven to hold within 2^-30 of their size: "
          << list(report.dropped_rows) << "\n";
@@ -128,6 +138,9 @@ std::string certifyJson(const CertifyReport& report) {
   json["replaced_entries"] = report.replaced_entries;
   json["greatest_replacement"] = report.greatest_replacement;
   json["implied_equalities"] = report.implied_equalities;
+  json["narrow_rows"] = report.narrow_rows;
+  json["greatest_narrowing"] = report.greatest_narrowing;
+  json["dropped_equalities"] = report.dropped_equalities;
   json["dropped_rows"] = report.dropped_rows;
   json["relaxed_rows"] = report.relaxed_rows;
   json["defects"] = nlohmann::ordered_json::array();

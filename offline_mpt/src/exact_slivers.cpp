@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
+#include <numeric>
 #include <set>
 
 #include "exact_cover.hpp"
@@ -37,23 +39,36 @@ std::vector<std::uint32_t> regionsAbout(const std::vector<RegionSurvey>& surveys
   return result;
 }
 
-/// Proves that the map's regions cover the sliver but for the plane tolerance.
+/// Proves that the map's regions cover the sliver but for the plane tolerance: those about it, and any that
+/// hold a point which the others leave.
 bool coverSliver(const SurveyContext& context, const std::vector<RegionSurvey>& surveys,
                  RegionSurvey& sliver) {
   const Rational distance(context.options.plane_tolerance);
   std::deque<std::vector<ExactRow>> storage;
   std::vector<CoverCandidate> candidates;
-  for (const std::uint32_t r : regionsAbout(surveys, sliver.active)) {
+  const auto add = [&](std::uint32_t r) {
     std::vector<ExactRow> rows = mapRows(context, surveys, r);
     for (ExactRow& row : rows) row = relaxedRow(row, distance);
     storage.push_back(std::move(rows));
     candidates.push_back({r, &storage.back()});
+  };
+  for (const std::uint32_t r : regionsAbout(surveys, sliver.active)) add(r);
+  for (;;) {
+    FacetCover cover(nullptr, context.program.p, candidates, context.options.stop);
+    std::string proof;
+    if (cover.cover(sliver.listed, proof)) {
+      sliver.text += "V" + proof + "\n";
+      return true;
+    }
+    const std::size_t before = candidates.size();
+    for (std::uint32_t r = 0; r < context.map.regionCount() && !cover.uncovered().empty(); ++r) {
+      const auto is_r = [r](const CoverCandidate& candidate) { return candidate.region == r; };
+      if (surveys[r].described && std::none_of(candidates.begin(), candidates.end(), is_r) &&
+          nearlyHolds(context, surveys, r, cover.uncovered()))
+        add(r);
+    }
+    if (candidates.size() == before) return false;
   }
-  FacetCover cover(nullptr, context.program.p, candidates, context.options.stop);
-  std::string proof;
-  if (!cover.cover(sliver.listed, proof)) return false;
-  sliver.text += "V" + proof + "\n";
-  return true;
 }
 
 }  // namespace
@@ -67,6 +82,27 @@ ExactRow relaxedRow(const ExactRow& row, const Rational& distance) {
   result.value.back() += distance.get_num() * greatest;
   finishRow(result);
   return result;
+}
+
+bool nearlyHolds(const SurveyContext& context, const std::vector<RegionSurvey>& surveys, std::uint32_t region,
+                 const std::vector<Rational>& t) {
+  const double most = 2.0 * context.options.plane_tolerance;
+  if (surveys[region].is_sliver) {
+    std::vector<double> point;
+    for (const Rational& value : t) point.push_back(value.get_d());
+    const std::vector<ExactRow>& rows = surveys[region].listed;
+    return std::all_of(rows.begin(), rows.end(), [&](const ExactRow& row) {
+      return std::inner_product(point.begin(), point.end(), row.unit.begin(), -row.unit.back()) <= most;
+    });
+  }
+  const RegionView view = context.map.region(region);
+  const Eigen::VectorXd theta = toTheta(context.program, t);
+  return std::all_of(view.rows, view.rows + view.row_count, [&](std::int32_t row) {
+    const double* const plane = context.map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
+    const double distance =
+        Eigen::Map<const Eigen::VectorXd>(plane, theta.size()).dot(theta) - plane[theta.size()];
+    return (row > 0 ? distance : -distance) <= most;
+  });
 }
 
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {

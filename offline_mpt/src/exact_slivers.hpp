@@ -14,6 +14,10 @@ namespace polyfly {
 /// `row` moved outwards by at most `distance` [scaled].
 ExactRow relaxedRow(const ExactRow& row, const Rational& distance);
 
+/// Whether the region, its rows rounded, holds t but for twice the plane tolerance.
+bool nearlyHolds(const SurveyContext& context, const std::vector<RegionSurvey>& surveys, std::uint32_t region,
+                 const std::vector<Rational>& t);
+
 /// Rows that bound the region: no other, and not the box, implies them.
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p);
 

@@ -73,6 +73,8 @@ std::string describeOrigin(const ExactOrigin& origin) {
       return "row " + std::to_string(origin.index) + " of A_theta";
     case ExactOrigin::Kind::kBox:
       return "side " + std::to_string(origin.index) + " of the box";
+    case ExactOrigin::Kind::kExcess:
+      return "minus the slack of equality " + std::to_string(origin.index);
   }
   return "";
 }
@@ -200,7 +202,7 @@ void findPoint(const SurveyContext& context, std::uint32_t index, RegionSurvey& 
 }  // namespace
 
 std::string originText(const ExactOrigin& origin) {
-  constexpr char kLetters[] = {'m', 'p', 's', 'd', 'b'};
+  constexpr char kLetters[] = {'m', 'p', 's', 'd', 'b', 'x'};
   return kLetters[static_cast<std::size_t>(origin.kind)] + std::to_string(origin.index);
 }
 
@@ -269,11 +271,13 @@ std::vector<int> mapActiveSet(const SurveyContext& context, const RegionView& re
   valid = true;
   for (std::uint32_t k = 0; k < region.active_count; ++k) {
     const std::int32_t row = region.active[k];
-    if (row < 0 || row >= context.program.m || context.program.is_dropped[row]) {
+    const bool is_there = row >= 0 && row < context.program.m;
+    if (is_there && (context.program.in_basis[row] != 0 || context.program.is_equality[row] != 0)) continue;
+    if (!is_there || context.program.is_dropped[row] != 0) {
       valid = false;
       return {};
     }
-    if (!context.program.in_basis[row] && !context.program.is_equality[row]) active.push_back(row);
+    active.push_back(row);
   }
   std::sort(active.begin(), active.end());
   valid = std::adjacent_find(active.begin(), active.end()) == active.end();

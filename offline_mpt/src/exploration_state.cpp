@@ -1,11 +1,10 @@
 #include "exploration_state.hpp"
 
 namespace polyfly {
-namespace {
 
-void writeSet(const ActiveSet& set, ByteWriter& out) {
-  out.put(static_cast<std::uint16_t>(set.size()));
-  out.putArray(set.data(), set.size());
+void writeSet(RowSpan set, ByteWriter& out) {
+  out.put(static_cast<std::uint16_t>(set.count));
+  out.putArray(set.rows, set.count);
 }
 
 RowSpan readSet(ByteReader& in, std::vector<std::uint16_t>& rows) {
@@ -14,11 +13,8 @@ RowSpan readSet(ByteReader& in, std::vector<std::uint16_t>& rows) {
   return {rows.data(), rows.size()};
 }
 
-}  // namespace
-
 ExplorationState::ExplorationState(const LeastDistance& program)
-    : found(memory),
-      tight(memory),
+    : tight(memory),
       regions(program.p, static_cast<int>(program.U.rows()), memory),
       unsettled(&memory) {}
 
@@ -33,12 +29,12 @@ void writeAnswer(const Described& described, const ActiveSet& active, std::uint6
   out.put(described.status);
   out.put(pivots);
   out.put(static_cast<std::uint32_t>(described.neighbours.size()));
-  for (const ActiveSet& set : described.neighbours) writeSet(set, out);
+  for (const ActiveSet& set : described.neighbours) writeSet({set.data(), set.size()}, out);
   if (described.status != BuildStatus::kRegion) return;
   const RegionData& region = described.region;
   // Bounded by slacks alone, a region is known by its tight rows; an empty set here: by its active set.
   const bool by_tight = region.by_slack && region.tight.size() > active.size();
-  writeSet(by_tight ? region.tight : ActiveSet(), out);
+  writeSet({region.tight.data(), by_tight ? region.tight.size() : 0}, out);
   out.put(described.degenerate_facets);
   out.put(static_cast<std::uint32_t>(described.unsettled.size()));
   out.putArray(described.unsettled.data(), described.unsettled.size());

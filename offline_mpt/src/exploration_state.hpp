@@ -4,28 +4,20 @@
 #include <memory_resource>
 #include <vector>
 
-#include "active_set_pool.hpp"
-#include "arena.hpp"
-#include "byte_stream.hpp"
 #include "describe.hpp"
 #include "least_distance.hpp"
 #include "region_store.hpp"
+#include "set_queue.hpp"
 
 namespace polyfly {
 
-/// How far an exploration has come. It is a queue: active sets are described in the order in which they were
-/// found, so the state after k sets is the same whoever described them, and all that a checkpoint holds.
-struct ExplorationState {
+/// How far an exploration has come: all that a checkpoint holds.
+struct ExplorationState : SetQueue {
   explicit ExplorationState(const LeastDistance& program);
 
-  std::uint64_t open() const { return found.size() - described; }
+  std::uint64_t regionCount() const override { return regions.size(); }
+  void merge(ByteReader& answer) override;
 
-  /// Takes in what describing the set `described` yielded.
-  void merge(ByteReader& answer);
-
-  CountedMemory memory;  // of all that follows
-  ActiveSetPool found;
-  std::uint64_t described = 0;  // sets of `found` that were merged
   ActiveSetPool tight;          // rows tight in a region that only slacks bound, to know it again
   RegionStore regions;
   std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region

@@ -1,5 +1,9 @@
 #include "offline_mpt/explore.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <cstring>
 #include <ctime>
@@ -25,26 +29,19 @@ namespace {
 constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
 constexpr double kLinearProbe =
     1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
-constexpr double kProbeTolerance =
-    1e-8;  // a region holds a probe within this, as the map's look-up does [scaled]
 constexpr double kClearlyInside =
     1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
 constexpr double kEdge =
     1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
-constexpr double kActive = 1e-10;            // multipliers below this are not active in a starting point
+constexpr double kActive = 1e-10;                // multipliers below this are not active in a starting point
+constexpr std::size_t kReturnedAtOnce = 50'000;  // regions whose first form is given back to the system
 constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
 Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, double step) {
-  double inside = facet.row[p];
-  double outside = facet.row[p];
   double distance = 0.0;
-  for (int j = 0; j < p; ++j) {
-    inside -= facet.row[j] * region.centre[j];
-    outside -= facet.row[j] * facet.beyond[j];
-    distance = std::max(distance, std::abs(facet.beyond[j] - region.centre[j]));
-  }
-  double fraction = inside / (inside - outside);
+  for (int j = 0; j < p; ++j) distance = std::max(distance, std::abs(facet.beyond[j] - region.centre[j]));
+  double fraction = crossingFraction(region, facet);
   fraction = std::min(0.5 * (fraction + 1.0), fraction + step / std::max(distance, step));
   Eigen::VectorXd probe(p);
   for (int j = 0; j < p; ++j) probe(j) = region.centre[j] + fraction * (facet.beyond[j] - region.centre[j]);
@@ -83,6 +80,11 @@ void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
   }
 }
 
+void addBehind(std::size_t facet, const std::vector<ActiveSet>& sets, Described& out) {
+  out.neighbours.insert(out.neighbours.end(), sets.begin(), sets.end());
+  out.behind.resize(out.neighbours.size(), static_cast<std::uint32_t>(facet));
+}
+
 // Of a program whose H is singular: the regions behind each facet.
 void findBehindFacets(Worker& worker, const ActiveSet& active, Described& out) {
   for (const Facet& facet : out.region.facets) {
@@ -93,6 +95,22 @@ void findBehindFacets(Worker& worker, const ActiveSet& active, Described& out) {
 }
 
 }  // namespace
+
+// The edge of the feasible set after all.
+bool isEdge(const LeastDistance& program, const Eigen::VectorXd& probe) {
+  const std::optional<double> slack = feasibleSlack(program, probe);
+  return slack && *slack <= kEdge;
+}
+
+double crossingFraction(const RegionData& region, const Facet& facet) {
+  double inside = facet.row.back();
+  double outside = facet.row.back();
+  for (std::size_t j = 0; j < region.centre.size(); ++j) {
+    inside -= facet.row[j] * region.centre[j];
+    outside -= facet.row[j] * facet.beyond[j];
+  }
+  return inside / (inside - outside);
+}
 
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
   Described out;
@@ -109,13 +127,13 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
     if (crossing == Crossing::kDegenerate) {
       degenerate.emplace_back(f, worker.sets);
     } else {
-      out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
+      addBehind(f, worker.sets, out);
     }
   }
   out.degenerate_facets = static_cast<std::uint32_t>(degenerate.size());
   for (auto& [f, sets] : degenerate) {  // after all facets: a probe overwrites the builder's rows
     probeFacet(program, worker, out.region.facets[f], sets, out);
-    out.neighbours.insert(out.neighbours.end(), sets.begin(), sets.end());
+    addBehind(f, sets, out);
   }
   return out;
 }
@@ -153,19 +171,28 @@ void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& 
         partition.regions.begin(), partition.regions.end(),
         [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
     if (held || unbounded.direction(t)) continue;
-    const std::optional<double> slack = feasibleSlack(program, t);
-    if (slack && *slack <= kEdge) continue;  // the edge of the feasible set after all
+    if (isEdge(program, t)) continue;
     partition.status = ExploreStatus::kIncomplete;
     partition.witness = theta;
     return;
   }
 }
 
-// Regions sorted by active set, whatever the order in which they were found.
-void convertRegions(const LeastDistance& program, const ExplorationState& state, Partition& partition) {
+// The heap keeps what is freed in pieces, which for large explorations would be as much as the regions take.
+void returnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+// Regions sorted by active set, whatever the order in which they were found. Their numbers are freed on the
+// way: both forms side by side would be the most memory that an exploration ever takes.
+void convertRegions(const LeastDistance& program, ExplorationState& state, Partition& partition) {
   partition.regions.reserve(state.regions.size());
   for (std::size_t k = 0; k < state.regions.size(); ++k) {
     partition.regions.push_back(state.regions.region(k, program, state.found[state.regions[k].set]));
+    state.regions.releaseBefore(k);
+    if ((k + 1) % kReturnedAtOnce == 0) returnFreedMemory();
   }
   std::sort(partition.regions.begin(), partition.regions.end(),
             [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
@@ -201,10 +228,10 @@ ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& op
   Dispatcher dispatcher(state, options, save);
   if (options.team != nullptr && options.team->size() > 1) {
     TeamLeader leader(*options.team, dispatcher, key);
-    runCrew(program, options, crewSize(options), dispatcher);
+    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
     stats.lost_process = leader.finish();
   } else {
-    runCrew(program, options, crewSize(options), dispatcher);
+    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
   }
   const ExploreStatus status = dispatcher.result();
   if (status != ExploreStatus::kComplete && save && state.regions.size() > 0) save();

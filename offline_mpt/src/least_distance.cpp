@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "program_rows.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -81,13 +82,6 @@ Elimination eliminateEqualities(const ParametricProgram& program, const LeastDis
   return {Q.rightCols(n - rank), z_p};
 }
 
-bool isEquality(const ParametricProgram& program, int row) {
-  for (const int e : program.equalities) {
-    if (e == row) return true;
-  }
-  return false;
-}
-
 /// Whether row `i` is implied by the row `k` kept before it, or the other way round (then `k` takes its
 /// place).
 enum class Parallel { kNo, kImplied, kReplaces };
@@ -147,7 +141,8 @@ void dropParallelRows(LeastDistance& ld, const Eigen::MatrixXd& M) {
 
 /// Lower triangular L with LL' = H; L = I where H is singular.
 Eigen::MatrixXd metric(const std::string& name, LeastDistance& ld) {
-  const double mean = ld.n > 0 ? ld.H.trace() / ld.n : 0.0;
+  if (ld.n == 0) return ld.H;  // the equalities leave nothing to choose
+  const double mean = ld.H.trace() / ld.n;
   if (vanishes(ld.H, ld.source.H)) {
     ld.linear = true;
     ld.cost = ld.F;

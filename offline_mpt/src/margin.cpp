@@ -4,15 +4,19 @@
 #include <cmath>
 
 #include "mpc_core/dense_qp.hpp"
+#include "program_rows.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kMargin = 1e-9;     // margins below this count as none [rows of unit length]
+constexpr double kRounding = 1e-7;   // by how much rounding may take a margin of zero below zero
 constexpr double kRegular = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
 constexpr double kImplied = 1e-4;    // share of the margin's price above which a row counts as blocking
 constexpr double kOpposite = 1e-14;  // entries of two unit rows that cancel up to this are opposite
+constexpr double kSmallColumn =
+    1e-2;  // variables with greater entries in a row of length one stay as they are
 constexpr double kNoLength =
     1e-13;  // rows shorter than this, relative to their largest entry, have no normal
 
@@ -23,6 +27,30 @@ struct Search {
   Eigen::VectorXd b;
   int domain = 0;  ///< first row of the parameters' own
 };
+
+/// Rows of length one.
+void normalise(Search& search) {
+  for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
+    const double length = search.A.row(i).norm();
+    const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
+    if (length <= kNoLength * largest || length == 0.0) continue;
+    search.A.row(i) /= length;
+    search.b(i) /= length;
+  }
+}
+
+/// Where the box is so large that z must be too, z is counted in greater units: small weights do not hold it
+/// back then. False when nothing changed.
+bool scaleVariables(Search& search, int n) {
+  bool scaled = false;
+  for (int j = 0; j < n; ++j) {
+    const double largest = search.A.col(j).cwiseAbs().maxCoeff();
+    if (largest == 0.0 || largest >= kSmallColumn) continue;
+    search.A.col(j) /= largest;
+    scaled = true;
+  }
+  return scaled;
+}
 
 Search assemble(const ParametricProgram& program) {
   const int n = program.variableCount();
@@ -50,21 +78,16 @@ Search assemble(const ParametricProgram& program) {
     search.A.block(m + 2 * p, n, k, p) = program.A_theta * half.asDiagonal();
     search.b.segment(m + 2 * p, k) = program.b_theta - program.A_theta * centre;
   }
-  for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
-    const double length = search.A.row(i).norm();
-    const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
-    if (length <= kNoLength * largest || length == 0.0) continue;
-    search.A.row(i) /= length;
-    search.b(i) /= length;
+  normalise(search);
+  if (scaleVariables(search, n)) normalise(search);
+  for (Eigen::Index i = 0; i < search.A.rows(); ++i) {
+    const bool says_nothing = search.A.row(i).isZero(0.0) && search.b(i) >= 0.0;
+    search.A(i, n + p) = says_nothing ? 0.0 : 1.0;
   }
-  search.A.col(n + p).setOnes();
   for (const int row : program.equalities) search.A(row, n + p) = 0.0;
+  search.A(search.A.rows() - 1, n + p) = 1.0;
   search.b(search.b.size() - 1) = 1.0;
   return search;
-}
-
-bool isEquality(const ParametricProgram& program, int row) {
-  return std::find(program.equalities.begin(), program.equalities.end(), row) != program.equalities.end();
 }
 
 /// Pairs of rows that are each other's negative, of which the search, in doubles, may just see a margin.
@@ -115,7 +138,7 @@ Margin findMargin(ParametricProgram& program) {
     DenseQp qp(H, search.A, program.equalities);
     if (qp.solve(g.data(), search.b.data()) != QpStatus::kOptimal) return {};
     const double margin = qp.z()(n + p);
-    if (margin < -kMargin) return {};
+    if (margin < -kRounding) return {};  // nearer to zero, it is for the rows as equalities to contradict
     if (margin > kMargin) return {true, qp.z().segment(n, p)};
     if (!addImplied(qp, search, program)) {
       throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");

@@ -30,10 +30,9 @@ ActiveSet without(const ActiveSet& active, int row) {
 std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
   std::vector<RowOrigin> result;
   for (std::size_t i = 0; i < origins_.size(); ++i) {
-    double difference = 0.0;
-    for (int j = 0; j < width_; ++j)
-      difference = std::max(difference, std::abs(rows_[i * width_ + j] - facet.row[j]));
-    if (difference <= kCoincident) result.push_back(origins_[i]);
+    int j = 0;
+    while (j < width_ && std::abs(rows_[i * width_ + j] - facet.row[j]) <= kCoincident) ++j;
+    if (j == width_) result.push_back(origins_[i]);
   }
   return result;
 }

@@ -37,6 +37,9 @@ class RegionStore {
   /// The region in the program's own parameters.
   CriticalRegion region(std::size_t index, const LeastDistance& program, RowSpan active) const;
 
+  /// The numbers of the regions before `index` are not used any more.
+  void releaseBefore(std::size_t index) { arena_.releaseBefore(regions_[index].numbers); }
+
  private:
   int p_;
   int q_;

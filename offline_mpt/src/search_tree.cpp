@@ -177,7 +177,7 @@ class TreeGrower {
     }
     if (!found || entangled(best, members.size())) return false;
     plane = best.plane;
-    splitter_.divide(members, plane, best_sides, below, above);
+    splitter_.divide(members, plane, path_, best_sides, below, above);
     return true;
   }
 

@@ -180,7 +180,7 @@ void assist(const LeastDistance& program, std::uint64_t key, const ExploreOption
   team.send(kLeader, std::move(hello));
   Assistant assistant;
   std::thread messages([&] { exchange(assistant, team); });
-  runCrew(program, options, crewSize(options), assistant);
+  runCrew(regionDescribers(program, options), crewSize(options), assistant);
   messages.join();
 }
 

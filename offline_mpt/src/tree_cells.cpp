@@ -90,14 +90,14 @@ unsigned CellSplitter::sides(CellMember& member, std::size_t plane, const std::v
   }
   unsigned sides = geometry_.seenSides(member, plane);
   const unsigned open = geometry_.boxSides(member.region, plane) & ~sides;
-  if ((open & kBelow) && reaches(member, -1.0, plane, path)) sides |= kBelow;
-  if ((open & kAbove) && reaches(member, 1.0, plane, path)) sides |= kAbove;
+  if ((open & kBelow) && reaches(member, -1.0, plane, path, kPointsKept)) sides |= kBelow;
+  if ((open & kAbove) && reaches(member, 1.0, plane, path, kPointsKept)) sides |= kAbove;
   return sides;
 }
 
 // The member's point that is furthest out on one side of the plane.
 bool CellSplitter::reaches(CellMember& member, double side, std::size_t plane,
-                           const std::vector<std::int32_t>& path) {
+                           const std::vector<std::int32_t>& path, std::size_t keep) {
   const TreeRegions& regions = geometry_.regions();
   const auto p = static_cast<std::size_t>(regions.p);
   rows_.clear();
@@ -111,7 +111,7 @@ bool CellSplitter::reaches(CellMember& member, double side, std::size_t plane,
     return true;  // undecided: keep it on both sides
   }
   if (side * geometry_.distance(plane, point_.data()) <= geometry_.tolerance()) return false;
-  if (member.points.size() < kPointsKept * p) {
+  if (member.points.size() < keep * p) {
     member.points.insert(member.points.end(), point_.begin(), point_.end());
   } else {
     std::copy(point_.begin(), point_.end(), member.points.end() - static_cast<std::ptrdiff_t>(p));
@@ -119,12 +119,24 @@ bool CellSplitter::reaches(CellMember& member, double side, std::size_t plane,
   return true;
 }
 
-void CellSplitter::divide(CellMembers& members, std::size_t plane, const std::vector<unsigned char>& sides,
-                          CellMembers& below, CellMembers& above) const {
+// The point that showed a side may have given way to that of a plane tried later. Without it the inner point
+// would stay on the other side, and the part would seem to reach where it does not.
+void CellSplitter::recall(CellMember& member, unsigned sides, std::size_t plane,
+                          const std::vector<std::int32_t>& path) {
+  const auto p = static_cast<std::size_t>(geometry_.regions().p);
+  const unsigned open = sides & ~geometry_.seenSides(member, plane);
+  const std::size_t all = member.points.size() / p + 2;
+  if (open & kBelow) reaches(member, -1.0, plane, path, all);
+  if (open & kAbove) reaches(member, 1.0, plane, path, all);
+}
+
+void CellSplitter::divide(CellMembers& members, std::size_t plane, const std::vector<std::int32_t>& path,
+                          const std::vector<unsigned char>& sides, CellMembers& below, CellMembers& above) {
   const auto p = static_cast<std::size_t>(geometry_.regions().p);
   for (std::size_t i = 0; i < members.size(); ++i) {
     CellMember& member = members[i];
     if (sides[i] == 0) continue;  // nothing but a touch
+    recall(member, sides[i], plane, path);
     if (sides[i] == kBelow || sides[i] == kAbove) {
       enter(member, sides[i] == kBelow ? -1.0 : 1.0, plane, member.points);
       (sides[i] == kBelow ? below : above).push_back(std::move(member));

@@ -67,12 +67,15 @@ class CellSplitter {
   /// describes (rows as in TreeRegions). Points that are found are kept in the member.
   unsigned sides(CellMember& member, std::size_t plane, const std::vector<std::int32_t>& path);
 
-  /// Divides the members, whose sides were found, between the cells below and above the plane.
-  void divide(CellMembers& members, std::size_t plane, const std::vector<unsigned char>& sides,
-              CellMembers& below, CellMembers& above) const;
+  /// Divides the members of the cell that `path` describes, whose sides were found, between the cells below
+  /// and above the plane.
+  void divide(CellMembers& members, std::size_t plane, const std::vector<std::int32_t>& path,
+              const std::vector<unsigned char>& sides, CellMembers& below, CellMembers& above);
 
  private:
-  bool reaches(CellMember& member, double side, std::size_t plane, const std::vector<std::int32_t>& path);
+  bool reaches(CellMember& member, double side, std::size_t plane, const std::vector<std::int32_t>& path,
+               std::size_t keep);
+  void recall(CellMember& member, unsigned sides, std::size_t plane, const std::vector<std::int32_t>& path);
   void enter(CellMember& part, double side, std::size_t plane, const std::vector<double>& points) const;
 
   const TreeGeometry& geometry_;

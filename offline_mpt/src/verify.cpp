@@ -196,20 +196,20 @@ class Checker {
     }
   }
 
-  // Without the map's tolerance: beside a face a steep law of the neighbour may differ by more.
-  bool holds(std::size_t index, const Eigen::VectorXd& theta) const {
+  bool holds(std::size_t index, const Eigen::VectorXd& theta, double tolerance) const {
     const RegionView region = map_.region(index);
     const Eigen::Index p = theta.size();
     for (std::uint32_t i = 0; i < region.row_count; ++i) {
       const std::int32_t row = region.rows[i];
       const double* plane = map_.plane(static_cast<std::size_t>(std::abs(row)) - 1);
       const double excess = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
-      if ((row > 0 ? excess : -excess) > 0.0) return false;
+      if ((row > 0 ? excess : -excess) > tolerance) return false;
     }
     return true;
   }
 
-  // Fallback regions may lie over ordinary ones.
+  // Fallback regions may lie over ordinary ones. Without the map's tolerance: beside a face a steep law of
+  // the neighbour may differ by more.
   void checkOverlap(const Eigen::VectorXd& theta, std::size_t region, VerifyReport& report) {
     const double scale = std::max(1.0, u_.cwiseAbs().maxCoeff());
     const Eigen::Index p = theta.size();
@@ -217,7 +217,7 @@ class Checker {
     const std::size_t first = isFallback(region) ? map_.firstFallback() : 0;
     const std::size_t end = isFallback(region) ? map_.regionCount() : map_.firstFallback();
     for (std::size_t index = first; index < end; ++index) {
-      if (!holds(index, theta)) continue;
+      if (!holds(index, theta, 0.0)) continue;
       const double* law = map_.law(map_.region(index).law);
       for (Eigen::Index i = 0; i < u_.size(); ++i) {
         const double* row = law + i * (p + 1);
@@ -229,11 +229,18 @@ class Checker {
   }
 
   // Where doubles of the oracle and the map differ, the conditions of optimality are solved exactly for the
-  // region's active set. If they hold at theta, whatever the map says, theirs is the one right answer.
+  // region's active set, and for those of regions beside it: theta may lie on a face, up to rounding. If they
+  // hold at theta, whatever the map says, theirs is the one right answer.
   bool settle(const Eigen::VectorXd& theta, std::size_t index, double& error, double& scale) {
-    const RegionView region = map_.region(index);
     Eigen::VectorXd u;
-    if (!arbiter_.optimal(theta, {region.active, region.active + region.active_count}, u)) return false;
+    const auto is_optimal = [&](std::size_t candidate) {
+      const RegionView region = map_.region(candidate);
+      return arbiter_.optimal(theta, {region.active, region.active + region.active_count}, u);
+    };
+    bool found = is_optimal(index);
+    for (std::size_t other = 0; other < map_.firstFallback() && !found; ++other)
+      found = other != index && holds(other, theta, map_.tolerance()) && is_optimal(other);
+    if (!found) return false;
     error = (u_ - u).cwiseAbs().maxCoeff();
     scale = std::max(1.0, u.cwiseAbs().maxCoeff());
     return true;

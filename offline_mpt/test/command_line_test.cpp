@@ -1,6 +1,7 @@
 // Runs the program `offline_mpt` as a user would: what it prints, what it returns, what it leaves behind.
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <csignal>
@@ -205,6 +206,38 @@ TEST_F(CommandLine, VerifiesARightMapAndRefusesAWrongOne) {
   other["ub"] = {2.0, 3.0};
   expectRefused({"verify", map, "--problem", written("other.json", other)},
                 {"ranges of map and problem differ"});
+}
+
+// What a command reads is not written over.
+TEST_F(CommandLine, KeepsItsInputs) {
+  const std::string problem = path("toy.json"), map = solvedToy();
+  const std::string text = readBytes(problem), bytes = readBytes(map);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"solve", problem, "-o", problem},
+           {"solve", problem, "-o", path("other.map"), "--stats", path("./toy.json")},
+           {"solve", problem, "-o", path("other.map"), "--stats", path("other.map")},
+           {"reduce", map, "-o", map},
+           {"verify", map, "--problem", problem, "--json", problem},
+           {"verify", map, "--exact", "--certificate", map},
+           {"plot", map, "--slice", "theta_0,theta_1", "-o", map}}) {
+    expectRefused(arguments, {"name of its own"});
+  }
+  EXPECT_EQ(readBytes(problem), text);
+  EXPECT_EQ(readBytes(map), bytes);
+}
+
+TEST_F(CommandLine, SaysThatAFileMayNotGrow) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = 512;  // bytes; the map takes more
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::size_t files = fileCount();
+  const Outcome result = run({"solve", path("toy.json"), "-o", path("toy.map"), "--quiet"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_NE(result.err.find("toy.map"), std::string::npos) << result.err;
+  EXPECT_EQ(fileCount(), files) << "a file was left behind";
 }
 
 TEST_F(CommandLine, ReducesAMapAndProvesIt) {

@@ -1,4 +1,5 @@
 // Certificates with slivers and relaxed rows, every bit of a small one, and what the checker reads beside it.
+#include <algorithm>
 #include <cctype>
 
 #include "certificate.hpp"
@@ -65,6 +66,38 @@ TEST_F(SliverMutation, ASliverMustLieInRegionsOfTheMap) {
 TEST_F(SliverMutation, ATighterToleranceIsRefused) {
   int tried = 0;
   EXPECT_NE(refusalOfLines("tolerances ", setting(2, "0x1p-60"), tried), "");
+}
+
+// With tolerances of a forger's choice, any law would be confirmed.
+TEST_F(SliverMutation, TolerancesHaveLimits) {
+  int tried = 0;
+  for (const char* law : {"0x1p0", "0x1p-19", "-0x1p-60"})
+    EXPECT_NE(refusalOfLines("tolerances ", setting(1, law), tried), "") << law;
+  for (const char* plane : {"0x1p0", "0x1p-27", "-0x1p-60"})  // the map's tolerance is 1e-8
+    EXPECT_NE(refusalOfLines("tolerances ", setting(2, plane), tried), "") << plane;
+  EXPECT_EQ(tried, 1);
+}
+
+/// As `sealed`, whatever map the text names, if any.
+std::string withEnd(std::string text) {
+  text.erase(text.rfind("\nend ") + 1);
+  return text + "end " + checker::hexText(checker::xxh64(text)) + "\n";
+}
+
+TEST_F(SliverMutation, LinesOfTheHeadAreThereOnce) {
+  ASSERT_EQ(refusal(withEnd(certificate_), map_), "");
+  std::vector<std::string> lines = linesOf(certificate_);
+  for (const char* key : {"map ", "problem ", "tolerances ", "equalities ", "basis ", "dropped ", "relaxed ",
+                          "convexity ", "coverage ", "regions "}) {
+    const auto at = std::find_if(lines.begin(), lines.end(),
+                                 [&](const std::string& line) { return line.rfind(key, 0) == 0; });
+    ASSERT_NE(at, lines.end()) << key;
+    std::vector<std::string> without = lines, twice = lines;
+    without.erase(without.begin() + (at - lines.begin()));
+    twice.insert(twice.begin() + (at - lines.begin()), *at);
+    EXPECT_NE(refusal(withEnd(joined(without, "\n")), map_), "") << key;
+    EXPECT_NE(refusal(withEnd(joined(twice, "\n")), map_), "") << key;
+  }
 }
 
 TEST_F(SliverMutation, NoSliverMayBeMissing) {

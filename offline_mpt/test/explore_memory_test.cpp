@@ -5,7 +5,9 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
+#include "../src/arena.hpp"
 #include "offline_mpt/explore.hpp"
 #include "random_program.hpp"
 
@@ -75,6 +77,38 @@ TEST(ExploreMemory, IsWhatTheHeapHolds) {
   EXPECT_LE(accounted, partition.stats.memory_bytes);
   EXPECT_LT(static_cast<double>(partition.stats.memory_bytes),
             kPerRegion * static_cast<double>(partition.regions.size()));
+}
+
+// As regions are converted: arrays of any size, each freed once the next one was used.
+TEST(Arena, FreesWhatWasAllocatedBeforeAnArray) {
+  constexpr std::size_t kArrays = 5000;
+  const std::int64_t before = in_use;
+  CountedMemory memory;
+  {
+    Arena<double> arena(memory);
+    std::vector<double*> arrays;
+    for (std::size_t k = 0; k < kArrays; ++k) {
+      const std::size_t size = k % 1000 == 7 ? 300'000 : 1 + k % 300;  // some are larger than a block
+      arrays.push_back(arena.allocate(size));
+      arrays.back()[0] = static_cast<double>(k);
+      arrays.back()[size - 1] = static_cast<double>(k);
+    }
+    const std::uint64_t whole = memory.bytes();
+    std::uint64_t last = whole;
+    for (std::size_t k = 0; k < kArrays; ++k) {
+      arena.releaseBefore(arrays[k]);
+      EXPECT_EQ(arrays[k][0], static_cast<double>(k));
+      EXPECT_LE(memory.bytes(), last);
+      last = memory.bytes();
+      if (k == kArrays / 2) {
+        EXPECT_LT(last, whole * 6 / 10);
+      }
+    }
+    EXPECT_LT(last, whole / 10);
+    *arena.allocate(1) = 1.0;  // it can grow again
+  }
+  EXPECT_EQ(memory.bytes(), 0u);
+  EXPECT_EQ(in_use, before);
 }
 
 }  // namespace

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
 #include <atomic>
 #include <random>
 
+#include "glpk_lp.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/encode.hpp"
 #include "random_program.hpp"
@@ -199,6 +202,89 @@ TEST(Explore, TwoOppositeRowsAreAnEquality) {
     EXPECT_EQ(found.status, wanted.status) << seed;
     EXPECT_EQ(found.regions.size(), wanted.regions.size()) << seed;
   }
+}
+
+TEST(Explore, RowsThatSayNothingChangeNothing) {
+  const ParametricProgram plain = randomProgram(3, 10, 2, 4);
+  const Partition wanted = explore(plain);
+  ParametricProgram program = plain;  // 0 . theta <= 0
+  program.A_theta = Eigen::MatrixXd::Zero(1, 2);
+  program.b_theta = Eigen::VectorXd::Zero(1);
+  appendRow(program, Eigen::VectorXd::Zero(3), 0.0, Eigen::VectorXd::Zero(2));
+  const Partition found = explore(program);
+  EXPECT_EQ(found.status, ExploreStatus::kComplete);
+  EXPECT_EQ(found.regions.size(), wanted.regions.size());
+  program.b_theta(0) = -0.1;
+  EXPECT_EQ(explore(program).status, ExploreStatus::kInfeasible);
+}
+
+// A start is looked for with a small weight on z, which must not hold back the z that a large box asks for.
+TEST(Explore, FindsItsStartInBoxesOfAnySize) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    for (const double size : {1e3, 1e6, 1e8}) {
+      ParametricProgram program = randomProgram(5, 9, 2, seed);  // feasible at theta = 0
+      for (Signal& parameter : program.parameters) {
+        parameter.lower = -size;
+        parameter.upper = size;
+      }
+      const Partition partition = explore(program);
+      EXPECT_EQ(partition.status, ExploreStatus::kComplete) << "seed " << seed << ", box of " << size;
+      std::mt19937_64 random(seed);
+      for (int k = 0; k < 20; ++k) {
+        const Eigen::VectorXd theta = size * randomTheta(2, random);
+        const bool held = std::any_of(partition.regions.begin(), partition.regions.end(),
+                                      [&](const CriticalRegion& region) {
+                                        return (region.G * theta - region.g).maxCoeff() <= kInside;
+                                      });
+        const LpAnswer answer =
+            solveByGlpk(Eigen::VectorXd::Zero(5), program.A, program.b + program.S * theta);
+        EXPECT_EQ(held, answer.status == GLP_OPT) << "seed " << seed << ", " << theta.transpose();
+      }
+    }
+  }
+}
+
+// Equalities, given or hidden in inequalities, may leave nothing of z to choose.
+TEST(Explore, EqualitiesMayFixAllOfZ) {
+  for (const bool is_linear : {false, true}) {
+    ParametricProgram given = randomProgram(2, 4, 3, 6);
+    if (is_linear) given.H.setZero();
+    given.A.topRows(2) << 1.0, 2.0, -1.0, 1.0;
+    given.b.head(2).setZero();  // z = 0 at theta = 0
+    given.equalities = {0, 1};
+    given.b(3) = 0.1;
+    ParametricProgram hidden = given;
+    hidden.equalities.clear();
+    for (const int row : {0, 1}) appendRow(hidden, -given.A.row(row), -given.b(row), -given.S.row(row));
+    for (const ParametricProgram& program : {given, hidden}) {
+      const Partition partition = explore(program);
+      ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+      ASSERT_EQ(partition.regions.size(), 1u);
+      const CriticalRegion& region = partition.regions.front();
+      std::mt19937_64 random(1);
+      for (int k = 0; k < 50; ++k) {
+        const Eigen::VectorXd theta = randomTheta(3, random);
+        const Eigen::VectorXd bound = given.b + given.S * theta;
+        const Eigen::VectorXd z = Eigen::MatrixXd(given.A.topRows(2)).inverse() * bound.head(2);
+        const bool is_feasible = ((given.A * z - bound).tail(2).array() <= 0.0).all();
+        EXPECT_EQ((region.G * theta - region.g).maxCoeff() <= kInside, is_feasible);
+        EXPECT_NEAR((region.K * theta + region.k)(0), z(0), 1e-12);
+      }
+    }
+  }
+}
+
+// Rows that leave z = 0 alone: rounding takes their margin, zero, a little below zero.
+TEST(Explore, AMarginOfZeroIsNotTakenForNone) {
+  ParametricProgram program = randomProgram(4, 6, 1, 1);
+  program.A << 0.327, 1.136, 0.824, 0.579, -0.379, -1.019, 0.376, -0.512, 0.827, 0.211, -0.745, 0.268, 0.709,
+      0.178, -0.783, 0.262, 0.357, 0.824, 0.722, -0.908, -0.498, 0.606, -1.698, 0.777;
+  program.b.setZero();
+  program.S.setZero();
+  const Partition partition = explore(program);
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  ASSERT_EQ(partition.regions.size(), 1u);
+  EXPECT_NEAR((partition.regions[0].K * Eigen::VectorXd::Ones(1) + partition.regions[0].k)(0), 0.0, 1e-12);
 }
 
 }  // namespace

@@ -128,6 +128,7 @@ TEST_P(ReductionCertificate, TolerancesHaveLimits) {
   EXPECT_NE(refusalWith(3, 2, "0x1p-3"), "");
   EXPECT_NE(refusalWith(3, 2, "-0x1p-40"), "");
   EXPECT_NE(refusalWith(3, 1, "-0x1p-40"), "");
+  EXPECT_NE(refusalWith(3, 1, "0x1p0"), "");  // any law would do
   EXPECT_NE(refusalWith(3, 0, "tolerance"), "");
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "../src/tree_cells.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
@@ -174,6 +175,56 @@ TEST(SearchTree, OverlappingRegionsShareALeaf) {
   regions.centres = {0.0, 0.0};
   const SearchTree tree = buildTree(regions);
   EXPECT_EQ(mostCandidates(tree), 2u);
+}
+
+/// A regular polygon of many sides, and planes 0: x <= 0, 1 and 2: cut off its uppermost and lowest points on
+/// x = 0, which are no corners.
+TreeRegions polygonWithCuts() {
+  constexpr int kSides = 60;
+  constexpr double kTurn = 2.0 * M_PI / kSides;
+  const double top = 0.9 / std::cos(0.25 * kTurn);  // where x = 0 meets a side
+  TreeRegions regions;
+  regions.p = 2;
+  regions.planes = {1.0, 0.0, 0.0, 0.6, 0.8, 0.8 * top - 1e-3, 0.6, -0.8, 0.8 * top - 1e-3};
+  regions.rows.emplace_back();
+  for (int k = 0; k < kSides; ++k) {
+    const double angle = (k + 0.25) * kTurn;
+    regions.planes.insert(regions.planes.end(), {std::cos(angle), std::sin(angle), 0.9});
+    regions.rows[0].push_back(k + 4);
+  }
+  regions.centres = {0.0, 0.0};
+  return regions;
+}
+
+// The point that shows a side may give way to that of the next plane tried. The part on that side once kept
+// an inner point on the other, and then seemed to reach where it does not: the tree got leaves without
+// interior, and parameters in them, by rounding, no answer.
+TEST(SearchTree, PartsOfRegionsKeepAPointInside) {
+  const TreeRegions regions = polygonWithCuts();
+  TreeGeometry geometry(regions, 1e-9, 1);
+  CellSplitter splitter(geometry);
+  CellMembers whole = geometry.takeMembers(), left, right;
+  std::vector<std::int32_t> path;
+  splitter.divide(whole, 0, path, {static_cast<unsigned char>(splitter.sides(whole[0], 0, path))}, left,
+                  right);
+  ASSERT_EQ(left.size(), 1u);
+  path = {1};
+  for (const std::size_t plane : {std::size_t{1}, std::size_t{2}}) {
+    CellMembers members = left, below, above;
+    const unsigned sides = splitter.sides(members[0], plane, path);
+    ASSERT_EQ(sides, kBelow | kAbove);
+    ASSERT_EQ(splitter.sides(members[0], 3 - plane, path), kBelow | kAbove);
+    splitter.divide(members, plane, path, {static_cast<unsigned char>(sides)}, below, above);
+    ASSERT_EQ(below.size() + above.size(), 2u);
+    const auto distance = [&](std::size_t of, const CellMember& part) {
+      const double* row = regions.planes.data() + 3 * of;
+      return row[0] * part.inner[0] + row[1] * part.inner[1] - row[2];
+    };
+    EXPECT_LT(distance(plane, below[0]), 0.0);
+    EXPECT_GT(distance(plane, above[0]), 0.0);
+    EXPECT_LT(distance(0, above[0]), 0.0);
+    for (std::size_t k = 3; k < regions.planes.size() / 3; ++k) EXPECT_LT(distance(k, above[0]), 0.0);
+  }
 }
 
 }  // namespace

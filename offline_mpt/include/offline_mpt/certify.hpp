@@ -71,7 +71,11 @@ struct CertifyReport {
       0;                 ///< with `widened`: rows that hold within 2^-40 of their size in some region
   bool widened = false;  ///< coverage is that of the regions moved outwards by plane_tolerance
   std::vector<int>
+      narrow_rows;  ///< of `implied_equalities`: proven with bounds that leave nothing between them
+  double greatest_narrowing = 0.0;  ///< difference of a bound, relative to the sum of its row's |entries|
+  std::vector<int>
       implied_equalities;  ///< inequalities that hold with equality wherever the program is feasible
+  std::vector<int> dropped_equalities;  ///< that follow from others up to rounding; proven within 2^-40
   std::vector<int>
       dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
   std::vector<int> relaxed_rows;  ///< rows whose bounds count as greater by 2^-40 of their size: in some

@@ -7,6 +7,10 @@
 
 namespace polyfly {
 
+/// Greatest difference between the coefficients of two laws that are written once, in scaled parameters and
+/// relative to the greatest output that occurs at a region's centre.
+constexpr double kSameLaw = 1e-9;
+
 /// Shares planes and laws among regions, builds the search tree and fills all that a map file holds.
 /// The tree answers as a test of all regions would. Throws Error when the partition has no region.
 MapContent encode(const ParametricProgram& program, const Partition& partition,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -28,9 +29,12 @@ struct ReductionDefect {
     kClaim,  ///< a region of the reduced map claims a parameter that no region with its law holds
   };
   Kind kind = Kind::kLost;
-  std::uint32_t region = 0;  ///< kLost: of the original; kClaim: of the reduced map
-  Eigen::VectorXd witness;   ///< parameter in the box
-  std::string text;          ///< a sentence
+  std::uint32_t region = 0;            ///< kLost: of the original; kClaim: of the reduced map
+  Eigen::VectorXd witness;             ///< parameter in the box
+  std::string text;                    ///< a sentence
+  int leaf = -1;                       ///< kLost: of the reduced map, at which the part arrives
+  std::vector<std::uint32_t> missing;  ///< kLost: regions of the reduced map with its law that hold `witness`
+                                       ///< within the slack
 };
 
 const char* toString(ReductionDefect::Kind kind);
@@ -68,6 +72,11 @@ struct ReductionReport {
 /// together.
 ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& original,
                                 const ReductionOptions& options = {});
+
+/// Adds to the leaves of a reduced map the regions that its tree left out and that hold what was lost there:
+/// in slivers a tree may leave to a neighbour what none holds. False where there is nothing to add. The
+/// result is to be verified as the map was.
+bool mendLeaves(MapContent& content, const ReductionReport& report);
 
 /// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.
 void writeCertificate(const ReductionReport& report, const std::string& path);

@@ -17,6 +17,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polytope_sets/invariant_set.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -237,11 +238,10 @@ TEST(AnalyzeMap, ParametersThatAreNoStates) {
 // The map of the multirotor's vertical axis is a box of errors, which a large error leaves. Within the
 // maximal robust invariant set of the law around 0 it is never left.
 TEST(AnalyzeMap, AnAxisHoldsInItsInvariantSet) {
-  const std::string folder = std::string(std::getenv("POLYFLY_ROOT")) + "/region_maps/problems/";
-  const ParametricProgram program = loadProgram(folder + "multirotor_vertical.yaml");
+  const ParametricProgram program = loadProgram(problemFile("multirotor_vertical.yaml"));
   const MapInMemory memory(encode(program, explore(program)));
   const RegionMap& map = memory.map();
-  const ClosedLoopModel loop = bindModel(loadModel(folder + "models/multirotor_vertical.yaml"), map);
+  const ClosedLoopModel loop = bindModel(loadModel(problemFile("models/multirotor_vertical.yaml")), map);
   const AnalyzeReport whole = analyze(map, loop);
   EXPECT_TRUE(whole.covered);
   EXPECT_EQ(whole.domain.size(), 8u);

@@ -1,0 +1,145 @@
+#include "offline_mpt/count.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "offline_mpt/vector_text.hpp"
+#include "progress.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+const char kFooter[] =
+    "Explores as solve does, but keeps only which active sets there are: some tens of bytes each, where "
+    "solve\n"
+    "takes up to 2 kB. Counted are the sets that are proven to be critical regions, the open ones among "
+    "them;\n"
+    "so whenever it stops, the numbers are lower bounds: of regions, and of the bytes of the map. H must be\n"
+    "positive definite. COUNT.md in offline_mpt tells what is proven, and how the bytes are bounded.\n"
+    "\n"
+    "With --proof, all that was counted is written with its witnesses; 'check_count PROOF --problem "
+    "PROBLEM'\n"
+    "confirms it, in a program of its own.\n"
+    "\n"
+    "Exit codes: 0 all regions were found, and their map is not proven to exceed --map-limit; 1 the map is\n"
+    "larger than --map-limit, or the partition has a gap; 2 bad input; 3 stopped by another limit or by a\n"
+    "signal.\n"
+    "\n"
+    "Examples:\n"
+    "  offline_mpt count big.json\n"
+    "  offline_mpt count big.json --map-limit 24G --proof big.count --time-limit 3600";
+
+struct Options {
+  std::string problem;
+  std::string stats;
+  CountOptions count;
+  bool quiet = false;
+};
+
+std::string gigabytes(std::uint64_t bytes) {
+  constexpr double kGibi = 1024.0 * 1024.0 * 1024.0;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g GiB", static_cast<double>(bytes) / kGibi);
+  return text;
+}
+
+CountResult countWithProgress(const ParametricProgram& program, const Options& options) {
+  CountOptions count = options.count;
+  count.stop = &stopOnSignal();
+  Progress progress(options.quiet);
+  Forecast forecast;
+  count.progress = [&](const ExploreProgress& state) {
+    forecast.add(progress.elapsed(), state.regions, state.described, state.open);
+    progress.show(
+        std::to_string(state.regions) + " regions proven, " + std::to_string(state.open) + " sets open",
+        forecast.remaining(), forecast.atLeast());
+  };
+  return countRegions(program, count);
+}
+
+bool tooLarge(const Options& options, const CountResult& result) {
+  return options.count.map_limit > 0 && result.map_bytes > options.count.map_limit;
+}
+
+std::string statsJson(const ParametricProgram& program, const Options& options, const CountResult& result) {
+  nlohmann::ordered_json json;
+  json["name"] = program.name;
+  json["status"] = toString(result.status);
+  json["variables"] = program.variableCount();
+  json["rows"] = program.rowCount();
+  json["parameters"] = program.parameterCount();
+  json["inputs"] = program.inputCount();
+  json["proven"] = result.count.proven;
+  json["active_rows"] = result.count.active_rows;
+  json["laws"] = result.count.laws;
+  json["map_bytes"] = result.map_bytes;
+  json["map_limit"] = options.count.map_limit;
+  json["regions"] = result.regions;
+  json["unproven"] = result.unproven;
+  json["contradicted"] = result.contradicted;
+  json["facets"] = result.facets;
+  json["described"] = result.described;
+  json["open_sets"] = result.open;
+  json["count_bytes"] = result.memory_bytes;
+  json["cpu_seconds"] = result.cpu_seconds;
+  json["threads"] = options.count.threads;
+  return json.dump(2) + "\n";
+}
+
+std::string text(const ParametricProgram& program, const Options& options, const CountResult& result) {
+  const bool complete = result.status == ExploreStatus::kComplete;
+  std::string line = program.name + ": " + toString(result.status) + ": ";
+  if (complete) {
+    line += std::to_string(result.regions) + " regions, ";
+    line += result.unproven == 0 ? "all proven" : std::to_string(result.count.proven) + " of them proven";
+    line += ", their map takes at least ";
+  } else {
+    line += "at least " + std::to_string(result.count.proven) + " regions, at least ";
+  }
+  line += std::to_string(result.map_bytes) + " bytes";
+  if (tooLarge(options, result)) line += ": does not fit " + gigabytes(options.count.map_limit);
+  return line;
+}
+
+ExitCode count(const Options& options) {
+  if (!options.stats.empty()) checkWritable(options.stats, {options.problem, options.count.proof});
+  if (!options.count.proof.empty()) checkWritable(options.count.proof, {options.problem});
+  const ParametricProgram program = loadProgram(options.problem);
+  const CountResult result = countWithProgress(program, options);
+  if (result.status == ExploreStatus::kInfeasible)
+    throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
+  if (!options.stats.empty()) writeText(options.stats, statsJson(program, options, result));
+  if (result.status == ExploreStatus::kIncomplete)
+    std::fprintf(stderr, "offline_mpt: %s: the partition has a gap at theta = %s\n", options.problem.c_str(),
+                 vectorText(result.witness).c_str());
+  if (!options.quiet) std::printf("%s\n", text(program, options, result).c_str());
+  return tooLarge(options, result) ? ExitCode::kFailed : exitCode(result.status);
+}
+
+}  // namespace
+
+void addCount(CLI::App& app, ExitCode& exit_code) {
+  auto options = std::make_shared<Options>();
+  options->count.threads = defaultThreads();
+  CLI::App* command =
+      app.add_subcommand("count", "Count the regions of a map that is not made: does it fit?");
+  command->footer(kFooter);
+  command->add_option("PROBLEM", options->problem, "problem file, .yaml or .json")->required();
+  command
+      ->add_option("--map-limit", options->count.map_limit,
+                   "stop when the map is proven to take more bytes; suffixes k, M, G (default: none)")
+      ->transform(CLI::AsSizeValue(false));
+  command->add_option("--proof", options->count.proof, "write all counted sets with their witnesses");
+  command->add_option("--region-limit", options->count.region_limit, "stop after so many proven regions")
+      ->check(CLI::PositiveNumber);
+  addExploreLimits(*command, options->count.threads, options->count.time_limit, options->count.memory_limit);
+  command->add_option("--stats", options->stats, "write counts and times as JSON");
+  command->add_flag("--quiet", options->quiet, "say nothing but errors");
+  command->callback([options, &exit_code] { exit_code = count(*options); });
+}
+
+}  // namespace polyfly

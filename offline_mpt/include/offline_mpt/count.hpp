@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "mpc_core/parametric_program.hpp"
+#include "offline_mpt/explore.hpp"
+#include "offline_mpt/partition.hpp"
+
+namespace polyfly {
+
+/// What is known of a map that was not made.
+struct MapCount {
+  std::uint64_t proven = 0;       ///< active sets that are critical regions with an interior, each once
+  std::uint64_t active_rows = 0;  ///< rows of all these sets together
+  std::uint64_t laws = 0;         ///< of these regions, those whose laws are proven to be written apart
+};
+
+/// Bytes that a map of such regions takes at the least, see COUNT.md. `program` gives its sizes.
+std::uint64_t leastMapBytes(const ParametricProgram& program, const MapCount& count);
+
+struct CountOptions {
+  int threads = 1;  ///< worker threads, at most the machine's; the result does not depend on it
+  std::uint64_t region_limit = 0;  ///< stop when so many sets are proven, 0: none
+  double time_limit = 0.0;         ///< [s], 0: none
+  std::uint64_t memory_limit = 0;  ///< [bytes] that counting takes, 0: none
+  std::uint64_t map_limit = 0;     ///< [bytes] stop when the map is proven to take more, 0: none
+  std::string proof;               ///< file of all proven sets with witnesses (COUNT.md), empty: none
+  const std::atomic<bool>* stop = nullptr;  ///< set from outside to interrupt
+  /// Called now and then from the calling thread; its regions are those proven.
+  std::function<void(const ExploreProgress&)> progress;
+};
+
+struct CountResult {
+  /// kComplete: all regions were found; kLimited, kInterrupted: counts are lower bounds; kIncomplete: a gap
+  /// was left, as explore tells.
+  ExploreStatus status = ExploreStatus::kInfeasible;
+  MapCount count;
+  std::uint64_t regions = 0;       ///< that explore would have, of the sets described
+  std::uint64_t unproven = 0;      ///< of `regions`, those that are not proven: degenerate, or too thin
+  std::uint64_t facets = 0;        ///< of `regions`
+  std::uint64_t described = 0;     ///< active sets
+  std::uint64_t open = 0;          ///< active sets found, not described; some of them are proven
+  std::uint64_t contradicted = 0;  ///< sets proven, of which the solver makes no region
+  std::uint64_t map_bytes = 0;     ///< of the map, at the least
+  std::uint64_t memory_bytes = 0;  ///< greatest that counting took
+  double cpu_seconds = 0.0;
+  Eigen::VectorXd witness;  ///< p, with kIncomplete
+};
+
+/// Explores as `explore` does, but keeps only which active sets there are, some tens of bytes each, and
+/// counts those that it proves to be critical regions: before they are described when they are optimal,
+/// strictly, somewhere on the ray behind a facet through which they are found, otherwise at their centres.
+///
+/// Sets are described in the order in which they are found, and count in that of the described ones that
+/// prove them, so results and proofs do not depend on threads, and limits on regions, memory and the map stop
+/// at the same set each time. Throws Error as explore does, when H
+/// is not positive definite, and when the proof cannot be written.
+CountResult countRegions(const ParametricProgram& program, const CountOptions& options = {});
+
+}  // namespace polyfly
