@@ -22,6 +22,7 @@ OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
   polyfly::visitOptions(setup.controller, table);
   polyfly::visitLinearTuning(setup.linear, table);
   polyfly::visitNonlinearOptions(setup.nonlinear, table);
+  polyfly::visitMomentModel(setup.moments, table);
   for (const ForeignName& name : names) table.alias(name);
   return table;
 }

@@ -4,9 +4,12 @@
 #include <ros/ros.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 
 #include <cerrno>
 #include <cstring>
+
+#include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -15,6 +18,12 @@ constexpr double kPatience = 0.05;  // until a thread without work looks whether
 
 std::string refusal(const std::string& what, int error, const std::string& remedy) {
   return what + ": " + std::strerror(error) + "; goes on without. " + remedy + "\n";
+}
+
+/// Whether there was one.
+bool callOne(WatchedQueue& queue, polyfly::Baton* baton) {
+  const polyfly::BatonHold hold(baton);
+  return queue.callOne() == ros::CallbackQueue::Called;
 }
 
 }  // namespace
@@ -26,16 +35,8 @@ std::string becomeRealTime(const RealTimeOptions& options) {
         "real_time/lock_memory", errno,
         "Permitted to root and, as `USER - memlock unlimited` in /etc/security/limits.conf, to a user.");
   }
-  if (options.core >= 0) {
-    cpu_set_t cores;
-    CPU_ZERO(&cores);
-    CPU_SET(static_cast<std::size_t>(options.core), &cores);
-    const int error = pthread_setaffinity_np(pthread_self(), sizeof cores, &cores);
-    if (error != 0) {
-      said += refusal("real_time/core " + std::to_string(options.core), error,
-                      "There must be such a processor, and this process must be allowed to run on it.");
-    }
-  }
+  if (options.core >= 0) said += runOn(options.core);
+  if (options.rehearse > 0.0) prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]: to be awake in time
   if (options.priority > 0) {
     sched_param parameters{};
     parameters.sched_priority = options.priority;
@@ -47,6 +48,27 @@ std::string becomeRealTime(const RealTimeOptions& options) {
     }
   }
   return said;
+}
+
+std::string runOn(int core) {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  CPU_SET(static_cast<std::size_t>(core), &cores);
+  const int error = pthread_setaffinity_np(pthread_self(), sizeof cores, &cores);
+  if (error == 0) return {};
+  return refusal("real_time/core " + std::to_string(core), error,
+                 "There must be such a processor, and this process must be allowed to run on it.");
+}
+
+bool answersInPublisher(const std::string& answer, const RealTimeOptions& options) {
+  if (answer == "thread") return false;
+  if (answer == "auto") return options.priority == 0 && options.core < 0 && options.poll == 0.0;
+  if (answer != "publisher")
+    throw polyfly::Error("real_time/answer: must be one of auto, publisher, thread, got '" + answer + "'");
+  if (options.poll > 0.0)
+    throw polyfly::Error(
+        "real_time/poll: has no sense with real_time/answer publisher: the control thread waits for nothing");
+  return true;
 }
 
 ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {
@@ -64,23 +86,26 @@ void relax() noexcept {
 }
 
 CallbackThread::CallbackThread(WatchedQueue& queue, const char* name, std::function<void()> begin,
-                               Sleep sleep)
-    : thread_([this, &queue, begin = std::move(begin), sleep = std::move(sleep)] {
+                               Sleep sleep, polyfly::Baton* baton)
+    : thread_([this, &queue, begin = std::move(begin), sleep = std::move(sleep), baton] {
         if (begin) begin();
-        serve(queue, sleep);
+        if (baton != nullptr) baton->give();
+        serve(queue, sleep, baton);
+        if (baton != nullptr) baton->take();
       }) {
   pthread_setname_np(thread_.native_handle(), name);
 }
 
-void CallbackThread::serve(WatchedQueue& queue, const Sleep& sleep) const {
+void CallbackThread::serve(WatchedQueue& queue, const Sleep& sleep, polyfly::Baton* baton) const {
   while (!stopping_ && ros::ok()) {
     const double patience = sleep ? sleep(kPatience) : kPatience;
     if (patience > 0.0) {
-      queue.callAvailable(ros::WallDuration(patience));
-    } else if (queue.takeNews()) {
-      queue.callAvailable();
-    } else {
+      queue.awaitNews(patience);
+    } else if (!queue.takeNews()) {
       relax();
+      continue;
+    }
+    while (!stopping_ && callOne(queue, baton)) {
     }
   }
 }

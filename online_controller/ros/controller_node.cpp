@@ -1,12 +1,15 @@
 #include "online_controller_ros/controller_node.hpp"
 
+#include <sched.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
@@ -15,13 +18,26 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kLogInterval = 1.0;  // between two warnings [s]
-constexpr double kLongGap = 100.0;    // so many control periods without odometry are no loss of single ones
+constexpr double kLongGap = 100.0;  // so many control periods without odometry are no loss of single ones
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A function as a callback.
+class Task : public ros::CallbackInterface {
+ public:
+  explicit Task(std::function<void()> function) : function_(std::move(function)) {}
+  CallResult call() override {
+    function_();
+    return Success;
+  }
+
+ private:
+  std::function<void()> function_;
+};
 
 }  // namespace
 
-ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle) {
+ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle,
+                                                  const ForeignNames& names) {
   Setup setup;
   ParameterReader reader(private_handle);
   setup.laws = LawSetup::read(reader);
@@ -29,91 +45,194 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   visitNodeOptions(setup.node, reader);
   setup.output = OutputOptions::read(reader);
   visitRealTimeOptions(setup.real_time, reader);
+  setup.in_publisher = answersInPublisher(
+      reader.text("real_time/answer", "auto, publisher or thread", "auto"), setup.real_time);
+  setup.laws.understudies = setup.real_time.rehearse > 0.0;
   reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "linear", "nonlinear",
                         "control_interface", "rc", "output", "real_time"});
+  if (names.empty()) {  // else the adoption has told
+    for (const std::string& name : reader.unread())
+      ROS_WARN("MPC does not know the parameter %s", name.c_str());
+  }
   return setup;
 }
 
 ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                  const ForeignNames& names) try
-    : ExplicitMpcNode(handle, private_handle, names, readSetup(private_handle)) {
+    : ExplicitMpcNode(handle, private_handle, names, readSetup(private_handle, names)) {
 } catch (const std::exception& error) {
-  ROS_FATAL("explicit MPC does not start: %s", error.what());
+  ROS_FATAL("MPC does not start: %s", error.what());
   throw;
 }
 
 ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                                  const ForeignNames& names, const Setup& setup)
-    : handle_(onQueue(handle, queue_)),
+    : at_once_(baton_, queue_, boost::make_shared<Task>([this] { onFollowUp(); })),
+      handle_(onQueue(handle, queue_)),
       keeper_(setup.laws),
       flight_(laws(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
       interface_(handle_, onQueue(private_handle, queue_), flight_, setup.flight, setup.laws),
       output_(handle_, setup.output, setup.laws.controller),
       record_(flight_.preview().size()),
+      reporter_(handle_, keeper_, flight_, record_, setup.laws.controller.control_period),
+      in_publisher_(setup.in_publisher),
       control_period_(setup.laws.controller.control_period),
-      poll_(control_period_, setup.real_time.poll),
+      poll_(control_period_, setup.real_time.poll, setup.real_time.rehearse),
+      follows_publisher_(in_publisher_ && setup.real_time.rehearse > 0.0 && setup.real_time.core < 0),
       silence_(setup.node.stale_periods * control_period_) {
+  if (setup.real_time.rehearse > 0.0) {
+    topics_.emplace(onQueue(private_handle, queue_),
+                    [this](const nav_msgs::Odometry& like) { rehearseWith(like); });
+  }
   connect();
   background_.emplace(handle, private_handle, setup.laws, names, keeper_, record_);
   const auto begin = [real_time = setup.real_time] {
     const std::string refused = becomeRealTime(real_time);
-    if (!refused.empty()) ROS_WARN("explicit MPC: %s", refused.c_str());
+    if (!refused.empty()) ROS_WARN("MPC: %s", refused.c_str());
   };
-  control_thread_.emplace(queue_, "mpc_control", begin, [this](double most) {
-    const auto now = polyfly::PollWindow::Clock::now();
-    if (poll_.rehearses(now)) laws().rehearse();
-    return poll_.sleep(now, most);
-  });
+  control_thread_.emplace(
+      queue_, "mpc_control", begin, [this](double most) { return sleep(most); }, &baton_);
+}
+
+// Between two callbacks of the control thread.
+double ExplicitMpcNode::sleep(double most) {
+  const auto now = polyfly::PollWindow::Clock::now();
+  if (poll_.rehearses(now) && baton_.tryTake()) {
+    rehearse();
+    baton_.give();
+  }
+  return poll_.sleep(now, most);
 }
 
 void ExplicitMpcNode::connect() {
-  ros::NodeHandle& handle = handle_;
-  status_publisher_ = handle.advertise<online_controller::ControllerStatus>("controller_status", 100);
-  law_publisher_ = handle.advertise<std_msgs::String>("active_law", 1, true);
+  law_publisher_ = handle_.advertise<std_msgs::String>("active_law", 1, true);
   publishLaw();
-  law_service_ = handle.advertiseService("select_law", &ExplicitMpcNode::onSelectLaw, this);
-  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  law_service_ = handle_.advertiseService("select_law", &ExplicitMpcNode::onSelectLaw, this);
   interface_.onManual([this](const ros::Time& now) { onManual(now); });
-  odometry_subscriber_ = handle.subscribe("odometry", 1, &ExplicitMpcNode::onOdometry, this, hints);
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const OdometryEvent&>(
+      "odometry", 1, [this](const OdometryEvent& event) { onOdometry(event); });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  if (in_publisher_) options.callback_queue = &at_once_;
+  odometry_subscriber_ = handle_.subscribe(options);
   watchdog_ =
-      handle.createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) { onWatchdog(); });
+      handle_.createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) { onWatchdog(); });
 }
 
-void ExplicitMpcNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
+void ExplicitMpcNode::onOdometry(const OdometryEvent& event) {
+  const bool in_publisher = at_once_.runsHere();
+  if (in_publisher && (left_ != nullptr || !published_here_(event.getConnectionHeaderPtr()))) {
+    left_ = event.getConstMessage();
+    return;  // the follow-up comes in any case
+  }
+  answer(*event.getConstMessage());
+  if (!in_publisher) finish();
+}
+
+void ExplicitMpcNode::onFollowUp() {
+  if (left_ != nullptr) answer(*std::exchange(left_, nullptr));
+  finish();
+}
+
+void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   StageClock clock;
-  poll_.served(polyfly::PollWindow::Clock::now());
+  served_at_ = polyfly::PollWindow::Clock::now();
+  if (follows_publisher_ && at_once_.runsHere()) publisher_core_ = sched_getcpu();
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
-  if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message->header.stamp);
+  if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message.header.stamp);
   has_odometry_ = true;
-  frame_ = message->header.frame_id;
-  odometry_age_ = (arrival_ - message->header.stamp).toSec();
-  countLost(message->header.stamp);
-  const polyfly::VehicleState state = toVehicleState(*message);
+  frame_ = message.header.frame_id;
+  odometry_age_ = (arrival_ - message.header.stamp).toSec();
+  countLost(message.header.stamp);
+  const polyfly::VehicleState state = toVehicleState(message);
   const bool frame_fits = interface_.frameFits(frame_);
   StageTimes times;
   times.input = clock.lap();
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   times.step = clock.lap();
-  if (flight_.sends()) output_.publish(report.command, message->header, yawOf(state));
+  if (flight_.sends()) output_.publish(report.command, message.header, yawOf(state));
   times.output = clock.lap();
 
-  // The command is out. What follows is for the next one, and for those who watch.
-  finish(report, message->header, times);
-  interface_.observe(message->header, state);
-  exchangeLaws();
+  Answered& answered = remember(report, message.header, times);
+  answered.by_odometry = true;
+  answered.state = state;
+  answered.accepted = flight_.lastRefusal() == polyfly::ControlReason::kNone;
+  answered.restarted = flight_.restarted();
+}
+
+Answered& ExplicitMpcNode::remember(const polyfly::ControlReport& report, const std_msgs::Header& header,
+                                    const StageTimes& times) {
+  Answered& answered = answered_.add();
+  answered.header = header;
+  answered.law = laws().active();
+  answered.report = report;
+  answered.sends = flight_.sends();
+  answered.times = times;
+  answered.odometry_age = odometry_age_;
+  answered.sequence = sequence_++;
+  answered.by_odometry = false;
+  return answered;
+}
+
+// In the control thread. The command is out; this is for the next one, and for those who watch.
+void ExplicitMpcNode::finish() {
+  if (answered_.size() == 0) return;
+  StageClock clock;
+  const Answered& last = *(answered_.end() - 1);
+  for (const Answered& answered : answered_) {
+    reporter_.tell(answered, &answered == &last);
+    if (answered.by_odometry) interface_.observe(answered);
+  }
+  interface_.publishChange();
+  if (last.by_odometry) {
+    exchangeLaws();
+    prepare();
+    reporter_.prepared(last, clock.lap());
+    poll_.served(served_at_);
+    followPublisher();
+  }
+  answered_.clear();
+}
+
+void ExplicitMpcNode::prepare() {
+  if (polyfly::LawSwitch* understudy = keeper_.laws().understudy()) {
+    understudy->takeOver(laws());
+    understudy->prepare();
+  }
   laws().prepare();
   output_.prepare();
-  last_prepare_ = times.prepare = clock.lap();
-  record_.latency.record(times.latency());
-  record_.step.record(times.step);
-  if (times.whole() > static_cast<std::int64_t>(1e9 * control_period_)) ++record_.overruns;
+}
+
+// A rehearsal serves the processor on which it is done.
+void ExplicitMpcNode::followPublisher() {
+  if (!follows_publisher_ || publisher_core_ == core_) return;
+  core_ = publisher_core_;
+  const std::string refused = runOn(core_);
+  if (!refused.empty()) ROS_WARN_ONCE("MPC: rehearsals may serve another processor: %s", refused.c_str());
+}
+
+// With the baton: what the next answer will do, changing nothing that has not been told of.
+void ExplicitMpcNode::rehearse() {
+  if (answered_.size() > 0 || left_ != nullptr) return;
+  if (topics_) {
+    topics_->publish(arrival_, frame_);
+  } else {
+    flight_.rehearse(nullptr);
+  }
+}
+
+void ExplicitMpcNode::rehearseWith(const nav_msgs::Odometry& like) {
+  static_cast<void>(toVehicleState(like));
+  flight_.rehearse(keeper_.laws().understudy());
+  topics_->answer(flight_.report().command, like.header);
+  output_.rehearse(flight_.report().command, like.header);
 }
 
 void ExplicitMpcNode::exchangeLaws() {
   if (!keeper_.exchange()) return;
   flight_.setLaw(laws(), keeper_.laws().options());
-  interface_.setMass(keeper_.laws().options().mass);
+  interface_.setObserver(keeper_.laws().observer());
 }
 
 void ExplicitMpcNode::countLost(const ros::Time& stamp) {
@@ -123,32 +242,9 @@ void ExplicitMpcNode::countLost(const ros::Time& stamp) {
   last_stamp_ = stamp;
 }
 
-void ExplicitMpcNode::leaveSnapshot(const polyfly::ControlReport& report, const std_msgs::Header& header,
-                                    const StageTimes& times) {
-  if (!record_.wanted.exchange(false)) return;
-  FlightSnapshot& snapshot = record_.latest.draft();
-  snapshot.header = header;
-  snapshot.law = laws().active();
-  snapshot.report = report;
-  snapshot.kkt_residual = laws().kktResidual();
-  snapshot.odometry_age = odometry_age_;
-  snapshot.times = times;
-  const bool tracks = report.status <= polyfly::ControlStatus::kHoldLast;
-  const bool shows = record_.show_paths.load(std::memory_order_relaxed);
-  snapshot.reference_count = !tracks ? 0 : shows ? laws().previewLength() : 1;
-  const std::vector<polyfly::Reference>& reference =
-      snapshot.reference_count > 1 ? flight_.wholePreview() : flight_.preview();
-  std::copy_n(reference.begin(), snapshot.reference_count, snapshot.reference.begin());
-  const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
-  snapshot.predicted_count =
-      shows && tracks && same_stages
-          ? laws().predict(snapshot.reference.data(), snapshot.reference_count, snapshot.predicted.data())
-          : 0;
-  record_.latest.publish();
-}
-
 bool ExplicitMpcNode::onSelectLaw(online_controller::SelectLaw::Request& request,
                                   online_controller::SelectLaw::Response& response) {
+  finish();
   try {
     response.success = static_cast<unsigned char>(laws().select(polyfly::lawOfName(request.law)));
     response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +
@@ -172,7 +268,8 @@ void ExplicitMpcNode::onManual(const ros::Time& now) {
   header.stamp = now;
   header.frame_id = frame_;
   output_.publish(flight_.report().command, header, kNan);
-  finish(flight_.report(), header, StageTimes{});
+  remember(flight_.report(), header, StageTimes{});
+  finish();
 }
 
 void ExplicitMpcNode::onWatchdog() {
@@ -185,6 +282,7 @@ void ExplicitMpcNode::onWatchdog() {
   }
   if (now < arrival_) arrival_ = now;  // simulated time began anew
   if (now - arrival_ <= silence_) return;
+  finish();
   exchangeLaws();  // nothing is prepared in silence
   StageClock clock;
   StageTimes times;
@@ -196,58 +294,8 @@ void ExplicitMpcNode::onWatchdog() {
   odometry_age_ = (now - arrival_).toSec();
   if (flight_.sends()) output_.publish(report.command, header, kNan);
   times.output = clock.lap();
-  finish(report, header, times);
-}
-
-void ExplicitMpcNode::finish(const polyfly::ControlReport& report, const std_msgs::Header& header,
-                             const StageTimes& times) {
-  if (status_publisher_.getNumSubscribers() > 0) publishStatus(report, header, times);
-  ++sequence_;
-  leaveSnapshot(report, header, times);
-  interface_.publishChange();
-  logChange(report);
-}
-
-void ExplicitMpcNode::publishStatus(const polyfly::ControlReport& report, const std_msgs::Header& header,
-                                    const StageTimes& times) {
-  const auto status = boost::make_shared<online_controller::ControllerStatus>();
-  status->header = header;
-  status->sequence = sequence_;
-  status->law = polyfly::lawName(laws().active());
-  status->iterations = report.iterations;
-  status->kkt_residual = laws().kktResidual();
-  status->odometry_age = odometry_age_;
-  status->input_time_ns = times.input;
-  status->step_time_ns = times.step;
-  status->output_time_ns = times.output;
-  status->prepare_time_ns = last_prepare_;
-  status->lookup_time_ns = lookupTime(report);
-  fillStatus(report, keeper_.laws().parameters(laws().active()), *status);
-  status_publisher_.publish(status);
-}
-
-std::int64_t ExplicitMpcNode::lookupTime(const polyfly::ControlReport& report) {
-  const std::vector<polyfly::RegionMap>& maps = keeper_.laws().maps(laws().active());
-  if (maps.empty()) return 0;
-  for (const polyfly::AxisReport& axis : report.axis) {
-    if (axis.size == 0) return 0;
-  }
-  double input = 0.0;
-  StageClock clock;
-  for (std::size_t i = 0; i < maps.size(); ++i) maps[i].evaluate(report.axis[i].theta.data(), &input);
-  return clock.lap() / static_cast<std::int64_t>(maps.size());
-}
-
-void ExplicitMpcNode::logChange(const polyfly::ControlReport& report) {
-  if (report.status == logged_status_ && report.reason == logged_reason_) return;
-  logged_status_ = report.status;
-  logged_reason_ = report.reason;
-  const std::string text = describe(report, keeper_.laws().parameters(laws().active()));
-  if (report.status == polyfly::ControlStatus::kOptimal) {
-    ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
-  } else {
-    ROS_WARN_THROTTLE(kLogInterval, "explicit MPC: %s", text.c_str());
-  }
+  remember(report, header, times);
+  finish();
 }
 
 }  // namespace polyfly_ros

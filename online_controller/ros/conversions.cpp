@@ -77,6 +77,8 @@ const char* words(ControlStatus status) {
       return "sticks";
     case ControlStatus::kMotorsOff:
       return "motors off";
+    case ControlStatus::kSuboptimal:
+      return "suboptimal";
   }
   return "";
 }
@@ -208,6 +210,7 @@ void fillStatus(const polyfly::ControlReport& report,
                     static_cast<int>(ControlStatus::kStopped) == Message::STOPPED &&
                     static_cast<int>(ControlStatus::kManual) == Message::MANUAL &&
                     static_cast<int>(ControlStatus::kMotorsOff) == Message::MOTORS_OFF &&
+                    static_cast<int>(ControlStatus::kSuboptimal) == Message::SUBOPTIMAL &&
                     static_cast<int>(ControlReason::kNone) == Message::REASON_NONE &&
                     static_cast<int>(ControlReason::kOutsideBox) == Message::REASON_OUTSIDE_BOX &&
                     static_cast<int>(ControlReason::kOutsidePartition) == Message::REASON_OUTSIDE_PARTITION &&
@@ -226,6 +229,14 @@ void fillStatus(const polyfly::ControlReport& report,
   fillAxis(report.axis[0], parameters[0], message.longitudinal);
   fillAxis(report.axis[1], parameters[1], message.lateral);
   fillAxis(report.axis[2], parameters[2], message.vertical);
+  message.roll_trim = report.trim.roll;
+  message.pitch_trim = report.trim.pitch;
+  message.attitude_coupling = report.coupling;
+}
+
+bool isAsAsked(const polyfly::ControlReport& report) noexcept {
+  return report.status == ControlStatus::kOptimal || report.reason == ControlReason::kOnGround ||
+         report.reason == ControlReason::kPilot;
 }
 
 std::string describe(const polyfly::ControlReport& report) {

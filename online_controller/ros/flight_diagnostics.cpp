@@ -37,9 +37,10 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
     return;
   }
   const polyfly::ControlStatus control = snapshot_->report.status;
-  const bool well = control == polyfly::ControlStatus::kOptimal;
-  const bool poor =
-      control == polyfly::ControlStatus::kClipped || control == polyfly::ControlStatus::kNoReference;
+  const bool well = isAsAsked(snapshot_->report);
+  const bool poor = control == polyfly::ControlStatus::kClipped ||
+                    control == polyfly::ControlStatus::kSuboptimal ||
+                    control == polyfly::ControlStatus::kNoReference;
   const auto level = well ? DiagnosticStatus::OK : poor ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR;
   status.summary(level, std::string(polyfly::lawName(snapshot_->law)) + ": " + describe(snapshot_->report));
 }

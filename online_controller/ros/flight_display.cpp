@@ -4,6 +4,7 @@
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 #include <visualization_msgs/Marker.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace polyfly_ros {
@@ -26,6 +27,23 @@ void fill(const Eigen::Vector3d& from, Vector& to) {
   to.x = from.x();
   to.y = from.y();
   to.z = from.z();
+}
+
+/// Positions as predicted, with the reference's yaw, which the yaw controller follows beside the laws.
+trajectory_msgs::MultiDOFJointTrajectory toPrediction(const FlightSnapshot& snapshot) {
+  trajectory_msgs::MultiDOFJointTrajectory message;
+  message.header = snapshot.header;
+  message.joint_names.emplace_back("base_link");
+  const auto count = static_cast<std::size_t>(std::min(snapshot.predicted_count, snapshot.reference_count));
+  message.points.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    polyfly::Reference stage;
+    stage.position = snapshot.predicted[k];
+    stage.yaw = snapshot.reference[k].yaw;
+    message.points[k].transforms.push_back(toTransform(stage));
+    message.points[k].time_from_start = ros::Duration(static_cast<double>(k) * snapshot.stage_period);
+  }
+  return message;
 }
 
 trajectory_msgs::MultiDOFJointTrajectory toMessage(const FlightSnapshot& snapshot) {
@@ -71,10 +89,13 @@ FlightDisplay::FlightDisplay(ros::NodeHandle& handle)
           handle.advertise<trajectory_msgs::MultiDOFJointTrajectory>("command/current_reference", 1)),
       reference_marker_publisher_(handle.advertise<visualization_msgs::Marker>("reference_trajectory", 1)),
       predicted_marker_publisher_(handle.advertise<visualization_msgs::Marker>("predicted_state", 1)),
+      predicted_publisher_(
+          handle.advertise<trajectory_msgs::MultiDOFJointTrajectory>("full_predicted_state", 1)),
       frame_(handle.resolveName("current_reference").substr(1)) {}
 
 bool FlightDisplay::isWatched() const {
-  return reference_marker_publisher_.getNumSubscribers() + predicted_marker_publisher_.getNumSubscribers() >
+  return reference_marker_publisher_.getNumSubscribers() + predicted_marker_publisher_.getNumSubscribers() +
+             predicted_publisher_.getNumSubscribers() >
          0;
 }
 
@@ -99,6 +120,8 @@ void FlightDisplay::show(const FlightSnapshot& snapshot) {
       addPoint(snapshot.predicted[static_cast<std::size_t>(k)], marker);
     predicted_marker_publisher_.publish(marker);
   }
+  if (snapshot.predicted_count > 1 && predicted_publisher_.getNumSubscribers() > 0)
+    predicted_publisher_.publish(toPrediction(snapshot));
 }
 
 }  // namespace polyfly_ros

@@ -5,6 +5,7 @@
 #include <std_msgs/String.h>
 
 #include <boost/make_shared.hpp>
+#include <sstream>
 #include <utility>
 
 #include "online_controller_ros/conversions.hpp"
@@ -13,8 +14,9 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kLogInterval = 1.0;   // between two messages about references [s]
-constexpr double kManualBelow = -0.5;  // of the mode axis
+constexpr double kLogInterval = 1.0;    // between two messages about references [s]
+constexpr double kTwistInterval = 5.0;  // about velocities that contradict the positions [s]
+constexpr double kManualBelow = -0.5;   // of the mode axis
 constexpr double kPositionFrom = 0.5;
 
 double stick(const sensor_msgs::Joy& message, int axis, double scale) {
@@ -26,7 +28,7 @@ void fill(const Eigen::Vector3d& vector, boost::array<double, 3>& message) {
   for (std::size_t i = 0; i < 3; ++i) message[i] = vector(static_cast<Eigen::Index>(i));
 }
 
-/// "trajectory of 40 points; velocities of 40 and accelerations of 40 computed from differences".
+/// "trajectory of 40 points; velocities of 40 and accelerations of 40 computed".
 std::string summary(const polyfly::ReferenceTrajectory& trajectory) {
   const std::size_t points = trajectory.samples().size();
   if (points == 1) return "pose";
@@ -34,11 +36,29 @@ std::string summary(const polyfly::ReferenceTrajectory& trajectory) {
   const std::size_t velocities = trajectory.computedVelocities();
   const std::size_t accelerations = trajectory.computedAccelerations();
   if (velocities + accelerations == 0) return text;
-  text += "; computed from differences:";
+  text += "; computed:";
   if (velocities > 0) text += " velocities of " + std::to_string(velocities);
   if (velocities > 0 && accelerations > 0) text += ",";
   if (accelerations > 0) text += " accelerations of " + std::to_string(accelerations);
   return text;
+}
+
+/// What a person should know of a trajectory that begins long after `now`, or was over before; empty else.
+std::string oddTime(const polyfly::ReferenceTrajectory& trajectory, double start, double now) {
+  constexpr double kLongWait = 10.0;  // [s]
+  const double wait = start + trajectory.startTime() - now;
+  const double over = now - start - trajectory.endTime();
+  if (trajectory.samples().size() < 2 || (wait <= kLongWait && over <= 0.0)) return {};
+  std::ostringstream text;
+  text.precision(1);
+  text << std::fixed;
+  if (over > 0.0) {
+    text << "it was over " << over << " s ago: only its last point is left";
+  } else {
+    text << "it begins in " << wait << " s";
+  }
+  text << "; is its stamp of this clock?";
+  return text.str();
 }
 
 }  // namespace
@@ -66,7 +86,6 @@ polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const Jo
 FlightSetup FlightSetup::read(ParameterReader& reader) {
   FlightSetup setup;
   visitFlightOptions(setup.flight, reader);
-  visitMomentModel(setup.moments, reader);
   visitJoyLayout(setup.joy, reader);
   setup.odometry_frame = reader.text("odometry_frame", "a frame", "");
   bool demanded = true;
@@ -81,7 +100,7 @@ FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle privat
                                  const LawSetup& laws)
     : flight_(flight),
       joy_(setup.joy),
-      observer_(laws.nonlinear.model, laws.controller, setup.moments),
+      observer_(laws.nonlinear.model, laws.controller, laws.moments),
       frame_demanded_(!setup.odometry_frame.empty()),
       frame_(setup.odometry_frame),
       name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
@@ -113,8 +132,7 @@ void FlightInterface::publishChange() {
   if (flight_.changes() == published_changes_) return;
   published_changes_ = flight_.changes();
   publish();
-  ROS_INFO("explicit MPC: %s: %s", polyfly::flightStateName(flight_.state()),
-           polyfly::describe(flight_.cause()));
+  ROS_INFO("MPC: %s: %s", polyfly::flightStateName(flight_.state()), polyfly::describe(flight_.cause()));
 }
 
 void FlightInterface::publish() {
@@ -144,12 +162,13 @@ void FlightInterface::publish() {
 
 template <class Message>
 void FlightInterface::take(const Message& message, std::optional<double> start, const char* topic) {
-  std::string refusal;
+  std::string refusal, odd;
   const std::string& frame = message.header.frame_id;
   const bool foreign = !frame.empty() && !frame_.empty() && frame != frame_;
   try {
     polyfly::ReferenceTrajectory trajectory = toReferenceTrajectory(message);
     reference_text_ = summary(trajectory);
+    if (start) odd = oddTime(trajectory, *start, ros::Time::now().toSec());
     if (foreign && frame_demanded_) {
       refusal = std::string(topic) + ": frame '" + frame + "' is not that of the odometry, '" + frame_ + "'";
     } else if (const char* why = flight_.onReference(std::move(trajectory), start)) {
@@ -160,11 +179,14 @@ void FlightInterface::take(const Message& message, std::optional<double> start, 
   }
   if (!refusal.empty()) {
     reference_text_ = "refused: " + refusal;
-    ROS_ERROR_THROTTLE(kLogInterval, "explicit MPC keeps its reference: %s", refusal.c_str());
+    ROS_ERROR_THROTTLE(kLogInterval, "MPC keeps its reference: %s", refusal.c_str());
+  } else if (!odd.empty()) {
+    reference_text_ += "; " + odd;
+    ROS_WARN_THROTTLE(kLogInterval, "MPC: %s: %s", topic, odd.c_str());
   } else if (foreign) {
-    ROS_WARN_ONCE("explicit MPC takes %s in frame '%s' as in '%s'", topic, frame.c_str(), frame_.c_str());
+    ROS_WARN_ONCE("MPC takes %s in frame '%s' as in '%s'", topic, frame.c_str(), frame_.c_str());
   } else {
-    ROS_INFO_THROTTLE(kLogInterval, "explicit MPC: %s", reference_text_.c_str());  // planners may stream
+    ROS_INFO_THROTTLE(kLogInterval, "MPC: %s", reference_text_.c_str());  // planners may stream
   }
   if (flight_.changes() == published_changes_) {
     publish();
@@ -190,7 +212,7 @@ void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
 
 bool FlightInterface::answer(const char* request, const char* refusal) {
   publishChange();
-  if (refusal != nullptr) ROS_WARN("explicit MPC refuses to %s: %s", request, refusal);
+  if (refusal != nullptr) ROS_WARN("MPC refuses to %s: %s", request, refusal);
   return refusal == nullptr;
 }
 
@@ -219,22 +241,29 @@ bool FlightInterface::onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Re
   return answer("calibrate the observer", refusal);
 }
 
-void FlightInterface::observe(const std_msgs::Header& header, const polyfly::VehicleState& state) {
-  if (flight_.lastRefusal() == polyfly::ControlReason::kNone) {
-    if (flight_.restarted()) observer_.restart();
-    observer_.update(state, sent_);
+void FlightInterface::observe(const Answered& answered) {
+  if (answered.accepted) {
+    if (answered.restarted) observer_.restart();
+    if (answered.restarted) velocities_.restart();
+    if (velocities_.contradicts(answered.state)) {
+      ROS_WARN_THROTTLE(
+          kTwistInterval,
+          "MPC: the odometry's velocity does not lead from position to position: its twist must be "
+          "in the body's frame, in m/s");
+    }
+    observer_.update(answered.state, sent_);
   }
-  if (flight_.sends()) sent_ = flight_.report().command;
+  if (answered.sends) sent_ = answered.report.command;
   const polyfly::VehicleEstimate& estimate = observer_.estimate();
   if (observer_.calibrations() != calibrations_) {
     calibrations_ = observer_.calibrations();
     flight_.setRestingDisturbance(estimate.force_offset);
-    ROS_INFO("explicit MPC: observer calibrated: force [%.3f, %.3f, %.3f] m/s^2", estimate.force_offset.x(),
+    ROS_INFO("MPC: observer calibrated: force [%.3f, %.3f, %.3f] m/s^2", estimate.force_offset.x(),
              estimate.force_offset.y(), estimate.force_offset.z());
   }
   if (observer_publisher_.getNumSubscribers() == 0) return;
   const auto message = boost::make_shared<online_controller::ObserverState>();
-  message->header = header;
+  message->header = answered.header;
   fill(estimate.position, message->position);
   fill(estimate.velocity, message->velocity);
   fill(estimate.attitude, message->attitude);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "online_controller/options.hpp"
+#include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -19,15 +20,12 @@ struct Unread {
 };
 
 constexpr const char* kSteady =
-    "the observers have steady gains, which controller/disturbance_drift sets: how far the disturbance "
-    "drifts "
-    "in a period";
+    "the observers have the gains of the steady state from the first sample on, which depend on q_* and r_* "
+    "alone";
 constexpr const char* kUnlimited = "the published estimate is not limited";
 
 constexpr Unread kUnread[] = {
     {"KF_observer/P0_*", kSteady},
-    {"KF_observer/q_*", kSteady},
-    {"KF_observer/r_*", kSteady},
     {"KF_observer/omega_limit", kUnlimited},
     {"KF_observer/external_forces_limit", kUnlimited},
     {"KF_observer/external_moments_limit", kUnlimited},
@@ -116,6 +114,7 @@ ForeignNames namesOf(const std::string& law, double gravity) {
     for (const Pair& pair : pairs) names.push_back({pair.theirs, pair.ours});
   };
   add(kVehicle);
+  names.push_back({"KF_observer/q_force", "controller/disturbance_drift", 1.0, 0.0, false, true});
   if (law != "linear") {
     add(kNonlinear);
     return names;
@@ -127,6 +126,8 @@ ForeignNames namesOf(const std::string& law, double gravity) {
   return names;
 }
 
+constexpr const char* kAdopted = "adopted/";  // below it stands what ours were set to
+
 class Adoption {
  public:
   explicit Adoption(const ros::NodeHandle& handle) : handle_(handle) {}
@@ -134,17 +135,18 @@ class Adoption {
   /// Where theirs is a number that counts, ours is set, unless it was.
   void number(const ForeignName& name) {
     double value = 0.0;
-    if (handle_.getParam(name.theirs, value)) set(name.theirs, name.ours, name.sign * value + name.offset);
+    if (read(name.theirs, value, "a number")) set(name.theirs, name.ours, name.toOurs(value));
   }
 
   void flag(const std::string& theirs, const std::string& ours) {
     bool value = false;
-    if (handle_.getParam(theirs, value)) set(theirs, ours, value);
+    if (read(theirs, value, "true or false")) set(theirs, ours, value);
   }
 
   void vector(const std::string& theirs, const std::array<const char*, 3>& ours) {
     std::vector<double> values;
-    if (!handle_.getParam(theirs, values) || values.size() != ours.size()) return;
+    if (!read(theirs, values, "a list of three numbers")) return;
+    if (values.size() != ours.size()) refuse(theirs, "a list of three numbers");
     for (std::size_t i = 0; i < ours.size(); ++i) set(theirs, ours[i], values[i]);
   }
 
@@ -152,17 +154,37 @@ class Adoption {
   bool took(const std::string& theirs) const { return taken_.count(theirs) != 0; }
 
  private:
+  [[noreturn]] void refuse(const std::string& theirs, const char* what) const {
+    throw polyfly::Error("parameter " + handle_.resolveName(theirs) + ": must be " + what);
+  }
+
+  template <class Value>
+  bool read(const std::string& theirs, Value& value, const char* what) const {
+    if (!handle_.hasParam(theirs)) return false;
+    if (!handle_.getParam(theirs, value)) refuse(theirs, what);
+    return true;
+  }
+
+  /// Ours stays where somebody set it. Where an earlier start set it from theirs, it stays only as long as
+  /// theirs is what it was: the parameter server outlives the node, and a mass changed in a YAML file must
+  /// count.
   template <class Value>
   void set(const std::string& theirs, const std::string& ours, const Value& value) {
     taken_.insert(theirs);
-    if (handle_.hasParam(ours)) return;
+    if (!settled_.insert(ours).second) return;
+    if (handle_.hasParam(ours)) {
+      Value adopted{};
+      if (!handle_.getParam(kAdopted + ours, adopted) || adopted == value) return;
+    }
     handle_.setParam(ours, value);
+    handle_.setParam(kAdopted + ours, value);
     text_ += (text_.empty() ? "" : ", ") + theirs + " -> " + ours;
   }
 
   ros::NodeHandle handle_;
   std::string text_;
   std::set<std::string> taken_;
+  std::set<std::string> settled_;
 };
 
 /// What of theirs stands there and was not taken, each reason once, in the order of the table.
@@ -195,7 +217,7 @@ ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, 
   Adoption adoption(private_handle);
   if (!private_handle.hasParam("law")) private_handle.setParam("law", law);
   // The greater of the two limits what is sent; the linear law keeps each of them in its problem.
-  double roll_max = 0.0, pitch_max = 0.0;
+  double roll_max = 0.0, pitch_max = 0.0;  // no numbers are refused below
   if (private_handle.getParam("roll_max", roll_max) && private_handle.getParam("pitch_max", pitch_max))
     adoption.number({roll_max > pitch_max ? "roll_max" : "pitch_max", "controller/angle_max"});
   const double gravity = private_handle.param("vehicle/gravity", polyfly::MultirotorOptions{}.gravity);

@@ -32,6 +32,19 @@ std::unique_ptr<polyfly::ControlLaw> explicitLaw(const MapSet& set,
       options);
 }
 
+/// `problems`: of the linear law, tuned.
+std::unique_ptr<polyfly::LawSwitch> everyLaw(const LawSetup& setup,
+                                             const std::array<polyfly::MpcProblem, 3>& problems) {
+  std::array<std::unique_ptr<polyfly::ControlLaw>, polyfly::kLawCount> laws;
+  const auto place = [&](polyfly::Law law) -> auto& { return laws[static_cast<std::size_t>(law)]; };
+  place(polyfly::Law::kExplicitLinear) = explicitLaw(setup.sources->explicit_maps, setup.controller);
+  place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, setup.controller);
+  place(polyfly::Law::kRobustExplicit) = explicitLaw(setup.sources->robust_maps, setup.controller);
+  place(polyfly::Law::kNonlinear) =
+      std::make_unique<polyfly::NonlinearController>(setup.controller, setup.nonlinear);
+  return std::make_unique<polyfly::LawSwitch>(std::move(laws), setup.law);
+}
+
 std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::vector<polyfly::RegionMap>& maps) {
   std::array<std::vector<polyfly::Signal>, 3> parameters;
   for (std::size_t i = 0; i < maps.size(); ++i) parameters.at(i) = maps[i].parameters();
@@ -58,6 +71,7 @@ LawSetup LawSetup::read(ParameterReader& reader) {
   setup.files.problems = readPaths(reader, "problems", "the path of a problem file", false);
   polyfly::visitOptions(setup.controller, reader);
   polyfly::visitNonlinearOptions(setup.nonlinear, reader);
+  polyfly::visitMomentModel(setup.moments, reader);
   polyfly::checkOptions(setup.controller);
   setup.nonlinear.model.gravity = setup.controller.gravity;
   setup.sources = LawSources::load(setup.files, setup.nonlinear.model, setup.controller);
@@ -66,18 +80,16 @@ LawSetup LawSetup::read(ParameterReader& reader) {
   return setup;
 }
 
-Laws::Laws(const LawSetup& setup) : sources_(setup.sources), options_(setup.controller) {
-  std::array<std::unique_ptr<polyfly::ControlLaw>, polyfly::kLawCount> laws;
-  const auto place = [&](polyfly::Law law) -> auto& { return laws[static_cast<std::size_t>(law)]; };
-  place(polyfly::Law::kExplicitLinear) = explicitLaw(sources_->explicit_maps, options_);
+Laws::Laws(const LawSetup& setup)
+    : sources_(setup.sources),
+      options_(setup.controller),
+      observer_(setup.nonlinear.model, setup.controller, setup.moments) {
   const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
-  place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, options_);
-  place(polyfly::Law::kRobustExplicit) = explicitLaw(sources_->robust_maps, options_);
-  place(polyfly::Law::kNonlinear) = std::make_unique<polyfly::NonlinearController>(options_, setup.nonlinear);
   parameters_ =
       sources_->explicit_maps.empty() ? parametersOf(problems) : parametersOf(sources_->explicit_maps.maps);
   robust_parameters_ = parametersOf(sources_->robust_maps.maps);
-  switch_ = std::make_unique<polyfly::LawSwitch>(std::move(laws), setup.law);
+  switch_ = everyLaw(setup, problems);
+  if (setup.understudies) understudy_ = everyLaw(setup, problems);
 }
 
 const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {

@@ -6,10 +6,21 @@
 #include "online_controller_ros/controller_node.hpp"
 #include "online_controller_ros/foreign_parameters.hpp"
 
+namespace {
+
+polyfly_ros::ForeignParameters adopt(const ros::NodeHandle& private_handle) try {
+  return polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
+} catch (const std::exception& error) {
+  ROS_FATAL("%s does not start: %s", POLYFLY_NODE, error.what());
+  throw;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) try {
   ros::init(argc, argv, POLYFLY_NODE);
   const ros::NodeHandle private_handle("~");
-  const auto theirs = polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
+  const auto theirs = adopt(private_handle);
   if (!theirs.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", theirs.taken.c_str());
   for (const std::string& text : theirs.unread)
     ROS_WARN("parameters of mav_control_rw not read: %s", text.c_str());

@@ -31,8 +31,7 @@ void OptionTable::alias(const ForeignName& name) {
   const auto known = std::find_if(aliases_.begin(), aliases_.end(),
                                   [&](const Alias& entry) { return entry.name == name.theirs; });
   Alias& alias = known == aliases_.end() ? aliases_.emplace_back(Alias{name.theirs, {}}) : *known;
-  alias.links.push_back(
-      {static_cast<std::size_t>(option - options_.data()), name.sign, name.offset, name.raises});
+  alias.links.push_back({static_cast<std::size_t>(option - options_.data()), name});
 }
 
 double OptionTable::get(const Option& option) {

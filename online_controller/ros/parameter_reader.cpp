@@ -23,6 +23,18 @@ void requireRange(const std::string& name, Value value, const char* unit, const 
   refuseValue(name, rule.str());
 }
 
+std::vector<std::string> allNames() {
+  std::vector<std::string> names;
+  if (!ros::param::getParamNames(names))
+    throw polyfly::Error("the parameter server does not list its parameters");
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool startsWith(const std::string& name, const std::string& prefix) {
+  return name.compare(0, prefix.size(), prefix) == 0;
+}
+
 }  // namespace
 
 bool ParameterReader::given(const std::string& key) {
@@ -77,16 +89,24 @@ std::string ParameterReader::text(const std::string& key, const std::string& wha
 }
 
 void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
-  std::vector<std::string> names;
-  if (!ros::param::getParamNames(names))
-    throw polyfly::Error("the parameter server does not list its parameters");
-  std::sort(names.begin(), names.end());
+  const std::vector<std::string> names = allNames();
   for (const std::string& space : namespaces) {
     const std::string prefix = handle_.resolveName(space) + "/";
     for (const std::string& name : names) {
-      if (name.compare(0, prefix.size(), prefix) == 0 && read_.count(name) == 0) refuseValue(name, "unknown");
+      if (startsWith(name, prefix) && read_.count(name) == 0) refuseValue(name, "unknown");
     }
   }
+}
+
+std::vector<std::string> ParameterReader::unread() const {
+  std::vector<std::string> names = allNames();
+  const std::string own = handle_.getNamespace() + "/";
+  const auto known = [&](const std::string& name) {
+    // diagnostic_updater has parameters of its own there
+    return !startsWith(name, own) || startsWith(name, own + "diagnostic_") || read_.count(name) != 0;
+  };
+  names.erase(std::remove_if(names.begin(), names.end(), known), names.end());
+  return names;
 }
 
 }  // namespace polyfly_ros

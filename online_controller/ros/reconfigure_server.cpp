@@ -90,7 +90,7 @@ void ReconfigureServer::take(const std::string& name, double value, const std::v
     if (alias.name != name) continue;
     // Who sends all values back has not changed those that are as they were.
     const OptionTable::Alias::Link& first = alias.links.front();
-    if (value != OptionTable::toTheirs(first, before[first.option])) take(alias, value);
+    if (value != first.name.toTheirs(before[first.option])) take(alias, value);
     return;
   }
   ROS_WARN("reconfigure: there is no '%s'", name.c_str());
@@ -99,8 +99,8 @@ void ReconfigureServer::take(const std::string& name, double value, const std::v
 void ReconfigureServer::take(const OptionTable::Alias& alias, double value) {
   for (const OptionTable::Alias::Link& link : alias.links) {
     const Option& option = table_.options()[link.option];
-    const double ours = link.sign * value + link.offset;
-    if (!link.raises || ours > OptionTable::get(option)) change(option, ours);
+    const double ours = link.name.toOurs(value);
+    if (!link.name.raises || ours > OptionTable::get(option)) change(option, ours);
   }
 }
 
@@ -146,7 +146,7 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
   for (const Option& option : table_.options()) add(option, option.name, value(option));
   for (const OptionTable::Alias& alias : table_.aliases()) {
     const Option& option = table_.first(alias);
-    add(option, alias.name, OptionTable::toTheirs(alias.links.front(), value(option)));
+    add(option, alias.name, alias.links.front().name.toTheirs(value(option)));
   }
   int id = 0;
   const auto add_group = [&](const std::string& name) {

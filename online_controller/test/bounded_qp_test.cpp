@@ -11,7 +11,7 @@
 #include <random>
 
 #include "mpc_core/qp_kernels.hpp"
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "mpc_core_support.hpp"
 
 namespace polyfly {
@@ -422,8 +422,8 @@ TEST(QpKernels, AFactorThatGrowsHasTheSameBits) {
 class ReferenceQps : public testing::TestWithParam<const char*> {};
 
 TEST_P(ReferenceQps, AreSolvedTo1em9) {
-  const std::string path = polyfly_test::dataFile("online_qps/" + std::string(GetParam()) + ".json");
-  if (!polyfly_test::readable(path)) GTEST_SKIP() << path << " is not there";
+  const std::string path = polyfly::referenceData("online_qps/" + std::string(GetParam()) + ".json");
+  if (path.empty()) GTEST_SKIP() << "the reference data are absent";
   const nlohmann::json file = nlohmann::json::parse(std::ifstream(path));
   const int n = file["n"];
   BoundedQp solver(n);

@@ -288,8 +288,8 @@ TEST(Condense, CarriesNamesBoxesBoundsAndText) {
 }
 
 TEST(Condense, EqualsTheReferenceProblem) {
-  const std::string path = dataFile("rmpc/lmpc_N20_5.json");
-  if (!readable(path)) GTEST_SKIP() << "reference data are absent: " << path;
+  const std::string path = referenceData("rmpc/lmpc_N20_5.json");
+  if (path.empty()) GTEST_SKIP() << "the reference data are absent";
   const nlohmann::json reference = nlohmann::json::parse(fileText(path));
   const ParametricProgram program = loadProgram(problemFile("reference/lateral_asl.yaml"));
   const auto expect_near = [&](const char* key, const MatrixXd& ours) {

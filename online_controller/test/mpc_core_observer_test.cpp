@@ -8,7 +8,7 @@
 #include <string>
 
 #include "mpc_core/observer.hpp"
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "mpc_core_support.hpp"
 
 namespace {

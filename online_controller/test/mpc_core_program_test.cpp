@@ -165,8 +165,8 @@ TEST(ProgramJson, ReferenceSamplesAreOptimalForTheProgramRead) {
                                           "rnd_n5_m40_t3"};
   int checked = 0;
   for (const std::string& name : names) {
-    const std::string path = dataFile("mp_problems/" + name + ".json");
-    if (!readable(path)) GTEST_SKIP() << "reference data are absent: " << path;
+    const std::string path = referenceData("mp_problems/" + name + ".json");
+    if (path.empty()) GTEST_SKIP() << "the reference data are absent";
     const ParametricProgram program = loadProgram(path);
     EXPECT_EQ(program.name, name);
     const nlohmann::json file = nlohmann::json::parse(fileText(path));

@@ -1,6 +1,6 @@
 #include <Eigen/Eigenvalues>
 
-#include "mpc_core_support.hpp"
+#include "mpc_core_spectrum.hpp"
 
 namespace polyfly_test {
 

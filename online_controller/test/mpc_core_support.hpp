@@ -3,32 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 
+#include "mpc_core_spectrum.hpp"
+#include "reference_data.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_test {
 
-/// The project's root, given by ctest.
-inline std::string projectRoot() {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  return root != nullptr ? root : ".";
-}
-
-inline std::string problemFile(const std::string& name) {
-  return projectRoot() + "/region_maps/problems/" + name;
-}
-
-/// Reference data that are not part of the project; tests skip where they are absent.
-inline std::string dataFile(const std::string& name) {
-  const char* data = std::getenv("POLYFLY_DATA");
-  return (data != nullptr ? std::string(data) : projectRoot() + "/../shared/data") + "/" + name;
-}
-
-inline bool readable(const std::string& path) { return std::ifstream(path).good(); }
+using polyfly::problemFile;
+using polyfly::projectRoot;
+using polyfly::referenceData;
 
 inline std::string fileText(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -68,9 +55,6 @@ std::string errorOf(const Action& action) {
 inline double maxAbs(const Eigen::MatrixXd& matrix) {
   return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff();
 }
-
-/// Greatest absolute eigenvalue, by Eigen's solver; in a file of its own because that compiles slowly.
-double spectralRadius(const Eigen::MatrixXd& matrix);
 
 /// exp(matrix) by its power series in long double after halving, squared back: slow, simple, accurate.
 inline Eigen::MatrixXd exponentialSeries(const Eigen::MatrixXd& matrix) {

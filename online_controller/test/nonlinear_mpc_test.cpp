@@ -10,7 +10,7 @@
 #include <random>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -109,10 +109,29 @@ TEST(Axis, BindsByNameNotByPlace) {
   const AxisReference reference{0.1, 0.2, 0.3, 0.1};
   polyfly::AxisReport report;
   polyfly::AxisReport turned_report;
-  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
-  EXPECT_EQ(turned_axis.evaluate(sample, reference, 0.02, turned_report), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, 0.0, report), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(turned_axis.evaluate(sample, reference, 0.02, 0.0, turned_report),
+            polyfly::ControlStatus::kOptimal);
   EXPECT_NEAR(report.input, turned_report.input, 1e-15);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(report.theta[i], turned_report.theta[4 - i]);
+}
+
+TEST(Axis, AnOffsetMovesItsInputsAgainstTheBoundsAndNothingElse) {
+  const polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(1), "problem");
+  Axis axis(polyfly::onlineAxisLaw(problem), kAxisNames[1], {});
+  const AxisReference reference{0.1, 0.2, 0.3, 0.1};
+  constexpr double kOffset = 0.04;
+  polyfly::AxisReport without, with;
+  const AxisSample near{0.12, 0.17, -0.02};
+  EXPECT_EQ(axis.evaluate(near, reference, 0.02, 0.0, without), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(axis.evaluate(near, reference, 0.02, kOffset, with), polyfly::ControlStatus::kOptimal);
+  EXPECT_LT(std::abs(without.input) + kOffset, axis.inputUpper());
+  EXPECT_NEAR(with.input, without.input + kOffset, 1e-9);
+  const AxisSample far{2.9, 1.0, -0.2};  // a bound is active
+  EXPECT_EQ(axis.evaluate(far, reference, axis.inputUpper(), kOffset, with),
+            polyfly::ControlStatus::kOptimal);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_LE(std::abs(with.theta[i]), i < 2 ? 3.0 : 0.6);
+  EXPECT_EQ(std::abs(with.input), axis.inputUpper());
 }
 
 /// A map of one region of a minimum-peak robust MPC, u = sum of gains and parameters.
@@ -137,7 +156,7 @@ TEST(Axis, TakesTheMapOfARobustProblem) {
   const AxisSample sample{0.5, -0.3, 0.04};
   const AxisReference reference{0.1, 0.2, 0.3, 0.0};
   polyfly::AxisReport report;
-  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(axis.evaluate(sample, reference, 0.02, 0.0, report), polyfly::ControlStatus::kOptimal);
   ASSERT_EQ(report.size, 5);
   const AxisTarget target = axis.target(reference, 0.0);
   EXPECT_NEAR(report.theta[0], 0.4, 1e-15);
@@ -149,7 +168,7 @@ TEST(Axis, TakesTheMapOfARobustProblem) {
   // without references the target is level flight
   const MapInMemory level_map(robustContent(text, {1.0, 10.0, 100.0}));
   Axis level(level_map.map(), kAxisNames[1], {});
-  EXPECT_EQ(level.evaluate(sample, reference, 0.02, report), polyfly::ControlStatus::kOptimal);
+  EXPECT_EQ(level.evaluate(sample, reference, 0.02, 0.0, report), polyfly::ControlStatus::kOptimal);
   ASSERT_EQ(report.size, 3);
   EXPECT_NEAR(report.theta[2], 0.04, 1e-15);
 
@@ -242,7 +261,7 @@ TEST(AxisTarget, ClosedLoopTracksASineUnderWindWithoutOffset) {
       const AxisSample sample{state(0), state(1), state.size() == 3 ? state(2) : 0.0};
       axis.observe(sample, input, 1);
       polyfly::AxisReport report;
-      ASSERT_NE(axis.evaluate(sample, reference, input, report), polyfly::ControlStatus::kHoldLast);
+      ASSERT_NE(axis.evaluate(sample, reference, input, 0.0, report), polyfly::ControlStatus::kHoldLast);
       input = report.input;
       if (t > 20.0) worst = std::max(worst, std::abs(sample.position - reference.position));
       const auto rate = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {

@@ -10,6 +10,7 @@
 
 #include "online_controller/multirotor_controller.hpp"
 #include "online_support.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -96,9 +97,15 @@ TEST(MultirotorController, AssemblesTheParametersByHand) {
   EXPECT_NEAR(report.axis[2].input, lift, kRounding);
   const double thrust = (lift + kGravity) / (std::cos(0.05) * std::cos(-0.08));
   EXPECT_NEAR(report.command.thrust, 1.52 * thrust, 1e-10);
-  EXPECT_NEAR(report.command.roll, kGravity / thrust * (std::cos(0.6) * phi_cmd + std::sin(0.6) * theta_cmd),
+  // Loops of Euler angles turn the tilt with the body, which the commands undo.
+  const double yaw_rate = 1.8 * (0.0 - 0.6);
+  EXPECT_NEAR(report.command.roll,
+              kGravity / thrust * (std::cos(0.6) * phi_cmd + std::sin(0.6) * theta_cmd) +
+                  kTauRoll / kGain * yaw_rate * -0.08,
               kRounding);
-  EXPECT_NEAR(report.command.pitch, kGravity / thrust * (std::cos(0.6) * theta_cmd - std::sin(0.6) * phi_cmd),
+  EXPECT_NEAR(report.command.pitch,
+              kGravity / thrust * (std::cos(0.6) * theta_cmd - std::sin(0.6) * phi_cmd) -
+                  kTauPitch / kGain * yaw_rate * 0.05,
               kRounding);
   EXPECT_NEAR(report.command.yaw_rate, 1.8 * (0.0 - 0.6), kRounding);
 
@@ -307,8 +314,7 @@ TEST(MultirotorOptions, ValuesOutOfRangeAreNamed) {
 }
 
 TEST(MultirotorOptions, TheReadmeListsEachKey) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  std::ifstream stream(std::string(root != nullptr ? root : ".") + "/online_controller/README.md");
+  std::ifstream stream(polyfly::projectRoot() + "/online_controller/README.md");
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   MultirotorOptions options;
   int count = 0;
@@ -316,7 +322,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 24);
+  EXPECT_EQ(count, 35);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

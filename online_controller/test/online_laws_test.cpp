@@ -5,7 +5,7 @@
 
 #include "mpc_core/dense_qp.hpp"
 #include "mpc_core/online_program.hpp"
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "online_controller/law_switch.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/nonlinear_controller.hpp"

@@ -2,18 +2,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
 
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "online_controller/attitude_trim.hpp"
 #include "online_controller/flight_options.hpp"
 #include "online_controller/nonlinear_controller.hpp"
 #include "online_controller/vehicle_observer.hpp"
+#include "online_controller/velocity_check.hpp"
 #include "online_support.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -38,6 +39,43 @@ struct Tilt {
     angles.pitch = decay * angles.pitch + (1.0 - decay) * kGain * command.pitch;
   }
 };
+
+/// Round a circle of 1 m at `speed`, with the velocity turned by `wrong`, a stamp every 10 ms.
+VehicleState onCircle(double time, double speed, double wrong) {
+  VehicleState state;
+  state.stamp = 100.0 + time;
+  state.position = Eigen::Vector3d(std::cos(speed * time), std::sin(speed * time), 1.0);
+  const double heading = speed * time + 0.5 * M_PI + wrong;
+  state.velocity = speed * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0);
+  return state;
+}
+
+/// When it is first said [s]; -1: never.
+double contradictedAfter(double speed, double wrong) {
+  polyfly::VelocityCheck check;
+  for (int k = 0; k < 2000; ++k) {
+    if (check.contradicts(onCircle(k * kPeriod, speed, wrong))) return k * kPeriod;
+  }
+  return -1.0;
+}
+
+TEST(VelocityCheck, NoticesAnotherFrame) {
+  for (const double speed : {0.0, 0.3, 2.0}) EXPECT_EQ(contradictedAfter(speed, 0.0), -1.0) << speed;
+  EXPECT_EQ(contradictedAfter(2.0, 0.15), -1.0);  // an attitude that is 9 degrees wrong
+  for (const double wrong : {0.5 * M_PI, M_PI, -1.0})
+    EXPECT_NEAR(contradictedAfter(1.0, wrong), 2.0, 0.05) << wrong;
+}
+
+TEST(VelocityCheck, CorrectionsAndGapsAreNoContradiction) {
+  polyfly::VelocityCheck check;
+  for (int k = 0; k < 2000; ++k) {
+    VehicleState state = onCircle(k * kPeriod, 1.0, 0.0);
+    state.position.x() += 0.5 * (k / 300);  // a correction each three seconds
+    if (k % 900 > 800) continue;            // silence of a second
+    EXPECT_FALSE(check.contradicts(state)) << k;
+  }
+  EXPECT_FALSE(check.contradicts(onCircle(-50.0, 1.0, 0.0)));
+}
 
 TEST(AttitudeTrim, findsTheCommandsThatTheModelDoesNotExplain) {
   polyfly::MultirotorOptions options;
@@ -229,6 +267,41 @@ TEST(VehicleObserver, AJumpAnnouncedIsNoForce) {
   EXPECT_NEAR(observer.estimate().position.x(), vehicle.position.x(), 0.05);
 }
 
+/// Samples until nine tenths of a step of the force are found.
+int samplesUntilFound(VehicleObserver& observer, Vehicle& vehicle, const Eigen::Vector3d& force) {
+  vehicle.force = force;
+  for (int k = 1; k <= 1000; ++k) {
+    const AttitudeCommand command = commandAt(vehicle.time);
+    vehicle.move(command);
+    observer.update(vehicle.measure(), command);
+    if (observer.estimate().force.x() > 0.9 * force.x()) return k;
+  }
+  return 1000;
+}
+
+TEST(VehicleObserver, NoisesOfAnotherOneTakeEffectAndNothingIsForgotten) {
+  Vehicle vehicle;
+  vehicle.moment = {1.0, 0.0, 0.0};
+  VehicleObserver observer = makeObserver();
+  fly(vehicle, observer, 1000);
+  const int usual = samplesUntilFound(observer, vehicle, {1.0, 0.0, 0.0});
+  fly(vehicle, observer, 1000);
+  // The numbers of mav_control_rw.
+  polyfly::MultirotorOptions options;
+  options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01, 0.0025};
+  options.disturbance_drift = std::sqrt(0.1);
+  VehicleObserver quick({}, options, {});
+  quick.takeOver(observer);
+  EXPECT_EQ(quick.estimate().force, observer.estimate().force);
+  EXPECT_EQ(quick.estimate().moment, observer.estimate().moment);
+  const int quickly = samplesUntilFound(quick, vehicle, {2.0, 0.0, 0.0});
+  EXPECT_GT(usual, 100);
+  EXPECT_LT(quickly, usual);
+  fly(vehicle, quick, 500);
+  EXPECT_NEAR(quick.estimate().force.x(), 2.0, 0.05);
+  EXPECT_NEAR(quick.estimate().moment.x(), 1.0, 0.1);
+}
+
 TEST(VehicleObserver, DoesNotAllocateAndNamesABadOption) {
   Vehicle vehicle;
   VehicleObserver observer = makeObserver();
@@ -304,8 +377,7 @@ TEST(Integrator, AKnownDisturbanceIsAnsweredFromTheFirstStep) {
 }
 
 TEST(FlightOptions, ThePageListsEachKey) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  std::ifstream stream(std::string(root != nullptr ? root : ".") + "/online_controller/FLIGHT.md");
+  std::ifstream stream(polyfly::projectRoot() + "/online_controller/FLIGHT.md");
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   const auto expect_listed = [&](const std::string& key, auto&&...) {
     const std::string name = key.substr(key.find('/') + 1);

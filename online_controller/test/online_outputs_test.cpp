@@ -80,6 +80,29 @@ TEST(PollWindow, RehearsesOnceShortlyBeforeASample) {
   }
 }
 
+TEST(PollWindow, OneWhoSleepsIsAwakeForARehearsal) {
+  using Clock = PollWindow::Clock;
+  using std::chrono::microseconds;
+  const Clock::time_point sample{std::chrono::hours(1)};
+  PollWindow window(0.01, 0.0, 0.0005);
+  EXPECT_EQ(window.sleep(sample, 0.05), 0.05);  // nothing is known of samples yet
+  for (int i = 0; i < 2; ++i) {
+    window.served(sample);
+    EXPECT_NEAR(window.sleep(sample + microseconds(4000), 0.05), 0.0055, 1e-12);
+    EXPECT_EQ(window.sleep(sample + microseconds(4000), 0.001), 0.001);
+    EXPECT_FALSE(window.rehearses(sample + microseconds(9499)));
+    EXPECT_EQ(window.sleep(sample + microseconds(9501), 0.05), 0.0);
+    EXPECT_TRUE(window.rehearses(sample + microseconds(9501)));
+    EXPECT_FALSE(window.rehearses(sample + microseconds(9502)));
+    EXPECT_EQ(window.sleep(sample + microseconds(9502), 0.05), 0.05);  // until there is a sample
+  }
+  PollWindow both(0.01, 0.25, 0.0005);
+  both.served(sample);
+  EXPECT_NEAR(both.sleep(sample, 0.05), 0.0075, 1e-12);
+  EXPECT_FALSE(both.rehearses(sample + microseconds(9400)));
+  EXPECT_TRUE(both.rehearses(sample + microseconds(9600)));
+}
+
 TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {
   ThrustCurveOptions options;
   options.polynomial = {0.05, 0.02, 0.0005};
@@ -89,6 +112,22 @@ TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {
   EXPECT_NEAR(curve(20.0), 0.05 + 0.02 * 20.0 + 0.0005 * 400.0, 1e-15);
   EXPECT_EQ(curve(30.4), 0.8);
   EXPECT_EQ(curve(7.6), 0.25);
+}
+
+TEST(ThrustCurve, ItsEndsHoldBeyondWhatWasTested) {
+  // Limits may be widened in flight: this one falls from 33 N on, and below 0 from 67 N on.
+  ThrustCurveOptions options;
+  options.polynomial = {0.06, 0.06, -0.0009};
+  const ThrustCurve curve(options, 7.6, 30.4, kWeight);
+  const double end = 0.06 + 0.06 * 30.4 - 0.0009 * 30.4 * 30.4;
+  for (const double thrust : {30.4, 35.0, 70.0, 1e6})
+    EXPECT_NEAR(curve(thrust), std::min(end, 1.0), 1e-15) << thrust;
+  EXPECT_EQ(curve(0.0), 0.0);  // motors off, not c[0]
+  // Below the least that a law asks for the sticks may be; one that rises there again is not followed.
+  options.polynomial = {0.5, -0.06, 0.006};
+  const ThrustCurve bowl(options, 7.6, 14.95, 14.9);
+  EXPECT_NEAR(bowl(1.0), 0.5 - 0.06 * 7.6 + 0.006 * 7.6 * 7.6, 1e-12);
+  EXPECT_EQ(bowl(0.0), 0.0);
 }
 
 TEST(ThrustCurve, RefusesWhatCannotBeFlown) {

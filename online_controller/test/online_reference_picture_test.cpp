@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "online_controller/reference_schedule.hpp"
+#include "project_root.hpp"
 
 namespace {
 
@@ -107,9 +108,7 @@ std::string picture() {
 }
 
 TEST(ReferencePicture, IsWhatTheScheduleDoes) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const std::string path =
-      std::string(root != nullptr ? root : ".") + "/online_controller/doc/references.svg";
+  const std::string path = polyfly::projectRoot() + "/online_controller/doc/references.svg";
   if (std::getenv("POLYFLY_DRAW") != nullptr) std::ofstream(path) << picture();
   std::ifstream stream(path);
   const std::string shown{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -103,6 +104,77 @@ TEST(ReferenceTrajectory, DerivesWhatIsMissing) {
   EXPECT_NEAR(trajectory.sample(0.5).acceleration.y(), 1.0, 1e-12);
   EXPECT_NEAR(trajectory.sample(0.6).acceleration.y(), 1.0, 1e-12);
   EXPECT_NEAR(trajectory.sample(0.55).position.y(), 0.5 * 0.55 * 0.55, 1e-12);
+}
+
+/// Values of a sine of amplitude 0.75 m and its derivatives: an oracle.
+TrajectorySample onSine(double t) {
+  TrajectorySample sample = at(t, {0.75 * std::sin(1.8 * t), 0.0, 1.0}, 0.3 * std::sin(t));
+  sample.velocity.x() = 0.75 * 1.8 * std::cos(1.8 * t);
+  sample.acceleration.x() = -0.75 * 1.8 * 1.8 * std::sin(1.8 * t);
+  sample.yaw_rate = 0.3 * std::cos(t);
+  return sample;
+}
+
+/// Greatest errors of the reference over what lies `margin` s within the ends.
+struct SineErrors {
+  double velocity = 0.0, acceleration = 0.0, jerk = 0.0, yaw_rate = 0.0;
+};
+SineErrors errorsOf(const ReferenceTrajectory& trajectory, double margin) {
+  SineErrors most;
+  for (double t = trajectory.startTime() + margin; t < trajectory.endTime() - margin; t += 0.0037) {
+    const Reference reference = trajectory.sample(t);
+    const double jerk = -0.75 * 1.8 * 1.8 * 1.8 * std::cos(1.8 * t);
+    most.velocity = std::max(most.velocity, std::abs(reference.velocity.x() - onSine(t).velocity.x()));
+    most.acceleration =
+        std::max(most.acceleration, std::abs(reference.acceleration.x() - onSine(t).acceleration.x()));
+    most.jerk = std::max(most.jerk, std::abs(reference.jerk.x() - jerk));
+    most.yaw_rate = std::max(most.yaw_rate, std::abs(reference.yaw_rate - onSine(t).yaw_rate));
+  }
+  return most;
+}
+
+TEST(ReferenceTrajectory, PositionsAloneGiveTheJerkOfThePath) {
+  // The laws lead the lag of the attitude by the jerk: one that is wrong shakes the vehicle.
+  for (const double step : {0.01, 0.05, 0.1}) {
+    std::vector<TrajectorySample> samples;
+    for (int i = 0; i * step < 8.0; ++i) samples.push_back(onSine(i * step));
+    const SineErrors most = errorsOf(ReferenceTrajectory(samples), 1.0);
+    // A cubic spline's error falls with the fourth power of the step in the value, and by one less per
+    // derivative: with p = 7.9 m/s^4 at most h p/2 in the jerk.
+    EXPECT_LT(most.jerk, 0.5 * step * 7.9) << step;
+    EXPECT_LT(most.acceleration, step * step * 7.9) << step;
+    EXPECT_LT(most.velocity, step * step * step * 7.9) << step;
+    EXPECT_LT(most.yaw_rate, step * step * step) << step;
+  }
+}
+
+TEST(ReferenceTrajectory, GivenVelocitiesHoldWhereOthersAreComputed) {
+  std::vector<TrajectorySample> samples;
+  for (int i = 0; i <= 80; ++i) {
+    samples.push_back(onSine(0.1 * i));
+    samples.back().has_velocity = i % 7 == 3 || i % 7 == 5 || i == 0 || i == 80;
+  }
+  const ReferenceTrajectory trajectory(samples);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (samples[i].has_velocity) {
+      EXPECT_EQ(trajectory.samples()[i].velocity, samples[i].velocity) << i;
+    }
+  }
+  const SineErrors most = errorsOf(trajectory, 0.01);
+  EXPECT_LT(most.velocity, 0.005);
+  EXPECT_LT(most.jerk, 0.5);  // of 4.4
+}
+
+TEST(ReferenceTrajectory, TwoAndThreePositionsGiveALineAndAParabola) {
+  const ReferenceTrajectory line({at(1.0, {0, 0, 0}), at(3.0, {4, 0, 0})});
+  EXPECT_NEAR(line.sample(1.7).velocity.x(), 2.0, 1e-12);
+  EXPECT_NEAR(line.sample(1.7).acceleration.x(), 0.0, 1e-12);
+  const ReferenceTrajectory parabola({at(0.0, {0, 0, 0}), at(1.0, {1, 0, 0}), at(3.0, {9, 0, 0})});
+  for (const double t : {0.0, 0.4, 1.0, 2.5, 3.0}) {
+    EXPECT_NEAR(parabola.sample(t).position.x(), t * t, 1e-12) << t;
+    EXPECT_NEAR(parabola.sample(t).velocity.x(), 2.0 * t, 1e-12) << t;
+    EXPECT_NEAR(parabola.sample(t).jerk.x(), 0.0, 1e-10) << t;
+  }
 }
 
 TEST(ReferenceTrajectory, AccelerationIsContinuousWithDerivedData) {

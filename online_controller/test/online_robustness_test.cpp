@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/reference_schedule.hpp"
 #include "online_support.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "mpc_core_allocations.hpp"
+#include "allocations.hpp"
 #include "online_controller/flight_supervisor.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"

@@ -29,7 +29,7 @@ struct NonlinearMpcOptions {
   double speed_max = 0.0;      ///< of each component of the velocity [m/s]; 0: not limited
   double speed_penalty = 1e5;  ///< of the l1 relaxation of that limit [s/m]
 
-  /// Working sets that the feedback may try, the bound of its time: beyond it there is no answer. 0: the
+  /// Working sets that the feedback may try, the bound of its time: then it answers with what it has. 0: the
   /// solver's own bound, 10 (inputs + rows) + 30.
   int working_sets_max = 0;
 };
@@ -97,8 +97,10 @@ class NonlinearMpc {
   /// Linearises about the solution. `stages` has N entries. False when the QP cannot be built.
   bool prepare(const StageConditions* stages) noexcept;
 
-  /// Solves for the state x with N + 1 references (the last one's commands do not count). kOptimal, or why
-  /// not; then the solution is unchanged. Call prepare() before each call.
+  /// Solves for the state x with N + 1 references (the last one's commands do not count). kOptimal;
+  /// kIterationLimit where the search was ended early: the solution has moved towards the point that it had,
+  /// within all limits, as far as the cost falls most; where it does not fall, stepLength() is 0; or why there
+  /// is none: then the solution is unchanged. Call prepare() before each call.
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
   /// Goes on with the solution of another one. False, and nothing is done, when its stages are others.
@@ -121,9 +123,21 @@ class NonlinearMpc {
     StageStep step;
     Block A_transposed;
     Eigen::Matrix<double, kMultirotorInputs, kMultirotorStates, Eigen::RowMajor> B_transposed;
-    MultirotorState defect;      // f(x_k, u_k) - x_{k+1}
-    Eigen::Vector3d lift_slope;  // of z_B T by roll, pitch, T
-    double lift = 0.0;           // z_B T
+  };
+  /// What feedback() reads of a stage, in a third of the memory, since another processor may have prepared
+  /// it: A and B without their zeros and ones.
+  struct Transition {
+    Eigen::Matrix<double, 6, 5> by_motion;  // position and velocity by velocity, roll, pitch
+    Eigen::Matrix<double, 6, 3> by_input;   // position and velocity by the inputs
+    Eigen::Array2d decay, drive;            // roll and pitch by themselves, and by their commands
+    MultirotorState defect;                 // f(x_k, u_k) - x_{k+1}
+    Eigen::Vector3d lift_slope;             // of z_B T by roll, pitch, T
+    double lift = 0.0;                      // z_B T
+
+    void set(const StageStep& step) noexcept;
+    MultirotorState advance(const MultirotorState& change) const noexcept;         // A change + defect
+    MultirotorInput inputGradient(const MultirotorState& adjoint) const noexcept;  // B' adjoint
+    MultirotorState stateGradient(const MultirotorState& adjoint) const noexcept;  // A' adjoint
   };
 
   void computeTerminalWeight();
@@ -137,7 +151,9 @@ class NonlinearMpc {
   void setSpeedRows() noexcept;
   void propagate(const MultirotorState& deviation) noexcept;
   void computeGradient(const StageReference* references) noexcept;
-  void expand() noexcept;
+  double shareOfStep() const noexcept;
+  double costOfRows(double share) const noexcept;
+  void expand(double share) noexcept;
   double* sensitivity(int k) noexcept { return sensitivities_.data() + k * kMultirotorStates * stride_; }
 
   NonlinearMpcOptions options_;
@@ -148,6 +164,7 @@ class NonlinearMpc {
   MultirotorState state_weight_;
 
   std::vector<Stage> stages_;            // N
+  std::vector<Transition> transitions_;  // N
   std::vector<MultirotorState> states_;  // N + 1
   std::vector<MultirotorState> deviations_;
   std::vector<MultirotorInput> inputs_;  // N

@@ -134,8 +134,14 @@ class Axis {
   /// options.solve_outside unset the parameters are clipped to the map's box instead (kClipped). Where a
   /// minimum-peak robust MPC has no plan that meets all bounds (a disturbance beyond its range has been at
   /// work), the errors are scaled down until it has one, by 12 halvings: kClipped.
+  ///
+  /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
+  /// nothing else, are then those of the model's input with the offset.
   ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
-                         AxisReport& report) noexcept;
+                         double input_offset, AxisReport& report) noexcept;
+
+  /// The input that follows the reference without error, not limited; 0 where the law is not told of it.
+  double inputReference(const AxisReference& reference) const noexcept { return goalOf(reference).input; }
 
   /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC,
   /// which answers for the whole disturbance: what an estimate took away would be answered twice.
@@ -152,6 +158,7 @@ class Axis {
  private:
   using Parameters = std::array<double, kMaxParameters>;
 
+  AxisTarget goalOf(const AxisReference& reference) const noexcept;
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
   const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }

@@ -24,7 +24,7 @@ class ControlLaw {
   virtual void prepare() noexcept {}
 
   /// Shortly before the next sample is due: computes once more what is computed already, so that memory and
-  /// instructions which the next step() needs lie in the caches. Its answer stays the same.
+  /// instructions which the next step() needs lie in the caches of this processor. Its answer stays the same.
   virtual void rehearse() noexcept {}
 
   /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.

@@ -5,6 +5,7 @@
 
 #include "mpc_core/observer.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
+#include "online_controller/options.hpp"
 #include "online_controller/types.hpp"
 
 namespace polyfly {
@@ -18,8 +19,8 @@ class ForceObserver {
  public:
   static constexpr int kMaxPeriods = DisturbanceObserver::kMaxPeriods;
 
-  /// `period` between samples [s]; `drift` of d in one period [m/s^2]. Throws Error when one is out of range.
-  ForceObserver(const MultirotorModel& model, double period, double drift);
+  /// Period, noise and drift are those of the options. Throws Error when one is out of range.
+  ForceObserver(const MultirotorModel& model, const MultirotorOptions& options);
 
   /// The sample came `periods` periods after the last one; `thrust` over mass [m/s^2] was held meanwhile. The
   /// first sample after reset, or one more than kMaxPeriods late, sets the state and keeps d.

@@ -81,8 +81,14 @@ class MultirotorController : public ControlLaw {
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
+  ControlStatus evaluate(const Measured& measured, const Reference& reference,
+                         ControlReason& reason) noexcept;
+  std::array<double, 3> inputOffsets(const Measured& measured, const Reference& reference,
+                                     const std::array<AxisReference, 3>& wanted) const noexcept;
+  double nearBounds(const std::array<double, 2>& goals) const noexcept;
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
-  TiltAngles forceAngles(const AttitudeCommand& command) const noexcept;
+  TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
+  TiltAngles forceAngles(const AttitudeCommand& command, const TiltAngles& measured_tilt) const noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
   void forget() noexcept;
 
@@ -91,7 +97,7 @@ class MultirotorController : public ControlLaw {
   SamplingClock clock_;  // of minimum-peak maps
   ControlReport report_;
 
-  std::array<double, 3> inputs_{};   // u of each axis in the last command: u_{-1} of Eq. 4
+  std::array<double, 3> inputs_{};   // u of each axis' model in the last command: u_{-1} of Eq. 4
   std::array<double, 3> applied_{};  // the same after the limits on what is sent: what the observer is told
   double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
   bool observing_ = false;

@@ -54,14 +54,16 @@ class NonlinearController : public ControlLaw {
  private:
   int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
-  StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
-  void lead(StageReference& from, const StageReference& to, double period) const noexcept;
+  StageReference onPath(const Reference& path, double yaw) const noexcept;
+  void lead(StageReference& from, const StageReference& to, const TiltAngles& decay) const noexcept;
   void makeReferences(const Reference* preview) noexcept;
+  void matchStages() noexcept;
+  TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
+  bool answers(QpStatus status) const noexcept;
   bool solve(const MultirotorState& x, int periods) noexcept;
   bool isFar(const MultirotorState& x) const noexcept;
   void startIteration(const MultirotorState& x) noexcept;
-  double yawRate(const Reference& reference, double yaw) const noexcept;
-  void send(double yaw, const Reference& reference) noexcept;
+  void send(const EulerAngles& angles, const Reference& reference) noexcept;
   void withoutAnswer(ControlReason reason) noexcept;
   void forget() noexcept;
 
@@ -71,15 +73,18 @@ class NonlinearController : public ControlLaw {
   AttitudeTrim trim_;
   ControlReport report_;
 
-  std::vector<StageConditions> stages_;     // N + 1: the last one has the yaw at the end
-  std::vector<StageReference> references_;  // N + 1
-  std::vector<Reference> preview_;          // of the last step, for the preparation of the next
-  TiltAngles sooner_;                       // from a stage's command to one control period's [rad]
-  double yaw_ = 0.0;                        // of the last sample [rad]
-  double observed_until_ = 0.0;             // time up to which the observer has advanced [s]
+  TiltAngles ahead_;                                       // see matchStages [1]
+  Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();  // of the last step, or what is prepared [m/s^2]
+  std::vector<StageConditions> stages_;                    // N + 1: the last one has the yaw at the end
+  std::vector<StageReference> references_;                 // N + 1
+  std::vector<Reference> preview_;  // of the last step, for the preparation of the next
+  TiltAngles sooner_;               // from a stage's command to one control period's [rad]
+  double yaw_ = 0.0;                // of the last sample [rad]
+  double observed_until_ = 0.0;     // time up to which the observer has advanced [s]
   bool observing_ = false;
-  bool iterating_ = false;  // there is a solution to go on from
-  bool prepared_ = false;   // for the next sample
+  bool iterating_ = false;                 // there is a solution to go on from
+  bool prepared_ = false;                  // for the next sample
+  TiltAngles period_decay_, stage_decay_;  // what of an angle is left after a control period, after a stage
   SafetyLadder ladder_;
   PositionIntegrator integrator_;
 };

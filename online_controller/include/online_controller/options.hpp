@@ -4,6 +4,35 @@
 
 namespace polyfly {
 
+/// What the Kalman filters of forces and moments reckon with, the laws' and the published one: variances of
+/// the model's error in a control period, and of a measurement. Only their ratios shape the gains. Names and
+/// meaning are those of mav_control_rw; its q_force is the square of controller/disturbance_drift.
+struct ObserverNoise {
+  double q_position = 2.5e-7;          ///< [m^2]
+  double q_velocity = 2.5e-5;          ///< [m^2/s^2]
+  double q_attitude = 1e-8;            ///< [rad^2]
+  double q_angular_velocity = 4e-4;    ///< [rad^2/s^2]
+  double q_torque = 0.04;              ///< drift of the moment over inertia [rad^2/s^4]
+  double r_position = 2.5e-5;          ///< [m^2]
+  double r_velocity = 4e-4;            ///< [m^2/s^2]
+  double r_attitude = 1e-4;            ///< [rad^2]
+  double r_angular_velocity = 2.5e-3;  ///< not among those of mav_control_rw, which measures none [rad^2/s^2]
+};
+
+template <class Noise, class Visit>
+void visitObserverNoise(Noise& noise, Visit&& visit) {
+  const Range drift{0.0, 10.0}, measured{1e-10, 10.0};
+  visit("KF_observer/q_position", noise.q_position, "m^2", drift);
+  visit("KF_observer/q_velocity", noise.q_velocity, "m^2/s^2", drift);
+  visit("KF_observer/q_attitude", noise.q_attitude, "rad^2", drift);
+  visit("KF_observer/q_angular_velocity", noise.q_angular_velocity, "rad^2/s^2", drift);
+  visit("KF_observer/q_torque", noise.q_torque, "rad^2/s^4", Range{1e-8, 10.0});
+  visit("KF_observer/r_position", noise.r_position, "m^2", measured);
+  visit("KF_observer/r_velocity", noise.r_velocity, "m^2/s^2", measured);
+  visit("KF_observer/r_attitude", noise.r_attitude, "rad^2", measured);
+  visit("KF_observer/r_angular_velocity", noise.r_angular_velocity, "rad^2/s^2", measured);
+}
+
 /// Constants of the vehicle and of the controller around the maps. The defaults are those of a Firefly.
 /// The prediction model itself (attitude loop, drag) comes from the maps.
 struct MultirotorOptions {
@@ -24,9 +53,12 @@ struct MultirotorOptions {
   double descend_thrust = 0.95;  ///< share of the hover thrust [1]
   double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
   double disturbance_drift =
-      0.005;                  ///< of the observer's model, per control period: greater follows faster [m/s^2]
-  double trim_drift = 5e-4;   ///< of the attitude's trim per control period, 0: only the given one [rad]
-  bool offset_free = true;    ///< use the disturbance estimate (Eq. 5-6)
+      0.005;  ///< of the observer's model, per control period: greater follows faster [m/s^2]
+  ObserverNoise noise;
+  double trim_drift = 5e-4;        ///< of the attitude's trim per control period, 0: only the given one [rad]
+  double attitude_coupling = 0.0;  ///< c of AttitudeTrim before anything is found of it, 0 .. 1 [1]
+  double coupling_drift = 0.005;   ///< of c per control period, 0: only the given one [1]
+  bool offset_free = true;         ///< use the disturbance estimate (Eq. 5-6)
   bool solve_outside = true;  ///< where a map has no answer, solve its problem online; else clip to its box
   bool integrator = false;    ///< add the integral of the position error to it, see PositionIntegrator
   double integral_gain_xy = 0.2;  ///< [1/s^3]
@@ -56,6 +88,8 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
   visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1});
+  visit("controller/attitude_coupling", options.attitude_coupling, "1", Range{0.0, 1.0});
+  visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1});
   visit("controller/offset_free", options.offset_free);
   visit("controller/solve_outside", options.solve_outside);
   visit("controller/integrator", options.integrator);
@@ -63,6 +97,7 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0});
   visit("controller/integral_limit", options.integral_limit, "m s", Range{0.0, 100.0});
   visit("controller/antiwindup_ball", options.antiwindup_ball, "m", Range{0.0, 100.0});
+  visitObserverNoise(options.noise, visit);
 }
 
 /// Throws Error naming the key, its range and its value; hover thrust must lie between the thrust limits.

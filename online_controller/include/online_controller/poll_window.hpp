@@ -5,20 +5,23 @@
 
 namespace polyfly {
 
-/// When a thread that serves samples of a fixed period looks for the next one without sleeping. To wake a
-/// thread takes an operating system tens of microseconds, to look takes none; but who looks keeps a processor
-/// busy. So it looks for the last `share` of a period, in which the next sample is due, and for as long as
-/// one more period when that is late; then it sleeps until there is a sample.
+/// When a thread that serves samples of a fixed period looks for the next one without sleeping, and when it
+/// rehearses. To wake a thread takes an operating system tens of microseconds, to look takes none; but who
+/// looks keeps a processor busy. So it looks for the last `share` of a period, in which the next sample is
+/// due, and for as long as one more period when that is late; then it sleeps until there is a sample. It
+/// rehearses, and is awake for it, `lead` before a sample is due.
 class PollWindow {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `period` between samples [s]; `share` of it from 0, never looks, to 1, always does.
-  PollWindow(double period, double share) noexcept
+  /// `period` between samples [s]; `share` of it from 0, never looks, to 1, always does; `lead` [s]. 0: 3 %
+  /// of the period for one who looks, and no rehearsal for others.
+  PollWindow(double period, double share, double lead = 0.0) noexcept
       : opens_(toDuration((1.0 - share) * period)),
-        rehearses_(toDuration((1.0 - kRehearsalLead) * period)),
+        rehearses_(toDuration(lead > 0.0 ? std::max(0.0, period - lead) : (1.0 - kUsualLead) * period)),
         closes_(toDuration(2.0 * period)),
-        ever_(share > 0.0) {}
+        looks_(share > 0.0),
+        ever_rehearses_(looks_ || lead > 0.0) {}
 
   /// A sample was served.
   void served(Clock::time_point now) noexcept {
@@ -30,7 +33,7 @@ class PollWindow {
   /// Whether the next sample is due so soon that a rehearsal of its step keeps the caches warm until then;
   /// once between two samples.
   bool rehearses(Clock::time_point now) noexcept {
-    if (!ever_ || !serving_ || rehearsed_ || now - last_ < rehearses_) return false;
+    if (!awaitsRehearsal() || now - last_ < rehearses_) return false;
     rehearsed_ = true;
     return true;
   }
@@ -38,12 +41,20 @@ class PollWindow {
   /// How long it may sleep, at most `most` [s]; zero: look again at once.
   double sleep(Clock::time_point now, double most) const noexcept {
     const Clock::duration since = now - last_;
-    if (!ever_ || !serving_ || since >= closes_) return most;
-    return std::clamp(std::chrono::duration<double>(opens_ - since).count(), 0.0, most);
+    if (!serving_ || since >= closes_) return most;
+    double until = most;
+    if (looks_) until = seconds(opens_ - since);
+    if (awaitsRehearsal()) until = std::min(until, seconds(rehearses_ - since));
+    return std::clamp(until, 0.0, most);
   }
 
  private:
-  static constexpr double kRehearsalLead = 0.03;  // before a sample that is in time, of the period
+  static constexpr double kUsualLead = 0.03;  // of the period
+
+  bool awaitsRehearsal() const noexcept { return ever_rehearses_ && serving_ && !rehearsed_; }
+  static double seconds(Clock::duration duration) noexcept {
+    return std::chrono::duration<double>(duration).count();
+  }
 
   static Clock::duration toDuration(double seconds) noexcept {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -52,7 +63,8 @@ class PollWindow {
   Clock::duration opens_;      // since the last sample
   Clock::duration rehearses_;  // since the last sample
   Clock::duration closes_;     // since the last sample
-  bool ever_;
+  bool looks_;
+  bool ever_rehearses_;
   bool serving_ = false;
   bool rehearsed_ = false;
   Clock::time_point last_;

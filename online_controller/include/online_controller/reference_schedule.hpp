@@ -45,6 +45,9 @@ class ReferenceSchedule {
   /// seen in advance. False, and nothing is written, before the first trajectory. Does not allocate.
   bool preview(double time, double period, int count, Reference* references) noexcept;
 
+  /// The same of what is in force and of what has a start, as if `time` had not come: nothing takes over.
+  bool previewAsItStands(double time, double period, int count, Reference* references) const noexcept;
+
   /// What is in force has come to its end or is a pose, and nothing waits.
   bool ended(double time) const noexcept;
 
@@ -55,6 +58,7 @@ class ReferenceSchedule {
     double begin() const noexcept { return *start + trajectory.startTime(); }  ///< of the first point [s]
   };
 
+  void advance(double time) noexcept;
   Entry& active() noexcept { return entries_[first_]; }
   Entry& last() noexcept { return entries_[first_ + count_ - 1]; }
   void compact();

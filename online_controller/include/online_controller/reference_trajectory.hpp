@@ -16,10 +16,8 @@ struct TrajectorySample {
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2]
   double yaw = 0.0;                                        ///< [rad], any turn
   double yaw_rate = 0.0;                                   ///< [rad/s]
-  bool has_velocity =
-      false;  ///< velocity and yaw_rate were given; else they come from differences of neighbours
-  bool has_acceleration =
-      false;  ///< acceleration was given; else it comes from differences of the velocities
+  bool has_velocity = false;      ///< velocity and yaw_rate were given; else they are computed
+  bool has_acceleration = false;  ///< acceleration was given; else it is computed
 };
 
 /// What to track over time. Built outside the control step and then only read.
@@ -28,9 +26,12 @@ struct TrajectorySample {
 /// accelerations, so
 ///   acceleration is continuous; velocity, acceleration and jerk are its derivatives. Yaw takes the shorter
 ///   way from sample to sample, along the cubic through both yaw rates.
-/// - What a sample does not give is taken from the parabola through it and its neighbours (at an end: from
-/// the line to
-///   the one neighbour).
+/// - Velocities that are not given, and the accelerations there and beside them, are those of the cubic
+/// spline through
+///   the positions and whatever velocities are given: with continuous acceleration and the jerk that the path
+///   has, which differences of neighbours exceed by far. Other accelerations that are missing are taken from
+///   the parabola through the velocities of the sample and its neighbours (at an end: the line to the one
+///   neighbour).
 /// - Before the first sample its position and yaw are held, after the last one that one's, both at rest.
 /// - A single sample is a pose to hold; its velocity and acceleration have no meaning.
 class ReferenceTrajectory {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "online_controller/attitude.hpp"
 #include "online_controller/options.hpp"
 #include "online_controller/types.hpp"
 
@@ -12,7 +13,8 @@ namespace polyfly {
 ///     descend_periods   level attitude, descend_thrust of hover       kDescend
 ///     from then on      nothing                                       kStopped
 ///
-/// Without a command to hold it starts level. An answer ends it on any rung.
+/// Without a command to hold it starts level. An answer ends it on any rung. `trim` are the commands at which
+/// the vehicle is level, see AttitudeTrim::level.
 class SafetyLadder {
  public:
   /// Throws Error when an option is out of range.
@@ -26,10 +28,10 @@ class SafetyLadder {
 
   /// One more control period without an answer: makes `command`, the last one, what is to be sent. Where it
   /// is held it is left alone.
-  ControlStatus next(AttitudeCommand& command) noexcept;
+  ControlStatus next(AttitudeCommand& command, const TiltAngles& trim) noexcept;
 
   /// As next, past the rung that holds: the receiver has held the last command in the silence already.
-  ControlStatus nextInSilence(AttitudeCommand& command) noexcept;
+  ControlStatus nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept;
 
   /// Goes on on the rung where `other` is, with options of its own.
   void takeOver(const SafetyLadder& other) noexcept {
@@ -40,7 +42,7 @@ class SafetyLadder {
   bool canHold() const noexcept { return has_command_; }
 
   /// Level attitude with this share of the hover thrust, as far as the limits allow.
-  AttitudeCommand level(double share = 1.0) const noexcept;
+  AttitudeCommand level(const TiltAngles& trim, double share = 1.0) const noexcept;
 
  private:
   MultirotorOptions options_;

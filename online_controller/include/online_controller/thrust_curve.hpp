@@ -22,13 +22,17 @@ class ThrustCurve {
   /// asked for or leaves the limits at hover.
   ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max, double hover);
 
-  /// Within the limits for every `thrust` [N], NaN included (the lower limit).
+  /// Within the limits for every `thrust` [N]: the lower one without thrust and for NaN. A polynomial is
+  /// believed only where it was tested: beyond thrust_max its value there holds, below thrust_min none above
+  /// that there.
   double operator()(double thrust) const noexcept;
 
  private:
   double value(double thrust) const noexcept;
 
   std::vector<double> coefficients_;
+  double begin_;  // between these two it was tested [N]
+  double end_;
   double least_;
   double greatest_;
 };

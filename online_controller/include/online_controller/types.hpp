@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "online_controller/attitude.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -36,7 +37,8 @@ struct AttitudeCommand {
   double thrust = 0.0;    ///< along body z [N]
 };
 
-/// Why the command is what it is. Worse states have greater numbers; the step reports the worst of the axes.
+/// Why the command is what it is. Up to kLevel worse states have greater numbers; the step reports the worst
+/// of the axes.
 enum class ControlStatus : std::uint8_t {
   kOptimal = 0,   ///< the law's answer; with a reason: outside its map, by solving the map's problem online
   kClipped = 1,   ///< a parameter left the map's box; it was clipped to the box and the law evaluated there
@@ -47,8 +49,15 @@ enum class ControlStatus : std::uint8_t {
   kStopped = 6,      ///< nothing is sent any more, or yet
   kManual = 7,       ///< the pilot's sticks, without a law
   kMotorsOff = 8,    ///< on the ground: no thrust
+  kSuboptimal = 9,   ///< the law's answer, within all limits, but its search was ended before the optimum
 };
-constexpr int kControlStatusCount = 9;
+constexpr int kControlStatusCount = 10;
+
+/// Whether what is sent is a law's answer to the sample.
+constexpr bool isAnswer(ControlStatus status) noexcept {
+  return status == ControlStatus::kOptimal || status == ControlStatus::kClipped ||
+         status == ControlStatus::kSuboptimal;
+}
 
 /// Why an axis had no answer or a changed one.
 enum class ControlReason : std::uint8_t {
@@ -89,6 +98,8 @@ struct ControlReport {
   std::array<AxisReport, 3> axis;  ///< longitudinal (x), lateral (y), vertical (z)
   int iterations = 0;              ///< working sets of the QPs of the laws that solve online
   double step_length = 0.0;        ///< of the nonlinear law: greatest change of an input [rad, m/s^2]
+  TiltAngles trim;                 ///< commands at which the vehicle is level, see AttitudeTrim [rad]
+  double coupling = 0.0;           ///< of yaw rate and tilt in the attitude loops, see AttitudeTrim [1]
 };
 
 }  // namespace polyfly

@@ -69,7 +69,9 @@ class VehicleObserver {
   /// A sane sample, until which `held` was the command.
   void update(const VehicleState& state, const AttitudeCommand& held) noexcept;
 
-  void setMass(double mass) noexcept { mass_ = mass; }  ///< [kg]
+  /// Goes on with what another one knows, a calibration under way included, by its own mass and noise.
+  void takeOver(const VehicleObserver& other) noexcept;
+
   void restart() noexcept;  ///< the next sample goes on from where it is; what is known of forces is kept
   void reset() noexcept;    ///< as after construction, but for the offsets
 

@@ -23,6 +23,8 @@ class Background {
   /// `names`: under which options can be changed besides ours. Keeps references to the last two.
   Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
              const ForeignNames& names, LawKeeper& keeper, FlightRecord& record);
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
 
  private:
   void apply();

@@ -4,12 +4,16 @@
 #include <ros/node_handle.h>
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <thread>
 
 #include "mpc_core/range.hpp"
+#include "online_controller/baton.hpp"
 
 namespace polyfly_ros {
 
@@ -19,6 +23,7 @@ struct RealTimeOptions {
   int core = -1;             ///< runs on this processor only, -1: on any
   bool lock_memory = false;  ///< keeps the whole process in memory
   double poll = 0.0;         ///< share of the control period in which it looks for odometry without sleeping
+  double rehearse = 0.0;     ///< so long before odometry is due the answer is rehearsed; 0: not [s]
 };
 
 template <class Options, class Visit>
@@ -27,18 +32,32 @@ void visitRealTimeOptions(Options& options, Visit&& visit) {
   visit("real_time/core", options.core, "", polyfly::Range{-1.0, 1023.0});
   visit("real_time/lock_memory", options.lock_memory);
   visit("real_time/poll", options.poll, "of the control period", polyfly::Range{0.0, 1.0});
+  visit("real_time/rehearse", options.rehearse, "s", polyfly::Range{0.0, 0.01});
 }
+
+/// Whether odometry of this process is answered in the thread that publishes it, by `answer`, the value of
+/// real_time/answer: publisher, thread (the control thread's), or auto, which is the publisher's unless an
+/// option asks something of the control thread. Throws Error naming the option.
+bool answersInPublisher(const std::string& answer, const RealTimeOptions& options);
 
 /// Asks for the options on behalf of the calling thread. Says in one sentence each what was not permitted and
 /// what would permit it, and goes on without; empty when all was granted.
 std::string becomeRealTime(const RealTimeOptions& options);
 
-/// A callback queue that a thread can watch without taking the lock that those who add to it need.
+/// The calling thread runs on that processor from now on. Empty, or in one sentence why not.
+std::string runOn(int core);
+
+/// A callback queue that a thread can watch without taking the lock that those who add to it need, or wait
+/// for without being the one who calls.
 class WatchedQueue : public ros::CallbackQueue {
  public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) override {
     ros::CallbackQueue::addCallback(callback, owner_id);
-    news_.store(true, std::memory_order_release);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      news_.store(true, std::memory_order_release);
+    }
+    added_.notify_one();
   }
 
   /// Whether something was added since the last call.
@@ -46,7 +65,15 @@ class WatchedQueue : public ros::CallbackQueue {
     return news_.load(std::memory_order_relaxed) && news_.exchange(false, std::memory_order_acquire);
   }
 
+  /// Waits until something is added that no call has seen, at most so long [s].
+  void awaitNews(double most) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    added_.wait_for(lock, std::chrono::duration<double>(most), [this] { return takeNews(); });
+  }
+
  private:
+  std::mutex mutex_;
+  std::condition_variable added_;
   std::atomic<bool> news_{false};
 };
 
@@ -63,13 +90,16 @@ class CallbackThread {
   /// it.
   using Sleep = std::function<double(double most)>;
 
-  CallbackThread(WatchedQueue& queue, const char* name, std::function<void()> begin, Sleep sleep = {});
+  /// `baton`, where there is one, comes from whoever constructs this: the thread gives it, takes it for each
+  /// callback, and keeps it when it ends.
+  CallbackThread(WatchedQueue& queue, const char* name, std::function<void()> begin, Sleep sleep = {},
+                 polyfly::Baton* baton = nullptr);
   CallbackThread(const CallbackThread&) = delete;
   CallbackThread& operator=(const CallbackThread&) = delete;
   ~CallbackThread();
 
  private:
-  void serve(WatchedQueue& queue, const Sleep& sleep) const;
+  void serve(WatchedQueue& queue, const Sleep& sleep, polyfly::Baton* baton) const;
 
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -15,11 +15,14 @@
 #include "online_controller_ros/background.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"
+#include "online_controller_ros/direct_queue.hpp"
 #include "online_controller_ros/flight_interface.hpp"
+#include "online_controller_ros/flight_reporter.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "online_controller_ros/law_keeper.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
+#include "online_controller_ros/topic_rehearsal.hpp"
 
 namespace polyfly_ros {
 
@@ -35,7 +38,9 @@ void visitNodeOptions(Options& options, Visit&& visit) {
 
 /// The controller on ROS topics, explicit unless another law is chosen: odometry and references in, attitude
 /// commands and status out. Topics and parameters are listed in online_controller/README.md. It has two
-/// threads of its own: one for control, and one for all that control must not wait for.
+/// threads of its own: one for control, and one for all that control must not wait for. Odometry of the same
+/// process is answered in the thread that publishes it, where the baton is free; the control thread does the
+/// rest (IN_FLIGHT.md).
 class ExplicitMpcNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
@@ -50,57 +55,71 @@ class ExplicitMpcNode {
     NodeOptions node;
     OutputOptions output;
     RealTimeOptions real_time;
+    bool in_publisher = true;  // odometry is answered there
   };
 
-  static Setup readSetup(const ros::NodeHandle& private_handle);
+  static Setup readSetup(const ros::NodeHandle& private_handle, const ForeignNames& names);
   ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const ForeignNames& names, const Setup& setup);
   void connect();
 
-  void onOdometry(const nav_msgs::Odometry::ConstPtr& message);
+  using OdometryEvent = ros::MessageEvent<const nav_msgs::Odometry>;
+  void onOdometry(const OdometryEvent& event);
+  void answer(const nav_msgs::Odometry& message);
+  void onFollowUp();
   void onManual(const ros::Time& now);
   void onWatchdog();
   bool onSelectLaw(online_controller::SelectLaw::Request& request,
                    online_controller::SelectLaw::Response& response);
   void publishLaw();
 
-  void finish(const polyfly::ControlReport& report, const std_msgs::Header& header, const StageTimes& times);
-  void publishStatus(const polyfly::ControlReport& report, const std_msgs::Header& header,
+  Answered& remember(const polyfly::ControlReport& report, const std_msgs::Header& header,
                      const StageTimes& times);
-  void leaveSnapshot(const polyfly::ControlReport& report, const std_msgs::Header& header,
-                     const StageTimes& times);
+  void finish();
+  void prepare();
+  double sleep(double most);
+  void rehearse();
+  void rehearseWith(const nav_msgs::Odometry& like);
+  void followPublisher();
   void exchangeLaws();
   void countLost(const ros::Time& stamp);
-  std::int64_t lookupTime(const polyfly::ControlReport& report);
-  void logChange(const polyfly::ControlReport& report);
   polyfly::LawSwitch& laws() { return keeper_.flight(); }
 
-  WatchedQueue queue_;  // of the control thread; outlives all that is served on it
+  // All that follows is guarded by the baton, which the control thread and those who publish odometry share.
+  polyfly::Baton baton_;
+  WatchedQueue queue_;   // of the control thread; outlives all that is served on it
+  DirectQueue at_once_;  // of odometry that is answered where it is published
+  PublishedHere published_here_;
+  nav_msgs::Odometry::ConstPtr left_;  // for the control thread to answer
   ros::NodeHandle handle_;
   LawKeeper keeper_;
   polyfly::FlightSupervisor flight_;
   FlightInterface interface_;
   CommandOutput output_;
   FlightRecord record_;
+  FlightReporter reporter_;
+  AnsweredList answered_;
+  bool in_publisher_;
   double control_period_;  // [s]
   polyfly::PollWindow poll_;
-  ros::Duration silence_;  // longer than this without odometry is silence
+  polyfly::PollWindow::Clock::time_point served_at_;  // the last odometry
+  std::optional<TopicRehearsal> topics_;              // of rehearsals of the whole way
+  int publisher_core_ = -1;                           // where the last odometry was published
+  int core_ = -1;                                     // where the control thread is kept; -1: not yet
+  bool follows_publisher_ = false;                    // it shall be kept there
+  ros::Duration silence_;                             // longer than this without odometry is silence
 
-  ros::Publisher status_publisher_;
   ros::Publisher law_publisher_;
   ros::ServiceServer law_service_;
   ros::Subscriber odometry_subscriber_;
   ros::Timer watchdog_;
 
   bool has_odometry_ = false;
-  ros::Time arrival_;              // of the last odometry
-  std::string frame_;              // of the last odometry
-  double odometry_age_ = 0.0;      // at its arrival [s]
-  ros::Time last_stamp_;           // of the last odometry
-  std::int64_t last_prepare_ = 0;  // what the sample before took after its command was out [ns]
+  ros::Time arrival_;          // of the last odometry
+  std::string frame_;          // of the last odometry
+  double odometry_age_ = 0.0;  // at its arrival [s]
+  ros::Time last_stamp_;       // of the last odometry
   std::uint32_t sequence_ = 0;
-  polyfly::ControlStatus logged_status_ = polyfly::ControlStatus::kOptimal;
-  polyfly::ControlReason logged_reason_ = polyfly::ControlReason::kNone;
 
   // These end first.
   std::optional<Background> background_;

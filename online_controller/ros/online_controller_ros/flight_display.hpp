@@ -9,8 +9,8 @@
 
 namespace polyfly_ros {
 
-/// Shows a flight: the reference as a tf2 frame, reference and prediction as markers for rviz. Lives in the
-/// other thread and works on snapshots.
+/// Shows a flight: the reference as a tf2 frame, reference and prediction as markers for rviz, the prediction
+/// as a trajectory too. Lives in the other thread and works on snapshots.
 class FlightDisplay {
  public:
   explicit FlightDisplay(ros::NodeHandle& handle);
@@ -25,6 +25,7 @@ class FlightDisplay {
   ros::Publisher reference_publisher_;
   ros::Publisher reference_marker_publisher_;
   ros::Publisher predicted_marker_publisher_;
+  ros::Publisher predicted_publisher_;
   std::string frame_;  // of the reference
 };
 

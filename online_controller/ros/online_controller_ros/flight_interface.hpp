@@ -11,6 +11,8 @@
 
 #include "online_controller/flight_supervisor.hpp"
 #include "online_controller/vehicle_observer.hpp"
+#include "online_controller/velocity_check.hpp"
+#include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 
@@ -51,7 +53,6 @@ polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const Jo
 
 struct FlightSetup {
   polyfly::FlightOptions flight;
-  polyfly::MomentModel moments;
   JoyLayout joy;
   polyfly::PilotRule pilot = polyfly::PilotRule::kWhenPresent;
   std::string odometry_frame;  ///< empty: that of the first odometry
@@ -74,11 +75,15 @@ class FlightInterface {
   /// To be called after each call of the supervisor: publishes and logs a change of the state.
   void publishChange();
 
-  /// To be called with each odometry, when its command is out: the published observer.
-  void observe(const std_msgs::Header& header, const polyfly::VehicleState& state);
+  /// To be called with the answer to each odometry, when the command is out: the published observer.
+  void observe(const Answered& answered);
 
-  /// Options have changed in flight.
-  void setMass(double mass) noexcept { observer_.setMass(mass); }
+  /// Options have changed in flight: `made` goes on where the observer is.
+  void setObserver(const polyfly::VehicleObserver& made) noexcept {
+    polyfly::VehicleObserver next = made;
+    next.takeOver(observer_);
+    observer_ = next;
+  }
 
   /// Called when the sticks have made a command that is to be sent at this time.
   using OnManual = boost::function<void(const ros::Time&)>;
@@ -102,6 +107,7 @@ class FlightInterface {
   polyfly::FlightSupervisor& flight_;
   JoyLayout joy_;
   polyfly::VehicleObserver observer_;
+  polyfly::VelocityCheck velocities_;
   polyfly::AttitudeCommand sent_;  // last
   unsigned calibrations_ = 0;      // told of
   bool frame_demanded_;

@@ -11,19 +11,9 @@
 #include "online_controller/latest_value.hpp"
 #include "online_controller/law_switch.hpp"
 #include "online_controller/types.hpp"
+#include "online_controller_ros/answered.hpp"
 
 namespace polyfly_ros {
-
-/// How long the stages of one control period took [ns].
-struct StageTimes {
-  std::int64_t input = 0;    ///< message to state, references looked up
-  std::int64_t step = 0;     ///< the law
-  std::int64_t output = 0;   ///< command to message, published
-  std::int64_t prepare = 0;  ///< status published, laws exchanged, next step prepared
-
-  std::int64_t latency() const noexcept { return input + step + output; }
-  std::int64_t whole() const noexcept { return latency() + prepare; }
-};
 
 /// What the flight looked like after one step, for those who watch.
 struct FlightSnapshot {

@@ -9,6 +9,7 @@
 #include "online_controller/law_switch.hpp"
 #include "online_controller/linear_tuning.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/vehicle_observer.hpp"
 #include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
@@ -23,7 +24,9 @@ struct LawSetup {
   polyfly::MultirotorOptions controller;
   polyfly::NonlinearMpcOptions nonlinear;
   polyfly::LinearTuning linear;
+  polyfly::MomentModel moments;
   std::shared_ptr<const LawSources> sources;  ///< what the files hold
+  bool understudies = false;                  ///< for rehearsals: each law twice
 
   /// Reads the files too. Throws Error naming a parameter, or a file.
   static LawSetup read(ParameterReader& reader);
@@ -37,7 +40,10 @@ class Laws {
 
   polyfly::LawSwitch& flight() { return *switch_; }
   const polyfly::LawSwitch& flight() const { return *switch_; }
+  polyfly::LawSwitch* understudy() { return understudy_.get(); }  ///< nullptr where the setup wants none
   const polyfly::MultirotorOptions& options() const { return options_; }
+  /// That has observed nothing: it is to take over from the published one.
+  const polyfly::VehicleObserver& observer() const { return observer_; }
 
   /// What an axis' report has for parameters while `law` flies.
   const std::array<std::vector<polyfly::Signal>, 3>& parameters(polyfly::Law law) const {
@@ -49,10 +55,11 @@ class Laws {
  private:
   std::shared_ptr<const LawSources> sources_;
   polyfly::MultirotorOptions options_;
+  polyfly::VehicleObserver observer_;
   std::vector<polyfly::RegionMap> no_maps_;
   std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
   std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
-  std::unique_ptr<polyfly::LawSwitch> switch_;
+  std::unique_ptr<polyfly::LawSwitch> switch_, understudy_;
 };
 
 }  // namespace polyfly_ros

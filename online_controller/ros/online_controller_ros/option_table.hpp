@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <variant>
@@ -9,13 +11,18 @@
 
 namespace polyfly_ros {
 
-/// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1.
+/// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1, or the root
+/// of theirs: a standard deviation where they have a variance.
 struct ForeignName {
   std::string theirs;
   std::string ours;
   double sign = 1.0;
   double offset = 0.0;
   bool raises = false;  ///< ours is raised to it, and never lowered
+  bool root = false;
+
+  double toOurs(double value) const { return root ? std::sqrt(std::max(value, 0.0)) : sign * value + offset; }
+  double toTheirs(double value) const { return root ? value * value : (value - offset) * sign; }
 };
 using ForeignNames = std::vector<ForeignName>;
 
@@ -35,9 +42,7 @@ class OptionTable {
   struct Alias {
     struct Link {
       std::size_t option;  ///< its place in options()
-      double sign;         ///< option = sign value + offset
-      double offset;
-      bool raises;  ///< is never lowered
+      ForeignName name;
     };
     std::string name;
     std::vector<Link> links;
@@ -64,9 +69,6 @@ class OptionTable {
   void alias(const ForeignName& name);
   const std::vector<Alias>& aliases() const noexcept { return aliases_; }
   const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }
-  /// A value of the first option as the alias has it.
-  static double toTheirs(const Alias::Link& link, double value) { return (value - link.offset) * link.sign; }
-
   /// All values, and putting them back.
   std::vector<double> values() const;
   void restore(const std::vector<double>& values);

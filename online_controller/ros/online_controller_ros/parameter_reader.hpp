@@ -34,6 +34,9 @@ class ParameterReader {
   /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling.
   void refuseUnknown(const std::vector<std::string>& namespaces) const;
 
+  /// Private parameters that were never read: perhaps misspelled.
+  std::vector<std::string> unread() const;
+
  private:
   bool given(const std::string& key);
 

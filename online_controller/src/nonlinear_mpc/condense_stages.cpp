@@ -57,7 +57,7 @@ void NonlinearMpc::startAdjoint(double end_yaw) noexcept {
 
 // out += slope times the weighted derivative of the lift by the inputs before k.
 void NonlinearMpc::addLift(int k, double slope, double* out) noexcept {
-  const Eigen::Vector3d& by = stages_[static_cast<std::size_t>(k)].lift_slope;
+  const Eigen::Vector3d& by = transitions_[static_cast<std::size_t>(k)].lift_slope;
   for (int i = 0; i < 2; ++i) {
     qpKernels().addMultiple(wholePacks(kNu * k), slope * options_.thrust_weight * by(i),
                             sensitivity(k) + (6 + i) * stride_, out);
@@ -69,7 +69,7 @@ void NonlinearMpc::writeHessianRows(int k) noexcept {
   const Stage& stage = stages_[static_cast<std::size_t>(k)];
   const int n = kNu * options_.horizon;
   const int width = wholePacks(kNu * (k + 1));
-  const double by_thrust = stage.lift_slope(2);
+  const double by_thrust = transitions_[static_cast<std::size_t>(k)].lift_slope(2);
   for (int i = 0; i < kNu; ++i) {
     std::fill_n(row_.data(), width, 0.0);
     qpKernels().addColumns(adjoint_.data(), width, stride_, nullptr, kNx, stage.B_transposed.row(i).data(),
@@ -91,7 +91,7 @@ void NonlinearMpc::stepAdjoint(int k) noexcept {
     qpKernels().addColumns(adjoint_.data(), before, stride_, nullptr, kNx, stage.A_transposed.row(i).data(),
                            out);
     qpKernels().addMultiple(before, state_weight_(i), sensitivity(k) + i * stride_, out);
-    if (i >= 6) addLift(k, stage.lift_slope(i - 6), out);
+    if (i >= 6) addLift(k, transitions_[static_cast<std::size_t>(k)].lift_slope(i - 6), out);
   }
   std::swap(adjoint_, adjoint_next_);
 }

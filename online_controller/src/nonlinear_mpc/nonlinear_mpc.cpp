@@ -27,9 +27,10 @@ const NonlinearMpcOptions& checked(const NonlinearMpcOptions& options) {
   require(model.roll_time > 1e-3 && model.pitch_time > 1e-3, "roll_time, pitch_time", "must be above 1 ms");
   require(model.roll_gain > 0.0 && model.pitch_gain > 0.0, "roll_gain, pitch_gain", "must be above 0");
   require((model.drag.array() >= 0.0).all() && model.drag.allFinite(), "drag", "must be 0 or more");
-  require((options.position_weight.array() >= 0.0).all() && (options.velocity_weight.array() >= 0.0).all() &&
-              options.attitude_weight >= 0.0,
-          "position_weight, velocity_weight, attitude_weight", "must be 0 or more");
+  require((options.position_weight.array() > 0.0).all(), "position_weight",
+          "must be above 0 on each axis: without it nothing brings the vehicle back");
+  require((options.velocity_weight.array() >= 0.0).all() && options.attitude_weight >= 0.0,
+          "velocity_weight, attitude_weight", "must be 0 or more");
   require(options.command_weight > 0.0 && options.thrust_weight > 0.0, "command_weight, thrust_weight",
           "must be above 0");
   require(options.angle_max > 0.0 && options.angle_max < 1.4, "angle_max",
@@ -57,6 +58,7 @@ NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
   state_weight_ << options_.position_weight, options_.velocity_weight, options_.attitude_weight,
       options_.attitude_weight;
   stages_.resize(static_cast<std::size_t>(N));
+  transitions_.resize(static_cast<std::size_t>(N));
   inputs_.assign(static_cast<std::size_t>(N), MultirotorInput(0.0, 0.0, options_.model.gravity));
   states_.assign(static_cast<std::size_t>(N + 1), MultirotorState::Zero());
   deviations_ = states_;
@@ -71,6 +73,35 @@ NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
   if (options_.working_sets_max > 0) qp_.setIterationLimit(options_.working_sets_max);
   for (int i = 0; i < m; ++i) qp_.setPenalty(i, options_.speed_penalty);
   computeTerminalWeight();
+}
+
+void NonlinearMpc::Transition::set(const StageStep& step) noexcept {
+  by_motion = step.A.block<6, 5>(0, 3);
+  by_input = step.B.topRows<6>();
+  decay << step.A(6, 6), step.A(7, 7);
+  drive << step.B(6, 0), step.B(7, 1);
+}
+
+MultirotorState NonlinearMpc::Transition::advance(const MultirotorState& change) const noexcept {
+  MultirotorState next = defect;
+  next.head<3>() += change.head<3>();
+  next.head<6>() += by_motion * change.tail<5>();
+  next.tail<2>().array() += decay * change.tail<2>().array();
+  return next;
+}
+
+MultirotorInput NonlinearMpc::Transition::inputGradient(const MultirotorState& adjoint) const noexcept {
+  MultirotorInput gradient = by_input.transpose() * adjoint.head<6>();
+  gradient.head<2>().array() += drive * adjoint.tail<2>().array();
+  return gradient;
+}
+
+MultirotorState NonlinearMpc::Transition::stateGradient(const MultirotorState& adjoint) const noexcept {
+  MultirotorState gradient;
+  gradient.head<3>() = adjoint.head<3>();
+  gradient.tail<5>() = by_motion.transpose() * adjoint.head<6>();
+  gradient.tail<2>().array() += decay * adjoint.tail<2>().array();
+  return gradient;
 }
 
 void NonlinearMpc::computeTerminalWeight() {
@@ -127,11 +158,13 @@ void NonlinearMpc::linearise(const StageConditions* stages) noexcept {
     integrateStage(options_.model, options_.period, stages[k], x, u, stage.step);
     stage.A_transposed = stage.step.A.transpose();
     stage.B_transposed = stage.step.B.transpose();
-    stage.defect = stage.step.next - states_[k + 1];
+    Transition& transition = transitions_[k];
+    transition.set(stage.step);
+    transition.defect = stage.step.next - states_[k + 1];
     const double sr = std::sin(x(6)), cr = std::cos(x(6));
     const double sp = std::sin(x(7)), cp = std::cos(x(7));
-    stage.lift = cp * cr * u(2);
-    stage.lift_slope = {-cp * sr * u(2), -sp * cr * u(2), cp * cr};
+    transition.lift = cp * cr * u(2);
+    transition.lift_slope = {-cp * sr * u(2), -sp * cr * u(2), cp * cr};
   }
 }
 
@@ -149,17 +182,52 @@ QpStatus NonlinearMpc::feedback(const MultirotorState& x, const StageReference* 
   }
   const QpStatus status = qp_.solve(
       {g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()}, qp_.activeSet());
-  if (status == QpStatus::kOptimal) expand();
+  if (status == QpStatus::kOptimal) expand(1.0);
+  if (status == QpStatus::kIterationLimit) {
+    const double share = shareOfStep();
+    step_length_ = 0.0;
+    if (share > 0.0) expand(share);
+  }
   return status;
+}
+
+// The point of a search that was ended early lies within the bounds, and so does the solution of the step
+// before, moved on, which is the origin: the least cost on the way between them.
+double NonlinearMpc::shareOfStep() const noexcept {
+  const int n = kNu * options_.horizon;
+  const double* x = qp_.x();
+  double slope = 0.0, curvature = 0.0;
+  for (int j = 0; j < n; ++j) {
+    const double* column = H_.data() + static_cast<std::ptrdiff_t>(j) * n;  // the lower triangle
+    double product = 0.5 * column[j] * x[j];
+    for (int i = j + 1; i < n; ++i) product += column[i] * x[i];
+    slope += g_[j] * x[j];
+    curvature += 2.0 * x[j] * product;
+  }
+  if (!(slope < 0.0 && curvature > 0.0)) return 0.0;
+  const double share = std::min(1.0, -slope / curvature);
+  const double cost = share * slope + 0.5 * share * share * curvature + costOfRows(share);
+  return cost <= costOfRows(0.0) ? share : 0.0;
+}
+
+// The penalty of the relaxed limit of the velocity with this share of the step.
+double NonlinearMpc::costOfRows(double share) const noexcept {
+  const int n = kNu * options_.horizon;
+  const int m = rowCount(options_);
+  double cost = 0.0;
+  for (int i = 0; i < m; ++i) {
+    double along = 0.0;
+    for (int j = 0; j < n; ++j) along += rows_[static_cast<std::ptrdiff_t>(j) * m + i] * qp_.x()[j];
+    cost += std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
+  }
+  return options_.speed_penalty * cost;
 }
 
 // How the states deviate from the solution when the inputs stay.
 void NonlinearMpc::propagate(const MultirotorState& deviation) noexcept {
   deviations_[0] = deviation;
-  for (std::size_t k = 0; k < stages_.size(); ++k) {
-    deviations_[k + 1].noalias() = stages_[k].step.A * deviations_[k];
-    deviations_[k + 1] += stages_[k].defect;
-  }
+  for (std::size_t k = 0; k < transitions_.size(); ++k)
+    deviations_[k + 1] = transitions_[k].advance(deviations_[k]);
   if (options_.speed_max <= 0.0) return;
   for (int k = 0; k < options_.horizon; ++k) {
     const auto next = static_cast<std::size_t>(k + 1);
@@ -182,30 +250,35 @@ void NonlinearMpc::computeGradient(const StageReference* references) noexcept {
   };
   MultirotorState adjoint = terminal_weight_ * error(N);
   for (int k = N - 1; k >= 0; --k) {
-    const Stage& stage = stages_[static_cast<std::size_t>(k)];
+    const Transition& stage = transitions_[static_cast<std::size_t>(k)];
     const MultirotorInput& u = inputs_[static_cast<std::size_t>(k)];
     const Eigen::Vector2d tilt = deviations_[static_cast<std::size_t>(k)].tail<2>();
     const double lift =
         options_.thrust_weight * (stage.lift + stage.lift_slope.head<2>().dot(tilt) - references[k].lift);
     Eigen::Map<Eigen::Vector3d> g(g_.data() + kNu * k);
-    g.noalias() = stage.B_transposed * adjoint;
+    g = stage.inputGradient(adjoint);
     g(0) += options_.command_weight * (u(0) - references[k].roll_command);
     g(1) += options_.command_weight * (u(1) - references[k].pitch_command);
     g(2) += lift * stage.lift_slope(2);
-    const MultirotorState next = stage.A_transposed * adjoint;
-    adjoint = next + state_weight_.cwiseProduct(error(k));
+    adjoint = stage.stateGradient(adjoint) + state_weight_.cwiseProduct(error(k));
     adjoint.tail<2>() += lift * stage.lift_slope.head<2>();
   }
 }
 
-// The QP's step, on inputs and states.
-void NonlinearMpc::expand() noexcept {
+// The QP's step, or a share of it, on inputs and states.
+void NonlinearMpc::expand(double share) noexcept {
   step_length_ = 0.0;
   MultirotorState change = deviations_[0];
-  for (std::size_t k = 0; k < stages_.size(); ++k) {
-    const Eigen::Map<const Eigen::Vector3d> du(qp_.x() + kNu * k);
+  for (std::size_t k = 0; k < transitions_.size(); ++k) {
+    const auto at = static_cast<std::ptrdiff_t>(kNu * k);
+    const Eigen::Map<const Eigen::Vector3d> least(lower_.data() + at), most(upper_.data() + at);
+    const Eigen::Map<const Eigen::Vector3d> whole(qp_.x() + at);
+    // Limits may have been changed: then the origin lies beyond them.
+    const Eigen::Vector3d du = (share * whole).cwiseMax(least).cwiseMin(most);
     step_length_ = std::max(step_length_, du.cwiseAbs().maxCoeff());
-    const MultirotorState next = stages_[k].step.A * change + stages_[k].step.B * du + stages_[k].defect;
+    MultirotorState next = transitions_[k].advance(change);
+    next.head<6>() += transitions_[k].by_input * du;
+    next.tail<2>().array() += transitions_[k].drive * du.head<2>().array();
     states_[k] += change;
     inputs_[k] += du;
     change = next;

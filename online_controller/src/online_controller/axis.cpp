@@ -17,10 +17,22 @@ void requireUnit(const AxisLaw& law, const AxisNames& names, const Signal& signa
               ", got " + quoted(signal.unit));
 }
 
-ObserverOptions observerOptions(const MultirotorOptions& options) {
+/// The tilt of an axis keeps the noise of its own; the other states have that of the options, in the places
+/// that the errors' parameters name. What does not fit is refused by readModel().
+ObserverOptions observerOptions(const MpcProblem& problem, const AxisNames& names,
+                                const MultirotorOptions& options) {
   ObserverOptions result;
   result.period = options.control_period;
   result.disturbance = options.disturbance_drift;
+  for (const MpcProblem::Parameter& parameter : problem.parameters) {
+    const bool position = parameter.signal.name == names.position_error;
+    const bool is_state = parameter.role == ParameterRole::kError && parameter.index >= 0 &&
+                          parameter.index < static_cast<int>(result.process.size());
+    if (!is_state || (!position && parameter.signal.name != names.velocity_error)) continue;
+    const auto state = static_cast<std::size_t>(parameter.index);
+    result.process[state] = std::sqrt(position ? options.noise.q_position : options.noise.q_velocity);
+    result.measurement[state] = std::sqrt(position ? options.noise.r_position : options.noise.r_velocity);
+  }
   return result;
 }
 
@@ -33,7 +45,7 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
     : law_(std::move(law)),
       has_lag_(names.angle_error != nullptr),
       offset_free_(options.offset_free && !law_->problem().minimum_peak),
-      observer_(law_->problem(), observerOptions(options)) {
+      observer_(law_->problem(), observerOptions(law_->problem(), names, options)) {
   bindSignals(names);
   readModel(law_->problem(), names);
   if (options.solve_outside) beyond_ = law_->onlineTwin();
@@ -199,17 +211,20 @@ int Axis::firstOutside(const Parameters& theta) const noexcept {
   return -1;
 }
 
+AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
+  if (!has_input_reference_) return {};
+  return target(reference, disturbance() + reference.disturbance / disturbance_gain_);
+}
+
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
-                             AxisReport& report) noexcept {
-  const AxisTarget goal = has_input_reference_
-                              ? target(reference, disturbance() + reference.disturbance / disturbance_gain_)
-                              : AxisTarget{};
+                             double input_offset, AxisReport& report) noexcept {
+  const AxisTarget goal = goalOf(reference);
   AxisValues values;
   values[AxisEntry::kPositionError] = sample.position - reference.position;
   values[AxisEntry::kVelocityError] = sample.velocity - reference.velocity;
   values[AxisEntry::kAngleError] = sample.angle - goal.angle;
-  values[AxisEntry::kPreviousInput] = previous_input;
-  values[AxisEntry::kInputReference] = goal.input;
+  values[AxisEntry::kPreviousInput] = std::clamp(previous_input + input_offset, input_lower_, input_upper_);
+  values[AxisEntry::kInputReference] = goal.input + input_offset;
   values[AxisEntry::kVelocityReference] = reference.velocity;
   report.theta = parametersAt(values);
   report.size = size_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "online_controller/attitude.hpp"
+#include "online_controller/warm.hpp"
 
 namespace polyfly {
 namespace {
@@ -15,10 +16,6 @@ constexpr int kMostReferences = 128;  // that a law made from other options may 
 const FlightOptions& checked(const FlightOptions& options) {
   checkFlightOptions(options);
   return options;
-}
-
-bool answers(ControlStatus status) noexcept {
-  return status == ControlStatus::kOptimal || status == ControlStatus::kClipped;
 }
 
 bool isOffTheLadder(ControlStatus status) noexcept {
@@ -40,6 +37,7 @@ FlightSupervisor::FlightSupervisor(ControlLaw& law, const MultirotorOptions& veh
       pilot_rule_(pilot),
       gate_(vehicle),
       preview_(static_cast<std::size_t>(std::max(law.previewLength(), kMostReferences))),
+      rehearsed_(preview_.size()),
       report_(&law.report()) {
   checkOptions(vehicle);
 }
@@ -159,7 +157,7 @@ const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
   if (state_ == FlightState::kFailsafe) prepareRecovery();
   if (!makePreview(state.stamp, law_->previewNeeded())) return law_->stepWithoutReference(state.stamp);
   const ControlReport& report = law_->step(state, preview_.data());
-  if (answers(report.status)) {
+  if (isAnswer(report.status)) {
     handle(FlightEvent::kRecovered);
     watchTask(state);
   }
@@ -193,10 +191,31 @@ bool FlightSupervisor::makePreview(double time, int wanted) noexcept {
   if (!isRamp(task())) {
     return references_.preview(time, law_->previewPeriod(), count, preview_.data());
   }
-  for (int k = 0; k < count; ++k) {
-    preview_[static_cast<std::size_t>(k)] = ramp_.at(time + k * law_->previewPeriod());
-  }
+  makeRampPreview(time, count, preview_.data());
   return true;
+}
+
+void FlightSupervisor::makeRampPreview(double time, int count, Reference* references) const noexcept {
+  for (int k = 0; k < count; ++k) references[k] = ramp_.at(time + k * law_->previewPeriod());
+}
+
+void FlightSupervisor::rehearse(ControlLaw* understudy) noexcept {
+  warm(this, sizeof *this);
+  law_->rehearse();
+  if (understudy == nullptr || !fresh_ || report_ == &own_) return;
+  VehicleState next = last_;
+  next.stamp += vehicle_.control_period;
+  next.position += vehicle_.control_period * last_.velocity;
+  OdometryGate gate = gate_;
+  if (gate.check(next).refusal != ControlReason::kNone) return;
+  const int count = std::min(law_->previewNeeded(), static_cast<int>(rehearsed_.size()));
+  warm(preview_.data(), static_cast<std::size_t>(count) * sizeof(Reference));
+  if (isRamp(task())) {
+    makeRampPreview(next.stamp, count, rehearsed_.data());
+  } else if (!references_.previewAsItStands(next.stamp, law_->previewPeriod(), count, rehearsed_.data())) {
+    return;
+  }
+  understudy->step(next, rehearsed_.data());
 }
 
 void FlightSupervisor::watchTask(const VehicleState& state) noexcept {

@@ -1,5 +1,7 @@
 #include "online_controller/force_observer.hpp"
 
+#include <cmath>
+
 namespace polyfly {
 namespace {
 
@@ -14,17 +16,19 @@ MpcProblem doubleIntegrator() {
   return problem;
 }
 
-DisturbanceObserver makeAxis(double period, double drift) {
-  ObserverOptions options;
-  options.period = period;
-  options.disturbance = drift;
-  return {doubleIntegrator(), options};
+DisturbanceObserver makeAxis(const MultirotorOptions& options) {
+  ObserverOptions observer;
+  observer.period = options.control_period;
+  observer.process = {std::sqrt(options.noise.q_position), std::sqrt(options.noise.q_velocity), 0.0, 0.0};
+  observer.measurement = {std::sqrt(options.noise.r_position), std::sqrt(options.noise.r_velocity), 1.0, 1.0};
+  observer.disturbance = options.disturbance_drift;
+  return {doubleIntegrator(), observer};
 }
 
 }  // namespace
 
-ForceObserver::ForceObserver(const MultirotorModel& model, double period, double drift)
-    : model_(model), axes_{makeAxis(period, drift), makeAxis(period, drift), makeAxis(period, drift)} {}
+ForceObserver::ForceObserver(const MultirotorModel& model, const MultirotorOptions& options)
+    : model_(model), axes_{makeAxis(options), makeAxis(options), makeAxis(options)} {}
 
 Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eigen::Vector3d& velocity,
                                             double thrust) const noexcept {

@@ -95,7 +95,11 @@ LinearTuning linearTuning(const std::array<MpcProblem, 3>& problems) {
 }
 
 std::array<MpcProblem, 3> tuned(std::array<MpcProblem, 3> problems, const LinearTuning& tuning) {
+  constexpr std::array<const char*, 3> kWeights{"linear/position_weight_x", "linear/position_weight_y",
+                                                "linear/position_weight_z"};
   for (std::size_t i = 0; i < 3; ++i) {
+    if (!(tuning[i].position_weight > 0.0))
+      throw Error(std::string(kWeights[i]) + ": must be above 0: without it nothing brings the vehicle back");
     exchangeAxis(problems[i], tuning[i], kAxisNames[i], [](double field, double& number) { number = field; });
   }
   return problems;

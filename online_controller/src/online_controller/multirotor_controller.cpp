@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "online_controller/sane.hpp"
+#include "online_controller/warm.hpp"
+#include "online_controller/yaw_rate.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -133,7 +135,7 @@ void MultirotorController::reset() noexcept {
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = ladder_.level();
+  report_.command = ladder_.level(trim_.level());
   forget();
 }
 
@@ -151,34 +153,87 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
     return report_;
   }
 
-  if (report_.status <= ControlStatus::kClipped && !clock_.due(state.stamp)) {
+  if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
     send(measured.tilt, measured.yaw, reference);
     return report_;
   }
   integrator_.update(state, reference, report_);
-  const Eigen::Vector3d integral = integrator_.disturbance();
-  ControlStatus worst = ControlStatus::kOptimal;
-  report_.iterations = 0;
   ControlReason reason = ControlReason::kNone;
-  std::array<AxisReport, 3>& reports = report_.axis;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const ControlStatus status = axes_[i].evaluate(
-        measured.axes[i], along(reference, integral, static_cast<int>(i)), inputs_[i], reports[i]);
-    report_.iterations += reports[i].iterations;
-    if (status > worst || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
-    worst = std::max(worst, status);
-  }
+  const ControlStatus worst = evaluate(measured, reference, reason);
   if (worst == ControlStatus::kHoldLast) {
     withoutAnswer(reason);
     return report_;
   }
-  for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input;
   send(measured.tilt, measured.yaw, reference);
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
   ladder_.answered();
   return report_;
+}
+
+// The worst status of the axes, and its reason. Unless each has an answer the inputs are left alone.
+ControlStatus MultirotorController::evaluate(const Measured& measured, const Reference& reference,
+                                             ControlReason& reason) noexcept {
+  const Eigen::Vector3d integral = integrator_.disturbance();
+  const std::array<AxisReference, 3> wanted{along(reference, integral, 0), along(reference, integral, 1),
+                                            along(reference, integral, 2)};
+  const std::array<double, 3> offsets = inputOffsets(measured, reference, wanted);
+  ControlStatus worst = ControlStatus::kOptimal;
+  report_.iterations = 0;
+  std::array<AxisReport, 3>& reports = report_.axis;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const ControlStatus status =
+        axes_[i].evaluate(measured.axes[i], wanted[i], inputs_[i], offsets[i], reports[i]);
+    report_.iterations += reports[i].iterations;
+    if (status > worst || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
+    worst = std::max(worst, status);
+  }
+  if (worst == ControlStatus::kHoldLast) return worst;
+  for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input - offsets[i];
+  return worst;
+}
+
+// Rises from 0 to 1 while the greater of the goals goes from half to three quarters of its bounds.
+double MultirotorController::nearBounds(const std::array<double, 2>& goals) const noexcept {
+  double share = 0.0;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const double bound = goals[i] < 0.0 ? -axes_[i].inputLower() : axes_[i].inputUpper();
+    if (bound > 0.0) share = std::max(share, std::abs(goals[i]) / bound);
+  }
+  return std::clamp((share - 0.5) / 0.25, 0.0, 1.0);
+}
+
+// The bounds of the laws are those of the model's inputs, but what they are for is the command. Offsets make
+// of the one the other where the reference is: Eq. 41 divides the input by T / g; and while the body yaws
+// along with its tilt, as in a turn, the input leads the tilt, where the vehicle does not need it, or has it
+// about the other axis of the body, with a limit of its own. Of this lead is left out what makes the inputs
+// least. There are none where the goals are within half of the bounds.
+std::array<double, 3> MultirotorController::inputOffsets(
+    const Measured& measured, const Reference& reference,
+    const std::array<AxisReference, 3>& wanted) const noexcept {
+  if (axes_[0].problem().minimum_peak) return {};  // its promise holds for the model's input
+  // On the ground the command may be without thrust.
+  const double thrust =
+      std::clamp(report_.command.thrust / options_.mass, options_.thrust_min, options_.thrust_max);
+  const double scale = thrust / options_.gravity;
+  const std::array<double, 2> goal{axes_[0].inputReference(wanted[0]), axes_[1].inputReference(wanted[1])};
+  const double near = nearBounds(goal);
+  if (near == 0.0) return {};
+  const TiltAngles turn =
+      bodyToWorldTilt(trim_.turn(measured.tilt, yawRate(options_, reference, measured.yaw)), measured.yaw);
+  const std::array<double, 2> turned{scale * turn.pitch, scale * turn.roll};
+  const double lead = -(turned[0] * goal[0] + turned[1] * goal[1]);
+  const double square = turned[0] * turned[0] + turned[1] * turned[1];
+  const double share = lead > 0.0 && square > 0.0 ? std::min(1.0, lead / square) : 0.0;
+  std::array<double, 3> offsets{};
+  for (std::size_t i = 0; i < goal.size(); ++i) {
+    // A goal beyond the limits asks for no more than they allow.
+    const double within =
+        std::clamp(goal[i] + share * turned[i], scale * axes_[i].inputLower(), scale * axes_[i].inputUpper());
+    offsets[i] = near * (share * turned[i] + (1.0 / scale - 1.0) * within);
+  }
+  return offsets;
 }
 
 // The angle of an axis is the specific force of the rotors over g: the tilt times T / g, as Eq. 41 has it.
@@ -203,7 +258,7 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
   clock_.reset();
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
-  const TiltAngles world = bodyToWorldTilt(forceAngles(sent), measured.yaw);
+  const TiltAngles world = bodyToWorldTilt(forceAngles(sent, measured.tilt), measured.yaw);
   applied_ = {world.pitch, world.roll, thrust * tiltCosine(measured.tilt) - options_.gravity};
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
@@ -229,6 +284,8 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
   observing_ = true;
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
   trim_.update(measured.tilt, report_.command, periods);
+  report_.trim = trim_.angles();
+  report_.coupling = trim_.coupling();
 }
 
 void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
@@ -240,29 +297,34 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   const TiltAngles desired = worldToBodyTilt({inputs_[1], inputs_[0]}, yaw);
   const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
   AttitudeCommand& command = report_.command;
-  const TiltAngles trim = trim_.angles();
-  const TiltAngles trimmed{tilt.roll + trim.roll, tilt.pitch + trim.pitch};
+  command.yaw_rate = yawRate(options_, reference, yaw);
+  const TiltAngles by = added(measured_tilt, command.yaw_rate);
+  const TiltAngles trimmed{tilt.roll + by.roll, tilt.pitch + by.pitch};
   command.roll = std::clamp(trimmed.roll, -options_.angle_max, options_.angle_max);
   command.pitch = std::clamp(trimmed.pitch, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * thrust;
-  const double yaw_rate = options_.yaw_gain * wrapAngle(reference.yaw - yaw) + reference.yaw_rate;
-  command.yaw_rate = std::clamp(yaw_rate, -options_.yaw_rate_max, options_.yaw_rate_max);
 
   // What the limits left of the inputs, Eq. 41 and 40 backwards: the observer must not take a limit for wind.
   applied_ = inputs_;
   if (thrust != demanded) applied_[2] = thrust * tiltCosine(measured_tilt) - options_.gravity;
   if (command.roll != trimmed.roll || command.pitch != trimmed.pitch) {
-    const TiltAngles world = bodyToWorldTilt(forceAngles(command), yaw);
+    const TiltAngles world = bodyToWorldTilt(forceAngles(command, measured_tilt), yaw);
     applied_[0] = world.pitch;
     applied_[1] = world.roll;
   }
 }
 
+// The tilt stays in the world-aligned frame, in which the axes are modelled, while the body yaws.
+TiltAngles MultirotorController::added(const TiltAngles& tilt, double yaw_rate) const noexcept {
+  return trim_.added(tilt, yaw_rate, 1.0);
+}
+
 // Eq. 41 backwards: the tilt that a command asks for, times T / g.
-TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command) const noexcept {
+TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command,
+                                             const TiltAngles& measured_tilt) const noexcept {
   const double scale = command.thrust / options_.mass / options_.gravity;
-  const TiltAngles trim = trim_.angles();
-  return {(command.roll - trim.roll) * scale, (command.pitch - trim.pitch) * scale};
+  const TiltAngles by = added(measured_tilt, command.yaw_rate);
+  return {(command.roll - by.roll) * scale, (command.pitch - by.pitch) * scale};
 }
 
 void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
@@ -280,7 +342,7 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
     }
   }
   report_.reason = reason;
-  report_.status = ladder_.next(report_.command);
+  report_.status = ladder_.next(report_.command, trim_.level());
   if (!ladder_.canHold()) forget();
 }
 
@@ -305,13 +367,14 @@ const ControlReport& MultirotorController::withoutSample(double stamp, ControlRe
 }
 
 void MultirotorController::rehearse() noexcept {
+  warm(this, sizeof *this);
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].rehearse(report_.axis[i]);
 }
 
 const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
   report_.axis.fill(AxisReport{});
   ladder_.forget();
-  report_.command = ladder_.level();
+  report_.command = ladder_.level(trim_.level());
   forget();
   report_.stamp = stamp;
   report_.status = ControlStatus::kNoReference;
@@ -326,7 +389,7 @@ const ControlReport& MultirotorController::onSilence(double now) noexcept {
   }
   report_.stamp = now;
   report_.reason = ControlReason::kStale;
-  report_.status = ladder_.nextInSilence(report_.command);
+  report_.status = ladder_.nextInSilence(report_.command, trim_.level());
   forget();
   return report_;
 }

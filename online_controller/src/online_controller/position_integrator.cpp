@@ -11,7 +11,8 @@ constexpr double kAtLimit = 1e-9;     // [rad, N]
 
 bool isLimited(const ControlReport& last, const MultirotorOptions& options) noexcept {
   const AttitudeCommand& command = last.command;
-  return last.status != ControlStatus::kOptimal || std::abs(command.roll) >= options.angle_max - kAtLimit ||
+  const bool own = last.status == ControlStatus::kOptimal || last.status == ControlStatus::kSuboptimal;
+  return !own || std::abs(command.roll) >= options.angle_max - kAtLimit ||
          std::abs(command.pitch) >= options.angle_max - kAtLimit ||
          command.thrust <= options.mass * options.thrust_min + kAtLimit ||
          command.thrust >= options.mass * options.thrust_max - kAtLimit;

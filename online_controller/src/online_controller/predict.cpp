@@ -16,7 +16,7 @@ int NonlinearController::predict(const Reference*, int count, Eigen::Vector3d* p
 
 int MultirotorController::predict(const Reference* preview, int count,
                                   Eigen::Vector3d* positions) const noexcept {
-  if (report_.status > ControlStatus::kClipped) return 0;
+  if (!isAnswer(report_.status)) return 0;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis::Prediction prediction = axes_[i].beginPrediction(report_.axis[i]);
     for (int k = 0; k < count; ++k) {

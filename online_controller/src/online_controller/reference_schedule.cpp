@@ -51,8 +51,7 @@ void ReferenceSchedule::hold(const Eigen::Vector3d& position, double yaw) noexce
   active().start = 0.0;
 }
 
-std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
-  if (count_ == 0) return std::nullopt;
+void ReferenceSchedule::advance(double time) noexcept {
   if (count_ == 1 && !active().start) active().start = time;
   while (count_ > 1) {
     Entry& next = entries_[first_ + 1];
@@ -61,18 +60,29 @@ std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
     ++first_;  // what was in force is freed by a later call of set, not here
     --count_;
   }
+}
+
+std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
+  if (count_ == 0) return std::nullopt;
+  advance(time);
   return active().trajectory.sample(time - *active().start);
 }
 
 bool ReferenceSchedule::preview(double time, double period, int count, Reference* references) noexcept {
-  const std::optional<Reference> now = sample(time);
-  if (!now) return false;
-  references[0] = *now;
+  if (count_ == 0) return false;
+  advance(time);
+  return previewAsItStands(time, period, count, references);
+}
+
+bool ReferenceSchedule::previewAsItStands(double time, double period, int count,
+                                          Reference* references) const noexcept {
+  if (count_ == 0 || !entries_[first_].start) return false;
   std::size_t entry = first_;
-  for (int k = 1; k < count; ++k) {
+  for (int k = 0; k < count; ++k) {
     const double ahead = time + k * period;
     while (entry + 1 < first_ + count_) {
-      if (ahead < entries_[entry + 1].begin()) break;
+      const Entry& next = entries_[entry + 1];
+      if (!next.start || ahead < next.begin()) break;
       ++entry;
     }
     references[k] = entries_[entry].trajectory.sample(ahead - *entries_[entry].start);

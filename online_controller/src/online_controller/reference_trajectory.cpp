@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "online_controller/attitude.hpp"
+#include "online_controller/spline.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -41,19 +42,46 @@ void check(const std::vector<TrajectorySample>& samples) {
   }
 }
 
-/// Derivative at samples[i] of the parabola through it and its neighbours.
-template <class Value>
-auto slope(const std::vector<TrajectorySample>& samples, std::size_t i, Value value) {
-  using Type = std::decay_t<decltype(value(samples[i]))>;
-  const auto chord = [&](std::size_t from) {
-    return Type((value(samples[from + 1]) - value(samples[from])) /
-                (samples[from + 1].time - samples[from].time));
+/// Derivative of the velocity at samples[i], of the parabola through it and its neighbours.
+Eigen::Vector3d velocitySlope(const std::vector<TrajectorySample>& samples, std::size_t i) {
+  const auto chord = [&](std::size_t from) -> Eigen::Vector3d {
+    return (samples[from + 1].velocity - samples[from].velocity) /
+           (samples[from + 1].time - samples[from].time);
   };
   if (i == 0) return chord(0);
   if (i + 1 == samples.size()) return chord(i - 1);
   const double before = samples[i].time - samples[i - 1].time;
   const double after = samples[i + 1].time - samples[i].time;
-  return Type((after * chord(i - 1) + before * chord(i)) / (before + after));
+  return (after * chord(i - 1) + before * chord(i)) / (before + after);
+}
+
+Knot toKnot(const TrajectorySample& sample) {
+  Knot knot;
+  knot.time = sample.time;
+  knot.value << sample.position, sample.yaw;
+  knot.slope << sample.velocity, sample.yaw_rate;
+  return knot;
+}
+
+/// Velocities between the samples `first` and `last`, of which those two may have theirs, and the
+/// accelerations of all that have none: the mean of both sides where two splines meet. `sides` counts them.
+void followSpline(std::vector<TrajectorySample>& samples, std::size_t first, std::size_t last,
+                  std::vector<int>& sides) {
+  std::vector<Knot> knots;
+  knots.reserve(last - first + 1);
+  for (std::size_t i = first; i <= last; ++i) knots.push_back(toKnot(samples[i]));
+  fitSpline(knots, samples[first].has_velocity, samples[last].has_velocity);
+  for (std::size_t i = first; i <= last; ++i) {
+    TrajectorySample& sample = samples[i];
+    const Knot& knot = knots[i - first];
+    if (!sample.has_velocity) {
+      sample.velocity = knot.slope.head<3>();
+      sample.yaw_rate = knot.slope(3);
+    }
+    ++sides[i];
+    if (!sample.has_acceleration)
+      sample.acceleration += (knot.curvature.head<3>() - sample.acceleration) / sides[i];
+  }
 }
 
 void complete(std::vector<TrajectorySample>& samples) {
@@ -61,16 +89,16 @@ void complete(std::vector<TrajectorySample>& samples) {
     samples[i].yaw = samples[i - 1].yaw + wrapAngle(samples[i].yaw - samples[i - 1].yaw);
   }
   if (samples.size() < 2) return;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (samples[i].has_velocity) continue;
-    samples[i].velocity =
-        slope(samples, i, [](const TrajectorySample& s) -> const Eigen::Vector3d& { return s.position; });
-    samples[i].yaw_rate = slope(samples, i, [](const TrajectorySample& s) { return s.yaw; });
+  std::vector<int> sides(samples.size(), 0);
+  std::size_t first = 0;  // the last sample with a velocity, or the very first
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (!samples[i].has_velocity && i + 1 < samples.size()) continue;
+    const bool all_given = i == first + 1 && samples[first].has_velocity && samples[i].has_velocity;
+    if (!all_given) followSpline(samples, first, i, sides);
+    first = i;
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (samples[i].has_acceleration) continue;
-    samples[i].acceleration =
-        slope(samples, i, [](const TrajectorySample& s) -> const Eigen::Vector3d& { return s.velocity; });
+    if (sides[i] == 0 && !samples[i].has_acceleration) samples[i].acceleration = velocitySlope(samples, i);
   }
 }
 

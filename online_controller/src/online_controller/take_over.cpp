@@ -24,7 +24,10 @@ void MultirotorController::takeOver(const ControlLaw& from) noexcept {
   if (other == nullptr) return;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].takeOver(other->axes_[i]);
-    inputs_[i] = std::clamp(other->inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
+    inputs_[i] = other->inputs_[i];
+    // Those of a minimum-peak robust MPC are held; for the others see inputOffsets().
+    if (axes_[i].problem().minimum_peak)
+      inputs_[i] = std::clamp(inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   trim_.takeOver(other->trim_);
   report_ = other->report_;
@@ -60,6 +63,7 @@ void NonlinearController::takeOver(const ControlLaw& from) noexcept {
   iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);
   if (!iterating_) return;
   std::copy(other->stages_.begin(), other->stages_.end(), stages_.begin());
+  std::copy(other->references_.begin(), other->references_.end(), references_.begin());
   std::copy(other->preview_.begin(), other->preview_.end(), preview_.begin());
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "region_maps/error.hpp"
@@ -19,7 +20,11 @@ void require(bool holds, const std::string& rule) {
 
 ThrustCurve::ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max,
                          double hover)
-    : coefficients_(options.polynomial), least_(options.least), greatest_(options.greatest) {
+    : coefficients_(options.polynomial),
+      begin_(options.polynomial.empty() ? 0.0 : thrust_min),
+      end_(options.polynomial.empty() ? std::numeric_limits<double>::infinity() : thrust_max),
+      least_(options.least),
+      greatest_(options.greatest) {
   require(least_ >= 0.0 && greatest_ <= 1.0 && least_ < greatest_,
           "limits must lie in [0, 1] and the lower one below the upper one");
   if (coefficients_.empty()) coefficients_ = {0.0, options.hover_thrust / hover};
@@ -44,7 +49,9 @@ double ThrustCurve::value(double thrust) const noexcept {
 }
 
 double ThrustCurve::operator()(double thrust) const noexcept {
-  const double result = value(thrust);
+  if (!(thrust > 0.0)) return least_;  // NaN too
+  double result = value(std::min(thrust, end_));
+  if (thrust < begin_) result = std::min(result, value(begin_));
   // Written so that NaN gives the lower limit.
   return result > least_ ? std::min(result, greatest_) : least_;
 }

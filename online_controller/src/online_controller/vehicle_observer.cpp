@@ -8,14 +8,11 @@
 namespace polyfly {
 namespace {
 
-// Standard deviations: of the model's error in one period, of the measurement, of the moment's drift.
-constexpr double kAngleError = 1e-4, kRateError = 0.02;  // [rad, rad/s]
-constexpr double kAngleNoise = 0.01, kRateNoise = 0.05;  // [rad, rad/s]
-constexpr double kMomentDrift = 0.2;                     // [rad/s^2]
-constexpr double kLeastCosine = 0.1;                     // of the pitch, for the rate of yaw
+constexpr double kLeastCosine = 0.1;  // of the pitch, for the rate of yaw
 
 /// angle' = rate, rate' = stiffness angle + damping rate + gain u + moment.
-DisturbanceObserver makeLoop(double stiffness, double damping, double gain, double period) {
+DisturbanceObserver makeLoop(double stiffness, double damping, double gain,
+                             const MultirotorOptions& vehicle) {
   MpcProblem problem;
   problem.name = "moment observer";
   problem.A_c = (Eigen::Matrix2d() << 0.0, 1.0, stiffness, damping).finished();
@@ -23,15 +20,16 @@ DisturbanceObserver makeLoop(double stiffness, double damping, double gain, doub
   problem.Bd_c = Eigen::Vector2d(0.0, 1.0);
   problem.C = Eigen::RowVector2d(1.0, 0.0);
   ObserverOptions options;
-  options.period = period;
-  options.process = {kAngleError, kRateError, 0.0, 0.0};
-  options.measurement = {kAngleNoise, kRateNoise, 1.0, 1.0};
-  options.disturbance = kMomentDrift;
+  const ObserverNoise& noise = vehicle.noise;
+  options.period = vehicle.control_period;
+  options.process = {std::sqrt(noise.q_attitude), std::sqrt(noise.q_angular_velocity), 0.0, 0.0};
+  options.measurement = {std::sqrt(noise.r_attitude), std::sqrt(noise.r_angular_velocity), 1.0, 1.0};
+  options.disturbance = std::sqrt(noise.q_torque);
   return {problem, options};
 }
 
-DisturbanceObserver makeTilt(double omega, double damping, double gain, double period) {
-  return makeLoop(-omega * omega, -2.0 * damping * omega, gain * omega * omega, period);
+DisturbanceObserver makeTilt(double omega, double damping, double gain, const MultirotorOptions& vehicle) {
+  return makeLoop(-omega * omega, -2.0 * damping * omega, gain * omega * omega, vehicle);
 }
 
 const MomentModel& checked(const MomentModel& moments) {
@@ -54,10 +52,24 @@ VehicleObserver::VehicleObserver(const MultirotorModel& model, const MultirotorO
     : mass_(vehicle.mass),
       period_(vehicle.control_period),
       duration_(checked(moments).calibration_duration),
-      force_(model, period_, vehicle.disturbance_drift),
-      angles_{makeTilt(moments.roll_omega, moments.roll_damping, moments.roll_gain, period_),
-              makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, period_),
-              makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, period_)} {}
+      force_(model, vehicle),
+      angles_{makeTilt(moments.roll_omega, moments.roll_damping, moments.roll_gain, vehicle),
+              makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, vehicle),
+              makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)} {}
+
+void VehicleObserver::takeOver(const VehicleObserver& other) noexcept {
+  force_.takeOver(other.force_);
+  for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].takeOver(other.angles_[i]);
+  estimate_ = other.estimate_;
+  observed_until_ = other.observed_until_;
+  observing_ = other.observing_;
+  calibrating_ = other.calibrating_;
+  calibrations_ = other.calibrations_;
+  calibration_start_ = other.calibration_start_;
+  calibration_samples_ = other.calibration_samples_;
+  force_sum_ = other.force_sum_;
+  moment_sum_ = other.moment_sum_;
+}
 
 void VehicleObserver::restart() noexcept { observing_ = false; }
 

@@ -6,14 +6,12 @@ import math
 import os
 import subprocess
 import sys
-import tempfile
-import threading
 import unittest
 
 import rospkg
 import rospy
 import rostest
-from geometry_msgs.msg import PoseStamped, Transform, Twist
+from geometry_msgs.msg import Transform, Twist
 from mav_msgs.msg import RollPitchYawrateThrust
 from nav_msgs.msg import Odometry
 from online_controller.msg import AxisStatus, ControllerStatus
@@ -22,19 +20,8 @@ from roslib.packages import find_node
 from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
-HOVER = 1.52 * 9.8066
-PATIENCE = 20.0  # until something must have happened [s]
-RETRY = 0.5      # until a message counts as lost, while connections are being made [s]
-AXES = ("longitudinal", "lateral", "vertical")
-TWIN = "node"    # or nodelet, from the command line
-
-
-def command_line(namespace):
-    """Program and arguments of the twin under test."""
-    names = ["__ns:=" + namespace, "__name:=controller"]
-    if TWIN == "nodelet":
-        return [find_node("nodelet", "nodelet")[0], "standalone", "online_controller/ExplicitMpc"] + names
-    return [find_node("online_controller", "explicit_mpc_node")[0]] + names
+from controller_twin import AXES, HOVER, MapsFixture, pose_at
+from twin import PATIENCE, TWIN
 
 
 def problem_files():
@@ -42,130 +29,11 @@ def problem_files():
     return {"problems/" + axis: os.path.join(folder, "multirotor_%s.yaml" % axis) for axis in AXES}
 
 
-def make_maps(folder):
-    problems = rospkg.RosPack().get_path("region_maps")
-    environment = dict(os.environ, POLYFLY_ROOT=os.path.dirname(os.path.realpath(problems)))
-    subprocess.run([find_node("online_controller", "make_test_maps")[0], folder], env=environment, check=True)
-
-
-class Collector:
-    """Messages of a topic, to be waited for."""
-
-    def __init__(self, topic, kind):
-        self.messages = []
-        self.changed = threading.Condition()
-        self.subscriber = rospy.Subscriber(topic, kind, self.take)
-
-    def take(self, message):
-        with self.changed:
-            self.messages.append(message)
-            self.changed.notify_all()
-
-    def wait(self, condition, timeout=PATIENCE):
-        """The first message that meets the condition, None after the time-out."""
-        found = []
-
-        def arrived():
-            found.extend(m for m in self.messages if condition(m))
-            return bool(found)
-
-        with self.changed:
-            self.changed.wait_for(arrived, timeout)
-        return found[0] if found else None
-
-
-class Controller:
-    """The twin in a namespace of its own, with a partner for its topics."""
-
-    def __init__(self, namespace, maps, parameters=None):
-        self.namespace = "/" + namespace
-        for axis in AXES:
-            if maps.get(axis):
-                rospy.set_param(self.namespace + "/controller/maps/" + axis, maps[axis])
-        for key, value in (parameters or {}).items():
-            rospy.set_param(self.namespace + "/controller/" + key, value)
-        self.process = subprocess.Popen(command_line(self.namespace), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                        universal_newlines=True)
-
-    def connect(self):
-        self.odometry = rospy.Publisher(self.namespace + "/odometry", Odometry, queue_size=10)
-        self.pose = rospy.Publisher(self.namespace + "/command/pose", PoseStamped, queue_size=10, latch=True)
-        self.trajectory = rospy.Publisher(self.namespace + "/command/trajectory", MultiDOFJointTrajectory,
-                                          queue_size=10, latch=True)
-        self.commands = Collector(self.namespace + "/command/roll_pitch_yawrate_thrust", RollPitchYawrateThrust)
-        self.statuses = Collector(self.namespace + "/controller_status", ControllerStatus)
-        return self
-
-    def exchange(self, change=lambda odometry: None, accept=lambda status: True):
-        """Sends odometry until command and status with its stamp have arrived and the status is accepted."""
-        deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
-        while rospy.Time.now() < deadline:
-            odometry = Odometry()
-            odometry.header.frame_id = "world"
-            odometry.pose.pose.orientation.w = 1.0
-            odometry.header.stamp = rospy.Time.now()
-            change(odometry)
-            stamp = odometry.header.stamp
-            self.odometry.publish(odometry)
-            status = self.statuses.wait(lambda m: m.header.stamp == stamp, RETRY)
-            command = self.commands.wait(lambda m: m.header.stamp == stamp, RETRY)
-            if status and command and accept(status):
-                return command, status
-        raise AssertionError("no answer to odometry")
-
-    def output_at_end(self):
-        output, _ = self.process.communicate(timeout=PATIENCE)
-        return output
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.terminate()
-        self.process.communicate(timeout=PATIENCE)
-
-
-def pose_at(x, y, z):
-    pose = PoseStamped()
-    pose.header.frame_id = "world"
-    pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = x, y, z
-    pose.pose.orientation.w = 1.0
-    return pose
-
-
 def is_level(command):
     return (command.roll, command.pitch, command.yaw_rate) == (0.0, 0.0, 0.0) and abs(command.thrust.z - HOVER) < 1e-9
 
 
-class ExplicitMpcFixture(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        make_maps(cls.folder.name)
-        cls.maps = {axis: os.path.join(cls.folder.name, axis + ".map") for axis in AXES}
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    def fly(self, parameters=None, maps=None):
-        # Patience with a slow machine, except where silence is the subject.
-        # The maps' laws are not the optimum of their problems, so nothing is solved where they end.
-        chosen = {"controller/stale_periods": 10000, "controller/solve_outside": False}
-        chosen.update(parameters or {})
-        controller = Controller(self.id().split(".")[-1], maps or self.maps, chosen)
-        self.addCleanup(controller.stop)
-        return controller.connect()
-
-    def refusal(self, maps=None, parameters=None):
-        """What the twin says when it must not start."""
-        controller = Controller("refusal_" + self.id().split(".")[-1], self.maps if maps is None else maps, parameters)
-        output = controller.output_at_end()
-        self.assertNotEqual(controller.process.returncode, 0)
-        rospy.delete_param(controller.namespace)
-        self.assertEqual(output.count("explicit MPC does not start"), 1, output)
-        return output
-
-
-class ExplicitMpcTest(ExplicitMpcFixture):
+class ExplicitMpcTest(MapsFixture):
     def test_answers_each_odometry_with_its_stamp(self):
         controller = self.fly()
         command, status = controller.exchange()
@@ -190,7 +58,7 @@ class ExplicitMpcTest(ExplicitMpcFixture):
 
     def test_each_law_flies_and_laws_are_switched_in_flight(self):
         controller = self.fly({"law": "nonlinear"})
-        active = Collector(controller.namespace + "/active_law", String)
+        active = controller.collector("active_law", String)
         self.assertIsNotNone(active.wait(lambda m: m.data == "nonlinear"))
         controller.pose.publish(pose_at(0.5, 0.0, 1.0))
         rospy.wait_for_service(controller.namespace + "/select_law", PATIENCE)
@@ -367,6 +235,5 @@ class ExplicitMpcTest(ExplicitMpcFixture):
 
 
 if __name__ == "__main__":
-    TWIN = "nodelet" if "nodelet" in sys.argv else "node"
     rospy.init_node("explicit_mpc_test")
     rostest.rosrun("online_controller", "explicit_mpc_" + TWIN, ExplicitMpcTest, sys.argv)

@@ -2,10 +2,7 @@
 """Take-off, landing, remote control and observer over their services and topics, on a vehicle that stands on a floor."""
 
 import math
-import os
 import sys
-import tempfile
-import unittest
 
 import rospy
 import rostest
@@ -16,8 +13,8 @@ from std_srvs.srv import Empty, Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 from geometry_msgs.msg import Transform
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from explicit_mpc_test import AXES, PATIENCE, Collector, Controller, make_maps, pose_at  # noqa: E402
+from controller_twin import MapsFixture, pose_at
+from twin import PATIENCE
 
 MASS, GRAVITY, PERIOD = 1.52, 9.8066, 0.01
 MANUAL, POSITION = -1.0, 1.0  # of the mode axis
@@ -71,26 +68,14 @@ class Vehicle:
         raise AssertionError("not reached in %g s" % most)
 
 
-class FlightStatesTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        make_maps(cls.folder.name)
-        cls.maps = {axis: os.path.join(cls.folder.name, axis + ".map") for axis in AXES}
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
+class FlightStatesTest(MapsFixture):
     def begin(self, parameters=None):
-        chosen = {"controller/stale_periods": 10000, "control_interface/takeoff_time": 1.0,
+        chosen = {"controller/solve_outside": True, "control_interface/takeoff_time": 1.0,
                   "KF_observer/calibration_duration": 0.5}
         chosen.update(parameters or {})
-        controller = Controller(self.id().split(".")[-1], self.maps, chosen)
-        self.addCleanup(controller.stop)
-        controller.connect()
-        self.states = Collector(controller.namespace + "/flight_status", FlightStatus)
-        self.names = Collector(controller.namespace + "/state_machine/state_info", String)
+        controller = self.fly(chosen)
+        self.states = controller.collector("flight_status", FlightStatus)
+        self.names = controller.collector("state_machine/state_info", String)
         self.assertIsNotNone(self.names.wait(lambda m: m.data == "Inactive"))
         return controller, Vehicle(controller)
 
@@ -107,7 +92,7 @@ class FlightStatesTest(unittest.TestCase):
 
     def test_takes_off_calibrates_and_lands_by_service(self):
         controller, vehicle = self.begin()
-        observer = Collector(controller.namespace + "/controller/KF_observer/observer_state", ObserverState)
+        observer = controller.collector("controller/KF_observer/observer_state", ObserverState)
         self.assert_refused(controller, "takeoff")  # no odometry yet
         vehicle.step()
         self.assert_refused(controller, "back_to_position_hold")
@@ -186,8 +171,13 @@ class FlightStatesTest(unittest.TestCase):
             trajectory.points.append(point)
         controller.trajectory.publish(trajectory)
         status = self.states.wait(lambda m: m.reference.startswith("trajectory of 4 points"))
-        self.assertIn("computed from differences: velocities of 4, accelerations of 4", status.reference)
+        self.assertIn("computed: velocities of 4, accelerations of 4", status.reference)
         self.assertEqual(status.state, FlightStatus.TRAJECTORY)
+        vehicle.step()
+        for ahead, said in ((1e6, "; it begins in "), (-1e6, "; it was over ")):  # of another clock, perhaps
+            trajectory.header.stamp = rospy.Time.now() + rospy.Duration(ahead)
+            controller.trajectory.publish(trajectory)
+            self.assertIsNotNone(self.states.wait(lambda m: said in m.reference), said)
         vehicle.step()
         vehicle.frame = "odom"
         _, status = vehicle.step()

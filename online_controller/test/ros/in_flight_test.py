@@ -18,10 +18,11 @@ from online_controller.msg import ControllerStatus
 from online_controller.srv import SwapMaps
 from roslib.packages import find_node
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker
 
-import explicit_mpc_test as harness
-from explicit_mpc_test import HOVER, PATIENCE, Collector, pose_at
+from controller_twin import HOVER, Controller, MapsFixture, pose_at
+from twin import PATIENCE, TWIN, Collector
 
 HALF = math.sqrt(0.5)
 
@@ -34,7 +35,7 @@ def is_optimal(status):
     return status.status == ControllerStatus.OPTIMAL
 
 
-class InFlightTest(harness.ExplicitMpcFixture):
+class InFlightTest(MapsFixture):
     def options(self, controller):
         client = Client(controller.namespace + "/controller", timeout=PATIENCE)
         self.addCleanup(client.close)
@@ -118,7 +119,7 @@ class InFlightTest(harness.ExplicitMpcFixture):
     def test_attitude_target_for_an_autopilot(self):
         controller = self.fly({"output/attitude_target": True, "output/hover_thrust": 0.4,
                                "output/thrust_greatest": 0.45})
-        targets = Collector(controller.namespace + "/mavros/setpoint_raw/attitude", AttitudeTarget)
+        targets = controller.collector("mavros/setpoint_raw/attitude", AttitudeTarget)
         controller.pose.publish(pose_at(0.1, -0.1, 0.05))
         command, status = controller.exchange(heading_left, is_optimal)
         target = targets.wait(lambda m: m.header.stamp == status.header.stamp)
@@ -142,8 +143,9 @@ class InFlightTest(harness.ExplicitMpcFixture):
 
     def test_status_display_and_diagnostics(self):
         controller = self.fly({"law": "nonlinear"})
-        markers = {name: Collector(controller.namespace + "/" + name, Marker)
+        markers = {name: controller.collector(name, Marker)
                    for name in ("reference_trajectory", "predicted_state")}
+        plans = Collector(controller.namespace + "/full_predicted_state", MultiDOFJointTrajectory)
         frames = Collector("/tf", TFMessage)
         diagnostics = Collector("/diagnostics", DiagnosticArray)
         controller.pose.publish(pose_at(0.2, 0.1, 0.3))
@@ -161,6 +163,12 @@ class InFlightTest(harness.ExplicitMpcFixture):
         self.assertAlmostEqual(shown["reference_trajectory"].points[20].x, 0.2)
         self.assertAlmostEqual(shown["predicted_state"].points[0].x, 0.0)
         self.assertAlmostEqual(shown["predicted_state"].points[20].x, 0.2, delta=0.1)
+        controller.exchange()
+        plan = plans.wait(lambda m: len(m.points) == 21)  # as mav_control_rw publishes it
+        self.assertAlmostEqual(plan.points[20].time_from_start.to_sec(), 2.0)
+        self.assertAlmostEqual(plan.points[0].transforms[0].translation.x, 0.0)
+        self.assertAlmostEqual(plan.points[20].transforms[0].translation.x, 0.2, delta=0.1)
+        self.assertAlmostEqual(plan.points[20].transforms[0].rotation.w, 1.0)
         _, status = controller.exchange()  # with times of the one before
         self.assertEqual(status.law, "nonlinear")
         self.assertGreater(status.iterations, 0)
@@ -222,13 +230,10 @@ class InFlightTest(harness.ExplicitMpcFixture):
             subprocess.run(["rosparam", "load", os.path.join(
                 resources, "%s_mpc_firefly.yaml" % law), namespace + "/" + name], check=True)
             rospy.set_param(namespace + "/" + name + "/controller/stale_periods", 10000)
-            for theirs, value in (("KF_observer/q_position", 0.01), ("KF_observer/r_attitude", 0.01), ("verbose", True)):
+            for theirs, value in (("KF_observer/q_position", 0.01), ("KF_observer/q_force", 0.0001), ("KF_observer/P0_force", 0.1),
+                                  ("verbose", True)):
                 rospy.set_param(namespace + "/" + name + "/" + theirs, value)
-            controller = harness.Controller.__new__(harness.Controller)
-            controller.namespace = namespace
-            controller.process = subprocess.Popen(
-                [find_node("online_controller", node)[0], "__ns:=" + namespace, "__name:=" + name],
-                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+            controller = Controller(namespace[1:], name=name, command=[find_node("online_controller", node)[0]])
             self.addCleanup(controller.stop)
             controller.connect()
             controller.pose.publish(pose_at(0.5, 0.0, 0.0))
@@ -239,6 +244,7 @@ class InFlightTest(harness.ExplicitMpcFixture):
             mass = 1.52 if law == "linear" else 1.56
             self.assertAlmostEqual(command.thrust.z, mass * 9.8066, delta=1.0)
             self.assertEqual(rospy.get_param(namespace + "/" + name + "/vehicle/mass"), mass)
+            self.assertAlmostEqual(rospy.get_param(namespace + "/" + name + "/controller/disturbance_drift"), 0.01)
 
             # What scripts and rqt change there has the same names here.
             options = Client(namespace + "/" + name, timeout=PATIENCE)
@@ -250,6 +256,10 @@ class InFlightTest(harness.ExplicitMpcFixture):
             self.assertEqual((answer["q_x"], answer[law + "/position_weight_x"]), (55.0, 55.0))
             self.assertEqual((answer["roll_max"], answer["enable_integrator"]), (0.3, False))
             self.assertFalse(answer["controller/integrator"])
+            self.assertEqual(answer["KF_observer/q_position"], 0.01)
+            answer = options.update_configuration({"KF_observer/q_force": 0.0004, "KF_observer/r_position": 0.001})
+            self.assertAlmostEqual(answer["controller/disturbance_drift"], 0.02)
+            self.assertEqual(answer["KF_observer/r_position"], 0.001)
             if law == "linear":
                 self.assertEqual((answer["linear/roll_command_max"], answer["linear/roll_command_min"]), (0.3, -0.3))
                 self.assertAlmostEqual(answer["controller/angle_max"], math.radians(25.0))
@@ -262,11 +272,44 @@ class InFlightTest(harness.ExplicitMpcFixture):
             self.assertEqual((everything["linear/position_weight_y"], everything["q_x"]), (44.0, 55.0))
             controller.process.terminate()
             said = controller.output_at_end()
-            self.assertIn("not read: KF_observer/q_position, KF_observer/r_attitude: the observers have steady gains", said)
+            self.assertIn("not read: KF_observer/P0_force: the observers have the gains of the steady state", said)
             self.assertIn("verbose: what is logged is chosen by rosconsole's levels", said)
+
+    @unittest.skipIf("nodelet" in sys.argv, "nodes only")
+    def test_what_changed_in_a_file_of_mav_control_rw_counts_at_the_next_start(self):
+        # The parameter server outlives the node; a launch file need not clear its parameters.
+        name = "/peer_again/mav_nonlinear_mpc"
+        executable = find_node("online_controller", "nonlinear_mpc_node")[0]
+
+        def start():
+            return subprocess.Popen([executable, "__ns:=/peer_again", "__name:=mav_nonlinear_mpc"],
+                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+
+        def adopted(wanted):
+            node = start()
+            deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+            while rospy.get_param(name + "/vehicle/mass", 0.0) != wanted and rospy.Time.now() < deadline:
+                rospy.sleep(0.02)
+            client = Client(name, timeout=PATIENCE)
+            mass = client.get_configuration(PATIENCE)["vehicle/mass"]
+            client.close()
+            node.terminate()
+            node.communicate(timeout=PATIENCE)
+            return mass
+
+        rospy.set_param(name, {"mass": 1.5, "K_yaw": 1.0})
+        self.assertEqual(adopted(1.5), 1.5)
+        rospy.set_param(name + "/mass", 2.0)
+        self.assertEqual(adopted(2.0), 2.0)
+        rospy.set_param(name + "/vehicle/mass", 2.5)  # changed under our name: that stays
+        self.assertEqual(adopted(2.5), 2.5)
+        rospy.set_param(name + "/mass", "heavy")
+        node = start()
+        said, _ = node.communicate(timeout=PATIENCE)
+        self.assertEqual(node.returncode, 1)
+        self.assertIn("mav_nonlinear_mpc does not start: parameter " + name + "/mass: must be a number", said)
 
 
 if __name__ == "__main__":
-    harness.TWIN = "nodelet" if "nodelet" in sys.argv else "node"
     rospy.init_node("in_flight_test")
-    rostest.rosrun("online_controller", "in_flight_" + harness.TWIN, InFlightTest, sys.argv)
+    rostest.rosrun("online_controller", "in_flight_" + TWIN, InFlightTest, sys.argv)

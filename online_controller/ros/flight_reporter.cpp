@@ -1,0 +1,112 @@
+#include "online_controller_ros/flight_reporter.hpp"
+
+#include <online_controller/ControllerStatus.h>
+#include <ros/console.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <string>
+#include <vector>
+
+#include "online_controller_ros/conversions.hpp"
+#include "online_controller_ros/stage_clock.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kLogInterval = 1.0;  // between two warnings [s]
+
+}  // namespace
+
+FlightReporter::FlightReporter(ros::NodeHandle& handle, LawKeeper& keeper, polyfly::FlightSupervisor& flight,
+                               FlightRecord& record, double control_period)
+    : keeper_(keeper),
+      flight_(flight),
+      record_(record),
+      control_period_(control_period),
+      publisher_(handle.advertise<online_controller::ControllerStatus>("controller_status", 100)) {}
+
+void FlightReporter::tell(const Answered& answered, bool last) {
+  if (publisher_.getNumSubscribers() > 0) publishStatus(answered, last);
+  if (last) leaveSnapshot(answered);
+  logChange(answered);
+  if (!answered.by_odometry) return;
+  record_.latency.record(answered.times.latency());
+  record_.step.record(answered.times.step);
+}
+
+void FlightReporter::prepared(const Answered& answered, std::int64_t time) {
+  StageTimes times = answered.times;
+  last_prepare_ = times.prepare = time;
+  if (times.whole() > static_cast<std::int64_t>(1e9 * control_period_)) ++record_.overruns;
+}
+
+void FlightReporter::publishStatus(const Answered& answered, bool last) {
+  const auto status = boost::make_shared<online_controller::ControllerStatus>();
+  status->header = answered.header;
+  status->sequence = answered.sequence;
+  status->law = polyfly::lawName(answered.law);
+  status->iterations = answered.report.iterations;
+  status->kkt_residual = last ? laws().kktResidual() : -1.0;
+  status->odometry_age = answered.odometry_age;
+  status->input_time_ns = answered.times.input;
+  status->step_time_ns = answered.times.step;
+  status->output_time_ns = answered.times.output;
+  status->prepare_time_ns = last_prepare_;
+  status->lookup_time_ns = lookupTime(answered);
+  fillStatus(answered.report, keeper_.laws().parameters(answered.law), *status);
+  publisher_.publish(status);
+}
+
+void FlightReporter::leaveSnapshot(const Answered& answered) {
+  if (!record_.wanted.exchange(false)) return;
+  FlightSnapshot& snapshot = record_.latest.draft();
+  snapshot.header = answered.header;
+  snapshot.law = answered.law;
+  snapshot.report = answered.report;
+  snapshot.kkt_residual = laws().kktResidual();
+  snapshot.odometry_age = answered.odometry_age;
+  snapshot.times = answered.times;
+  snapshot.stage_period = laws().previewPeriod();
+  const bool tracks = polyfly::isAnswer(answered.report.status) ||
+                      answered.report.status == polyfly::ControlStatus::kHoldLast;
+  const bool shows = record_.show_paths.load(std::memory_order_relaxed);
+  snapshot.reference_count = !tracks ? 0 : shows ? laws().previewLength() : 1;
+  const std::vector<polyfly::Reference>& reference =
+      snapshot.reference_count > 1 ? flight_.wholePreview() : flight_.preview();
+  std::copy_n(reference.begin(), snapshot.reference_count, snapshot.reference.begin());
+  const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
+  snapshot.predicted_count =
+      shows && tracks && same_stages
+          ? laws().predict(snapshot.reference.data(), snapshot.reference_count, snapshot.predicted.data())
+          : 0;
+  record_.latest.publish();
+}
+
+std::int64_t FlightReporter::lookupTime(const Answered& answered) {
+  const std::vector<polyfly::RegionMap>& maps = keeper_.laws().maps(answered.law);
+  if (maps.empty()) return 0;
+  for (const polyfly::AxisReport& axis : answered.report.axis) {
+    if (axis.size == 0) return 0;
+  }
+  double input = 0.0;
+  StageClock clock;
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    maps[i].evaluate(answered.report.axis[i].theta.data(), &input);
+  return clock.lap() / static_cast<std::int64_t>(maps.size());
+}
+
+void FlightReporter::logChange(const Answered& answered) {
+  const polyfly::ControlReport& report = answered.report;
+  if (report.status == logged_status_ && report.reason == logged_reason_) return;
+  logged_status_ = report.status;
+  logged_reason_ = report.reason;
+  const std::string text = describe(report, keeper_.laws().parameters(answered.law));
+  if (isAsAsked(report)) {
+    ROS_INFO_THROTTLE(kLogInterval, "MPC: %s", text.c_str());
+  } else {
+    ROS_WARN_THROTTLE(kLogInterval, "MPC: %s", text.c_str());
+  }
+}
+
+}  // namespace polyfly_ros

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <std_msgs/Header.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "online_controller/law_switch.hpp"
+#include "online_controller/types.hpp"
+
+namespace polyfly_ros {
+
+/// How long the stages of one control period took [ns].
+struct StageTimes {
+  std::int64_t input = 0;    ///< message to state, references looked up
+  std::int64_t step = 0;     ///< the law
+  std::int64_t output = 0;   ///< command to message, published
+  std::int64_t prepare = 0;  ///< status published, laws exchanged, next step prepared
+
+  std::int64_t latency() const noexcept { return input + step + output; }
+  std::int64_t whole() const noexcept { return latency() + prepare; }
+};
+
+/// One command, or the decision to send none, as it is told of when it is out.
+struct Answered {
+  std_msgs::Header header;  ///< of the command
+  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::ControlReport report;
+  bool sends = false;  ///< the command of the report was sent
+  StageTimes times;
+  double odometry_age = 0.0;   ///< [s]
+  std::uint32_t sequence = 0;  ///< commands before this one
+
+  bool by_odometry = false;     ///< else in its silence, or by the sticks
+  polyfly::VehicleState state;  ///< the odometry; with it:
+  bool accepted = false;        ///< it was good enough to be flown on
+  bool restarted = false;       ///< FlightSupervisor::restarted()
+};
+
+/// What is out and not told of yet. When it is full the last one is replaced, which a gap in the sequence
+/// shows. Does not allocate but where a frame's name is longer than those before.
+class AnsweredList {
+ public:
+  /// The next one, to be filled whole.
+  Answered& add() noexcept {
+    if (count_ < entries_.size()) ++count_;
+    return entries_[count_ - 1];
+  }
+  void clear() noexcept { count_ = 0; }
+
+  std::size_t size() const noexcept { return count_; }
+  const Answered* begin() const noexcept { return entries_.data(); }
+  const Answered* end() const noexcept { return entries_.data() + count_; }
+
+ private:
+  std::array<Answered, 8> entries_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace polyfly_ros

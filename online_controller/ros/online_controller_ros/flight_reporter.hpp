@@ -1,0 +1,48 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <cstdint>
+
+#include "online_controller/flight_supervisor.hpp"
+#include "online_controller_ros/answered.hpp"
+#include "online_controller_ros/flight_snapshot.hpp"
+#include "online_controller_ros/law_keeper.hpp"
+
+namespace polyfly_ros {
+
+/// Tells of each command when it is out: `controller_status`, the log, the snapshot for the other thread, the
+/// counted times. The control thread's, like all that it reads.
+class FlightReporter {
+ public:
+  /// Keeps references. `control_period` [s]: longer than that is an overrun.
+  FlightReporter(ros::NodeHandle& handle, LawKeeper& keeper, polyfly::FlightSupervisor& flight,
+                 FlightRecord& record, double control_period);
+
+  /// `last`: no step has followed it, and none is prepared. Only then can be told how good its solution was,
+  /// and what it tracked.
+  void tell(const Answered& answered, bool last);
+
+  /// What was done since the command of `answered` took so long [ns].
+  void prepared(const Answered& answered, std::int64_t time);
+
+ private:
+  void publishStatus(const Answered& answered, bool last);
+  void leaveSnapshot(const Answered& answered);
+  std::int64_t lookupTime(const Answered& answered);
+  void logChange(const Answered& answered);
+  polyfly::LawSwitch& laws() { return keeper_.flight(); }
+
+  LawKeeper& keeper_;
+  polyfly::FlightSupervisor& flight_;
+  FlightRecord& record_;
+  double control_period_;  // [s]
+  ros::Publisher publisher_;
+
+  std::int64_t last_prepare_ = 0;  // of the sample before [ns]
+  polyfly::ControlStatus logged_status_ = polyfly::ControlStatus::kOptimal;
+  polyfly::ControlReason logged_reason_ = polyfly::ControlReason::kNone;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,256 @@
+// Odometry answered in the thread that publishes it: the node in the process of the one who publishes.
+#include <gtest/gtest.h>
+#include <mav_msgs/RollPitchYawrateThrust.h>
+#include <nav_msgs/Odometry.h>
+#include <online_controller/ControllerStatus.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "online_controller_ros/callback_thread.hpp"
+#include "online_controller_ros/controller_node.hpp"
+#include "online_controller_ros/direct_queue.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kPatience = 20.0;  // until something must have happened [s]
+
+nav_msgs::Odometry::Ptr odometryAt(const ros::Time& stamp, double x = 0.0) {
+  auto odometry = boost::make_shared<nav_msgs::Odometry>();
+  odometry->header.frame_id = "world";
+  odometry->header.stamp = stamp;
+  odometry->pose.pose.position.x = x;
+  odometry->pose.pose.orientation.w = 1.0;
+  return odometry;
+}
+
+/// The node, and one who publishes odometry and takes commands where they are published.
+class Flight {
+ public:
+  explicit Flight(const std::string& space, const std::string& answer = "", double rehearse = 0.0)
+      : handle_(space), private_handle_(space + "/controller") {
+    private_handle_.setParam("law", "linear");
+    private_handle_.setParam("controller/stale_periods", 10000);
+    if (!answer.empty()) private_handle_.setParam("real_time/answer", answer);
+    private_handle_.setParam("real_time/rehearse", rehearse);
+    baton_.give();
+    ros::SubscribeOptions options;
+    options.init<mav_msgs::RollPitchYawrateThrust>(
+        "command/roll_pitch_yawrate_thrust", 100,
+        [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& command) {
+          thread = std::this_thread::get_id();
+          last = *command;
+          stamps.push_back(command->header.stamp);
+          count = stamps.size();
+        });
+    options.callback_queue = &at_once_;
+    commands_ = handle_.subscribe(options);
+    statuses_ =
+        onQueue(handle_, queue_)
+            .subscribe<online_controller::ControllerStatus>(
+                "controller_status", 0, [this](const online_controller::ControllerStatus::ConstPtr& status) {
+                  sequences.push_back(status->sequence);
+                  last_sequence_ = status->sequence;
+                });
+    rehearsals_ = onQueue(private_handle_, queue_)
+                      .subscribe<mav_msgs::RollPitchYawrateThrust>(
+                          "rehearsal/command", 0,
+                          [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) { ++rehearsed; });
+    odometry = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
+    node = std::make_unique<ExplicitMpcNode>(handle_, private_handle_);
+    thread_.emplace(queue_, "statuses", std::function<void()>());
+  }
+
+  /// Publishes, and waits for the command.
+  bool exchange(const ros::Time& stamp, double x = 0.0) {
+    const std::size_t before = count;
+    odometry.publish(odometryAt(stamp, x));
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    while (count == before && ros::WallTime::now() < end) std::this_thread::yield();
+    return count > before;
+  }
+
+  /// Waits for the status of the command with so many before it, and takes no more.
+  bool awaitStatus(std::uint32_t sequence) {
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    while (last_sequence_ != sequence && ros::WallTime::now() < end) std::this_thread::yield();
+    thread_.reset();
+    return last_sequence_ == sequence;
+  }
+
+  // Guarded by the baton of the commands; to be read when nobody publishes.
+  std::vector<ros::Time> stamps;
+  std::thread::id thread;
+  mav_msgs::RollPitchYawrateThrust last;
+  std::atomic<int> rehearsed{0};  // commands of rehearsals
+  std::atomic<std::size_t> count{0};
+  std::vector<std::uint32_t> sequences;  // the statuses' thread's
+  ros::Publisher odometry;
+  std::unique_ptr<ExplicitMpcNode> node;
+
+ private:
+  polyfly::Baton baton_;
+  std::atomic<std::uint32_t> last_sequence_{0};
+  WatchedQueue queue_;
+  DirectQueue at_once_{baton_, queue_};
+  ros::NodeHandle handle_, private_handle_;
+  ros::Subscriber commands_, statuses_, rehearsals_;
+  std::optional<CallbackThread> thread_;
+};
+
+TEST(DirectAnswer, ComesInThePublishersThreadUnlessTheControlThreadIsToldTo) {
+  for (const char* answer : {"", "auto", "publisher", "thread"}) {
+    const bool in_publisher = std::string(answer) != "thread";
+    Flight flight(std::string("/where") + answer, answer);
+    int here = 0;
+    for (int i = 1; i <= 20; ++i) {
+      ASSERT_TRUE(flight.exchange(ros::Time(100.0 + 0.01 * i)));
+      here += flight.thread == std::this_thread::get_id() ? 1 : 0;
+      ros::WallDuration(0.005).sleep();
+    }
+    // Some may meet the control thread at work: at the start, and always where the machine is slow.
+    EXPECT_EQ(here > 0, in_publisher) << answer;
+  }
+}
+
+// What is rehearsed before each odometry changes nothing, and nobody hears of it on the flight's topics.
+TEST(DirectAnswer, ARehearsalChangesNoCommand) {
+  std::vector<mav_msgs::RollPitchYawrateThrust> commands[2];
+  for (const double rehearse : {0.0, 0.004}) {
+    Flight flight(rehearse > 0.0 ? "/rehearsed" : "/once", "", rehearse);
+    std::vector<mav_msgs::RollPitchYawrateThrust>& sent = commands[rehearse > 0.0 ? 1 : 0];
+    for (int i = 1; i <= 100; ++i) {
+      ASSERT_TRUE(flight.exchange(ros::Time(100.0 + 0.01 * i), 0.003 * i));
+      sent.push_back(flight.last);
+      ros::WallDuration(0.01).sleep();
+    }
+    EXPECT_EQ(flight.stamps.size(), 100U);
+    EXPECT_EQ(flight.rehearsed > 0, rehearse > 0.0);
+  }
+  for (std::size_t i = 0; i < commands[0].size(); ++i) {
+    EXPECT_EQ(commands[0][i].roll, commands[1][i].roll) << i;
+    EXPECT_EQ(commands[0][i].pitch, commands[1][i].pitch) << i;
+    EXPECT_EQ(commands[0][i].yaw_rate, commands[1][i].yaw_rate) << i;
+    EXPECT_EQ(commands[0][i].thrust.z, commands[1][i].thrust.z) << i;
+  }
+}
+
+TEST(DirectAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
+  constexpr int kCount = 3000;
+  Flight flight("/fast");
+  ASSERT_TRUE(flight.exchange(ros::Time(99.0)));
+  for (int i = 0; i < kCount; ++i) {
+    flight.odometry.publish(odometryAt(ros::Time(100.0 + 0.01 * i)));
+    if (i % 10 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  ASSERT_TRUE(flight.exchange(ros::Time(200.0)));
+  // A message may be replaced by a newer one, as in any queue of one; none is answered twice, late or out of
+  // order. What is not told is missing in the sequence.
+  for (std::size_t i = 1; i < flight.stamps.size(); ++i) ASSERT_LT(flight.stamps[i - 1], flight.stamps[i]);
+  EXPECT_EQ(flight.stamps.back(), ros::Time(200.0));
+  ASSERT_TRUE(flight.awaitStatus(static_cast<std::uint32_t>(flight.stamps.size() - 1)));
+  for (std::size_t i = 1; i < flight.sequences.size(); ++i)
+    ASSERT_LT(flight.sequences[i - 1], flight.sequences[i]);
+}
+
+// Odometry over TCP holds other locks than odometry of this process: if both were answered where they come,
+// the two could wait for each other for ever.
+TEST(DirectAnswer, OdometryOfTwoOriginsStopsNobody) {
+  Flight flight("/mixed");
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(3.0);
+  std::size_t published = 0;
+  while (ros::WallTime::now() < end) {
+    flight.odometry.publish(odometryAt(ros::Time::now()));
+    ++published;
+    std::this_thread::sleep_for(std::chrono::microseconds(published % 7 * 100));
+  }
+  EXPECT_GT(published, 100U);
+  const std::size_t before = flight.count;
+  const ros::WallTime last = ros::WallTime::now() + ros::WallDuration(kPatience);
+  while (flight.count < before + 100 && ros::WallTime::now() < last) ros::WallDuration(0.01).sleep();
+  EXPECT_GE(flight.count, before + 100);  // those over TCP
+}
+
+TEST(DirectAnswer, TheNodeEndsAndAnotherBeginsWhileOdometryComes) {
+  Flight flight("/ends");
+  std::atomic<bool> done{false};
+  std::thread publisher([&] {
+    for (int i = 0; !done; ++i) {
+      flight.odometry.publish(odometryAt(ros::Time(100.0 + 0.001 * i)));
+      if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  ros::NodeHandle handle("/ends"), private_handle("/ends/controller");
+  for (int round = 0; round < 5; ++round) {
+    const std::size_t before = flight.count;
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    while (flight.count < before + 50 && ros::WallTime::now() < end) std::this_thread::yield();
+    EXPECT_GE(flight.count, before + 50);
+    flight.node.reset();
+    const std::size_t after = flight.count;
+    ros::WallDuration(0.02).sleep();
+    EXPECT_EQ(flight.count, after);
+    flight.node = std::make_unique<ExplicitMpcNode>(handle, private_handle);
+  }
+  done = true;
+  publisher.join();
+}
+
+// A publisher that latches hands its last message over when a subscriber connects, with other locks.
+TEST(DirectAnswer, ALatchedOdometryIsLeftToTheControlThread) {
+  Flight flight("/latched");
+  ASSERT_TRUE(flight.exchange(ros::Time(100.0)));
+  flight.odometry.shutdown();
+  ros::NodeHandle handle("/latched");
+  flight.odometry = handle.advertise<nav_msgs::Odometry>("odometry", 1, true);
+  ASSERT_TRUE(flight.exchange(ros::Time(101.0)));
+  EXPECT_NE(flight.thread, std::this_thread::get_id());
+}
+
+TEST(AnswersInPublisher, IsChosenByNameAndByWhatIsAskedOfTheControlThread) {
+  RealTimeOptions options;
+  EXPECT_TRUE(answersInPublisher("auto", options));
+  EXPECT_TRUE(answersInPublisher("publisher", options));
+  EXPECT_FALSE(answersInPublisher("thread", options));
+  EXPECT_THROW(answersInPublisher("both", options), polyfly::Error);
+  options.lock_memory = true;
+  EXPECT_TRUE(answersInPublisher("auto", options));
+  options.core = 0;
+  EXPECT_FALSE(answersInPublisher("auto", options));
+  options = {};
+  options.priority = 1;
+  EXPECT_FALSE(answersInPublisher("auto", options));
+  EXPECT_TRUE(answersInPublisher("publisher", options));
+  options = {};
+  options.poll = 0.1;
+  EXPECT_FALSE(answersInPublisher("auto", options));
+  EXPECT_THROW(answersInPublisher("publisher", options), polyfly::Error);
+}
+
+int publishOdometry(const std::string& topic) {
+  ros::NodeHandle handle;
+  const ros::Publisher publisher = handle.advertise<nav_msgs::Odometry>(topic, 1);
+  for (ros::WallRate rate(500.0); ros::ok(); rate.sleep()) publisher.publish(odometryAt(ros::Time::now()));
+  return 0;
+}
+
+}  // namespace
+}  // namespace polyfly_ros
+
+// With a topic for argument it is the other process that publishes odometry there.
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "direct_answer_test");
+  if (argc > 1) return polyfly_ros::publishOdometry(argv[1]);
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,224 @@
+// The queue that runs callbacks where they are added, with callbacks made by hand: no master is needed.
+#include "online_controller_ros/direct_queue.hpp"
+
+#include <gtest/gtest.h>
+#include <ros/init.h>
+#include <ros/message_deserializer.h>
+#include <ros/subscription_callback_helper.h>
+#include <ros/subscription_queue.h>
+#include <ros/this_node.h>
+#include <std_msgs/UInt32.h>
+
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <functional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "online_controller_ros/callback_thread.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr std::uint64_t kOwner = 7;
+
+class Callback : public ros::CallbackInterface {
+ public:
+  explicit Callback(std::function<void()> function, CallResult result = Success)
+      : function_(std::move(function)), result_(result) {}
+  CallResult call() override {
+    function_();
+    return result_;
+  }
+
+ private:
+  std::function<void()> function_;
+  CallResult result_;
+};
+
+ros::CallbackInterfacePtr callback(std::function<void()> function, ros::CallbackInterface::CallResult result =
+                                                                       ros::CallbackInterface::Success) {
+  return boost::make_shared<Callback>(std::move(function), result);
+}
+
+struct DirectQueueTest : testing::Test {
+  polyfly::Baton baton;
+  WatchedQueue others;
+  int follow_ups = 0;
+  DirectQueue queue{baton, others, callback([this] { ++follow_ups; })};
+};
+
+TEST_F(DirectQueueTest, RunsWhereItIsAddedAndTheFollowUpIsLeft) {
+  baton.give();
+  bool here = false;
+  std::thread::id thread;
+  queue.addCallback(callback([&] {
+                      thread = std::this_thread::get_id();
+                      here = queue.runsHere();
+                      EXPECT_FALSE(baton.tryTake());
+                    }),
+                    kOwner);
+  EXPECT_EQ(thread, std::this_thread::get_id());
+  EXPECT_TRUE(here);
+  EXPECT_FALSE(queue.runsHere());
+  EXPECT_EQ(follow_ups, 0);
+  others.callAvailable();
+  EXPECT_EQ(follow_ups, 1);
+  EXPECT_TRUE(baton.tryTake());
+}
+
+TEST_F(DirectQueueTest, IsLeftToOthersWhileTheBatonIsTaken) {
+  int calls = 0;
+  queue.addCallback(callback([&] {
+                      ++calls;
+                      EXPECT_FALSE(queue.runsHere());
+                    }),
+                    kOwner);
+  EXPECT_EQ(calls, 0);
+  others.callAvailable();
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(follow_ups, 0);  // whose callback that is does the rest itself
+}
+
+TEST_F(DirectQueueTest, WhatIsRemovedIsNotCalled) {
+  int calls = 0;
+  queue.addCallback(callback([&] { ++calls; }), kOwner);
+  queue.removeByID(kOwner);
+  others.callAvailable();
+  EXPECT_EQ(calls, 0);
+}
+
+TEST_F(DirectQueueTest, ACallbackThatComesBackToItsQueueIsLeft) {
+  baton.give();
+  std::vector<int> order;
+  queue.addCallback(callback([&] {
+                      queue.addCallback(callback([&] { order.push_back(2); }), kOwner);
+                      order.push_back(1);
+                    }),
+                    kOwner);
+  EXPECT_EQ(order, std::vector<int>({1}));
+  others.callAvailable();
+  EXPECT_EQ(order, std::vector<int>({1, 2}));
+}
+
+TEST_F(DirectQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
+  baton.give();
+  int calls = 0;
+  queue.addCallback(callback([&] { ++calls; }, ros::CallbackInterface::TryAgain), kOwner);
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(others.callOne(), ros::CallbackQueue::TryAgain);
+  EXPECT_EQ(calls, 2);
+}
+
+TEST_F(DirectQueueTest, TheBatonIsBackAfterAnException) {
+  baton.give();
+  EXPECT_THROW(queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner),
+               std::runtime_error);
+  EXPECT_FALSE(queue.runsHere());
+  EXPECT_TRUE(baton.tryTake());
+}
+
+// As roscpp's Subscription does it, which holds a lock meanwhile: the message goes into the subscription's
+// queue, which is added as a callback unless it was full.
+class Subscriber {
+ public:
+  Subscriber(DirectQueue& queue, int size, const std::function<void(unsigned)>& take)
+      : queue_(queue),
+        messages_(boost::make_shared<ros::SubscriptionQueue>("numbers", size, false)),
+        helper_(boost::make_shared<Helper>([take](const std_msgs::UInt32::ConstPtr& m) { take(m->data); })) {}
+
+  void publish(unsigned number) {
+    const auto message = boost::make_shared<std_msgs::UInt32>();
+    message->data = number;
+    ros::SerializedMessage serialized;
+    serialized.message = message;
+    serialized.type_info = &typeid(std_msgs::UInt32);
+    bool was_full = false;
+    messages_->push(helper_,
+                    boost::make_shared<ros::MessageDeserializer>(helper_, serialized,
+                                                                 boost::make_shared<ros::M_string>()),
+                    false, ros::VoidConstWPtr(), false, ros::Time(), &was_full);
+    if (!was_full) queue_.addCallback(messages_, kOwner);
+  }
+
+ private:
+  using Helper = ros::SubscriptionCallbackHelperT<const std_msgs::UInt32::ConstPtr&>;
+
+  DirectQueue& queue_;
+  boost::shared_ptr<ros::SubscriptionQueue> messages_;
+  boost::shared_ptr<Helper> helper_;
+};
+
+/// Publishes to a subscriber with a queue of that size while the other thread has work of its own; what came.
+std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
+  polyfly::Baton baton;
+  WatchedQueue others;
+  DirectQueue queue(baton, others);
+  std::vector<unsigned> came;  // guarded by the baton
+  std::atomic<unsigned> last{0};
+  was_left = false;
+  Subscriber subscriber(queue, size, [&](unsigned number) {
+    came.push_back(number);
+    if (!queue.runsHere()) was_left = true;
+    last = number;
+  });
+  long work = 0;  // guarded by the baton
+  const auto busy = callback([&] {
+    for (int i = 0; i < 300; ++i) ++work;
+  });
+  {
+    const CallbackThread thread(others, "others", {}, {}, &baton);
+    for (unsigned number = 1; number <= count; ++number) {
+      if (number % 3 == 0) others.addCallback(busy, kOwner + 1);
+      subscriber.publish(number);
+    }
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(20.0);
+    while (last != count && ros::WallTime::now() < end) std::this_thread::yield();
+  }
+  EXPECT_FALSE(baton.tryTake());  // the thread keeps it
+  return came;
+}
+
+// A queue of one keeps the newest: what comes is in order, and the last one always comes.
+TEST(DirectQueueThreads, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
+  constexpr unsigned kCount = 50000;
+  bool was_left = false;
+  const std::vector<unsigned> came = numbersThrough(1, kCount, was_left);
+  ASSERT_FALSE(came.empty());
+  for (std::size_t i = 1; i < came.size(); ++i) ASSERT_LT(came[i - 1], came[i]);
+  EXPECT_EQ(came.back(), kCount);
+  EXPECT_TRUE(was_left);
+}
+
+// With room for all of them none is lost, and a later one never overtakes.
+TEST(DirectQueueThreads, AllComeInOrderHoweverTheyCome) {
+  constexpr unsigned kCount = 50000;
+  bool was_left = false;
+  const std::vector<unsigned> came = numbersThrough(0, kCount, was_left);
+  ASSERT_EQ(came.size(), kCount);
+  for (unsigned i = 0; i < kCount; ++i) ASSERT_EQ(came[i], i + 1);
+  EXPECT_TRUE(was_left);
+}
+
+TEST(PublishedHere, IsWhatPublishOfThisProcessHandsOver) {
+  const auto header = [](const std::string& node, const std::string& latching) {
+    return boost::make_shared<ros::M_string>(ros::M_string{{"callerid", node}, {"latching", latching}});
+  };
+  PublishedHere published_here;
+  EXPECT_FALSE(published_here(nullptr));
+  EXPECT_TRUE(published_here(header(ros::this_node::getName(), "0")));
+  EXPECT_FALSE(published_here(header("/another", "0")));
+  EXPECT_FALSE(published_here(header(ros::this_node::getName(), "1")));
+  EXPECT_FALSE(published_here(boost::make_shared<ros::M_string>()));
+}
+
+}  // namespace
+}  // namespace polyfly_ros
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "direct_queue_test", ros::init_options::NoSigintHandler);
+  return RUN_ALL_TESTS();
+}
