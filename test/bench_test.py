@@ -30,7 +30,7 @@ if name == "breaks":
     sys.exit("bench_offline: breaks")
 seconds = float(name.split("_")[-1]) / 2 if name.split("_")[-1].replace(".", "").isdigit() else 0.5
 print(json.dumps({"problem": name, "status": "complete", "parameters": 4, "regions": 5000, "cpu_seconds": seconds,
-                  "wall_seconds": seconds, "peak_bytes": 5e6, "feasible_samples": 60, "missed": 0,
+                  "wall_seconds": seconds, "threads": 2, "peak_bytes": 5e6, "feasible_samples": 60, "missed": 0,
                   "infeasible_samples": 20, "false_inside": 0, "u_error": 1e-9, "u_error_of": "u"}))
 """
 
@@ -150,6 +150,28 @@ class Bench(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
         self.assertIn("bench_offline: breaks", result.stderr)
         self.assertFalse(self.value(rows, "failed: solve")["reached"])
+
+    def test_what_was_solved_without_the_limit_is_said_of_that_file_only(self):
+        self.write("mp_problems/cdc24/036.json", {})
+        limited = self.script("limited", TOOL.replace('"complete"', '"limited"'))
+        missing = self.script("missing", TOOL.replace('"missed": 0', '"missed": 2'))
+        for tool in (limited, missing):
+            _, rows, _ = self.run_bench(POLYFLY_BENCH_PARTS="whole", POLYFLY_BENCH_TOOL=tool)
+            marks = [self.value(rows, name)["reached"] for name in ("complete (1: yes)", ": missed samples")]
+            self.assertEqual(marks, [tool != limited, tool != missing])
+            _, rows, _ = self.run_bench(POLYFLY_BENCH_PARTS="cdc24", POLYFLY_BENCH_TOOL=limited)
+            self.assertEqual(self.value(rows, "not solved without the limit (036)")["value"], 1)
+
+        _, rows, _ = self.run_bench(POLYFLY_BENCH_PARTS="whole")
+        self.assertEqual(self.value(rows, "036, without the limit, 2 threads: regions")["value"], 5000)
+        _, rows, table = self.run_bench(POLYFLY_BENCH_PARTS="cdc24", POLYFLY_BENCH_TOOL=limited)
+        self.assertEqual(self.value(rows, "not solved without the limit")["value"], 0)
+        self.assertTrue(self.value(rows, "without the limit, 2 threads: missed samples")["reached"])
+        self.assertIn("036, without the limit", table)
+
+        self.write("mp_problems/cdc24/036.json", {"changed": 1})
+        _, rows, _ = self.run_bench(POLYFLY_BENCH_PARTS="cdc24", POLYFLY_BENCH_TOOL=limited)
+        self.assertEqual(self.value(rows, "not solved without the limit (036)")["value"], 1)
 
     def test_without_the_data_it_says_what_is_left_out(self):
         result, rows, table = self.run_bench(POLYFLY_DATA=self.path("nowhere"))

@@ -15,17 +15,20 @@ import time
 import offline_peer
 import offline_score as score
 import offline_table
+import offline_whole
 
 TOOL = os.environ.get("POLYFLY_BENCH_TOOL", "build/bin/bench_offline")
 LATERAL = "region_maps/problems/reference/lateral_asl.yaml"  # 655 regions, 5 parameters
 DEMO = [f"region_maps/problems/multirotor_{axis}.yaml" for axis in ("longitudinal", "lateral", "vertical")]
 PARTS = ("base", "cdc24", "lookup", "certificates")
+LONG_PARTS = ("whole",)  # only where they are named
 BASE_LIMIT = 60.0  # s
 CERTIFICATE_LIMIT = 600.0  # s
 PATIENCE = 120.0  # s: for solving before, and for ending after the limit
 LATERAL_MARK = 60.0  # s for the exact certificate of LATERAL
 LARGEST = 5  # base problems that are certified
 PRIOR = 60.0  # s: how long the expected times are trusted more than those seen
+WHOLE_TIME = 900.0  # s: two processors
 OUR_RATE = 5000.0  # regions per second, to tell how long it takes
 PEER_NODES, PEER_DEPTH = 20689, 20  # the peer's tree of mass_spring4_N5
 
@@ -63,10 +66,10 @@ def measure(*arguments, timeout=None):
 
 
 class Bench:
-    def __init__(self, parts, limit):
-        self.limit, self.parts = limit, parts
+    def __init__(self, parts, limit, output):
+        self.limit, self.parts, self.output = limit, parts, output
         self.base, self.set, self.doubles, self.demo = [], [], [], []
-        self.rows, self.failed = {part: [] for part in PARTS}, []
+        self.rows, self.failed = {part: [] for part in PARTS + LONG_PARTS}, []
         self.work = Work()
         self.calibration = measure("calibrate")["cpu_seconds"]
         data = os.path.join(os.environ.get("POLYFLY_DATA", "../shared/data"), "mp_problems")
@@ -143,6 +146,18 @@ class Bench:
                 self.work.add(f"solving {path}, two threads", ours / 2, lambda p=path: self.solveTwice(p, self.limit))
         self.planMaps()
 
+        if "whole" in self.parts and self.folder:
+            for name in offline_whole.PROBLEMS:
+                path = os.path.join(self.folder, "cdc24", name + ".json")
+                self.work.add(f"solving {path} whole", WHOLE_TIME, lambda p=path: self.solveWhole(p))
+
+    def solveWhole(self, path):
+        run = measure("solve", path, "--time-limit", offline_whole.TIME_LIMIT, "--threads", os.cpu_count(), "--runs", 1)
+        if self.done(run, f"solve {path} whole"):
+            print("    " + "  ".join(offline_table.line(run, [])), flush=True)
+            offline_whole.remember(run, path, self.output)
+            self.rows["whole"] += score.wholeRows(run)
+
     def planMaps(self):
         """Look-ups and certificates."""
         if "lookup" in self.parts:
@@ -172,8 +187,9 @@ class Bench:
         for run, figures in self.set:
             rows += score.problemRows(run, figures)
         if self.set:
-            rows += score.setRows(self.set, self.doubles, self.limit)
-        for part in ("lookup", "certificates"):
+            whole = offline_whole.known(self.output, self.problems("cdc24"))
+            rows += score.setRows(self.set, self.doubles, self.limit, whole)
+        for part in ("whole", "lookup", "certificates"):
             rows += self.rows[part]
         rows += [score.row(f"failed: {what}", 1, "", None, ("<=", 0)) for what in self.failed]
         return rows
@@ -181,10 +197,10 @@ class Bench:
 
 def main(output):
     parts = os.environ.get("POLYFLY_BENCH_PARTS", ",".join(PARTS)).split(",")
-    unknown = [part for part in parts if part not in PARTS]
+    unknown = [part for part in parts if part not in PARTS + LONG_PARTS]
     if unknown:
-        sys.exit(f"POLYFLY_BENCH_PARTS: '{unknown[0]}' is none of {', '.join(PARTS)}")
-    bench = Bench(parts, float(os.environ.get("POLYFLY_BENCH_LIMIT", "20")))
+        sys.exit(f"POLYFLY_BENCH_PARTS: '{unknown[0]}' is none of {', '.join(PARTS + LONG_PARTS)}")
+    bench = Bench(parts, float(os.environ.get("POLYFLY_BENCH_LIMIT", "20")), output)
     print(f"the peer's figures: {bench.peer.text}" if bench.peer else
           "the reference problems are not at hand (POLYFLY_DATA): left out are the base problems, cdc24, the peer, the "
           "4-parameter look-up and tree, and all certificates but one", flush=True)

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/nonlinear_controller.hpp"
 #include "online_timing.hpp"
-#include "polyfly_test/flight_figure.hpp"
-#include "polyfly_test/multirotor_plant.hpp"
+#include "polyfly_test/law_flight.hpp"
 
 namespace polyfly_bench {
 namespace {
@@ -35,28 +33,20 @@ void record(Times& times, const Work& work) {
 
 Flight fly(ControlLaw& law, const Course& course) {
   const FlightFigure figure(course.figure);
-  PlantState start;
-  start.position = figure.at(0.0).position;
-  start.yaw = figure.at(0.0).yaw;
-  start.thrust = course.plant.gravity;
-  MultirotorPlant plant(course.plant, start);
-  std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
+  LawFlight flown(figure, course.plant, law);
   Flight flight;
   double sum = 0.0;
-  while (plant.time() < figure.duration() - 1e-9) {
-    const VehicleState state = plant.measure();
-    for (std::size_t k = 0; k < preview.size(); ++k) {
-      preview[k] = figure.at(state.stamp + static_cast<double>(k) * law.previewPeriod());
-    }
-    record(flight.step, [&] { law.step(state, preview.data()); });
+  while (!flown.over()) {
+    flown.measure();
+    record(flight.step, [&] { law.step(flown.state(), flown.preview()); });
     const AttitudeCommand command = law.report().command;
     record(flight.prepare, [&] { law.prepare(); });
     flight.whole.wall.push_back(flight.step.wall.back() + flight.prepare.wall.back());
     flight.whole.cpu.push_back(flight.step.cpu.back() + flight.prepare.cpu.back());
-    plant.advance(command);
-    const double error = (plant.state().position - figure.at(plant.time()).position).norm();
+    flown.advance(command);
+    const double error = flown.error();
     sum += error * error;
-    if (plant.time() > figure.duration() - 5.0) flight.greatest = std::max(flight.greatest, error);
+    if (flown.time() > figure.duration() - 5.0) flight.greatest = std::max(flight.greatest, error);
   }
   flight.rms = std::sqrt(sum / static_cast<double>(flight.step.wall.size()));
   return flight;

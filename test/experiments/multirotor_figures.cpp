@@ -14,8 +14,7 @@
 #include "online_controller/law_switch.hpp"
 #include "online_controller/multirotor_controller.hpp"
 #include "online_controller/nonlinear_controller.hpp"
-#include "polyfly_test/flight_figure.hpp"
-#include "polyfly_test/multirotor_plant.hpp"
+#include "polyfly_test/law_flight.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -62,23 +61,16 @@ Result fly(ControlLaw& law, const FlightFigure& figure, const PlantOptions& opti
   std::ofstream file = open(path);
   file << "t,x,y,z,x_ref,y_ref,z_ref,v_x,v_y,v_z,v_x_ref,v_y_ref,v_z_ref,roll,pitch,yaw,yaw_ref,roll_cmd,"
           "pitch_cmd,thrust,status\n";
-  PlantState start;
-  start.position = figure.at(0.0).position;
-  start.yaw = figure.at(0.0).yaw;
-  start.thrust = options.gravity;
-  MultirotorPlant plant(options, start);
-  std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
+  LawFlight flown(figure, options, law);
   Result result;
-  while (plant.time() < figure.duration() - 1e-9) {
-    const VehicleState state = plant.measure();
-    for (std::size_t k = 0; k < preview.size(); ++k)
-      preview[k] = figure.at(state.stamp + static_cast<double>(k) * law.previewPeriod());
-    const ControlReport report = law.step(state, preview.data());
-    const VehicleState truth = plant.truth();
-    const Reference reference = figure.at(plant.time());
-    writeSample(file, plant.time(), truth, reference, report);
+  while (!flown.over()) {
+    flown.measure();
+    const ControlReport report = law.step(flown.state(), flown.preview());
+    const VehicleState truth = flown.plant().truth();
+    const Reference reference = figure.at(flown.time());
+    writeSample(file, flown.time(), truth, reference, report);
     law.prepare();
-    plant.advance(report.command);
+    flown.advance(report.command);
 
     const double error = (truth.position - reference.position).norm();
     const EulerAngles angles = eulerAngles(truth.attitude);

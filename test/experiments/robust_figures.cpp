@@ -51,7 +51,7 @@ struct Column {
 };
 
 const std::vector<Column>& columns() {
-  static const std::vector<Column> all{
+  static const std::vector<Column> kAll{
       {"rms_m", "rms [m]", [](const AslquadErrors& e) { return e.rms; }},
       {"greatest_m", "greatest [m]", [](const AslquadErrors& e) { return e.greatest; }},
       {"greatest_x_m", "x [m]", [](const AslquadErrors& e) { return e.greatest_axis.x(); }},
@@ -67,7 +67,7 @@ const std::vector<Column>& columns() {
       {"degraded", "clipped [share]",
        [](const AslquadErrors& e) { return static_cast<double>(e.degraded) / std::max(1, e.samples); }},
   };
-  return all;
+  return kAll;
 }
 
 const char* title(AslquadFigure figure) {

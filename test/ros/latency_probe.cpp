@@ -15,7 +15,12 @@ namespace {
 
 constexpr double kConnectPatience = 30.0;                // [s]
 constexpr double kAnswerPatience = 0.05;                 // [s]
+constexpr auto kLook = std::chrono::microseconds(50);    // between two looks for what another thread notes
 constexpr auto kAwake = std::chrono::microseconds(300);  // before it publishes, where it does not sleep
+
+double microseconds(std::chrono::steady_clock::duration time) {
+  return 1e6 * std::chrono::duration<double>(time).count();
+}
 
 double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -35,44 +40,64 @@ void writeTimes(std::ostream& file, const char* name, const std::vector<double>&
 }  // namespace
 
 LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
-    : handle_(handle) {
+    : handle_(handle), consumer_(readConsumer(private_handle)) {
   private_handle.param("samples", samples_, samples_);
   private_handle.param("warm_up", warm_up_, warm_up_);
   private_handle.param("rate", rate_, rate_);
   private_handle.param("poll", poll_, poll_);
   if (!private_handle.getParam("output", output_)) throw polyfly::Error("latency probe: output: missing");
   handle_.setCallbackQueue(&queue_);
-  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
   pose_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
-  command_subscriber_ = handle_.subscribe<mav_msgs::RollPitchYawrateThrust>(
+  baton_.give();
+  subscribe();
+  RealTimeOptions real_time;
+  private_handle.param("priority", real_time.priority, 0);
+  const auto begin = [real_time] {
+    const std::string refused = becomeRealTime(real_time);
+    if (!refused.empty()) ROS_WARN("latency probe: %s", refused.c_str());
+  };
+  if (consumer_ == Consumer::kOwn) consumer_thread_.emplace(queue_, "consumer", begin);
+  thread_ = std::thread([this, begin] {
+    begin();
+    run();
+  });
+}
+
+LatencyProbe::Consumer LatencyProbe::readConsumer(const ros::NodeHandle& private_handle) {
+  const std::string name = private_handle.param<std::string>("consumer", "probe");
+  if (name == "publisher") return Consumer::kPublisher;
+  if (name == "probe") return Consumer::kProbe;
+  if (name == "own") return Consumer::kOwn;
+  throw polyfly::Error("latency probe: consumer: must be one of publisher, probe, own, got '" + name + "'");
+}
+
+void LatencyProbe::subscribe() {
+  ros::SubscribeOptions options;
+  options.init<mav_msgs::RollPitchYawrateThrust>(
       "command/roll_pitch_yawrate_thrust", 10,
       [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& command) {
         heard_ = Clock::now();
-        answered_ = command->header.stamp;
-      },
-      ros::VoidConstPtr(), hints);
-  status_subscriber_ = handle_.subscribe<online_controller::ControllerStatus>(
-      "controller_status", 10,
-      [this](const online_controller::ControllerStatus::ConstPtr& status) {
+        answered_.store(command->header.stamp.toNSec(), std::memory_order_release);
+      });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  if (consumer_ == Consumer::kPublisher) options.callback_queue = &at_once_;
+  command_subscriber_ = handle_.subscribe(options);
+  options.init<online_controller::ControllerStatus>(
+      "controller_status", 10, [this](const online_controller::ControllerStatus::ConstPtr& status) {
         input_.push_back(1e-3 * static_cast<double>(status->input_time_ns));
         step_.push_back(1e-3 * static_cast<double>(status->step_time_ns));
         publishing_.push_back(1e-3 * static_cast<double>(status->output_time_ns));
         inside_.push_back(input_.back() + step_.back() + publishing_.back());
-      },
-      ros::VoidConstPtr(), hints);
-  RealTimeOptions real_time;
-  private_handle.param("priority", real_time.priority, 0);
-  thread_ = std::thread([this, real_time] {
-    const std::string refused = becomeRealTime(real_time);
-    if (!refused.empty()) ROS_WARN("latency probe: %s", refused.c_str());
-    run();
-  });
+      });
+  options.callback_queue = &status_queue_;
+  status_subscriber_ = handle_.subscribe(options);
 }
 
 LatencyProbe::~LatencyProbe() {
   stopping_ = true;
   thread_.join();
+  command_subscriber_.shutdown();
 }
 
 void LatencyProbe::run() {
@@ -93,6 +118,7 @@ void LatencyProbe::run() {
     std::this_thread::sleep_until(poll_ ? next - kAwake : next);
     while (Clock::now() < next) relax();
     exchange(sample);
+    status_queue_.callAvailable();
     if (sample < 0) {
       for (std::vector<double>* times : {&input_, &step_, &publishing_, &inside_}) times->clear();
     }
@@ -109,21 +135,25 @@ void LatencyProbe::exchange(int sample) {
   odometry->pose.pose.position.x = 0.02 * std::sin(0.05 * sample);
   odometry->twist.twist.linear.x = 0.1 * std::cos(0.05 * sample);
   odometry->pose.pose.orientation.w = 1.0;
-  const ros::Time stamp = odometry->header.stamp;
+  const std::uint64_t stamp = odometry->header.stamp.toNSec();
   const Clock::time_point sent = Clock::now();
   odometry_.publish(odometry);
+  const double held = microseconds(Clock::now() - sent);
   if (!waitForCommand(stamp)) {
     missed_ += sample >= 0 ? 1 : 0;
   } else if (sample >= 0) {
-    latency_.push_back(1e6 * std::chrono::duration<double>(heard_ - sent).count());
+    latency_.push_back(microseconds(heard_ - sent));
+    held_.push_back(held);
   }
 }
 
-bool LatencyProbe::waitForCommand(const ros::Time& stamp) {
+bool LatencyProbe::waitForCommand(std::uint64_t stamp) {
   const Clock::time_point start = Clock::now();
-  while (answered_ != stamp) {
+  while (answered_.load(std::memory_order_acquire) != stamp) {
     if (Clock::now() - start > std::chrono::duration<double>(kAnswerPatience)) return false;
-    if (!poll_) {
+    if (consumer_ != Consumer::kProbe) {
+      std::this_thread::sleep_for(kLook);
+    } else if (!poll_) {
       queue_.callOne(ros::WallDuration(kAnswerPatience));
     } else if (queue_.takeNews()) {
       queue_.callAvailable();
@@ -140,6 +170,8 @@ void LatencyProbe::write() const {
     std::ofstream file(partial);
     file << "{\"samples\": " << latency_.size() << ", \"missed\": " << missed_ << ", ";
     writeTimes(file, "latency", latency_);
+    file << ", ";
+    writeTimes(file, "held", held_);
     file << ", ";
     writeTimes(file, "inside", inside_);
     file << ", ";

@@ -6,17 +6,20 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "online_controller_ros/callback_thread.hpp"
+#include "online_controller_ros/direct_queue.hpp"
 
 namespace polyfly_ros {
 
 /// Measures how long a controller takes from odometry to command: publishes odometry at a fixed rate of wall
-/// time from a thread of its own and waits in it for the command with the same stamp. Leaves its figures as
-/// JSON in the file `output`. Parameters: test/README.md.
+/// time from a thread of its own and waits for the command with the same stamp. Leaves its figures as JSON in
+/// the file `output`. Parameters: test/README.md.
 class LatencyProbe {
  public:
   LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
@@ -25,29 +28,44 @@ class LatencyProbe {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Whose thread takes the command.
+  enum class Consumer {
+    kPublisher,  ///< the one that publishes it
+    kProbe,      ///< the probe's, which has published the odometry and waits
+    kOwn,        ///< one that does nothing else, and sleeps
+  };
+
+  static Consumer readConsumer(const ros::NodeHandle& private_handle);
+  void subscribe();
   void run();
-  bool waitForCommand(const ros::Time& stamp);
+  bool waitForCommand(std::uint64_t stamp);
   void exchange(int sample);
   void write() const;
 
-  WatchedQueue queue_;  // outlives what is served on it
+  WatchedQueue queue_;  // of commands; outlives what is served on it
+  ros::CallbackQueue status_queue_;
+  polyfly::Baton baton_;
+  DirectQueue at_once_{baton_, queue_};
   ros::NodeHandle handle_;
   int samples_ = 1000;
   int warm_up_ = 100;
   double rate_ = 100.0;  // [1/s]
   bool poll_ = false;
+  Consumer consumer_ = Consumer::kProbe;
   std::string output_;
 
   ros::Publisher odometry_;
   ros::Publisher pose_;
   ros::Subscriber command_subscriber_;
   ros::Subscriber status_subscriber_;
-  ros::Time answered_;           // stamp of the last command
-  Clock::time_point heard_;      // when it came
-  std::vector<double> latency_;  // [us]
-  std::vector<double> inside_;   // from the arrival of the odometry to the command's publication [us]
+  Clock::time_point heard_;                 // when the last command came
+  std::atomic<std::uint64_t> answered_{0};  // its stamp [ns]; what was written before it can be read
+  std::vector<double> latency_;             // [us]
+  std::vector<double> inside_;  // from the arrival of the odometry to the command's publication [us]
   std::vector<double> input_, step_, publishing_;  // of which [us]
+  std::vector<double> held_;                       // how long publish(odometry) took [us]
   int missed_ = 0;
+  std::optional<CallbackThread> consumer_thread_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

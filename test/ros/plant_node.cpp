@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/Vector3Stamped.h>
 #include <nav_msgs/Odometry.h>
+#include <online_controller/ControllerStatus.h>
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
@@ -70,6 +71,7 @@ void PlantNode::readSettings(const ros::NodeHandle& private_nh) {
   s.end_timeout = readNumber(private_nh, "end_timeout", s.end_timeout, 0.0, 1e4);
   s.odometry_subscribers =
       static_cast<int>(readNumber(private_nh, "odometry_subscribers", s.odometry_subscribers, 0.0, 100.0));
+  s.status_lag = static_cast<int>(readNumber(private_nh, "status_lag", s.status_lag, 0.0, 1000.0));
   private_nh.param("recorder", s.recorder, s.recorder);
   private_nh.param("shutdown_when_done", s.shutdown_when_done, s.shutdown_when_done);
   private_nh.param("frame", s.frame, s.frame);
@@ -99,6 +101,20 @@ void PlantNode::connect() {
         changed_.notify_all();
       },
       ros::VoidConstPtr(), hints);
+  if (settings_.status_lag > 0) {
+    status_sub_ = nh_.subscribe<online_controller::ControllerStatus>(
+        "controller_status", kUnbounded,
+        [this](const online_controller::ControllerStatus::ConstPtr& message) {
+          {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            while (!untold_.empty() && untold_.front() <= message->header.stamp) {
+              untold_.pop_front();
+            }
+          }
+          changed_.notify_all();
+        },
+        ros::VoidConstPtr(), hints);
+  }
   trajectory_sub_ = nh_.subscribe<trajectory_msgs::MultiDOFJointTrajectory>(
       "command/trajectory", kUnbounded,
       [this](const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
@@ -151,6 +167,9 @@ std::string PlantNode::missingForStart() {
   }
   if (command_sub_.getNumPublishers() == 0) {
     missing << "; no publisher of " << command_sub_.getTopic();
+  }
+  if (settings_.status_lag > 0 && status_sub_.getNumPublishers() == 0) {
+    missing << "; no publisher of " << status_sub_.getTopic();
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!trajectory_) {
@@ -252,7 +271,7 @@ void PlantNode::publishClock(const ros::Time& now) {
   }
 }
 
-// Clock, truth and odometry of this instant; returns when its command has come.
+// Clock, truth and odometry of this instant; returns when it is answered.
 void PlantNode::publishSample(polyfly::MultirotorPlant& plant, double time) {
   const ros::Time now = addSeconds(start_, time);
   publishClock(now);
@@ -264,18 +283,32 @@ void PlantNode::publishSample(polyfly::MultirotorPlant& plant, double time) {
     return;
   }
   const ros::Time stamp = addSeconds(start_, measured.stamp);
+  if (settings_.status_lag > 0) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    untold_.push_back(stamp);
+  }
   // A shared pointer, so that a nodelet in the same process gets the message without a copy.
   odometry_pub_.publish(boost::make_shared<nav_msgs::Odometry>(
       toOdometry(measured, stamp, settings_.frame, settings_.body_frame)));
-  waitForCommand(stamp);
+  waitForAnswer(stamp);
 }
 
-void PlantNode::waitForCommand(const ros::Time& stamp) {
+// A controller tells of its commands when they are out; no more of them wait for that than it can hold.
+void PlantNode::waitForAnswer(const ros::Time& stamp) {
   std::unique_lock<std::mutex> lock(mutex_);
-  const bool answered = changed_.wait_for(lock, wallSeconds(settings_.command_timeout), [this, &stamp] {
-    return stopping_ || (has_command_ && command_stamp_ == stamp);
+  const auto most_untold = static_cast<std::size_t>(settings_.status_lag);
+  const auto commanded = [this, &stamp] { return has_command_ && command_stamp_ == stamp; };
+  const bool answered = changed_.wait_for(lock, wallSeconds(settings_.command_timeout), [&] {
+    return stopping_ || (commanded() && untold_.size() <= most_untold);
   });
-  if (!answered) {
+  if (answered) {
+    return;
+  }
+  if (commanded()) {
+    ROS_WARN_STREAM("plant: no status for the odometry of " << untold_.front() << " after "
+                                                            << settings_.command_timeout << " s");
+    untold_.clear();
+  } else {
     ++missed_commands_;
     ROS_WARN_STREAM_THROTTLE(kMissedLogPeriod, "plant: no command for the odometry of "
                                                    << stamp << " after " << settings_.command_timeout

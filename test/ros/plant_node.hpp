@@ -7,6 +7,7 @@
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -18,8 +19,8 @@
 namespace polyfly_ros {
 
 /// The simulated vehicle. It owns the time of the flight: it publishes /clock and odometry, and in lockstep
-/// waits for the command that bears the odometry's stamp before time goes on. Topics and parameters:
-/// test/README.md.
+/// waits for the command that bears the odometry's stamp before time goes on, and until the controller's
+/// statuses are no more than a few samples behind. Topics and parameters: test/README.md.
 class PlantNode {
  public:
   /// Throws polyfly::Error when a parameter breaks its rule.
@@ -40,6 +41,7 @@ class PlantNode {
     double settle_time = 0.3;               // wall time from connected to start [s]
     double end_timeout = 10.0;              // wall time for the recorder to close its file [s]
     int odometry_subscribers = 1;           // needed for the start
+    int status_lag = 0;                     // samples that the statuses may be behind; 0: not listened to
     bool recorder = false;                  // wait for recorder/ready and recorder/closed
     bool shutdown_when_done = false;
     std::string frame = "world";
@@ -54,7 +56,7 @@ class PlantNode {
   void fly();
   void publishClock(const ros::Time& now);
   void publishSample(polyfly::MultirotorPlant& plant, double time);
-  void waitForCommand(const ros::Time& stamp);
+  void waitForAnswer(const ros::Time& stamp);
   void publishSummary(const polyfly::MultirotorPlant& plant, long samples);
   void finish();
   void pause(double seconds);
@@ -66,10 +68,6 @@ class PlantNode {
   ros::Publisher truth_pub_;
   ros::Publisher disturbance_pub_;
   ros::Publisher summary_pub_;
-  ros::Subscriber command_sub_;
-  ros::Subscriber trajectory_sub_;
-  ros::Subscriber ready_sub_;
-  ros::Subscriber closed_sub_;
 
   std::mutex mutex_;  // guards what the callbacks write
   std::condition_variable changed_;
@@ -77,9 +75,17 @@ class PlantNode {
   polyfly::AttitudeCommand command_;
   ros::Time command_stamp_;
   bool has_command_ = false;
+  std::deque<ros::Time> untold_;  // stamps of odometry whose status has not come
   bool recorder_ready_ = false;
   bool recorder_closed_ = false;
   bool stopping_ = false;
+
+  // These end before what their callbacks write.
+  ros::Subscriber command_sub_;
+  ros::Subscriber status_sub_;
+  ros::Subscriber trajectory_sub_;
+  ros::Subscriber ready_sub_;
+  ros::Subscriber closed_sub_;
 
   ros::Time start_;  // of the flight, simulated
   long missed_commands_ = 0;

@@ -109,7 +109,7 @@ double RobustCampaign::command(Controller controller, const Vector3d& x, bool& d
   switch (controller) {
     case Controller::kRobust: {
       polyfly::AxisReport report;
-      const auto status = axis_->evaluate({x[0], x[1], x[2]}, {}, 0.0, report);
+      const auto status = axis_->evaluate({x[0], x[1], x[2]}, {}, 0.0, 0.0, report);
       degraded = status != polyfly::ControlStatus::kOptimal;
       return report.input;
     }

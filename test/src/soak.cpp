@@ -214,7 +214,7 @@ class Soak {
   /// What is sent keeps the limits in force, whatever led to it.
   void check(const SoakAnswer& answer, double now) {
     status_ = answer.status;
-    result_.failsafe += answer.status > ControlStatus::kClipped ? 1 : 0;
+    result_.failsafe += isAnswer(answer.status) ? 0 : 1;
     if (!answer.sends) return;
     ++result_.commands;
     sent_ = answer.command;
@@ -234,7 +234,7 @@ class Soak {
   }
 
   void watch(double now) {
-    if (fault_ != Fault::kNone || status_ > ControlStatus::kClipped) return;
+    if (fault_ != Fault::kNone || !isAnswer(status_)) return;
     const double error = (plant_.state().position - wanted(now)).norm();
     if (recovered_) {
       result_.greatest_error = std::max(result_.greatest_error, error);

@@ -7,16 +7,14 @@
 #include <cstdlib>
 #include <string>
 
+#include "project_root.hpp"
+
 namespace polyfly_test {
 namespace {
 
 const AslquadFlights& flights() {
-  static const AslquadFlights once = [] {
-    const char* root = std::getenv("POLYFLY_ROOT");
-    return AslquadFlights(std::string(root != nullptr ? root : ".") + "/region_maps/problems/robust",
-                          testing::TempDir() + "aslquad_figures_");
-  }();
-  return once;
+  static const AslquadFlights kOnce(polyfly::problemFile("robust"), testing::TempDir() + "aslquad_figures_");
+  return kOnce;
 }
 
 AslquadErrors flown(AslquadFigure figure, AslquadLaw law, int seed = 1) {

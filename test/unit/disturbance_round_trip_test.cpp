@@ -14,6 +14,7 @@
 #include "mpc_core/read_text.hpp"
 #include "offline_mpt/encode.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
+#include "project_root.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 
@@ -86,8 +87,7 @@ std::string replaced(std::string text, const std::string& old, const std::string
 }
 
 TEST(DisturbanceRoundTrip, FromABagToAMap) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const std::string problems = std::string(root != nullptr ? root : ".") + "/region_maps/problems/robust";
+  const std::string problems = polyfly::problemFile("robust");
   const std::string folder = testing::TempDir() + "round_trip_" + std::to_string(::getpid()) + "/";
   fs::create_directories(folder);
   const AslquadFlights flights(problems, folder);

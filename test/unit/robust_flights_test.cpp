@@ -2,7 +2,6 @@
 // plan.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
 #include "offline_mpt/encode.hpp"
@@ -10,6 +9,7 @@
 #include "online_controller/multirotor_controller.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
@@ -25,13 +25,9 @@ constexpr std::array<Adversary, 4> kAdversaries{Adversary::kRandom, Adversary::k
                                                 Adversary::kGreedy};
 
 const RobustCampaign& campaign() {
-  static const RobustCampaign once = [] {
-    const char* root = std::getenv("POLYFLY_ROOT");
-    return RobustCampaign(
-        std::string(root != nullptr ? root : ".") + "/region_maps/problems/reference/robust_lateral.yaml",
-        testing::TempDir() + "robust_flights_");
-  }();
-  return once;
+  static const RobustCampaign kOnce(polyfly::problemFile("reference/robust_lateral.yaml"),
+                                    testing::TempDir() + "robust_flights_");
+  return kOnce;
 }
 
 Result flyAll(Options options, int flights) {
@@ -106,11 +102,10 @@ class Aslquad {
   };
 
   Aslquad() {
-    const char* root = std::getenv("POLYFLY_ROOT");
     for (const char* axis : {"longitudinal", "lateral", "vertical"}) {
       const std::string name = std::string("aslquad_") + axis;
-      const polyfly::RobustProblem problem = polyfly::loadRobustProblem(
-          std::string(root != nullptr ? root : ".") + "/region_maps/problems/robust/" + name + ".yaml");
+      const polyfly::RobustProblem problem =
+          polyfly::loadRobustProblem(polyfly::problemFile("robust/" + name + ".yaml"));
       const polyfly::RobustLaw law =
           polyfly::explicitLaw(problem, polyfly::projectFeasibleSet(polyfly::buildRobustProgram(problem)));
       const polyfly::RoundedLaw rounded = polyfly::roundLaw(problem, law, polyfly::ExploreStatus::kComplete);
@@ -141,7 +136,7 @@ class Aslquad {
     Flight flight;
     while (plant.time() < seconds) {
       const polyfly::ControlReport& report = controller.step(plant.measure(), &reference);
-      flight.no_answer += report.status > polyfly::ControlStatus::kClipped ? 1 : 0;
+      flight.no_answer += polyfly::isAnswer(report.status) ? 0 : 1;
       flight.inputs.push_back({report.axis[0].input, report.axis[1].input, report.axis[2].input});
       plant.advance(report.command);
       flight.last_position = plant.state().position.cwiseAbs().maxCoeff();
@@ -156,8 +151,8 @@ class Aslquad {
 };
 
 const Aslquad& aslquad() {
-  static const Aslquad once;
-  return once;
+  static const Aslquad kOnce;
+  return kOnce;
 }
 
 TEST(RobustFlights, TheVehicleInWindAndAStep) {

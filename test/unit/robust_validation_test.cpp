@@ -1,11 +1,11 @@
 // Replay and validation of a flight by robust maps, compared with the linear program at each decision.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
 #include "calibration/validation.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
+#include "project_root.hpp"
 #include "region_maps/error.hpp"
 #include "robust_mpc/online_law.hpp"
 
@@ -13,12 +13,9 @@ namespace polyfly_test {
 namespace {
 
 const AslquadFlights& flights() {
-  static const AslquadFlights once = [] {
-    const char* root = std::getenv("POLYFLY_ROOT");
-    return AslquadFlights(std::string(root != nullptr ? root : ".") + "/region_maps/problems/robust",
-                          testing::TempDir() + "robust_validation_");
-  }();
-  return once;
+  static const AslquadFlights kOnce(polyfly::problemFile("robust"),
+                                    testing::TempDir() + "robust_validation_");
+  return kOnce;
 }
 
 polyfly::FlightLog logOf(const std::vector<AslquadSample>& flight) {
@@ -77,9 +74,7 @@ TEST_F(RobustValidation, WithoutAnOracleItSaysThatNothingCouldBeCompared) {
 }
 
 TEST(OnlineRobustLaw, IsForRobustProblemsOnly) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const polyfly::MpcProblem tracking = polyfly::loadProblem(std::string(root != nullptr ? root : ".") +
-                                                            "/region_maps/problems/multirotor_vertical.yaml");
+  const polyfly::MpcProblem tracking = polyfly::loadProblem(polyfly::problemFile("multirotor_vertical.yaml"));
   EXPECT_FALSE(polyfly::onlineRobustLaw(tracking.text, tracking.source));
 }
 

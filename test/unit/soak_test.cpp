@@ -3,26 +3,25 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "project_root.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly_test {
 namespace {
 
 TEST(Soak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
-  const char* root = std::getenv("POLYFLY_ROOT");
-  const std::string folder = std::string(root != nullptr ? root : ".") + "/region_maps/problems/multirotor_";
   SoakLaws laws;
   std::vector<polyfly::RegionMap> opened;
   opened.reserve(6);
   for (const double factor : {1.0, 1.3}) {  // two sets of maps, of other weights
     for (std::size_t i = 0; i < 3; ++i) {
       const char* axes[] = {"longitudinal", "lateral", "vertical"};
-      polyfly::MpcProblem problem = polyfly::loadProblem(folder + axes[i] + ".yaml");
+      polyfly::MpcProblem problem =
+          polyfly::loadProblem(polyfly::problemFile(std::string("multirotor_") + axes[i] + ".yaml"));
       if (factor == 1.0) laws.problems[i] = problem;
       problem.Q(0, 0) *= factor;
       const polyfly::ParametricProgram program = polyfly::condense(problem);

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "online_controller/control_law.hpp"
+#include "polyfly_test/flight_figure.hpp"
+#include "polyfly_test/multirotor_plant.hpp"
+
+namespace polyfly {
+
+/// A law's flight along the figure on the plant, hovering at first at the figure's start:
+///
+///     while (!flight.over()) {
+///       flight.measure();
+///       law.step(flight.state(), flight.preview());
+///       law.prepare();
+///       flight.advance(law.report().command);
+///     }
+class LawFlight {
+ public:
+  /// Looks ahead as far as `law` does. `offset` [m] of the start from the figure's. `figure` must outlive
+  /// this.
+  LawFlight(const FlightFigure& figure, const PlantOptions& plant, const ControlLaw& law,
+            const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
+
+  /// Takes the next odometry and the references from its stamp on.
+  void measure();
+  /// Flies one period with the command.
+  void advance(const AttitudeCommand& command) { plant_.advance(command); }
+
+  VehicleState& state() { return state_; }  ///< the last odometry; to be spoilt where that is the subject
+  const Reference* preview() const { return preview_.data(); }
+
+  double time() const { return plant_.time(); }  ///< [s]
+  bool over() const;                             ///< the figure has come to its end
+  double error() const;                          ///< true distance from the figure [m]
+  const MultirotorPlant& plant() const { return plant_; }
+
+ private:
+  const FlightFigure& figure_;
+  MultirotorPlant plant_;
+  double preview_period_ = 0.0;
+  std::vector<Reference> preview_;
+  VehicleState state_;
+};
+
+}  // namespace polyfly
