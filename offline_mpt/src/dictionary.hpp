@@ -36,6 +36,7 @@ class Dictionary {
     stride_ = padded(static_cast<std::size_t>(count));
     columns_.assign((N + 1) * stride_, 0.0);
     quotient_.resize(stride_);
+    above_.resize(stride_);
     row_.resize(static_cast<std::size_t>(count));
     place_.resize(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
@@ -48,10 +49,10 @@ class Dictionary {
       at(i, 0) = std::max(value, 0.0);
       row_[i] = place_[i] = i;
     }
+    coordinates_.fill(0.0);
     for (int q = 0; q < N; ++q) {
-      coordinate_[q].fill(0.0);
-      coordinate_[q][0] = point[q];
-      coordinate_[q][q + 1] = 1.0;
+      coordinates_[q] = point[q];
+      coordinates_[(q + 1) * kCoordinates + q] = 1.0;
       nonbasic_[q] = -1;
     }
     for (int j = 0; j < N; ++j) {
@@ -66,7 +67,8 @@ class Dictionary {
   /// Column of a row that is zero at the vertex.
   int column(int row) const { return -1 - place_[row]; }
   int nonbasic(int j) const { return nonbasic_[j]; }
-  const Row& coordinate(int q) const { return coordinate_[q]; }
+  /// Coefficient of column k (0: the constant) in t_q.
+  double coordinate(int q, int k) const { return coordinates_[k * kCoordinates + q]; }
   unsigned long long pivots() const { return pivots_; }
 
   double value(int place) const { return columns_[place]; }
@@ -77,11 +79,13 @@ class Dictionary {
     return row;
   }
 
-  /// Least coefficient of each place; valid until the next call.
-  const double* leastCoefficients() {
-    leastOfColumns(columns_.data() + stride_, stride_, padded(static_cast<std::size_t>(size_)), N,
-                   quotient_.data());
-    return quotient_.data();
+  /// The places whose coefficients are all at least -kPivot, ascending, and how many; valid until the next
+  /// call.
+  const int* growingPlaces(int& found) {
+    found = static_cast<int>(placesAbove(columns_.data() + stride_, stride_,
+                                         padded(static_cast<std::size_t>(size_)), N, -kPivot, above_.data()));
+    while (found > 0 && above_[found - 1] >= size_) --found;  // the padding
+    return above_.data();
   }
 
   /// The row at `place` is implied by others: it leaves, and the last one takes its place.
@@ -97,17 +101,10 @@ class Dictionary {
     const double* coefficient = columns_.data() + (j + 1) * stride_;
     const std::size_t count = padded(static_cast<std::size_t>(size_));
     const std::size_t left_out = except < 0 ? count : static_cast<std::size_t>(except);
-    const double step =
-        leastRatio(columns_.data(), coefficient, direction, kPivot, left_out, count, quotient_.data());
-    blocking = -1;
-    if (step == std::numeric_limits<double>::infinity()) return step;
-    double best_pivot = 0.0;
-    for (int i = 0; i < size_; ++i) {
-      if (quotient_[i] > step + kTie || std::abs(coefficient[i]) <= best_pivot) continue;
-      best_pivot = std::abs(coefficient[i]);
-      blocking = i;
-    }
-    return step;
+    const Blocking found =
+        leastRatio(columns_.data(), coefficient, direction, kPivot, kTie, left_out, count, quotient_.data());
+    blocking = found.place;
+    return found.step;
   }
 
   /// The row at `place` becomes zero in place of column j.
@@ -120,7 +117,8 @@ class Dictionary {
     replacement[j + 1] = inverse;
     pivotColumns(columns_.data(), stride_, padded(static_cast<std::size_t>(size_)), N + 1, replacement.data(),
                  static_cast<std::size_t>(j) + 1);
-    for (Row& coordinate : coordinate_) substitute(coordinate, replacement, j);
+    pivotColumns(coordinates_.data(), kCoordinates, kCoordinates, N + 1, replacement.data(),
+                 static_cast<std::size_t>(j) + 1);
     const int entering = row_[place];
     const int leaving = nonbasic_[j];
     if (leaving >= 0) {
@@ -136,7 +134,7 @@ class Dictionary {
 
   /// The vertex moved along column j by `step`.
   void point(int j, double step, double* out) const {
-    for (int q = 0; q < N; ++q) out[q] = coordinate_[q][0] + step * coordinate_[q][j + 1];
+    for (int q = 0; q < N; ++q) out[q] = coordinate(q, 0) + step * coordinate(q, j + 1);
   }
 
   /// Column along which `objective` falls: steepest, or the first row index by Bland's rule; -1 at the
@@ -157,16 +155,10 @@ class Dictionary {
 
  private:
   static constexpr double kTie = 1e-14;
+  static constexpr std::size_t kCoordinates = padded(N);  // stride of their columns
   static constexpr int kRemoved = std::numeric_limits<int>::min();
 
   double& at(int place, int k) { return columns_[k * stride_ + place]; }
-
-  static void substitute(Row& row, const Row& replacement, int j) {
-    const double factor = row[j + 1];
-    if (factor == 0.0) return;
-    row[j + 1] = 0.0;
-    for (int k = 0; k <= N; ++k) row[k] += factor * replacement[k];
-  }
 
   // The last row moves to `place`; what it leaves behind is zero, as the padding is.
   void vacate(int place) {
@@ -196,9 +188,10 @@ class Dictionary {
   unsigned long long pivots_ = 0;
   std::vector<double> columns_;   // of constants, then of the coefficients of each x_j
   std::vector<double> quotient_;  // work space
+  std::vector<int> above_;        // the same
   std::vector<int> row_;          // by place
   std::vector<int> place_;        // by row: place, -1 - column, or kRemoved
-  std::array<Row, N> coordinate_{};
+  std::array<double, (N + 1) * kCoordinates> coordinates_{};  // as columns_
   std::array<int, N> nonbasic_{};
 };
 

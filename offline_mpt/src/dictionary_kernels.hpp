@@ -16,13 +16,22 @@ constexpr std::size_t padded(std::size_t count) { return (count + kLanes - 1) / 
 void pivotColumns(double* columns, std::size_t stride, std::size_t count, std::size_t width,
                   const double* replacement, std::size_t j);
 
-/// quotient[i] = max(value[i], 0) / c with c = sign * coefficient[i], where c > threshold; infinite elsewhere
-/// and at `except` (count: nowhere). Returns the least of them.
-double leastRatio(const double* value, const double* coefficient, double sign, double threshold,
-                  std::size_t except, std::size_t count, double* quotient);
+/// What stops a column first: how far it goes (infinite: nothing stops it), and the place that does (-1:
+/// none).
+struct Blocking {
+  double step;
+  int place;
+};
 
-/// out[i] = the least of `width` columns at i.
-void leastOfColumns(const double* columns, std::size_t stride, std::size_t count, std::size_t width,
-                    double* out);
+/// quotient[i] = max(value[i], 0) / c with c = sign * coefficient[i], where c > threshold; infinite elsewhere
+/// and at `except` (count: nowhere). The least of them stops; of those within `tie` of it, the place of the
+/// greatest coefficient, the first of equals.
+Blocking leastRatio(const double* value, const double* coefficient, double sign, double threshold, double tie,
+                    std::size_t except, std::size_t count, double* quotient);
+
+/// The places i < count at which all of `width` columns are at least `threshold`, ascending, into `places`;
+/// how many.
+std::size_t placesAbove(const double* columns, std::size_t stride, std::size_t count, std::size_t width,
+                        double threshold, int* places);
 
 }  // namespace polyfly

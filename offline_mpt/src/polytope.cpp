@@ -58,8 +58,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       objective.fill(0.0);
       for (int q = 0; q < N; ++q) {
         if (direction[q] == 0.0) continue;
-        const auto& coordinate = dictionary_.coordinate(q);
-        for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * coordinate[k];
+        for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * dictionary_.coordinate(q, k);
       }
       const int column = dictionary_.fallingColumn(objective, stalled > Dictionary<N>::kStallLimit);
       if (column < 0) {
@@ -84,14 +83,11 @@ class KernelOf final : public PolytopeSolver::Kernel {
   // Reads off the current dictionary what it proves. A slack that grows along every column never
   // falls below its value here; a tight row whose column can go negative is needed.
   void sweep() {
-    const double* least = dictionary_.leastCoefficients();
-    for (int place = dictionary_.size() - 1; place >= 0;
-         --place) {  // what takes a place was looked at before
-      const int row = dictionary_.rowAt(place);
-      if (state_[row] == RowState::kUnknown && least[place] >= -Dictionary<N>::kPivot &&
-          dictionary_.value(place) >= 0.0) {
-        markRedundant(row);
-      }
+    int found = 0;
+    const int* growing = dictionary_.growingPlaces(found);
+    for (int c = found - 1; c >= 0; --c) {  // downwards: what takes a place was looked at before
+      const int row = dictionary_.rowAt(growing[c]);
+      if (state_[row] == RowState::kUnknown && dictionary_.value(growing[c]) >= 0.0) markRedundant(row);
     }
     for (int j = 0; j < N; ++j) {
       const int i = dictionary_.nonbasic(j);
