@@ -121,6 +121,10 @@ Partition exploreWithProgress(const ParametricProgram& program, const Options& o
   return explore(program, explore_options);
 }
 
+std::vector<double> numbers(const Eigen::VectorXd& theta) {
+  return {theta.data(), theta.data() + theta.size()};
+}
+
 std::string statsJson(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
                       const Seconds& seconds, int threads, int processes) {
   nlohmann::ordered_json json;
@@ -152,10 +156,8 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
   json["region_checks"] = map.cost().region_checks;
   json["multiply_adds"] = map.cost().multiply_adds;
   json["bytes"] = map.bytes();
-  if (partition.witness.size() > 0) {
-    json["witness"] =
-        std::vector<double>(partition.witness.data(), partition.witness.data() + partition.witness.size());
-  }
+  if (partition.witness.size() > 0) json["witness"] = numbers(partition.witness);
+  if (partition.unbounded_at.size() > 0) json["unbounded_at"] = numbers(partition.unbounded_at);
   return json.dump(2) + "\n";
 }
 
@@ -191,7 +193,7 @@ void reportEnd(const Options& options, const Partition& partition, const RegionM
       std::fprintf(stderr,
                    "offline_mpt: %s: the cost is unbounded below at theta = %s; kept the regions of all "
                    "parameters with a finite optimum, marked unbounded\n",
-                   options.map.c_str(), vectorText(partition.witness).c_str());
+                   options.map.c_str(), vectorText(partition.unbounded_at).c_str());
       break;
     case ExploreStatus::kLimited:
     case ExploreStatus::kInterrupted:
@@ -220,6 +222,16 @@ void reportStop(const Options& options, const Partition& partition) {
   std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
                checkpointOf(options).c_str(), partition.regions.size(),
                static_cast<unsigned long long>(partition.stats.open_sets));
+}
+
+// Of a run that was stopped, or left a gap: whoever goes on should know what it will lead to.
+void reportUnbounded(const Options& options, const Partition& partition) {
+  if (partition.unbounded_at.size() == 0 || partition.status == ExploreStatus::kUnbounded) return;
+  std::fprintf(
+      stderr,
+      "offline_mpt: %s: the cost is unbounded below at theta = %s; explored to its end, it will be marked "
+      "unbounded\n",
+      options.map.c_str(), vectorText(partition.unbounded_at).c_str());
 }
 
 void checkFiles(const Options& options) {
@@ -263,6 +275,7 @@ ExitCode lead(const Options& options, Session& session) {
   const Partition partition = exploreWithProgress(program, options, session.team());
   seconds.explore = watch.lap();
   reportStop(options, partition);
+  reportUnbounded(options, partition);
   if (partition.stats.lost_process > 0) {
     session.abort();
     return ExitCode::kStopped;
@@ -273,7 +286,7 @@ ExitCode lead(const Options& options, Session& session) {
   }
   if (partition.status == ExploreStatus::kUnbounded && partition.regions.empty()) {
     throw Error(options.problem + ": the cost is unbounded below at theta = " +
-                vectorText(partition.witness) + ", and no set of parameters has a finite optimum");
+                vectorText(partition.unbounded_at) + ", and no set of parameters has a finite optimum");
   }
   if (!mayWrite(options, partition)) return exitCode(partition.status);
   endOnSignal();

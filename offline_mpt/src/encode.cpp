@@ -202,8 +202,8 @@ std::string notes(const Partition& partition, const SearchTree& tree) {
        << "degenerate_facets: " << partition.stats.degenerate_facets << "\n"
        << "least_radius: " << radius << "\n"
        << "tree_depth: " << tree.depth << "\n";
-  if (partition.status == ExploreStatus::kUnbounded)
-    text << "unbounded_at: " << vectorText(partition.witness) << "\n";
+  if (partition.unbounded_at.size() > 0)
+    text << "unbounded_at: " << vectorText(partition.unbounded_at) << "\n";
   return text.str();
 }
 

@@ -159,6 +159,10 @@ bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Work
 
 namespace {
 
+Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t) {
+  return program.centre + program.half.cwiseProduct(t);
+}
+
 // A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
 // no end.
 void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& unsettled,
@@ -166,7 +170,7 @@ void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& 
   const auto p = static_cast<std::size_t>(program.p);
   for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
-    const Eigen::VectorXd theta = program.centre + program.half.cwiseProduct(t);
+    const Eigen::VectorXd theta = unscaled(program, t);
     const bool held = std::any_of(
         partition.regions.begin(), partition.regions.end(),
         [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
@@ -238,12 +242,15 @@ ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& op
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
 
-// Where the regions leave out parameters that have solutions: the cost falls without end there.
+// Where the regions leave out parameters that have solutions: the cost falls without end there. Of an
+// exploration that was stopped, to look behind all facets could take as long as it was given.
 void noteUnbounded(const LeastDistance& program, UnboundedCost& unbounded, Partition& partition) {
-  const std::optional<Eigen::VectorXd> t = unbounded.witness(partition.regions);
+  const bool complete = partition.status == ExploreStatus::kComplete;
+  const std::optional<Eigen::VectorXd> t =
+      complete ? unbounded.witness(partition.regions) : unbounded.quickWitness();
   if (!t) return;
-  partition.status = ExploreStatus::kUnbounded;
-  partition.witness = program.centre + program.half.cwiseProduct(*t);
+  if (complete) partition.status = ExploreStatus::kUnbounded;
+  partition.unbounded_at = unscaled(program, *t);
 }
 
 Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasible, UnboundedCost& unbounded,
@@ -254,10 +261,15 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasi
   Worker worker(program, options);
   ActiveSet first;
   const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
-  if (!start || !findStart(program, *start, worker, first)) {
+  if (!start) {  // without a region, all is found
+    partition.status = ExploreStatus::kComplete;
+    noteUnbounded(program, unbounded, partition);
+    return partition;
+  }
+  if (!findStart(program, *start, worker, first)) {
     partition.status = ExploreStatus::kIncomplete;
-    partition.witness = program.centre + program.half.cwiseProduct(start.value_or(feasible));
-    if (!start) noteUnbounded(program, unbounded, partition);
+    partition.witness = unscaled(program, *start);
+    noteUnbounded(program, unbounded, partition);
     return partition;
   }
   if (options.resume) {
@@ -270,7 +282,7 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasi
   convertRegions(program, state, partition);
   if (partition.status == ExploreStatus::kComplete)
     settleProbes(program, state.unsettled, unbounded, partition);
-  if (partition.status == ExploreStatus::kComplete) noteUnbounded(program, unbounded, partition);
+  noteUnbounded(program, unbounded, partition);
   partition.stats.regions = partition.regions.size();
   partition.stats.candidate_sets = state.found.size();
   partition.stats.open_sets = state.open();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "margin.hpp"
@@ -15,8 +16,11 @@ constexpr double kFalls = 1e-9;   // slope below which the cost is level, relati
 constexpr double kOpen = 1e-9;    // by how much a direction of length 1 may run into a row of unit length
 constexpr int kMostCuts = 300;    // directions that are cut off in search of a start
 constexpr int kMostCorners = 10;  // parameters up to which all corners of their box are asked
-constexpr double kSteps[] = {1e-2, 1e-4};  // across a facet [scaled]
-constexpr double kEdge = 1e-9;             // planes nearer to one of the domain's are its edge [scaled]
+constexpr int kQuickBits = 6;     // a quick search asks 2^6 corners at most
+constexpr std::size_t kQuickHarmless = 8;  // and gives up after so many directions, a linear program each
+constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // odd: its multiples take all values of their low bits
+constexpr double kSteps[] = {1e-2, 1e-4};              // across a facet [scaled]
+constexpr double kEdge = 1e-9;  // planes nearer to one of the domain's are its edge [scaled]
 
 /// `program` for those t alone where sign * affine(t) >= 0.
 void restrictParameters(ParametricProgram& program, const LeastDistance& reduced,
@@ -106,17 +110,22 @@ std::optional<Eigen::VectorXd> UnboundedCost::deepest(const Eigen::VectorXd& dir
 
 // What falls at no corner of a box falls nowhere in it.
 bool UnboundedCost::testCorners(std::optional<Eigen::VectorXd>& found) {
-  const int p = reduced_.p;
-  if (p > kMostCorners) return true;
+  if (reduced_.p > kMostCorners) return true;
   bool falls = false;
-  for (unsigned corner = 0; !found && corner < (1u << p); ++corner) {
-    Eigen::VectorXd t(p);
-    for (int j = 0; j < p; ++j) t(j) = (corner >> j & 1u) != 0 ? 1.0 : -1.0;
-    if (!direction(t)) continue;
-    falls = true;
-    found = test(t);
-  }
+  const std::uint64_t corners = std::uint64_t{1} << reduced_.p;
+  for (std::uint64_t corner = 0; !found && corner < corners; ++corner)
+    falls = testCorner(corner, found) || falls;
   return falls;
+}
+
+// Whether the cost falls at a corner; each parameter has a bit of its number.
+bool UnboundedCost::testCorner(std::uint64_t corner, std::optional<Eigen::VectorXd>& found) {
+  constexpr int kBits = 64;
+  Eigen::VectorXd t(reduced_.p);
+  for (int j = 0; j < reduced_.p; ++j) t(j) = (corner >> (j % kBits) & 1u) != 0 ? 1.0 : -1.0;
+  if (!direction(t)) return false;
+  found = test(t);
+  return true;
 }
 
 // Whether the cost falls at t along a direction that some feasible parameter shares.
@@ -167,6 +176,15 @@ std::optional<Eigen::VectorXd> UnboundedCost::witness(const std::vector<Critical
   std::optional<Eigen::VectorXd> found;
   if (!qp_ || !testCorners(found)) return std::nullopt;
   for (std::size_t k = 0; !found && k < regions.size(); ++k) found = behind(regions[k]);
+  return found;
+}
+
+std::optional<Eigen::VectorXd> UnboundedCost::quickWitness() {
+  if (first_) return first_;
+  std::optional<Eigen::VectorXd> found;
+  const std::uint64_t corners = std::uint64_t{1} << std::min(reduced_.p, kQuickBits);
+  for (std::uint64_t k = 0; qp_ && !found && k < corners && harmless_.size() < kQuickHarmless; ++k)
+    testCorner(k * kSpread, found);
   return found;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -30,8 +31,13 @@ class UnboundedCost {
   /// start or behind a facet of the regions; none if there is none anywhere.
   std::optional<Eigen::VectorXd> witness(const std::vector<CriticalRegion>& regions);
 
+  /// The same from the start and some corners of the box alone, in a time that does not grow with the regions
+  /// or 2^p: none is no promise.
+  std::optional<Eigen::VectorXd> quickWitness();
+
  private:
   bool testCorners(std::optional<Eigen::VectorXd>& found);
+  bool testCorner(std::uint64_t corner, std::optional<Eigen::VectorXd>& found);
   std::optional<Eigen::VectorXd> deepest(const Eigen::VectorXd& direction) const;
   std::optional<Eigen::VectorXd> behind(const CriticalRegion& region);
   std::optional<Eigen::VectorXd> test(const Eigen::VectorXd& t);

@@ -321,7 +321,7 @@ TEST_F(CommandLine, SaysWhereTheCostIsUnboundedBelow) {
   EXPECT_NE(part.out.find("unbounded, 1 regions"), std::string::npos) << part.out;
   const nlohmann::json stats = nlohmann::json::parse(readBytes(path("stats.json")));
   EXPECT_EQ(stats["status"], "unbounded");
-  EXPECT_LT(stats["witness"][0].get<double>(), -0.5);
+  EXPECT_LT(stats["unbounded_at"][0].get<double>(), -0.5);
   EXPECT_NE(run({"info", map}).out.find("unbounded_at: (-"), std::string::npos);
 
   const Outcome sampled = run({"verify", map, "--problem", file, "--samples", "200"});

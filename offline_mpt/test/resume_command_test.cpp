@@ -114,6 +114,33 @@ TEST_F(ResumeCommand, GoesOnToTheSameBytesAndCleansUp) {
   EXPECT_FALSE(fs::exists(path("part.map.checkpoint")));
 }
 
+// Costs (t_0 + 0.5) z_0 + t_1 z_1 over z_0 >= -1, |z_1| <= 1: two regions, none where t_0 < -0.5.
+TEST_F(ResumeCommand, SaysThatTheCostIsUnboundedBeforeTheEnd) {
+  writeBytes(path("small.json"), R"({"name": "tilted", "H": [[0, 0], [0, 0]], "f": [0.5, 0],
+    "F": [[1, 0], [0, 1]], "A": [[-1, 0], [0, 1], [0, -1]], "b": [1, 1, 1], "B": [[0, 0], [0, 0], [0, 0]],
+    "eq_ids": [], "lb": [-2, -2], "ub": [2, 2], "A_theta": [], "b_theta": [], "out": [0, 1]})");
+  ASSERT_EQ(run("whole.map", {"--quiet"}).exit_code, 1);
+  const Outcome part = run("part.map", {"--region-limit", "1", "--stats", path("stats.json")});
+  EXPECT_EQ(part.exit_code, 3) << part.err;
+  for (const char* words : {"limit reached: kept the 1 regions", "continue with --resume",
+                            "the cost is unbounded below at theta = (-"}) {
+    EXPECT_NE(part.err.find(words), std::string::npos) << words << " in: " << part.err;
+  }
+  EXPECT_NE(part.out.find("limited, 1 regions"), std::string::npos) << part.out;
+  const std::string stats = readBytes(path("stats.json"));
+  EXPECT_NE(stats.find("\"status\": \"limited\""), std::string::npos) << stats;
+  EXPECT_NE(stats.find("\"unbounded_at\": ["), std::string::npos) << stats;
+
+  // Nothing is written beside an existing map: it is said all the same.
+  const Outcome again = run("part.map", {"--region-limit", "1", "--resume"});
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_NE(again.err.find("the existing file stands"), std::string::npos) << again.err;
+  EXPECT_NE(again.err.find("the cost is unbounded below at theta = (-"), std::string::npos) << again.err;
+
+  EXPECT_EQ(run("part.map", {"--resume", "--force", "--quiet"}).exit_code, 1);
+  EXPECT_EQ(readBytes(path("part.map")), readBytes(path("whole.map")));
+}
+
 TEST_F(ResumeCommand, MemoryLimitTakesSuffixes) {
   writeBytes(path("small.json"), chainProblem(6, 3));
   const Outcome part = run("part.map", {"--memory-limit", "24k"});

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "glpk_lp.hpp"
 #include "map_in_memory.hpp"
@@ -158,9 +159,9 @@ TEST_P(UnboundedBelow, IsStatedWithAWitness) {
       EXPECT_EQ(partition.status, ExploreStatus::kUnbounded) << program.name;
     }
     if (partition.status == ExploreStatus::kUnbounded) {
-      ASSERT_EQ(partition.witness.size(), program.parameterCount());
-      EXPECT_EQ(glpkStatus(program, partition.witness), GLP_UNBND) << program.name;
-      EXPECT_LE(partition.witness.cwiseAbs().maxCoeff(), 1.0);
+      ASSERT_EQ(partition.unbounded_at.size(), program.parameterCount());
+      EXPECT_EQ(glpkStatus(program, partition.unbounded_at), GLP_UNBND) << program.name;
+      EXPECT_LE(partition.unbounded_at.cwiseAbs().maxCoeff(), 1.0);
     } else {
       EXPECT_EQ(partition.status, ExploreStatus::kComplete) << program.name << toString(partition.status);
     }
@@ -173,6 +174,61 @@ TEST_P(UnboundedBelow, IsStatedWithAWitness) {
   if (family == Family::kConstantCost) {
     EXPECT_GT(whole, 0);
   }
+}
+
+// An exploration that is cut off asks as well, at its start and at corners of the box: enough here.
+TEST_P(UnboundedBelow, IsStatedBeforeTheEnd) {
+  const auto family = static_cast<Family>(GetParam());
+  int cut = 0, stated = 0;
+  for (unsigned seed = 1; seed <= 25; ++seed) {
+    const ParametricProgram program = makeProgram(family, seed);
+    const Partition whole = explore(program);
+    if (whole.regions.size() < 2) continue;
+    ++cut;
+    ExploreOptions options;
+    options.region_limit = 1;
+    const Partition part = explore(program, options);
+    EXPECT_EQ(part.status, ExploreStatus::kLimited) << program.name;
+    const bool unbounded = part.unbounded_at.size() > 0;
+    EXPECT_EQ(unbounded, whole.status == ExploreStatus::kUnbounded) << program.name;
+    if (unbounded) {
+      ++stated;
+      EXPECT_EQ(glpkStatus(program, part.unbounded_at), GLP_UNBND) << program.name;
+    }
+    const MapInMemory map(encode(program, part));
+    EXPECT_EQ(map.map().solverStatus(), "limited");
+    EXPECT_EQ(map.map().solverNotes().find("unbounded_at: (") != std::string_view::npos, unbounded);
+  }
+  EXPECT_GT(cut, 0);
+  EXPECT_EQ(stated > 0, family != Family::kConstantCost && family != Family::kOutsideAnyway);
+}
+
+// So many parameters that not all corners are asked.
+TEST(UnboundedBelowInManyParameters, IsStatedBeforeTheEnd) {
+  for (const double offset : {0.5, -0.5}) {
+    ParametricProgram program = randomProgram(3, 1, 12, 1);
+    program.H.setZero();
+    tilt(program, offset);
+    outputAllVariables(program);
+    ExploreOptions options;
+    options.region_limit = 1;
+    const Partition partition = explore(program, options);
+    ASSERT_EQ(partition.status, ExploreStatus::kLimited);
+    ASSERT_EQ(partition.unbounded_at.size(), 12);
+    EXPECT_EQ(glpkStatus(program, partition.unbounded_at), GLP_UNBND);
+  }
+}
+
+TEST(UnboundedBelowInterrupted, IsStatedBeforeTheFirstRegion) {
+  const ParametricProgram program = makeProgram(Family::kTilted, 1);
+  const std::atomic<bool> stop{true};
+  ExploreOptions options;
+  options.stop = &stop;
+  const Partition partition = explore(program, options);
+  EXPECT_EQ(partition.status, ExploreStatus::kInterrupted);
+  EXPECT_TRUE(partition.regions.empty());
+  ASSERT_EQ(partition.unbounded_at.size(), program.parameterCount());
+  EXPECT_EQ(glpkStatus(program, partition.unbounded_at), GLP_UNBND);
 }
 
 // With all of z among the outputs, rounded, an equality of z could not be met: a right map was called wrong.

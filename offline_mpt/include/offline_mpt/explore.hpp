@@ -44,9 +44,9 @@ struct ExploreOptions {
 /// H positive definite: the law is unique and continuous. H singular (the least eigenvalue below 1e-8 of
 /// their mean; below 1e-12 of the greatest it counts as zero): of several optima the shortest z is taken,
 /// which is unique and, where the cost does not depend on theta, continuous. Where such a program has
-/// solutions but its cost falls without end, the partition says so (kUnbounded). Rows may repeat, depend on
-/// each other or hold with equality everywhere. Throws Error when H is indefinite, the parameter set is
-/// unbounded, or the parameters that admit a solution form a lower-dimensional set.
+/// solutions but its cost falls without end, the partition says so (kUnbounded, unbounded_at). Rows may
+/// repeat, depend on each other or hold with equality everywhere. Throws Error when H is indefinite, the
+/// parameter set is unbounded, or the parameters that admit a solution form a lower-dimensional set.
 ///
 /// Active sets are described in the order in which they are found, so the result depends neither on threads
 /// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the

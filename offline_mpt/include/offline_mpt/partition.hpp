@@ -16,8 +16,7 @@ enum class ExploreStatus {
   kLimited,      ///< a limit on regions, time or memory was reached
   kInterrupted,  ///< stopped from outside
   kInfeasible,   ///< no parameter in the box admits a solution
-  kUnbounded,    ///< complete where the optimum is finite; at `witness` there are solutions, but the cost
-                 ///< falls without end
+  kUnbounded,    ///< complete where the optimum is finite; not so at `unbounded_at`
 };
 
 const char* toString(ExploreStatus status);
@@ -51,7 +50,11 @@ struct ExploreStats {
 struct Partition {
   ExploreStatus status = ExploreStatus::kInfeasible;
   std::vector<CriticalRegion> regions;
-  Eigen::VectorXd witness;  ///< p, with kIncomplete and kUnbounded
+  Eigen::VectorXd witness;  ///< p, with kIncomplete
+  /// p, with kUnbounded, and with any other status where it is known: a parameter that has solutions, but
+  /// whose cost falls without end. An exploration that was stopped asks at its start and at some corners of
+  /// the box alone: empty, it promises nothing.
+  Eigen::VectorXd unbounded_at;
   ExploreStats stats;
 };
 
