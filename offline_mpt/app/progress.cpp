@@ -78,15 +78,28 @@ double Forecast::regionsPerSecond() const {
 
 bool Forecast::atLeast() const {
   return samples_.size() < 2 || samples_.back().seconds - samples_.front().seconds < kTrusted ||
-         samples_.back().open >= samples_.front().open;
+         foundPerSet() >= 1.0;
+}
+
+// Sets that turned up for each one described, as far back as the open sets reach forward: all of the last
+// half minute would still count the growth when the end is near.
+double Forecast::foundPerSet() const {
+  const Sample& now = samples_.back();
+  std::size_t then = samples_.size() - 1;
+  while (then > 0 && now.described - samples_[then].described < now.open) --then;
+  const double described = now.described - samples_[then].described;
+  return described > 0.0 ? 1.0 + (now.open - samples_[then].open) / described : 1.0;
 }
 
 double Forecast::remaining() const {
   if (samples_.size() < 2) return -1.0;
   const Sample& now = samples_.back();
   const Sample& then = samples_.front();
-  const double done = atLeast() ? now.described - then.described : then.open - now.open;
-  return done > 0.0 ? now.open * (now.seconds - then.seconds) / done : -1.0;
+  const double described = now.described - then.described;
+  if (!(described > 0.0)) return -1.0;
+  const double open_takes = now.open * (now.seconds - then.seconds) / described;
+  // in the end nothing turns up: if that falls evenly until then, half of what turns up now is its mean
+  return atLeast() ? open_takes : open_takes / (1.0 - 0.5 * foundPerSet());
 }
 
 }  // namespace polyfly

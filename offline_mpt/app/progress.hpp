@@ -43,15 +43,17 @@ class Forecast {
 
   double regionsPerSecond() const;  ///< of late; 0 at first
 
-  /// [s]; negative while nothing is known. Exact where `atLeast()` is false and the open sets go on falling
-  /// as they did of late; else what the sets take that are open now.
+  /// [s]; negative while nothing is known. Where `atLeast()`, what the sets take that are open now; else with
+  /// those that they will yield, up to twice as much.
   double remaining() const;
-  bool atLeast() const;
+  bool atLeast() const;  ///< as many sets turn up as are described, or more
 
  private:
   struct Sample {
     double seconds, regions, described, open;
   };
+  double foundPerSet() const;
+
   std::deque<Sample> samples_;  // of the last half minute
 };
 
