@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "region_cover.hpp"
+#include "map_regions.hpp"
 
 namespace polyfly {
 

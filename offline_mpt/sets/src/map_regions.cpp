@@ -1,8 +1,9 @@
+#include "map_regions.hpp"
+
 #include <cmath>
 #include <utility>
 
 #include "cone.hpp"
-#include "region_cover.hpp"
 
 namespace polyfly {
 
@@ -58,6 +59,14 @@ void MapRegions::setShape(std::size_t region, const std::vector<std::vector<Inte
     for (std::size_t j = 1; j < vertex.size(); ++j) shape.push_back(ratio(vertex[j], vertex[0]));
   }
   shapes_[region] = std::move(shape);
+}
+
+std::vector<std::uint32_t> MapRegions::shaped() const {
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t r = 0; r < shapes_.size(); ++r) {
+    if (!shapes_[r].empty()) result.push_back(r);
+  }
+  return result;
 }
 
 }  // namespace polyfly
