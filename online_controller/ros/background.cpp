@@ -1,6 +1,7 @@
 #include "online_controller_ros/background.hpp"
 
 #include <ros/ros.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <sstream>
@@ -15,6 +16,7 @@ constexpr double kTick = 0.05;               // [s]
 constexpr int kTicksPerWrite = 20;           // of changed parameters to the master
 constexpr double kExchangePatience = 1.0;    // until a swap that was not taken is said to wait [s]
 constexpr double kExchangeInterval = 0.002;  // between two looks [s]
+constexpr int kNice = 10;                    // of this thread: more is less priority
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
 OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
@@ -26,6 +28,9 @@ OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
   for (const ForeignName& name : names) table.alias(name);
   return table;
 }
+
+/// The calling thread gives way to those that control.
+void giveWay() { setpriority(PRIO_PROCESS, 0, kNice); }
 
 std::string joined(const std::array<std::string, 3>& paths) {
   return paths[0] + ", " + paths[1] + ", " + paths[2];
@@ -49,7 +54,7 @@ Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& pri
       swap_service_(handle_.advertiseService("swap_maps", &Background::onSwapMaps, this)),
       tick_(handle_.createSteadyTimer(ros::WallDuration(kTick),
                                       [this](const ros::SteadyTimerEvent&) { onTick(); })),
-      thread_(queue_, "mpc_background", {}) {}
+      thread_(queue_, "mpc_background", giveWay) {}
 
 void Background::apply() { keeper_.offer(setup_); }
 

@@ -83,6 +83,7 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
   if (setup.real_time.rehearse > 0.0) {
     topics_.emplace(onQueue(private_handle, queue_),
                     [this](const nav_msgs::Odometry& like) { rehearseWith(like); });
+    if (setup.real_time.poll == 0.0) vigil_.emplace();
   }
   connect();
   background_.emplace(handle, private_handle, setup.laws, names, keeper_, record_);
@@ -136,7 +137,7 @@ void ExplicitMpcNode::onFollowUp() {
 
 void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   StageClock clock;
-  served_at_ = polyfly::PollWindow::Clock::now();
+  served_at_ = arrivalOfThis();
   if (follows_publisher_ && at_once_.runsHere()) publisher_core_ = sched_getcpu();
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
@@ -161,6 +162,15 @@ void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   answered.restarted = flight_.restarted();
 }
 
+// Rehearsals are timed by it. What had to wait for one came before it is answered; taken for its arrival, its
+// answer would have the next rehearsal as late, and in the way again.
+polyfly::PollWindow::Clock::time_point ExplicitMpcNode::arrivalOfThis() {
+  const auto left = at_once_.runsHere() ? DirectQueue::kNever : at_once_.takeLeft();
+  if (left == DirectQueue::kNever) return polyfly::PollWindow::Clock::now();
+  ++record_.waited;
+  return left;
+}
+
 Answered& ExplicitMpcNode::remember(const polyfly::ControlReport& report, const std_msgs::Header& header,
                                     const StageTimes& times) {
   Answered& answered = answered_.add();
@@ -178,6 +188,7 @@ Answered& ExplicitMpcNode::remember(const polyfly::ControlReport& report, const 
 // In the control thread. The command is out; this is for the next one, and for those who watch.
 void ExplicitMpcNode::finish() {
   if (answered_.size() == 0) return;
+  if (vigil_) vigil_->end();
   StageClock clock;
   const Answered& last = *(answered_.end() - 1);
   for (const Answered& answered : answered_) {
@@ -220,6 +231,7 @@ void ExplicitMpcNode::rehearse() {
   } else {
     flight_.rehearse(nullptr);
   }
+  if (vigil_) vigil_->keep(sched_getcpu(), poll_.expects());
 }
 
 void ExplicitMpcNode::rehearseWith(const nav_msgs::Odometry& like) {

@@ -25,6 +25,7 @@ struct Turn {
 
 void DirectQueue::addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner_id) {
   if (!baton_.tryTake()) {
+    left_at_.store(Clock::now(), std::memory_order_relaxed);
     others_.addCallback(callback, owner_id);
     return;
   }

@@ -58,6 +58,7 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   addTimes(status, "control law", record_.step);
   status.add("control periods overrun", overruns);
   status.add("odometry missing", lost);
+  status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
   status.add("laws exchanged", keeper_.exchanges());
   if (snapshot_ == nullptr) return;
   status.add("iterations", snapshot_->report.iterations);

@@ -95,7 +95,11 @@ TEST(PollWindow, OneWhoSleepsIsAwakeForARehearsal) {
     EXPECT_TRUE(window.rehearses(sample + microseconds(9501)));
     EXPECT_FALSE(window.rehearses(sample + microseconds(9502)));
     EXPECT_EQ(window.sleep(sample + microseconds(9502), 0.05), 0.05);  // until there is a sample
+    EXPECT_EQ(window.expects(), sample + microseconds(10500));
   }
+  window.served(sample);
+  EXPECT_FALSE(window.rehearses(sample + microseconds(9751)));  // too late: it might be in the sample's way
+  EXPECT_EQ(window.sleep(sample + microseconds(9752), 0.05), 0.05);
   PollWindow both(0.01, 0.25, 0.0005);
   both.served(sample);
   EXPECT_NEAR(both.sleep(sample, 0.05), 0.0075, 1e-12);

@@ -31,12 +31,15 @@ class PollWindow {
   }
 
   /// Whether the next sample is due so soon that a rehearsal of its step keeps the caches warm until then;
-  /// once between two samples.
+  /// once between two samples. Not when half of the lead is over: then it might be in the sample's way.
   bool rehearses(Clock::time_point now) noexcept {
     if (!awaitsRehearsal() || now - last_ < rehearses_) return false;
     rehearsed_ = true;
-    return true;
+    return now - last_ <= rehearses_ + (closes_ / 2 - rehearses_) / 2;
   }
+
+  /// A sample that does not come by then is later than the rehearsal was early.
+  Clock::time_point expects() const noexcept { return last_ + (closes_ - rehearses_); }
 
   /// How long it may sleep, at most `most` [s]; zero: look again at once.
   double sleep(Clock::time_point now, double most) const noexcept {

@@ -23,6 +23,7 @@
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "online_controller_ros/topic_rehearsal.hpp"
+#include "online_controller_ros/vigil.hpp"
 
 namespace polyfly_ros {
 
@@ -66,6 +67,7 @@ class ExplicitMpcNode {
   using OdometryEvent = ros::MessageEvent<const nav_msgs::Odometry>;
   void onOdometry(const OdometryEvent& event);
   void answer(const nav_msgs::Odometry& message);
+  polyfly::PollWindow::Clock::time_point arrivalOfThis();
   void onFollowUp();
   void onManual(const ros::Time& now);
   void onWatchdog();
@@ -104,6 +106,7 @@ class ExplicitMpcNode {
   polyfly::PollWindow poll_;
   polyfly::PollWindow::Clock::time_point served_at_;  // the last odometry
   std::optional<TopicRehearsal> topics_;              // of rehearsals of the whole way
+  std::optional<Vigil> vigil_;                        // between a rehearsal and its odometry
   int publisher_core_ = -1;                           // where the last odometry was published
   int core_ = -1;                                     // where the control thread is kept; -1: not yet
   bool follows_publisher_ = false;                    // it shall be kept there

@@ -3,6 +3,8 @@
 #include <ros/callback_queue_interface.h>
 #include <ros/datatypes.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -20,6 +22,7 @@ namespace polyfly_ros {
 /// locks are held meanwhile, and why none can wait for another.
 class DirectQueue : public ros::CallbackQueueInterface {
  public:
+  using Clock = std::chrono::steady_clock;
   /// `follow_up`, where there is one, is added to `others` when a callback has run here. Keeps references.
   DirectQueue(polyfly::Baton& baton, ros::CallbackQueueInterface& others,
               ros::CallbackInterfacePtr follow_up = {})
@@ -31,11 +34,18 @@ class DirectQueue : public ros::CallbackQueueInterface {
   /// To be asked by a callback: whether the thread that added it runs it.
   bool runsHere() const noexcept { return runs_here_; }
 
+  /// When a callback was last left to `others` for want of the baton, and no longer afterwards; kNever: since
+  /// the last call none was.
+  Clock::time_point takeLeft() noexcept { return left_at_.exchange(kNever, std::memory_order_relaxed); }
+
+  static constexpr Clock::time_point kNever = Clock::time_point::min();
+
  private:
   polyfly::Baton& baton_;
   ros::CallbackQueueInterface& others_;
   ros::CallbackInterfacePtr follow_up_;
   bool runs_here_ = false;  // guarded by the baton
+  std::atomic<Clock::time_point> left_at_{kNever};
 };
 
 /// Which messages may be answered by the thread that brings them: those that publish() of this process hands

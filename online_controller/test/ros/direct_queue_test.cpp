@@ -69,6 +69,20 @@ TEST_F(DirectQueueTest, RunsWhereItIsAddedAndTheFollowUpIsLeft) {
   EXPECT_TRUE(baton.tryTake());
 }
 
+TEST_F(DirectQueueTest, TellsOnceWhenItLeftACallbackToOthers) {
+  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
+  const auto before = DirectQueue::Clock::now();
+  queue.addCallback(callback([] {}), kOwner);  // the baton is taken
+  const auto after = DirectQueue::Clock::now();
+  const auto left = queue.takeLeft();
+  EXPECT_GE(left, before);
+  EXPECT_LE(left, after);
+  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
+  baton.give();
+  queue.addCallback(callback([] {}), kOwner);  // runs here
+  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
+}
+
 TEST_F(DirectQueueTest, IsLeftToOthersWhileTheBatonIsTaken) {
   int calls = 0;
   queue.addCallback(callback([&] {
