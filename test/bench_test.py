@@ -223,6 +223,15 @@ class Score(unittest.TestCase):
         runs = [{"regions": 100, "cpu_seconds": 1.0}, {"regions": 300, "cpu_seconds": 1.0}]
         self.assertEqual(score.rate(runs, "cpu_seconds"), 200.0)
 
+    def test_the_rate_of_all_problems_solved_whole_is_told_when_all_are(self):
+        stopped = {**self.RUN, "problem": "q", "status": "limited"}
+        whole = {**self.RUN, "problem": "q", "threads": 2, "wall_seconds": 1.0, "peak_bytes": 1.0, "regions": 90, "cpu_seconds": 4.0,
+                 "feasible_samples": 1, "infeasible_samples": 1}
+        pairs = [(self.RUN, []), (stopped, [])]
+        for known, told in (({}, []), ({"q": {**whole, "missed": 1}}, []), ({"q": whole}, [20.0])):
+            rows = score.setRows(pairs, [], 20.0, known)
+            self.assertEqual([r["value"] for r in rows if "per CPU second, each solved whole" in r["name"]], told)
+
     def test_leaves_count_as_nodes_of_a_tree(self):
         self.assertEqual(score.treeSize({"nodes": 13}), 27)
 

@@ -147,8 +147,7 @@ class Bench:
         self.planMaps()
 
         if "whole" in self.parts and self.folder:
-            for name in offline_whole.PROBLEMS:
-                path = os.path.join(self.folder, "cdc24", name + ".json")
+            for path in filter(os.path.exists, offline_whole.paths(self.folder)):
                 self.work.add(f"solving {path} whole", WHOLE_TIME, lambda p=path: self.solveWhole(p))
 
     def solveWhole(self, path):

@@ -168,6 +168,11 @@ def setRows(pairs, doubles, limit, whole=None):
                     + (f" ({', '.join(stopped)})" if stopped else ""), len(stopped), f"of {len(runs)}", None, ("<=", 0)))
     for run in whole.values():
         rows += wholeRows(run)
+    if whole and not stopped:
+        all_runs = [run for run in runs if run["status"] == "complete"] + list(whole.values())
+        rows.append(row("cdc24: regions of all problems, each solved whole", sum(run["regions"] for run in all_runs)))
+        rows.append(row("cdc24: regions per CPU second, each solved whole, of one thread or what its row says",
+                        rate(all_runs, "cpu_seconds"), "1/s", None, (">=", 8000)))
     wrong = [r["problem"] for r in runs if r["status"] == "complete" and not ours(r)]
     rows.append(row("cdc24: complete, but against a sample" + (f" ({', '.join(wrong)})" if wrong else ""), len(wrong),
                     f"of {len(runs)}", None, ("<=", 0)))
