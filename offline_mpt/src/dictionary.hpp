@@ -95,16 +95,13 @@ class Dictionary {
     place_[row] = kRemoved;
   }
 
-  /// How far x_j can move in `direction`, and the place of the row that stops it (-1: none); the row at
-  /// `except` does not stop it (negative: all do).
-  double ratio(int j, double direction, int except, int& blocking) {
-    const double* coefficient = columns_.data() + (j + 1) * stride_;
+  /// How far x_j can move in `direction`, and the place of the row that stops it; the row at `except` does
+  /// not stop it (negative: all do).
+  Blocking ratio(int j, double direction, int except = -1) {
     const std::size_t count = padded(static_cast<std::size_t>(size_));
     const std::size_t left_out = except < 0 ? count : static_cast<std::size_t>(except);
-    const Blocking found =
-        leastRatio(columns_.data(), coefficient, direction, kPivot, kTie, left_out, count, quotient_.data());
-    blocking = found.place;
-    return found.step;
+    return leastRatio(columns_.data(), columns_.data() + (j + 1) * stride_, direction, kPivot, kTie, left_out,
+                      count, quotient_.data());
   }
 
   /// The row at `place` becomes zero in place of column j.
@@ -173,10 +170,8 @@ class Dictionary {
 
   // Replaces a free column by a row that blocks it, on the side whose pivot is the safer.
   bool enterFree(int j) {
-    int up = -1;
-    int down = -1;
-    ratio(j, kGrowing, -1, up);
-    ratio(j, kShrinking, -1, down);
+    const int up = ratio(j, kGrowing).place;
+    const int down = ratio(j, kShrinking).place;
     if (up < 0 && down < 0) return false;
     const bool take_up = down < 0 || (up >= 0 && std::abs(at(up, j + 1)) >= std::abs(at(down, j + 1)));
     pivot(take_up ? up : down, j);

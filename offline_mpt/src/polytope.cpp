@@ -65,8 +65,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
         dictionary_.point(0, 0.0, point);
         return true;
       }
-      int blocking = -1;
-      const double step = dictionary_.ratio(column, Dictionary<N>::kGrowing, -1, blocking);
+      const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing);
       if (blocking < 0) return false;
       stalled = step > kStall ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
@@ -97,8 +96,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
   // Whether row i, tight in column j, can be violated alone by more than the tolerance.
   bool provedByColumn(int i, int j) {
-    int blocking = -1;
-    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking, -1, blocking), kReach);
+    const double step = std::min(dictionary_.ratio(j, Dictionary<N>::kShrinking).step, kReach);
     if (step <= tolerance_) return false;
     markFacet(i, j, -step);
     return true;
@@ -111,13 +109,13 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int place = dictionary_.place(i);
       if (place < 0) {
         const int own = dictionary_.column(i);
-        int blocking = -1;
-        const double step = std::min(dictionary_.ratio(own, Dictionary<N>::kShrinking, -1, blocking), kReach);
+        const Blocking found = dictionary_.ratio(own, Dictionary<N>::kShrinking);
+        const double step = std::min(found.step, kReach);
         if (step > tolerance_) {
           markFacet(i, own, -step);
           return true;
         }
-        dictionary_.pivot(blocking, own);
+        dictionary_.pivot(found.place, own);
         ++stalled;
         continue;
       }
@@ -127,8 +125,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
         markRedundant(i);
         return true;
       }
-      int blocking = -1;
-      const double step = dictionary_.ratio(column, Dictionary<N>::kGrowing, place, blocking);
+      const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing, place);
       if (row[0] + row[column + 1] * step < -tolerance_) {
         const double reach = std::min(step, (row[0] + kReach) / -row[column + 1]);
         markFacet(i, column, reach);

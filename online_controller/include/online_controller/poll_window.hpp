@@ -35,11 +35,11 @@ class PollWindow {
   bool rehearses(Clock::time_point now) noexcept {
     if (!awaitsRehearsal() || now - last_ < rehearses_) return false;
     rehearsed_ = true;
-    return now - last_ <= rehearses_ + (closes_ / 2 - rehearses_) / 2;
+    return now - last_ <= period() - lead() / 2;
   }
 
   /// A sample that does not come by then is later than the rehearsal was early.
-  Clock::time_point expects() const noexcept { return last_ + (closes_ - rehearses_); }
+  Clock::time_point expects() const noexcept { return last_ + period() + lead(); }
 
   /// How long it may sleep, at most `most` [s]; zero: look again at once.
   double sleep(Clock::time_point now, double most) const noexcept {
@@ -54,6 +54,8 @@ class PollWindow {
  private:
   static constexpr double kUsualLead = 0.03;  // of the period
 
+  Clock::duration period() const noexcept { return closes_ / 2; }
+  Clock::duration lead() const noexcept { return period() - rehearses_; }
   bool awaitsRehearsal() const noexcept { return ever_rehearses_ && serving_ && !rehearsed_; }
   static double seconds(Clock::duration duration) noexcept {
     return std::chrono::duration<double>(duration).count();

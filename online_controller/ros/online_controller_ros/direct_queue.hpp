@@ -23,6 +23,8 @@ namespace polyfly_ros {
 class DirectQueue : public ros::CallbackQueueInterface {
  public:
   using Clock = std::chrono::steady_clock;
+  static constexpr Clock::time_point kNever = Clock::time_point::min();
+
   /// `follow_up`, where there is one, is added to `others` when a callback has run here. Keeps references.
   DirectQueue(polyfly::Baton& baton, ros::CallbackQueueInterface& others,
               ros::CallbackInterfacePtr follow_up = {})
@@ -34,11 +36,9 @@ class DirectQueue : public ros::CallbackQueueInterface {
   /// To be asked by a callback: whether the thread that added it runs it.
   bool runsHere() const noexcept { return runs_here_; }
 
-  /// When a callback was last left to `others` for want of the baton, and no longer afterwards; kNever: since
-  /// the last call none was.
+  /// When a callback was last left to `others` for want of the baton; kNever: none was since this was asked
+  /// last.
   Clock::time_point takeLeft() noexcept { return left_at_.exchange(kNever, std::memory_order_relaxed); }
-
-  static constexpr Clock::time_point kNever = Clock::time_point::min();
 
  private:
   polyfly::Baton& baton_;

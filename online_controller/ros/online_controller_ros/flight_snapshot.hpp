@@ -42,8 +42,7 @@ struct FlightRecord {
   polyfly::LatencyHistogram step;         ///< the law alone
   std::atomic<std::int64_t> overruns{0};  ///< periods that took longer than the control period
   std::atomic<std::int64_t> lost{0};      ///< odometry missing between two that came
-  std::atomic<std::int64_t> waited{
-      0};  ///< odometry that came while something else was done, such as a rehearsal
+  std::atomic<std::int64_t> waited{0};    ///< odometry that came while something else was done
 
  private:
   static FlightSnapshot blank(std::size_t points) {
