@@ -1,7 +1,6 @@
 #include "online_controller_ros/background.hpp"
 
 #include <ros/ros.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <sstream>
@@ -16,7 +15,6 @@ constexpr double kTick = 0.05;               // [s]
 constexpr int kTicksPerWrite = 20;           // of changed parameters to the master
 constexpr double kExchangePatience = 1.0;    // until a swap that was not taken is said to wait [s]
 constexpr double kExchangeInterval = 0.002;  // between two looks [s]
-constexpr int kNice = 10;                    // of this thread: more is less priority
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
 OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
@@ -28,9 +26,6 @@ OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
   for (const ForeignName& name : names) table.alias(name);
   return table;
 }
-
-/// The calling thread gives way to those that control.
-void giveWay() { setpriority(PRIO_PROCESS, 0, kNice); }
 
 std::string joined(const std::array<std::string, 3>& paths) {
   return paths[0] + ", " + paths[1] + ", " + paths[2];
@@ -54,9 +49,11 @@ Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& pri
       swap_service_(handle_.advertiseService("swap_maps", &Background::onSwapMaps, this)),
       tick_(handle_.createSteadyTimer(ros::WallDuration(kTick),
                                       [this](const ros::SteadyTimerEvent&) { onTick(); })),
-      thread_(queue_, "mpc_background", giveWay) {}
+      thread_(queue_, "mpc_background", {}) {}
 
-void Background::apply() { keeper_.offer(setup_); }
+void Background::apply() {
+  workshop_.run([this] { keeper_.offer(setup_); });
+}
 
 // The maps hold the solution for the values that they were solved with.
 std::string Background::bakedIn() const {
@@ -86,9 +83,12 @@ bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
   const FlightSnapshot* snapshot = record_.latest.read();
   std::array<double, 3> change{};
   try {
-    LawSetup next = withOtherMaps(setup_, request, snapshot, change);
-    keeper_.offer(next);  // throws before anything has changed
-    setup_ = next;        // the table keeps pointing into it
+    LawSetup next;
+    workshop_.run([&] {
+      next = withOtherMaps(setup_, request, snapshot, change);
+      keeper_.offer(next);  // throws before anything has changed
+    });
+    setup_ = next;  // the table keeps pointing into it
     response.success = 1;
     response.message =
         joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForExchange();

@@ -13,6 +13,7 @@
 #include "online_controller_ros/law_keeper.hpp"
 #include "online_controller_ros/option_table.hpp"
 #include "online_controller_ros/reconfigure_server.hpp"
+#include "online_controller_ros/workshop.hpp"
 
 namespace polyfly_ros {
 
@@ -45,6 +46,7 @@ class Background {
   FlightDisplay display_;
   FlightDiagnostics diagnostics_;
   ros::ServiceServer swap_service_;
+  Workshop workshop_;
   ros::SteadyTimer tick_;
   int ticks_ = 0;
   CallbackThread thread_;  // last: begins when all is there, ends before it goes
