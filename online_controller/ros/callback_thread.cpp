@@ -5,7 +5,9 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -14,10 +16,27 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kPatience = 0.05;  // until a thread without work looks whether it shall end [s]
+constexpr double kPatience = 0.05;     // until a thread without work looks whether it shall end [s]
+constexpr double kUsualLead = 0.0005;  // of a rehearsal [s]
 
 std::string refusal(const std::string& what, int error, const std::string& remedy) {
   return what + ": " + std::strerror(error) + "; goes on without. " + remedy + "\n";
+}
+
+cpu_set_t processCores() noexcept {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  sched_getaffinity(getpid(), sizeof cores, &cores);
+  return cores;
+}
+
+std::string askForPriority(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  if (error == 0) return {};
+  return refusal("real_time/priority " + std::to_string(priority), error,
+                 "Permitted to root and, as `USER - rtprio 99` in /etc/security/limits.conf, to a user.");
 }
 
 /// Whether there was one.
@@ -37,23 +56,26 @@ std::string becomeRealTime(const RealTimeOptions& options) {
   }
   if (options.core >= 0) said += runOn(options.core);
   if (options.rehearse > 0.0) prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]: to be awake in time
-  if (options.priority > 0) {
-    sched_param parameters{};
-    parameters.sched_priority = options.priority;
-    const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    if (error != 0) {
-      said +=
-          refusal("real_time/priority " + std::to_string(options.priority), error,
-                  "Permitted to root and, as `USER - rtprio 99` in /etc/security/limits.conf, to a user.");
-    }
-  }
+  if (options.priority > 0) said += askForPriority(options.priority);
   return said;
 }
 
+std::string runJustBelow(pid_t thread) {
+  sched_param parameters{};
+  const int policy = sched_getscheduler(thread);
+  if ((policy != SCHED_FIFO && policy != SCHED_RR) || sched_getscheduler(0) != SCHED_OTHER ||
+      sched_getparam(thread, &parameters) != 0)
+    return {};
+  parameters.sched_priority = std::max(1, parameters.sched_priority - 1);
+  return askForPriority(parameters.sched_priority);
+}
+
 std::string runOn(int core) {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  CPU_SET(static_cast<std::size_t>(core), &cores);
+  cpu_set_t cores = processCores();
+  if (core >= 0) {
+    CPU_ZERO(&cores);
+    CPU_SET(static_cast<std::size_t>(core), &cores);
+  }
   const int error = pthread_setaffinity_np(pthread_self(), sizeof cores, &cores);
   if (error == 0) return {};
   return refusal("real_time/core " + std::to_string(core), error,
@@ -62,13 +84,19 @@ std::string runOn(int core) {
 
 bool answersInPublisher(const std::string& answer, const RealTimeOptions& options) {
   if (answer == "thread") return false;
-  if (answer == "auto") return options.priority == 0 && options.core < 0 && options.poll == 0.0;
+  if (answer == "auto") return options.priority <= 0 && options.core < 0 && options.poll == 0.0;
   if (answer != "publisher")
     throw polyfly::Error("real_time/answer: must be one of auto, publisher, thread, got '" + answer + "'");
   if (options.poll > 0.0)
     throw polyfly::Error(
         "real_time/poll: has no sense with real_time/answer publisher: the control thread waits for nothing");
   return true;
+}
+
+double rehearsalLead(const RealTimeOptions& options, bool in_publisher) {
+  if (options.rehearse >= 0.0) return options.rehearse;
+  const cpu_set_t cores = processCores();
+  return in_publisher && CPU_COUNT(&cores) > 1 ? kUsualLead : 0.0;
 }
 
 ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue) {

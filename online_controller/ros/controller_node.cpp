@@ -2,6 +2,7 @@
 
 #include <sched.h>
 #include <std_msgs/String.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
@@ -34,6 +35,11 @@ class Task : public ros::CallbackInterface {
   std::function<void()> function_;
 };
 
+pid_t thisThread() noexcept {
+  static thread_local const pid_t thread = gettid();
+  return thread;
+}
+
 }  // namespace
 
 ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle,
@@ -47,6 +53,7 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
   visitRealTimeOptions(setup.real_time, reader);
   setup.in_publisher = answersInPublisher(
       reader.text("real_time/answer", "auto, publisher or thread", "auto"), setup.real_time);
+  setup.real_time.rehearse = rehearsalLead(setup.real_time, setup.in_publisher);
   setup.laws.understudies = setup.real_time.rehearse > 0.0;
   reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "linear", "nonlinear",
                         "control_interface", "rc", "output", "real_time"});
@@ -78,7 +85,8 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
       in_publisher_(setup.in_publisher),
       control_period_(setup.laws.controller.control_period),
       poll_(control_period_, setup.real_time.poll, setup.real_time.rehearse),
-      follows_publisher_(in_publisher_ && setup.real_time.rehearse > 0.0 && setup.real_time.core < 0),
+      follows_core_(in_publisher_ && setup.real_time.rehearse > 0.0 && setup.real_time.core < 0),
+      follows_priority_(setup.real_time.priority < 0),
       silence_(setup.node.stale_periods * control_period_) {
   if (setup.real_time.rehearse > 0.0) {
     topics_.emplace(onQueue(private_handle, queue_),
@@ -138,7 +146,11 @@ void ExplicitMpcNode::onFollowUp() {
 void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   StageClock clock;
   served_at_ = arrivalOfThis();
-  if (follows_publisher_ && at_once_.runsHere()) publisher_core_ = sched_getcpu();
+  if (at_once_.runsHere()) {
+    publisher_ = {thisThread(), sched_getcpu()};
+  } else if (in_publisher_) {
+    poll_.disturbed();
+  }
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
   if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message.header.stamp);
@@ -198,16 +210,17 @@ void ExplicitMpcNode::finish() {
   interface_.publishChange();
   if (last.by_odometry) {
     exchangeLaws();
+    poll_.served(served_at_);
     prepare();
     reporter_.prepared(last, clock.lap());
-    poll_.served(served_at_);
     followPublisher();
   }
   answered_.clear();
 }
 
 void ExplicitMpcNode::prepare() {
-  if (polyfly::LawSwitch* understudy = keeper_.laws().understudy()) {
+  polyfly::LawSwitch* const understudy = keeper_.laws().understudy();
+  if (understudy != nullptr && poll_.awaitsRehearsal()) {
     understudy->takeOver(laws());
     understudy->prepare();
   }
@@ -215,12 +228,21 @@ void ExplicitMpcNode::prepare() {
   output_.prepare();
 }
 
-// A rehearsal serves the processor on which it is done.
+// A rehearsal serves the processor on which it is done, and who holds a lock that the publisher may wait for
+// must not be kept from giving it back.
 void ExplicitMpcNode::followPublisher() {
-  if (!follows_publisher_ || publisher_core_ == core_) return;
-  core_ = publisher_core_;
-  const std::string refused = runOn(core_);
-  if (!refused.empty()) ROS_WARN_ONCE("MPC: rehearsals may serve another processor: %s", refused.c_str());
+  const int core = follows_core_ && poll_.awaitsRehearsal() ? publisher_.core : -1;
+  if (core != core_) {
+    core_ = core;
+    const std::string refused = runOn(core);
+    if (!refused.empty()) ROS_WARN_ONCE("MPC: rehearsals may serve another processor: %s", refused.c_str());
+  }
+  if (follows_priority_ && publisher_.thread != followed_) {
+    followed_ = publisher_.thread;
+    const std::string refused = runJustBelow(publisher_.thread);
+    if (!refused.empty())
+      ROS_WARN_ONCE("MPC: has no priority beside who publishes odometry: %s", refused.c_str());
+  }
 }
 
 // With the baton: what the next answer will do, changing nothing that has not been told of.

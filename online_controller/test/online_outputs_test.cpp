@@ -80,13 +80,50 @@ TEST(PollWindow, RehearsesOnceShortlyBeforeASample) {
   }
 }
 
+/// The last of so many samples on time that the next one is expected to be so.
+PollWindow::Clock::time_point serveSteadily(PollWindow& window, PollWindow::Clock::time_point first) {
+  constexpr int kEnough = 11;
+  for (int i = 0; i < kEnough; ++i) window.served(first + i * std::chrono::milliseconds(10));
+  return first + (kEnough - 1) * std::chrono::milliseconds(10);
+}
+
+TEST(PollWindow, OneWithALeadRehearsesOnlyWhileSamplesComeOnTime) {
+  using Clock = PollWindow::Clock;
+  using std::chrono::microseconds;
+  const microseconds before(9600);
+  PollWindow window(0.01, 0.0, 0.0005);
+  const auto rehearsalsOf = [&](Clock::time_point& sample, std::initializer_list<int> periods) {
+    int count = 0;
+    for (const int period : periods) {
+      sample += microseconds(period);
+      window.served(sample);
+      EXPECT_EQ(window.sleep(sample, 0.05) < 0.05, window.awaitsRehearsal());  // nobody wakes up for nothing
+      count += window.rehearses(sample + before) ? 1 : 0;
+    }
+    return count;
+  };
+  const auto ten = {10000, 10100, 9900, 10499, 9501, 10000, 10000, 10000, 10000, 10000};
+  Clock::time_point sample{std::chrono::hours(1)};
+  window.served(sample);
+  EXPECT_EQ(rehearsalsOf(sample, ten), 1);  // from the tenth on
+  EXPECT_EQ(rehearsalsOf(sample, ten), 10);
+  EXPECT_EQ(rehearsalsOf(sample, {9400}), 0);
+  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
+  EXPECT_EQ(rehearsalsOf(sample, {10600, 10000, 20000, 5000, 15000, 5000}), 0);
+  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
+  window.disturbed();
+  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
+}
+
 TEST(PollWindow, OneWhoSleepsIsAwakeForARehearsal) {
   using Clock = PollWindow::Clock;
   using std::chrono::microseconds;
-  const Clock::time_point sample{std::chrono::hours(1)};
+  Clock::time_point sample{std::chrono::hours(1)};
   PollWindow window(0.01, 0.0, 0.0005);
   EXPECT_EQ(window.sleep(sample, 0.05), 0.05);  // nothing is known of samples yet
+  sample = serveSteadily(window, sample);
   for (int i = 0; i < 2; ++i) {
+    sample += microseconds(10000);
     window.served(sample);
     EXPECT_NEAR(window.sleep(sample + microseconds(4000), 0.05), 0.0055, 1e-12);
     EXPECT_EQ(window.sleep(sample + microseconds(4000), 0.001), 0.001);
@@ -97,11 +134,12 @@ TEST(PollWindow, OneWhoSleepsIsAwakeForARehearsal) {
     EXPECT_EQ(window.sleep(sample + microseconds(9502), 0.05), 0.05);  // until there is a sample
     EXPECT_EQ(window.expects(), sample + microseconds(10500));
   }
+  sample += microseconds(10000);
   window.served(sample);
   EXPECT_FALSE(window.rehearses(sample + microseconds(9751)));  // too late: it might be in the sample's way
   EXPECT_EQ(window.sleep(sample + microseconds(9752), 0.05), 0.05);
   PollWindow both(0.01, 0.25, 0.0005);
-  both.served(sample);
+  sample = serveSteadily(both, sample);
   EXPECT_NEAR(both.sleep(sample, 0.05), 0.0075, 1e-12);
   EXPECT_FALSE(both.rehearses(sample + microseconds(9400)));
   EXPECT_TRUE(both.rehearses(sample + microseconds(9600)));

@@ -22,13 +22,12 @@ RATE = 100.0       # of odometry, and of reconfigurations where there are any [1
 PRIORITY = int(os.environ.get("POLYFLY_LATENCY_PRIORITY", "50"))  # of SCHED_FIFO, 0: none
 PATIENCE = 60.0    # beyond the time that the samples take [s]
 LAWS = os.environ.get("POLYFLY_LATENCY_LAWS", "explicit_linear,linear,nonlinear").split(",")
-REHEARSE = float(os.environ.get("POLYFLY_LATENCY_REHEARSE", "0.0005"))  # so long before odometry is due [s]
 POLL = 0.9         # share of the control period in which the controller looks for odometry without sleeping
 # How controller and probe live together, and what each is told. "mark": the median to reach [us]. Who answers where it is
-# published has no options of its own: that is the default.
+# published, after rehearsals, has no options of its own: that is the default.
 WAYS = {
     "nodelet": dict(mark=20.0, probe__consumer="publisher"),
-    "nodelet that rehearses": dict(mark=20.0, controller__real_time__rehearse=REHEARSE, probe__consumer="publisher"),
+    "nodelet that does not rehearse": dict(controller__real_time__rehearse=0.0, probe__consumer="publisher"),
     "nodelet, to a thread that sleeps": dict(probe__consumer="own"),
     "nodelet that polls": dict(mark=20.0, controller__real_time__priority=PRIORITY, controller__real_time__poll=POLL,
                                probe__poll=True),

@@ -9,7 +9,8 @@ namespace polyfly {
 /// rehearses. To wake a thread takes an operating system tens of microseconds, to look takes none; but who
 /// looks keeps a processor busy. So it looks for the last `share` of a period, in which the next sample is
 /// due, and for as long as one more period when that is late; then it sleeps until there is a sample. It
-/// rehearses, and is awake for it, `lead` before a sample is due.
+/// rehearses, and is awake for it, `lead` before a sample is due. One with a lead of its own rehearses only
+/// while samples come on time.
 class PollWindow {
  public:
   using Clock = std::chrono::steady_clock;
@@ -21,13 +22,23 @@ class PollWindow {
         rehearses_(toDuration(lead > 0.0 ? std::max(0.0, period - lead) : (1.0 - kUsualLead) * period)),
         closes_(toDuration(2.0 * period)),
         looks_(share > 0.0),
-        ever_rehearses_(looks_ || lead > 0.0) {}
+        paces_(lead > 0.0),
+        ever_rehearses_(looks_ || paces_) {}
 
   /// A sample was served.
   void served(Clock::time_point now) noexcept {
+    awaited_ = isOnTime(now) ? std::max(0, awaited_ - 1) : kSteady;
     last_ = now;
     serving_ = true;
     rehearsed_ = false;
+  }
+
+  /// The sample that is served now is none that a rehearsal serves.
+  void disturbed() noexcept { awaited_ = kSteady; }
+
+  /// Whether there is to be a rehearsal before the next sample.
+  bool awaitsRehearsal() const noexcept {
+    return ever_rehearses_ && serving_ && !rehearsed_ && (!paces_ || awaited_ == 0);
   }
 
   /// Whether the next sample is due so soon that a rehearsal of its step keeps the caches warm until then;
@@ -53,10 +64,13 @@ class PollWindow {
 
  private:
   static constexpr double kUsualLead = 0.03;  // of the period
+  static constexpr int kSteady = 10;          // samples on time after which the next one is expected to be so
 
   Clock::duration period() const noexcept { return closes_ / 2; }
   Clock::duration lead() const noexcept { return period() - rehearses_; }
-  bool awaitsRehearsal() const noexcept { return ever_rehearses_ && serving_ && !rehearsed_; }
+  bool isOnTime(Clock::time_point now) const noexcept {
+    return serving_ && std::chrono::abs(now - last_ - period()) <= lead();
+  }
   static double seconds(Clock::duration duration) noexcept {
     return std::chrono::duration<double>(duration).count();
   }
@@ -69,9 +83,11 @@ class PollWindow {
   Clock::duration rehearses_;  // since the last sample
   Clock::duration closes_;     // since the last sample
   bool looks_;
+  bool paces_;  // rehearses only while samples come on time
   bool ever_rehearses_;
   bool serving_ = false;
   bool rehearsed_ = false;
+  int awaited_ = kSteady;  // samples on time until there are rehearsals
   Clock::time_point last_;
 };
 

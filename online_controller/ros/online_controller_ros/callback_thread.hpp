@@ -2,6 +2,7 @@
 
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
+#include <sys/types.h>
 
 #include <atomic>
 #include <chrono>
@@ -19,20 +20,20 @@ namespace polyfly_ros {
 
 /// What the operating system may do for the control thread.
 struct RealTimeOptions {
-  int priority = 0;          ///< of SCHED_FIFO, 0: not real-time
+  int priority = -1;         ///< of SCHED_FIFO, 0: not real-time, -1: follows who publishes odometry
   int core = -1;             ///< runs on this processor only, -1: on any
   bool lock_memory = false;  ///< keeps the whole process in memory
   double poll = 0.0;         ///< share of the control period in which it looks for odometry without sleeping
-  double rehearse = 0.0;     ///< so long before odometry is due the answer is rehearsed; 0: not [s]
+  double rehearse = -1.0;  ///< so long before odometry is due the answer is rehearsed; 0: not, -1: usual [s]
 };
 
 template <class Options, class Visit>
 void visitRealTimeOptions(Options& options, Visit&& visit) {
-  visit("real_time/priority", options.priority, "of SCHED_FIFO", polyfly::Range{0.0, 99.0});
+  visit("real_time/priority", options.priority, "of SCHED_FIFO", polyfly::Range{-1.0, 99.0});
   visit("real_time/core", options.core, "", polyfly::Range{-1.0, 1023.0});
   visit("real_time/lock_memory", options.lock_memory);
   visit("real_time/poll", options.poll, "of the control period", polyfly::Range{0.0, 1.0});
-  visit("real_time/rehearse", options.rehearse, "s", polyfly::Range{0.0, 0.01});
+  visit("real_time/rehearse", options.rehearse, "s", polyfly::Range{-1.0, 0.01});
 }
 
 /// Whether odometry of this process is answered in the thread that publishes it, by `answer`, the value of
@@ -40,12 +41,21 @@ void visitRealTimeOptions(Options& options, Visit&& visit) {
 /// option asks something of the control thread. Throws Error naming the option.
 bool answersInPublisher(const std::string& answer, const RealTimeOptions& options);
 
+/// How long before odometry is due the answer is rehearsed, 0: never [s]. Unless the options tell, half a
+/// millisecond where it is answered in the thread that publishes it, on one of several processors.
+double rehearsalLead(const RealTimeOptions& options, bool in_publisher);
+
 /// Asks for the options on behalf of the calling thread. Says in one sentence each what was not permitted and
 /// what would permit it, and goes on without; empty when all was granted.
 std::string becomeRealTime(const RealTimeOptions& options);
 
-/// The calling thread runs on that processor from now on. Empty, or in one sentence why not.
+/// The calling thread runs on that processor from now on, -1: on any that the process has. Empty, or in one
+/// sentence why not.
 std::string runOn(int core);
+
+/// The calling thread has the real-time priority just below that of `thread` from now on, where that has one
+/// and this none. Empty, or in one sentence why not.
+std::string runJustBelow(pid_t thread);
 
 /// A callback queue that a thread can watch without taking the lock that those who add to it need, or wait
 /// for without being the one who calls.

@@ -59,6 +59,12 @@ class ExplicitMpcNode {
     bool in_publisher = true;  // odometry is answered there
   };
 
+  /// Who publishes odometry, and where.
+  struct Publisher {
+    pid_t thread = 0;
+    int core = -1;
+  };
+
   static Setup readSetup(const ros::NodeHandle& private_handle, const ForeignNames& names);
   ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const ForeignNames& names, const Setup& setup);
@@ -107,10 +113,12 @@ class ExplicitMpcNode {
   polyfly::PollWindow::Clock::time_point served_at_;  // the last odometry
   std::optional<TopicRehearsal> topics_;              // of rehearsals of the whole way
   std::optional<Vigil> vigil_;                        // between a rehearsal and its odometry
-  int publisher_core_ = -1;                           // where the last odometry was published
-  int core_ = -1;                                     // where the control thread is kept; -1: not yet
-  bool follows_publisher_ = false;                    // it shall be kept there
-  ros::Duration silence_;                             // longer than this without odometry is silence
+  Publisher publisher_;    // of the last odometry that was answered where it was published
+  pid_t followed_ = 0;     // below whose priority the control thread shall be
+  int core_ = -1;          // where it is kept; -1: anywhere
+  bool follows_core_;      // while it rehearses, it shall be kept where the publisher runs
+  bool follows_priority_;  // it shall have a priority just below that of the publisher
+  ros::Duration silence_;  // longer than this without odometry is silence
 
   ros::Publisher law_publisher_;
   ros::ServiceServer law_service_;

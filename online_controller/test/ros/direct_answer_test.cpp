@@ -1,16 +1,25 @@
 // Odometry answered in the thread that publishes it: the node in the process of the one who publishes.
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <mav_msgs/RollPitchYawrateThrust.h>
 #include <nav_msgs/Odometry.h>
 #include <online_controller/ControllerStatus.h>
+#include <pthread.h>
 #include <ros/ros.h>
+#include <sched.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
+#include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "online_controller_ros/callback_thread.hpp"
@@ -35,12 +44,13 @@ nav_msgs::Odometry::Ptr odometryAt(const ros::Time& stamp, double x = 0.0) {
 /// The node, and one who publishes odometry and takes commands where they are published.
 class Flight {
  public:
-  explicit Flight(const std::string& space, const std::string& answer = "", double rehearse = 0.0)
+  explicit Flight(const std::string& space, const std::string& answer = "",
+                  std::optional<double> rehearse = std::nullopt)
       : handle_(space), private_handle_(space + "/controller") {
     private_handle_.setParam("law", "linear");
     private_handle_.setParam("controller/stale_periods", 10000);
     if (!answer.empty()) private_handle_.setParam("real_time/answer", answer);
-    private_handle_.setParam("real_time/rehearse", rehearse);
+    if (rehearse) private_handle_.setParam("real_time/rehearse", *rehearse);
     baton_.give();
     ros::SubscribeOptions options;
     options.init<mav_msgs::RollPitchYawrateThrust>(
@@ -78,6 +88,19 @@ class Flight {
     return count > before;
   }
 
+  /// So many odometries, the n-th after periods[n modulo their number] [s].
+  bool exchangeAll(int number, std::initializer_list<double> periods) {
+    for (int i = 0; i < number; ++i) {
+      due_ += std::chrono::duration_cast<Clock::duration>(
+          std::chrono::duration<double>(periods.begin()[static_cast<std::size_t>(i) % periods.size()]));
+      if (due_ < Clock::now()) due_ = Clock::now();  // at the start, or where the machine is slow
+      std::this_thread::sleep_until(due_);
+      stamp_ += ros::Duration(0.01);
+      if (!exchange(stamp_)) return false;
+    }
+    return true;
+  }
+
   /// Waits for the status of the command with so many before it, and takes no more.
   bool awaitStatus(std::uint32_t sequence) {
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
@@ -97,6 +120,10 @@ class Flight {
   std::unique_ptr<ExplicitMpcNode> node;
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  Clock::time_point due_;
+  ros::Time stamp_{100.0};
   polyfly::Baton baton_;
   std::atomic<std::uint32_t> last_sequence_{0};
   WatchedQueue queue_;
@@ -141,6 +168,73 @@ TEST(DirectAnswer, ARehearsalChangesNoCommand) {
     EXPECT_EQ(commands[0][i].yaw_rate, commands[1][i].yaw_rate) << i;
     EXPECT_EQ(commands[0][i].thrust.z, commands[1][i].thrust.z) << i;
   }
+}
+
+// Odometry that comes without a rhythm cannot be rehearsed for; nobody tries, until it has one again.
+TEST(DirectAnswer, RehearsesOnlyWhileOdometryComesOnTime) {
+  Flight flight("/rhythm", "", 0.004);
+  const auto rehearsesAtLast = [&] {
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    const int before = flight.rehearsed;
+    while (flight.rehearsed == before && ros::WallTime::now() < end) flight.exchangeAll(20, {0.01});
+    return flight.rehearsed > before;
+  };
+  EXPECT_TRUE(rehearsesAtLast());
+  ASSERT_TRUE(flight.exchangeAll(4, {0.003, 0.017}));
+  const int before = flight.rehearsed;
+  ASSERT_TRUE(flight.exchangeAll(60, {0.003, 0.017}));
+  EXPECT_EQ(flight.rehearsed, before);
+  EXPECT_TRUE(rehearsesAtLast());
+}
+
+// As the calm flight is, so is one whose options change with each odometry: rehearsed, and each is answered.
+TEST(DirectAnswer, RehearsalsGoOnWhileOptionsChange) {
+  Flight flight("/options", "", 0.004);
+  const int wanted = 20;
+  int calls = 0;
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+  while (flight.rehearsed < wanted && ros::WallTime::now() < end) {
+    dynamic_reconfigure::Reconfigure change;
+    change.request.config.doubles.resize(1);
+    change.request.config.doubles[0].name = "controller/yaw_gain";
+    change.request.config.doubles[0].value = 1.0 + ++calls % 2;
+    ASSERT_TRUE(ros::service::call("/options/controller/set_parameters", change));
+    ASSERT_TRUE(flight.exchangeAll(1, {0.01}));
+  }
+  EXPECT_GE(flight.rehearsed, wanted);
+  EXPECT_EQ(flight.stamps.size(), static_cast<std::size_t>(calls));
+}
+
+/// The scheduling of the thread of this process with that name: policy and priority.
+std::pair<int, int> schedulingOf(const std::string& name) {
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string found;
+    std::ifstream(thread.path() / "comm") >> found;
+    const pid_t id = std::stoi(thread.path().filename());
+    sched_param parameters{};
+    if (found == name && sched_getparam(id, &parameters) == 0)
+      return {sched_getscheduler(id), parameters.sched_priority};
+  }
+  return {-1, 0};
+}
+
+// Where the publisher waits for a lock that the control thread holds, nobody of less priority comes between.
+TEST(DirectAnswer, TheControlThreadIsJustBelowARealTimePublisher) {
+  Flight flight("/below");
+  ASSERT_TRUE(flight.exchangeAll(3, {0.01}));
+  EXPECT_EQ(schedulingOf("mpc_control"), std::make_pair(SCHED_OTHER, 0));
+  bool permitted = false, answered = false;
+  std::thread publisher([&] {
+    sched_param parameters{};
+    parameters.sched_priority = 20;
+    permitted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
+    answered = flight.exchangeAll(3, {0.01});
+    ros::WallDuration(0.05).sleep();
+  });
+  publisher.join();
+  EXPECT_TRUE(answered);
+  EXPECT_EQ(schedulingOf("mpc_control"),
+            permitted ? std::make_pair(SCHED_FIFO, 19) : std::make_pair(SCHED_OTHER, 0));
 }
 
 TEST(DirectAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
@@ -233,6 +327,17 @@ TEST(AnswersInPublisher, IsChosenByNameAndByWhatIsAskedOfTheControlThread) {
   options.poll = 0.1;
   EXPECT_FALSE(answersInPublisher("auto", options));
   EXPECT_THROW(answersInPublisher("publisher", options), polyfly::Error);
+}
+
+TEST(RehearsalLead, IsUsualWhereThePublisherAnswersOnOneOfSeveralProcessors) {
+  RealTimeOptions options;
+  EXPECT_EQ(rehearsalLead(options, false), 0.0);
+  EXPECT_EQ(rehearsalLead(options, true), std::thread::hardware_concurrency() > 1 ? 0.0005 : 0.0);
+  for (const double told : {0.0, 0.002}) {
+    options.rehearse = told;
+    EXPECT_EQ(rehearsalLead(options, true), told);
+    EXPECT_EQ(rehearsalLead(options, false), told);
+  }
 }
 
 int publishOdometry(const std::string& topic) {
