@@ -94,6 +94,7 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
     if (setup.real_time.poll == 0.0) vigil_.emplace();
   }
   connect();
+  timer_thread_.emplace(timer_queue_, "mpc_timer", std::function<void()>());
   background_.emplace(handle, private_handle, setup.laws, names, keeper_, record_);
   const auto begin = [real_time = setup.real_time] {
     const std::string refused = becomeRealTime(real_time);
@@ -124,8 +125,15 @@ void ExplicitMpcNode::connect() {
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   if (in_publisher_) options.callback_queue = &at_once_;
   odometry_subscriber_ = handle_.subscribe(options);
-  watchdog_ =
-      handle_.createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) { onWatchdog(); });
+  watchdog_task_ = boost::make_shared<Task>([this] {
+    watchdog_waits_ = false;
+    onWatchdog();
+  });
+  watchdog_ = onQueue(handle_, timer_queue_)
+                  .createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) {
+                    if (!watchdog_waits_.exchange(true))
+                      queue_.addCallback(watchdog_task_, reinterpret_cast<std::uint64_t>(this));
+                  });
 }
 
 void ExplicitMpcNode::onOdometry(const OdometryEvent& event) {

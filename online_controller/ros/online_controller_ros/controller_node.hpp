@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -123,7 +124,11 @@ class ExplicitMpcNode {
   ros::Publisher law_publisher_;
   ros::ServiceServer law_service_;
   ros::Subscriber odometry_subscriber_;
+  // roscpp takes a lock of its timers after each callback: not with the baton in one's hands.
+  WatchedQueue timer_queue_;
   ros::Timer watchdog_;
+  ros::CallbackInterfacePtr watchdog_task_;  // of the control thread
+  std::atomic<bool> watchdog_waits_{false};
 
   bool has_odometry_ = false;
   ros::Time arrival_;          // of the last odometry
@@ -133,6 +138,7 @@ class ExplicitMpcNode {
   std::uint32_t sequence_ = 0;
 
   // These end first.
+  std::optional<CallbackThread> timer_thread_;
   std::optional<Background> background_;
   std::optional<CallbackThread> control_thread_;
 };
