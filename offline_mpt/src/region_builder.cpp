@@ -19,7 +19,7 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
       shortest_(program),
-      exact_(program),
+      accurate_(program),
       D_size_(program.m),
       reach_((1.0 + kAccurate) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
@@ -109,7 +109,7 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   double squared = 0.0;
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
-  if (is_exact_) noise = 0.0;
+  if (is_accurate_) noise = 0.0;
   const double constant = affine[program_.p];
   const double blurred = kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
@@ -142,8 +142,8 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
 bool RegionBuilder::priceOut(const ActiveSet& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
   prices_.resize(multipliers_.size());
-  if (is_exact_) {
-    for (std::size_t r = 0; r < active.size(); ++r) exact_.price(r, prices_.data() + r * width_);
+  if (is_accurate_) {
+    for (std::size_t r = 0; r < active.size(); ++r) accurate_.price(r, prices_.data() + r * width_);
     return true;
   }
   if (program_.semidefinite) {
@@ -195,7 +195,7 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
 
 // Slack of an inactive row as a function of (t, 1), into scratch_.
 void RegionBuilder::slackRow(const ActiveSet& active, int row) {
-  if (is_exact_) return exact_.slack(row, scratch_.data());
+  if (is_accurate_) return accurate_.slack(row, scratch_.data());
   if (program_.semidefinite) return shortest_.slack(row, scratch_.data());
   const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
   std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
@@ -228,7 +228,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
 // where the rows are dependent.
 bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   multipliers_.resize(active.size() * width_);
-  if (!is_exact_ && !factorise(active)) return false;
+  if (!is_accurate_ && !factorise(active)) return false;
   scale = 1.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     for (int j = 0; j < width_; ++j) {
@@ -237,8 +237,8 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
       scale = std::max(scale, std::abs(value));
     }
   }
-  if (is_exact_) {
-    for (std::size_t r = 0; r < active.size(); ++r) exact_.multiplier(r, multipliers_.data() + r * width_);
+  if (is_accurate_) {
+    for (std::size_t r = 0; r < active.size(); ++r) accurate_.multiplier(r, multipliers_.data() + r * width_);
     return true;
   }
   if (program_.semidefinite) {
@@ -297,25 +297,25 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) 
   return status;
 }
 
-bool RegionBuilder::needsExactness(BuildStatus status, const RegionData& region) const {
+bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) const {
   if (status == BuildStatus::kDependent) return false;
   if (doubtful_) return true;
   if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
   return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
 }
 
-bool RegionBuilder::describeExactly(const ActiveSet& active) {
-  is_exact_ = exact_.describe(active);
-  return is_exact_;
+bool RegionBuilder::describeAccurately(const ActiveSet& active) {
+  is_accurate_ = accurate_.describe(active);
+  return is_accurate_;
 }
 
 BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
-  is_exact_ = false;
+  is_accurate_ = false;
   BuildStatus status = measure(active, region);
-  if (needsExactness(status, region)) {
-    if (describeExactly(active)) {
+  if (needsAccuracy(status, region)) {
+    if (describeAccurately(active)) {
       status = measure(active, region);
-    } else if (program_.semidefinite && exact_.usable()) {
+    } else if (program_.semidefinite && accurate_.isNoSolution()) {
       return BuildStatus::kThin;  // what doubles took for a solution is none
     }
   }
@@ -345,7 +345,7 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
 
 void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
   law_error_ = 0.0;
-  if (is_exact_) return exact_.law(out);
+  if (is_accurate_) return accurate_.law(out);
   if (program_.semidefinite) {
     law_error_ = shortest_.noise();
     return shortest_.law(out);

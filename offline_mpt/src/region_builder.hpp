@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "exact_description.hpp"
+#include "accurate_description.hpp"
 #include "least_distance.hpp"
 #include "offline_mpt/polytope.hpp"
 #include "shortest_optimum.hpp"
@@ -53,8 +53,8 @@ enum class Crossing : std::uint8_t {
 };
 
 /// Turns active sets into regions. Everything it computes for a set depends on that set alone: where its rows
-/// depend on each other so nearly that doubles would mislead, it is described in rational arithmetic, which
-/// is then rounded. One object, one thread.
+/// depend on each other so nearly that doubles would mislead, it is described accurately and then rounded.
+/// One object, one thread.
 class RegionBuilder {
  public:
   RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
@@ -76,8 +76,8 @@ class RegionBuilder {
   bool findShortest(const ActiveSet& active);
   double growth() const;
   BuildStatus measure(const ActiveSet& active, RegionData& region);
-  bool needsExactness(BuildStatus status, const RegionData& region) const;
-  bool describeExactly(const ActiveSet& active);
+  bool needsAccuracy(BuildStatus status, const RegionData& region) const;
+  bool describeAccurately(const ActiveSet& active);
   bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
   void slackRow(const ActiveSet& active, int row);
   bool satisfied(const double* t, double tolerance) const;
@@ -119,8 +119,8 @@ class RegionBuilder {
   double pivot_ = 1.0;               // least of the factor's diagonal
   ShortestOptimum shortest_;         // describes the set where H is singular and not zero
   bool is_paid_ = true;              // by prices, there
-  ExactDescription exact_;
-  bool is_exact_ = false;            // the set is described by exact_
+  AccurateDescription accurate_;
+  bool is_accurate_ = false;         // the set is described by accurate_
   bool doubtful_ = false;            // rounding decided whether a row is constant
   double plane_error_ = 0.0;         // about what rounding does to the half-spaces in the box [scaled]
   double law_error_ = 0.0;           // the same for the law, relative to max(1, |u|)

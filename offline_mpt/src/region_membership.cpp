@@ -12,12 +12,12 @@ constexpr double kClear =
 }  // namespace
 
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
-  is_exact_ = false;
+  is_accurate_ = false;
   const bool held = holdsAsDescribed(active, t, tolerance);
   if (!doubtful_ && plane_error_ <= kAccurate) return held;
   if (!held && !doubtful_ && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
     return false;
-  return describeExactly(active) ? holdsAsDescribed(active, t, tolerance) : held;
+  return describeAccurately(active) ? holdsAsDescribed(active, t, tolerance) : held;
 }
 
 bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance) {

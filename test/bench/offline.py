@@ -151,7 +151,7 @@ class Bench:
                 self.work.add(f"solving {path} whole", WHOLE_TIME, lambda p=path: self.solveWhole(p))
 
     def solveWhole(self, path):
-        run = measure("solve", path, "--time-limit", offline_whole.TIME_LIMIT, "--threads", os.cpu_count(), "--runs", 1)
+        run = measure("solve", path, "--time-limit", offline_whole.TIME_LIMIT, "--threads", 1, "--runs", 1)
         if self.done(run, f"solve {path} whole"):
             print("    " + "  ".join(offline_table.line(run, [])), flush=True)
             offline_whole.remember(run, path, self.output)

@@ -129,7 +129,7 @@ def rate(runs, key):
 
 def wholeRows(run):
     """A problem that takes longer than the limit of a run, solved without one."""
-    name = f"{run['problem']}, without the limit, {run['threads']} threads"
+    name = f"{run['problem']}, without the limit, {run['threads']} thread{'s' if run['threads'] > 1 else ''}"
     return [row(f"{name}: complete (1: yes)", int(run["status"] == "complete"), "", None, (">=", 1)),
             row(f"{name}: regions", run["regions"]),
             row(f"{name}: CPU time", run["cpu_seconds"], "s"),

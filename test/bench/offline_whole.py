@@ -1,4 +1,4 @@
-"""Problems of the cdc24 set that take longer than the limit of a run: solved whole, with all processors.
+"""Problems of the cdc24 set that take longer than the limit of a run: solved whole, on one core.
 
 That takes long, so it is a part of its own, `whole`; what came out is remembered beside the output, and the part `cdc24`
 of later runs says it of the same problem files.
