@@ -32,13 +32,7 @@ class Dictionary {
 
   /// Stands at `point`, which must satisfy every row, and walks to a vertex.
   bool start(const double* rows, int count, const double* point) {
-    size_ = count;
-    stride_ = padded(static_cast<std::size_t>(count));
-    columns_.assign((N + 1) * stride_, 0.0);
-    quotient_.resize(stride_);
-    above_.resize(stride_);
-    row_.resize(static_cast<std::size_t>(count));
-    place_.resize(static_cast<std::size_t>(count));
+    prepare(count);
     for (int i = 0; i < count; ++i) {
       const double* row = rows + static_cast<std::ptrdiff_t>(i) * (N + 1);
       double value = row[N];
@@ -59,6 +53,54 @@ class Dictionary {
       if (!enterFree(j)) return false;
     }
     return true;
+  }
+
+  /// For balls in {t in R^(N - 1) : a_i . t <= b_i}, whose first rows are t_j <= 1 and -t_j <= 1 in turn:
+  /// coordinates are the centre and then the radius. Stands at the largest ball of the box, which no ball
+  /// that the other rows allow exceeds; their slacks may be negative.
+  void startInBox(const double* rows, int count) {
+    prepare(count);
+    size_ = 0;
+    for (int j = 0; j < N; ++j) {
+      nonbasic_[j] = j < 2 ? j : 2 * j - 2;
+      place_[nonbasic_[j]] = -1 - j;
+    }
+    for (int i = 0; i < count; ++i) {
+      if (i < 2 || (i % 2 == 0 && i < 2 * N - 2)) continue;  // zero here
+      const double* row = rows + static_cast<std::ptrdiff_t>(i) * N;
+      double others = 0.0;
+      for (int j = 1; j + 1 < N; ++j) {
+        others += row[j];
+        at(size_, j + 2) = row[j];
+      }
+      at(size_, 0) = row[N - 1] - 1.0;
+      at(size_, 1) = 0.5 * (1.0 - others + row[0]);
+      at(size_, 2) = 0.5 * (1.0 - others - row[0]);
+      row_[size_] = i;
+      place_[i] = size_++;
+    }
+    coordinates_.fill(0.0);
+    for (int q = 0; q < N;
+         ++q) {  // t_0 = (x_1 - x_0) / 2, t_q = (x_0 + x_1) / 2 - x_(q+1), r = 1 - (x_0 + x_1) / 2
+      const bool radius = q + 1 == N;
+      coordinates_[kCoordinates + q] = q == 0 || radius ? -0.5 : 0.5;
+      coordinates_[2 * kCoordinates + q] = radius ? -0.5 : 0.5;
+      if (q > 0 && !radius) coordinates_[(q + 2) * kCoordinates + q] = -1.0;
+    }
+    coordinates_[N - 1] = 1.0;
+  }
+
+  /// Of the rows that are not zero here, the place of that which falls short most; -1: none does by more than
+  /// `tolerance`.
+  int worstPlace(double tolerance) const {
+    int worst = -1;
+    double least = -tolerance;
+    for (int i = 0; i < size_; ++i) {
+      if (columns_[i] >= least) continue;
+      least = columns_[i];
+      worst = i;
+    }
+    return worst;
   }
 
   int size() const { return size_; }
@@ -154,6 +196,16 @@ class Dictionary {
   static constexpr double kTie = 1e-14;
   static constexpr std::size_t kCoordinates = padded(N);  // stride of their columns
   static constexpr int kRemoved = std::numeric_limits<int>::min();
+
+  void prepare(int count) {
+    size_ = count;
+    stride_ = padded(static_cast<std::size_t>(count));
+    columns_.assign((N + 1) * stride_, 0.0);
+    quotient_.resize(stride_);
+    above_.resize(stride_);
+    row_.resize(static_cast<std::size_t>(count));
+    place_.resize(static_cast<std::size_t>(count));
+  }
 
   double& at(int place, int k) { return columns_[k * stride_ + place]; }
 

@@ -18,10 +18,18 @@ class PolytopeSolver::Kernel {
   /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
   virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
                         double* point) = 0;
+  /// Of `rows` in one dimension less, the first of which are those of the box: centre and radius of the
+  /// largest ball, `hopeless` where its radius is below -kHopeless for certain.
+  enum class Ball { kFound, kHopeless, kFailed };
+  virtual Ball ballInBox(const double* rows, int count, double* ball) = 0;
   virtual unsigned long long pivots() const = 0;
 };
 
 namespace {
+
+constexpr double kHopeless = PolytopeSolver::kHopeless;
+constexpr double kShort = 1e-12;  // slacks may be negative by so much
+constexpr double kSame = 1e-9;    // difference of two ways to find one radius, above which both are doubted
 
 enum class RowState : char { kUnknown, kFacet, kRedundant };
 
@@ -73,9 +81,60 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return false;
   }
 
+  // The dual simplex: what the rows looked at so far allow bounds the radius from above.
+  Ball ballInBox(const double* rows, int count, double* ball) override {
+    dictionary_.startInBox(rows, count);
+    for (int round = 0; round < kDualPivotLimit; ++round) {
+      const int place = dictionary_.worstPlace(kShort);
+      if (place < 0) {
+        dictionary_.point(0, 0.0, ball);
+        return Ball::kFound;
+      }
+      const int column = enteringColumn(dictionary_.slack(place));
+      if (column < 0) return Ball::kFailed;
+      dictionary_.pivot(place, column);
+      if (dictionary_.coordinate(N - 1, 0) >= -2.0 * kHopeless) continue;
+      ball[N - 1] = radiusBound(rows);
+      if (ball[N - 1] < -kHopeless) return Ball::kHopeless;
+    }
+    return Ball::kFailed;
+  }
+
   unsigned long long pivots() const override { return dictionary_.pivots(); }
 
  private:
+  static constexpr int kDualPivotLimit = 40 * (N + 1);
+
+  // Along which the row grows while the radius, the last coordinate, falls least.
+  int enteringColumn(const typename Dictionary<N>::Row& row) const {
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int j = 0; j < N; ++j) {
+      if (row[j + 1] <= Dictionary<N>::kPivot) continue;
+      const double price = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0) / row[j + 1];
+      if (price > least || (price == least && best >= 0 && row[j + 1] <= row[best + 1])) continue;
+      least = price;
+      best = j;
+    }
+    return best;
+  }
+
+  // What the rows that are zero here allow, whatever rounding did before: weights w of rows, none negative,
+  // with sum w a = v bound the radius by (sum w b + |v|_1) / sum w, since |t_j| <= 1.
+  double radiusBound(const double* rows) const {
+    double total = 0.0, bound = 0.0;
+    std::array<double, N> left{};
+    for (int j = 0; j < N; ++j) {
+      const double weight = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0);
+      const double* row = rows + static_cast<std::ptrdiff_t>(dictionary_.nonbasic(j)) * N;
+      total += weight;
+      bound += weight * row[N - 1];
+      for (int q = 0; q + 1 < N; ++q) left[q] += weight * row[q];
+    }
+    for (int q = 0; q + 1 < N; ++q) bound += std::abs(left[q]);
+    return total > 0.0 ? bound / total : std::numeric_limits<double>::infinity();
+  }
+
   static constexpr double kStall = 1e-13;  // shorter steps count as degenerate
   static constexpr double kReach = 1.0;    // `beyond` points stay within this of the vertex
 
@@ -209,14 +268,38 @@ bool PolytopeSolver::chebyshev(const double* rows, int count, double* centre, do
     return false;
   }
   std::copy(best, best + n, centre);
-  radius = std::numeric_limits<double>::infinity();
+  radius = radiusAbout(rows, count, centre);
+  return true;
+}
+
+// Distance from the point to the nearest plane, negative beyond it.
+double PolytopeSolver::radiusAbout(const double* rows, int count, const double* centre) const {
+  const int n = dimension_;
+  double radius = std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
     const double* row = rows + static_cast<std::ptrdiff_t>(i) * (n + 1);
     double slack = row[n];
     for (int j = 0; j < n; ++j) slack -= row[j] * centre[j];
     radius = std::min(radius, slack);
   }
-  return true;
+  return radius;
+}
+
+bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centre, double& radius) {
+  double ball[kMaxDimension + 1];
+  switch (lifted_->ballInBox(rows, count, ball)) {
+    case Kernel::Ball::kHopeless:
+      radius = ball[dimension_];
+      return true;
+    case Kernel::Ball::kFound:
+      radius = radiusAbout(rows, count, ball);
+      if (std::abs(radius - ball[dimension_]) > kSame) break;
+      std::copy_n(ball, dimension_, centre);
+      return true;
+    case Kernel::Ball::kFailed:
+      break;
+  }
+  return chebyshev(rows, count, centre, radius);
 }
 
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,

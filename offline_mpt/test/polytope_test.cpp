@@ -91,9 +91,10 @@ double excess(const Rows& rows, int i) {
   return best - rows.row(i)[rows.n];
 }
 
-Rows randomPolytope(int n, int cuts, std::mt19937_64& random) {
+/// The box [-1, 1]^n with `cuts` more rows, which leave `least` to `most` between them and the origin.
+Rows randomPolytope(int n, int cuts, std::mt19937_64& random, double least = 0.3, double most = 1.2) {
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(0.3, 1.2);
+  std::uniform_real_distribution<double> uniform(least, most);
   Rows rows = box(n, 1.0);
   for (int k = 0; k < cuts; ++k) {
     std::vector<double> a(n);
@@ -107,7 +108,48 @@ Rows randomPolytope(int n, int cuts, std::mt19937_64& random) {
   return rows;
 }
 
+double largestRadius(const Rows& rows) {
+  std::vector<double> objective(static_cast<std::size_t>(rows.n), 0.0);
+  objective.push_back(1.0);
+  bool feasible = false;
+  return glpkMaximum(rows, objective, 1.0, -1, feasible);
+}
+
 class PolytopeOracle : public ::testing::TestWithParam<int> {};
+
+TEST_P(PolytopeOracle, InscribedBallInTheBoxIsTheLargestOrHopeless) {
+  const int n = GetParam();
+  std::mt19937_64 random(100 + n);
+  PolytopeSolver solver(n);
+  int found = 0, hopeless = 0;
+  for (int round = 0; round < 200; ++round) {
+    Rows rows = randomPolytope(n, 1 + round % 40, random, -0.6, 1.2);
+    if (round % 4 == 0) {  // flat: two opposite rows meet
+      const std::vector<double> a(rows.row(rows.count() - 1), rows.row(rows.count() - 1) + n);
+      std::vector<double> opposite(a);
+      for (double& value : opposite) value = -value;
+      rows.add(opposite, -rows.row(rows.count() - 1)[n]);
+    }
+    std::vector<double> centre(n, 0.0);
+    double radius = 0.0;
+    ASSERT_TRUE(solver.chebyshevInBox(rows.data.data(), rows.count(), centre.data(), radius));
+    const double largest = largestRadius(rows);
+    if (radius < -PolytopeSolver::kHopeless) {  // a bound
+      EXPECT_LE(largest, radius + kAgreement);
+      ++hopeless;
+      continue;
+    }
+    ++found;
+    EXPECT_NEAR(radius, largest, kAgreement);
+    for (int i = 0; i < rows.count(); ++i) {
+      double slack = rows.row(i)[n];
+      for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * centre[j];
+      EXPECT_GE(slack, radius - 1e-12);
+    }
+  }
+  EXPECT_GT(found, 15);
+  EXPECT_GT(hopeless, 15);
+}
 
 TEST_P(PolytopeOracle, InscribedBallIsTheLargest) {
   const int n = GetParam();
@@ -118,10 +160,7 @@ TEST_P(PolytopeOracle, InscribedBallIsTheLargest) {
     std::vector<double> centre(n, 0.0);
     double radius = 0.0;
     ASSERT_TRUE(solver.chebyshev(rows.data.data(), rows.count(), centre.data(), radius));
-    std::vector<double> objective(n, 0.0);
-    objective.push_back(1.0);
-    bool feasible = false;
-    EXPECT_NEAR(radius, glpkMaximum(rows, objective, 1.0, -1, feasible), kAgreement);
+    EXPECT_NEAR(radius, largestRadius(rows), kAgreement);
     for (int i = 0; i < rows.count(); ++i) {
       double slack = rows.row(i)[n];
       for (int j = 0; j < n; ++j) slack -= rows.row(i)[j] * centre[j];

@@ -23,6 +23,7 @@ struct MinimalRows {
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 12;
+  static constexpr double kHopeless = 1e-6;  ///< what may be missing for a ball, for it to be found exactly
 
   /// Throws Error when `dimension` is not in 1..kMaxDimension.
   explicit PolytopeSolver(int dimension);
@@ -34,6 +35,11 @@ class PolytopeSolver {
   /// then says by how much). `centre` is read as a guess and overwritten. False when there is none: the
   /// polytope is unbounded.
   bool chebyshev(const double* rows, int count, double* centre, double& radius);
+
+  /// The same where the first rows are those of the box [-1, 1]^n, t_j <= 1 and -t_j <= 1 in turn, all rows
+  /// of unit length; no guess is read. Where the radius is below -kHopeless, it is an upper bound and
+  /// `centre` has no meaning.
+  bool chebyshevInBox(const double* rows, int count, double* centre, double& radius);
 
   /// Rows that are needed, each by a point that violates it by more than `tolerance` and no other that is
   /// needed. `interior` must lie strictly inside. Of rows that coincide one is kept. False when the
@@ -49,6 +55,8 @@ class PolytopeSolver {
   class Kernel;  ///< implementation, one per dimension
 
  private:
+  double radiusAbout(const double* rows, int count, const double* centre) const;
+
   std::unique_ptr<Kernel> plain_;   // in `dimension`
   std::unique_ptr<Kernel> lifted_;  // in `dimension` + 1, for the inscribed ball
   int dimension_ = 0;
