@@ -45,9 +45,6 @@ constexpr double kProbeTolerance = 1e-8;
 /// Whether a probe that no region holds lies at the edge of the feasible set, or outside.
 bool isEdge(const LeastDistance& program, const Eigen::VectorXd& probe);
 
-/// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
-double crossingFraction(const RegionData& region, const Facet& facet);
-
 /// A full-dimensional region to begin with, at or near t = `centre`; false where none is found.
 bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
                ActiveSet& active);

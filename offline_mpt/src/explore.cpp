@@ -80,6 +80,14 @@ void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
   }
 }
 
+/// What lies about a flat set.
+void addAround(Worker& worker, const ActiveSet& active, Described& out) {
+  for (const Facet& facet : out.region.facets) {
+    worker.builder.neighbours(active, out.region, facet, worker.sets);
+    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
+  }
+}
+
 void addBehind(std::size_t facet, const std::vector<ActiveSet>& sets, Described& out) {
   out.neighbours.insert(out.neighbours.end(), sets.begin(), sets.end());
   out.behind.resize(out.neighbours.size(), static_cast<std::uint32_t>(facet));
@@ -88,7 +96,7 @@ void addBehind(std::size_t facet, const std::vector<ActiveSet>& sets, Described&
 // Of a program whose H is singular: the regions behind each facet.
 void findBehindFacets(Worker& worker, const ActiveSet& active, Described& out) {
   for (const Facet& facet : out.region.facets) {
-    if (worker.builder.neighbours(active, facet, worker.sets) == Crossing::kEdge) continue;
+    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kEdge) continue;
     worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unsettled);
     ++out.degenerate_facets;
   }
@@ -102,20 +110,11 @@ bool isEdge(const LeastDistance& program, const Eigen::VectorXd& probe) {
   return slack && *slack <= kEdge;
 }
 
-double crossingFraction(const RegionData& region, const Facet& facet) {
-  double inside = facet.row.back();
-  double outside = facet.row.back();
-  for (std::size_t j = 0; j < region.centre.size(); ++j) {
-    inside -= facet.row[j] * region.centre[j];
-    outside -= facet.row[j] * facet.beyond[j];
-  }
-  return inside / (inside - outside);
-}
-
 Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
   Described out;
   out.status = worker.builder.build(active, out.region);
   if (out.status == BuildStatus::kWeak) addSmallerSets(active, out.neighbours);
+  if (out.status == BuildStatus::kFlat) addAround(worker, active, out);
   if (out.status != BuildStatus::kRegion) return out;
   if (program.semidefinite) {
     findBehindFacets(worker, active, out);
@@ -123,7 +122,8 @@ Described describe(const LeastDistance& program, Worker& worker, const ActiveSet
   }
   std::vector<std::pair<std::size_t, std::vector<ActiveSet>>> degenerate;
   for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
-    const Crossing crossing = worker.builder.neighbours(active, out.region.facets[f], worker.sets);
+    const Crossing crossing =
+        worker.builder.neighbours(active, out.region, out.region.facets[f], worker.sets);
     if (crossing == Crossing::kDegenerate) {
       degenerate.emplace_back(f, worker.sets);
     } else {
@@ -163,6 +163,14 @@ Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t)
   return program.centre + program.half.cwiseProduct(t);
 }
 
+// Whether theta satisfies the region's rows but for `tolerance`; most regions are out after a row or two.
+bool contains(const CriticalRegion& region, const Eigen::VectorXd& theta, double tolerance) {
+  for (Eigen::Index i = 0; i < region.g.size(); ++i) {
+    if (region.G.row(i).dot(theta) > region.g(i) + tolerance) return false;
+  }
+  return true;
+}
+
 // A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
 // no end.
 void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& unsettled,
@@ -171,9 +179,9 @@ void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& 
   for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
     const Eigen::VectorXd theta = unscaled(program, t);
-    const bool held = std::any_of(
-        partition.regions.begin(), partition.regions.end(),
-        [&](const CriticalRegion& r) { return (r.G * theta - r.g).maxCoeff() <= kProbeTolerance; });
+    const bool held =
+        std::any_of(partition.regions.begin(), partition.regions.end(),
+                    [&](const CriticalRegion& region) { return contains(region, theta, kProbeTolerance); });
     if (held || unbounded.direction(t)) continue;
     if (isEdge(program, t)) continue;
     partition.status = ExploreStatus::kIncomplete;

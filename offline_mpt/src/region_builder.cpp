@@ -8,6 +8,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
+constexpr double kFlatness = 1e-8;   // how far rows overlap, or part, with nothing between them [scaled]
+constexpr double kOpposite = 1e-6 - 1.0;  // product of unit rows below which they are opposite
 
 }  // namespace
 
@@ -289,8 +291,8 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) 
   const BuildStatus status = assembleRows(active);
   if (status != BuildStatus::kRegion) return status;
   region.centre.assign(program_.p, 0.0);
-  if (!solver_.chebyshev(rows_.data(), static_cast<int>(origins_.size()), region.centre.data(),
-                         region.radius))
+  if (!solver_.chebyshevInBox(rows_.data(), static_cast<int>(origins_.size()), region.centre.data(),
+                              region.radius))
     return BuildStatus::kFailed;
   if (region.radius <= radius_tolerance_) return BuildStatus::kThin;
   law(active, region.law);
@@ -299,7 +301,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) 
 
 bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) const {
   if (status == BuildStatus::kDependent) return false;
-  if (doubtful_) return true;
+  if (doubtful_ || pivot_ < kDistant) return true;
   if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
   return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
 }
@@ -319,10 +321,41 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
       return BuildStatus::kThin;  // what doubles took for a solution is none
     }
   }
+  if (status == BuildStatus::kThin && isFlat(region)) return openFlat(active, region);
   if (status != BuildStatus::kRegion) return status;
-  const int count = static_cast<int>(origins_.size());
   // A facet of a thin region shows at the region's own scale.
-  const double tolerance = std::min(facet_tolerance_, 0.1 * region.radius);
+  return findFacets(active, std::min(facet_tolerance_, 0.1 * region.radius), region);
+}
+
+// Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
+bool RegionBuilder::isFlat(const RegionData& region) const {
+  if (program_.linear || program_.semidefinite || std::abs(region.radius) > kFlatness) return false;
+  const auto row = [&](int i) {
+    return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
+  };
+  const Eigen::Map<const Eigen::VectorXd> centre(region.centre.data(), program_.p);
+  std::vector<int> tight;
+  for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
+    if (rows_[static_cast<std::size_t>(i) * width_ + program_.p] - row(i).dot(centre) >
+        region.radius + kFlatness)
+      continue;
+    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOpposite; }))
+      return true;
+    tight.push_back(i);
+  }
+  return false;
+}
+
+// Where regions meet that nothing but a flat set is between, they are neighbours of its facets.
+BuildStatus RegionBuilder::openFlat(const ActiveSet& active, RegionData& region) {
+  constexpr double kMoved = 4.0 * kFlatness;
+  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += kMoved;
+  const BuildStatus status = findFacets(active, facet_tolerance_, region);
+  return status == BuildStatus::kRegion ? BuildStatus::kFlat : status;
+}
+
+BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance, RegionData& region) {
+  const int count = static_cast<int>(origins_.size());
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
     return BuildStatus::kFailed;
   region.tight = active;

@@ -37,9 +37,13 @@ struct RegionData {
   std::vector<double> law;  ///< q rows of p + 1 numbers: u = law (t, 1)
 };
 
+/// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
+double crossingFraction(const RegionData& region, const Facet& facet);
+
 enum class BuildStatus : std::uint8_t {
   kRegion,     ///< full-dimensional
   kThin,       ///< empty or flatter than the tolerance
+  kFlat,       ///< thin, but the way to what lies behind may lead through it alone
   kDependent,  ///< the active rows are linearly dependent
   kWeak,       ///< a multiplier is zero everywhere: the set without it is the same
   kFailed,     ///< the simplex gave up
@@ -59,11 +63,15 @@ class RegionBuilder {
  public:
   RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
 
+  /// kRegion: the whole of `region` is filled in; kFlat: all but the law, with the half-spaces moved
+  /// outwards.
   BuildStatus build(const ActiveSet& active, RegionData& region);
 
   /// Active sets that can be optimal across `facet` of the region of `active`, which must be the last one
-  /// built.
-  Crossing neighbours(const ActiveSet& active, const Facet& facet, std::vector<ActiveSet>& sets);
+  /// built. Of several, that which is likeliest where the way to the point beyond crosses the facet is the
+  /// first.
+  Crossing neighbours(const ActiveSet& active, const RegionData& region, const Facet& facet,
+                      std::vector<ActiveSet>& sets);
 
   /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
   /// spare); false where the active rows are dependent.
@@ -76,6 +84,9 @@ class RegionBuilder {
   bool findShortest(const ActiveSet& active);
   double growth() const;
   BuildStatus measure(const ActiveSet& active, RegionData& region);
+  bool isFlat(const RegionData& region) const;
+  BuildStatus findFacets(const ActiveSet& active, double tolerance, RegionData& region);
+  BuildStatus openFlat(const ActiveSet& active, RegionData& region);
   bool needsAccuracy(BuildStatus status, const RegionData& region) const;
   bool describeAccurately(const ActiveSet& active);
   bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
@@ -90,9 +101,11 @@ class RegionBuilder {
   void law(const ActiveSet& active, std::vector<double>& out);
   bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
   std::vector<RowOrigin> coincident(const Facet& facet) const;
-  void exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const;
+  void exchange(const ActiveSet& active, int row, const std::vector<double>& crossing,
+                std::vector<ActiveSet>& sets) const;
   void combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
-               std::vector<ActiveSet>& sets) const;
+               const std::vector<double>& crossing, std::vector<ActiveSet>& sets) const;
+  double valueOf(const double* affine, const double* t) const;
   void enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets);
   BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
@@ -102,7 +115,8 @@ class RegionBuilder {
   static constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
   static constexpr double kSafePivot =
       1e-6;  // squared distance from others below which products of unit rows mislead
-  static constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
+  static constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
+  static constexpr double kDistant = 1e-7;       // the same, below which estimates of errors mislead too
   static constexpr double kUnpaid =
       1e-9;  // part of the cost that prices may leave, relative to its largest entry
 

@@ -45,13 +45,8 @@ bool RegionBuilder::satisfied(const double* t, double tolerance) const {
 // The same of the inactive rows. Their slacks at t alone clear most of them; only the others are described as
 // half-spaces.
 bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
-  const auto at = [&](const double* affine) {
-    double value = affine[program_.p];
-    for (int j = 0; j < program_.p; ++j) value += affine[j] * t[j];
-    return value;
-  };
   at_point_.resize(active.size());
-  for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = at(multipliers_.data() + r * width_);
+  for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = valueOf(multipliers_.data() + r * width_, t);
   rows_.clear();
   origins_.clear();
   for (const int row : active) is_active_[row] = 1;
@@ -59,7 +54,7 @@ bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
     if (is_active_[i]) continue;
     const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
-    double slack = at(D_.data() + static_cast<std::size_t>(i) * width_);
+    double slack = valueOf(D_.data() + static_cast<std::size_t>(i) * width_, t);
     for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
     const double noise = program_.rounding * (D_size_[i] + size_);
     if (slack > kClear * scale + kErrorMargin * noise) continue;

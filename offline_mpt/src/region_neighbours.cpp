@@ -18,13 +18,47 @@ ActiveSet with(const ActiveSet& active, int row) {
   return result;
 }
 
+/// With `row` in the place of another one.
+ActiveSet exchanged(const ActiveSet& active, int leaving, int row) {
+  ActiveSet result;
+  result.reserve(active.size());
+  bool placed = false;
+  for (const std::uint16_t kept : active) {
+    if (kept == leaving) continue;
+    if (!placed && kept > row) {
+      result.push_back(static_cast<std::uint16_t>(row));
+      placed = true;
+    }
+    result.push_back(kept);
+  }
+  if (!placed) result.push_back(static_cast<std::uint16_t>(row));
+  return result;
+}
+
 ActiveSet without(const ActiveSet& active, int row) {
   ActiveSet result = active;
   result.erase(std::remove(result.begin(), result.end(), row), result.end());
   return result;
 }
 
+std::vector<double> crossingPoint(const RegionData& region, const Facet& facet) {
+  const double fraction = crossingFraction(region, facet);
+  std::vector<double> point = region.centre;
+  for (std::size_t j = 0; j < point.size(); ++j) point[j] += fraction * (facet.beyond[j] - point[j]);
+  return point;
+}
+
 }  // namespace
+
+double crossingFraction(const RegionData& region, const Facet& facet) {
+  double inside = facet.row.back();
+  double outside = facet.row.back();
+  for (std::size_t j = 0; j < region.centre.size(); ++j) {
+    inside -= facet.row[j] * region.centre[j];
+    outside -= facet.row[j] * facet.beyond[j];
+  }
+  return inside / (inside - outside);
+}
 
 // Rows whose plane is the facet's.
 std::vector<RowOrigin> RegionBuilder::coincident(const Facet& facet) const {
@@ -62,8 +96,10 @@ bool RegionBuilder::depends(const ActiveSet& active, int row, std::vector<double
 
 // `row` depends on the active rows: it can only join where one of them leaves. With row = sum w_j active_j,
 // raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
-// facet. Constant prices tell which goes first: those of least price / w_j.
-void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<ActiveSet>& sets) const {
+// facet. Constant prices tell which goes first: those of least price / w_j. Of the others, whose multipliers
+// tell it at each place, that which goes first at `crossing` comes first.
+void RegionBuilder::exchange(const ActiveSet& active, int row, const std::vector<double>& crossing,
+                             std::vector<ActiveSet>& sets) const {
   std::vector<double> weights;
   if (!depends(active, row, weights)) return;
   const bool constant_prices =
@@ -76,11 +112,23 @@ void RegionBuilder::exchange(const ActiveSet& active, int row, std::vector<Activ
     }
     least += kUnpaid * (1.0 + std::abs(least));
   }
+  double first = std::numeric_limits<double>::infinity();
+  const std::size_t before = sets.size();
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (weights[r] <= kExchange) continue;
     if (constant_prices && prices_[r * width_ + program_.p] / weights[r] > least) continue;
-    sets.push_back(with(without(active, active[r]), row));
+    sets.push_back(exchanged(active, active[r], row));
+    const double goes_at = valueOf(multipliers_.data() + r * width_, crossing.data()) / weights[r];
+    if (goes_at >= first) continue;
+    first = goes_at;
+    std::swap(sets[before], sets.back());
   }
+}
+
+double RegionBuilder::valueOf(const double* affine, const double* t) const {
+  double value = affine[program_.p];
+  for (int j = 0; j < program_.p; ++j) value += affine[j] * t[j];
+  return value;
 }
 
 // A price vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
@@ -97,7 +145,7 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, std::vector<Acti
   }
 }
 
-Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
+Crossing RegionBuilder::neighbours(const ActiveSet& active, const RegionData& region, const Facet& facet,
                                    std::vector<ActiveSet>& sets) {
   sets.clear();
   if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
@@ -115,7 +163,7 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
     return sets.empty() ? Crossing::kEdge : Crossing::kDegenerate;
   }
   if (changes.size() > 1) {
-    combine(active, changes, sets);
+    combine(active, changes, crossingPoint(region, facet), sets);
     return Crossing::kDegenerate;
   }
   Crossing crossing = Crossing::kSingle;
@@ -125,7 +173,7 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
   } else if (!depends(active, facet.origin.index, weights)) {
     sets.push_back(with(active, facet.origin.index));
   } else {
-    exchange(active, facet.origin.index, sets);
+    exchange(active, facet.origin.index, crossingPoint(region, facet), sets);
     if (sets.empty()) return Crossing::kEdge;
     crossing = Crossing::kDegenerate;
   }
@@ -136,7 +184,7 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Facet& facet,
 // Several rows change at once in the facet: every combination of the changes is a candidate, and every
 // exchange.
 void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
-                            std::vector<ActiveSet>& sets) const {
+                            const std::vector<double>& crossing, std::vector<ActiveSet>& sets) const {
   const std::size_t count = std::min(changes.size(), kCoincidentLimit);
   for (std::size_t subset = 1; subset < (std::size_t{1} << count); ++subset) {
     ActiveSet candidate = active;
@@ -148,7 +196,7 @@ void RegionBuilder::combine(const ActiveSet& active, const std::vector<RowOrigin
     sets.push_back(std::move(candidate));
   }
   for (std::size_t c = 0; c < count; ++c) {
-    if (changes[c].kind == RowOrigin::Kind::kSlack) exchange(active, changes[c].index, sets);
+    if (changes[c].kind == RowOrigin::Kind::kSlack) exchange(active, changes[c].index, crossing, sets);
   }
 }
 

@@ -28,8 +28,9 @@ struct ExploreOptions {
   /// probes. Not the program, and not the Partition that regions are converted to at the end.
   std::uint64_t memory_limit = 0;
   double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
-  double radius_tolerance =
-      1e-10;  ///< regions with a smaller inscribed ball are left to their neighbours [scaled]
+  /// Regions with a smaller inscribed ball are left to their neighbours: maps write planes once that are
+  /// closer to each other than a tenth of it [scaled].
+  double radius_tolerance = 1e-9;
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 
