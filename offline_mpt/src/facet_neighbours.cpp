@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "starting_point.hpp"
 
@@ -104,6 +105,18 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   return without_limit ? Behind::kEdge : Behind::kUnknown;
 }
 
+// How far the way behind the facet leads from t until it leaves the parameters' set.
+double FacetNeighbours::room(const Eigen::VectorXd& t) const {
+  const auto p = static_cast<std::size_t>(program_.p);
+  double most = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < program_.domain.size(); i += p + 1) {
+    const Eigen::Map<const Eigen::VectorXd> a(program_.domain.data() + i, program_.p);
+    const double slope = a.dot(normal_);
+    if (slope > 0.0) most = std::min(most, std::max(program_.domain[i + p] - a.dot(t), 0.0) / slope);
+  }
+  return most;
+}
+
 // Cuts the piece by the region's rows: what lies outside of them joins `rest`. False, with `rest` as it was,
 // where the region holds nothing of the piece.
 bool FacetNeighbours::cut(const Piece& piece, const RegionData& region, std::vector<Piece>& rest) {
@@ -148,7 +161,7 @@ void FacetNeighbours::find(const Facet& facet, const RegionData& region,
       pieces.push_back(piece);
       continue;
     }
-    const Eigen::VectorXd probe = t + kSteps[1] * normal_;
+    const Eigen::VectorXd probe = t + std::min(kSteps[1], 0.5 * room(t)) * normal_;
     unsettled.insert(unsettled.end(), probe.data(), probe.data() + program_.p);
   }
   found.insert(found.end(), behind_sets_.begin(), behind_sets_.end());

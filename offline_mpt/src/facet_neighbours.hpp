@@ -35,6 +35,7 @@ class FacetNeighbours {
   double radius(const Piece& piece, Eigen::VectorXd& centre);
   bool takeRegion(const ActiveSet& active);
   Behind lookBehind(const Eigen::VectorXd& t);
+  double room(const Eigen::VectorXd& t) const;
   bool cut(const Piece& piece, const RegionData& region, std::vector<Piece>& rest);
 
   const LeastDistance& program_;

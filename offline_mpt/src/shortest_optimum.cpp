@@ -8,8 +8,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kIndependent = 1e-7;  // distance of a unit row from the span of the others
-constexpr double kZero = 1e-10;        // relative size below which a number is zero
+constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
+constexpr double kZero = 1e-10;         // relative size below which a number is zero
 constexpr double kDoubt = 1e3;  // by how much it may be greater or smaller to be decided without rounding
 
 }  // namespace
