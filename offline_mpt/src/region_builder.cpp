@@ -230,6 +230,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
 // where the rows are dependent.
 bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   multipliers_.resize(active.size() * width_);
+  pivot_ = 1.0;
   if (!is_accurate_ && !factorise(active)) return false;
   scale = 1.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
@@ -250,7 +251,6 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   }
   size_ = 0.0;
   for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
-  pivot_ = 1.0;
   for (std::size_t r = 0; r < active.size(); ++r) pivot_ = std::min(pivot_, factor_[r * active.size() + r]);
   return true;
 }
@@ -301,7 +301,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) 
 
 bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) const {
   if (status == BuildStatus::kDependent) return false;
-  if (doubtful_ || pivot_ < kDistant) return true;
+  if (misleads()) return true;
   if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
   return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
 }

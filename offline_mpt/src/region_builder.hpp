@@ -84,6 +84,8 @@ class RegionBuilder {
   bool findShortest(const ActiveSet& active);
   double growth() const;
   BuildStatus measure(const ActiveSet& active, RegionData& region);
+  /// Even estimates of errors do.
+  bool misleads() const { return doubtful_ || pivot_ < kDistant; }
   bool isFlat(const RegionData& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, RegionData& region);
   BuildStatus openFlat(const ActiveSet& active, RegionData& region);
