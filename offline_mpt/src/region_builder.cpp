@@ -164,6 +164,9 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
     for (int j = 0; j < width_; ++j)
       rest.col(j) += prices_[r * width_ + j] * program_.M.row(active[r]).transpose();
   }
+  double greatest = 0.0;
+  for (const double price : prices_) greatest = std::max(greatest, std::abs(price));
+  if (kErrorMargin * growth() * greatest > kUnpaid * scale) doubtful_ = true;
   return rest.cwiseAbs().maxCoeff() <= kUnpaid * scale;
 }
 
