@@ -37,6 +37,10 @@ std::size_t ActiveSetPool::placeOf(RowSpan set, std::uint32_t hash) const {
   return place;
 }
 
+void ActiveSetPool::prefetch(RowSpan set) const {
+  __builtin_prefetch(&table_[hashOf(set) & (table_.size() - 1)]);
+}
+
 std::optional<std::uint32_t> ActiveSetPool::find(RowSpan set) const {
   const Slot& slot = table_[placeOf(set, hashOf(set))];
   if (slot.set == 0) return std::nullopt;

@@ -28,6 +28,9 @@ class ActiveSetPool {
   /// Whether the set was new. Throws Error when there are 2^32 - 1 sets.
   bool insert(RowSpan set);
 
+  /// The set will be asked for soon: brings the part of the table that tells of it near.
+  void prefetch(RowSpan set) const;
+
   /// Index of the set, none where it is new.
   std::optional<std::uint32_t> find(RowSpan set) const;
 

@@ -34,21 +34,23 @@ class CountDescriber : public Describer {
 
   void answer(RowSpan set, ByteWriter& out) override {
     active_.assign(set.begin(), set.end());
-    const Described described = describe(program_, worker_, active_);
+    describe(program_, worker_, active_, described_);
+    const Described& described = described_;
     out.put(described.status);
     out.put(static_cast<std::uint32_t>(described.neighbours.size()));
     state_.findProven(described.neighbours, proven_);
     facet_ = kNoFacet;
     for (std::size_t k = 0; k < described.neighbours.size(); ++k) {
-      const ActiveSet& neighbour = described.neighbours[k];
-      writeSet({neighbour.data(), neighbour.size()}, out);
+      writeSet(described.neighbours[k], out);
       writeProof(!proven_[k] && k < described.behind.size() && provenBehind(described, k), out);
     }
     if (described.status == BuildStatus::kRegion) writeRegion(described, out);
   }
 
  private:
-  const std::vector<int>& named(const ActiveSet& set) {
+  RowSpan active() const { return {active_.data(), active_.size()}; }
+
+  const std::vector<int>& named(RowSpan set) {
     rows_.clear();
     for (const std::uint16_t row : set) rows_.push_back(names_[row]);
     return rows_;
@@ -67,7 +69,7 @@ class CountDescriber : public Describer {
     }
     for (double& entry : direction_) entry /= std::sqrt(squared);
     leaving_ = facet.origin.kind == RowOrigin::Kind::kSlack
-                   ? test_.leaving(named(active_), names_[facet.origin.index], from_.data())
+                   ? test_.leaving(named(active()), names_[facet.origin.index], from_.data())
                    : StrictTest::kNone;
     facet_ = f;
   }
@@ -94,7 +96,7 @@ class CountDescriber : public Describer {
     out.put(static_cast<std::uint32_t>(region.facets.size()));
     out.put(static_cast<std::uint32_t>(described.unsettled.size()));
     out.putArray(described.unsettled.data(), described.unsettled.size());
-    const bool proven = test_.at(named(active_), region.centre.data(), region.radius, witness_) ||
+    const bool proven = test_.at(named(active()), region.centre.data(), region.radius, witness_) ||
                         exact_.at(active_, region.centre.data(), region.radius, witness_);
     writeProof(proven, out);
   }
@@ -106,6 +108,7 @@ class CountDescriber : public Describer {
   StrictTest test_;
   StrictExact exact_;
   ActiveSet active_;
+  Described described_;
   std::vector<int> rows_;
   std::vector<char> proven_;              // of the neighbours
   std::uint32_t facet_ = kNoFacet;        // which the next three are of
@@ -132,11 +135,11 @@ std::uint8_t CountState::readProof(ByteReader& answer) {
   return proof;
 }
 
-void CountState::findProven(const std::vector<ActiveSet>& sets, std::vector<char>& proven) const {
+void CountState::findProven(const ActiveSetList& sets, std::vector<char>& proven) const {
   const std::shared_lock lock(growing_);
   proven.clear();
-  for (const ActiveSet& set : sets) {
-    const std::optional<std::uint32_t> index = found.find({set.data(), set.size()});
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const std::optional<std::uint32_t> index = found.find(sets[k]);
     proven.push_back(index && *index < is_proven.size() && is_proven[*index]);
   }
 }

@@ -29,7 +29,7 @@ struct CountState : SetQueue {
 
   /// Which of the sets are proven by now. Any thread may ask while another merges: what is proven stays so,
   /// and a proof that comes later is not looked at.
-  void findProven(const std::vector<ActiveSet>& sets, std::vector<char>& proven) const;
+  void findProven(const ActiveSetList& sets, std::vector<char>& proven) const;
 
   MapCount count;
   ActiveSetPool tight;                 // rows tight in a region that only slacks bound, to know it again

@@ -18,8 +18,8 @@ class RegionDescriber : public Describer {
 
   void answer(RowSpan set, ByteWriter& out) override {
     active_.assign(set.begin(), set.end());
-    const Described described = describe(program_, worker_, active_);
-    writeAnswer(described, active_, worker_.pivots() - pivots_, out);
+    describe(program_, worker_, active_, described_);
+    writeAnswer(described_, active_, worker_.pivots() - pivots_, out);
     pivots_ = worker_.pivots();
   }
 
@@ -27,6 +27,7 @@ class RegionDescriber : public Describer {
   const LeastDistance& program_;
   Worker worker_;
   ActiveSet active_;
+  Described described_;
   unsigned long long pivots_ = 0;
 };
 

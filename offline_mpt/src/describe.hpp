@@ -16,10 +16,19 @@ namespace polyfly {
 struct Described {
   BuildStatus status = BuildStatus::kThin;
   RegionData region;
-  std::vector<ActiveSet> neighbours;
+  ActiveSetList neighbours;
   std::vector<std::uint32_t> behind;  ///< of a strictly convex program's region: the neighbours' facets
   std::vector<double> unsettled;      ///< probes (p numbers each) that no candidate of their facet holds
   std::uint32_t degenerate_facets = 0;
+
+  void clear();  ///< all but the region
+  void addNeighbour(const ActiveSet& active, std::uint32_t facet);
+};
+
+/// A facet whose candidates, neighbours `begin` to `end` - 1, are in doubt.
+struct DegenerateFacet {
+  std::uint32_t facet;
+  std::size_t begin, end;
 };
 
 /// Everything that one thread needs.
@@ -34,10 +43,13 @@ struct Worker {
   RegionBuilder builder;
   DenseQp qp;
   std::optional<FacetNeighbours> behind;  ///< where H is singular and not zero
-  std::vector<ActiveSet> sets;
+  ActiveSetList sets;
+  ActiveSet candidate;
+  std::vector<DegenerateFacet> degenerate;
 };
 
-Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active);
+/// Into `out`, whatever it held before.
+void describe(const LeastDistance& program, Worker& worker, const ActiveSet& active, Described& out);
 
 /// A region holds a probe within this, as the map's look-up does [scaled].
 constexpr double kProbeTolerance = 1e-8;

@@ -14,22 +14,20 @@ RowSpan readSet(ByteReader& in, std::vector<std::uint16_t>& rows) {
 }
 
 ExplorationState::ExplorationState(const LeastDistance& program)
-    : tight(memory),
-      regions(program.p, static_cast<int>(program.U.rows()), memory),
-      unsettled(&memory) {}
+    : tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unsettled(&memory) {}
 
 void writeNumbers(const RegionData& region, ByteWriter& out) {
   out.put(region.radius);
   out.putArray(region.centre.data(), region.centre.size());
   out.putArray(region.law.data(), region.law.size());
-  for (const Facet& facet : region.facets) out.putArray(facet.row.data(), facet.row.size());
+  for (const Facet& facet : region.facets) out.putArray(facet.row.data(), region.centre.size() + 1);
 }
 
 void writeAnswer(const Described& described, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out) {
   out.put(described.status);
   out.put(pivots);
   out.put(static_cast<std::uint32_t>(described.neighbours.size()));
-  for (const ActiveSet& set : described.neighbours) writeSet({set.data(), set.size()}, out);
+  for (std::size_t k = 0; k < described.neighbours.size(); ++k) writeSet(described.neighbours[k], out);
   if (described.status != BuildStatus::kRegion) return;
   const RegionData& region = described.region;
   // Bounded by slacks alone, a region is known by its tight rows; an empty set here: by its active set.
@@ -46,7 +44,12 @@ void ExplorationState::merge(ByteReader& answer) {
   const auto status = answer.get<BuildStatus>();
   pivots += answer.get<std::uint64_t>();
   const auto neighbours = answer.get<std::uint32_t>();
-  for (std::uint32_t k = 0; k < neighbours; ++k) found.insert(readSet(answer, rows_));
+  neighbours_.clear();
+  for (std::uint32_t k = 0; k < neighbours; ++k) {
+    neighbours_.push(readSet(answer, rows_));
+    found.prefetch(neighbours_[k]);
+  }
+  for (std::uint32_t k = 0; k < neighbours; ++k) found.insert(neighbours_[k]);
   if (status == BuildStatus::kFailed) failed = true;
   if (status == BuildStatus::kRegion) mergeRegion(answer);
   ++described;

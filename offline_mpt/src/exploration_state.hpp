@@ -18,7 +18,7 @@ struct ExplorationState : SetQueue {
   std::uint64_t regionCount() const override { return regions.size(); }
   void merge(ByteReader& answer) override;
 
-  ActiveSetPool tight;          // rows tight in a region that only slacks bound, to know it again
+  ActiveSetPool tight;  // rows tight in a region that only slacks bound, to know it again
   RegionStore regions;
   std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
   std::uint64_t degenerate_facets = 0;
@@ -29,6 +29,7 @@ struct ExplorationState : SetQueue {
   void mergeRegion(ByteReader& answer);
 
   std::vector<std::uint16_t> rows_;
+  ActiveSetList neighbours_;
 };
 
 /// Appends what describing a set yielded, in the form that ExplorationState::merge reads.

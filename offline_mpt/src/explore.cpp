@@ -8,156 +8,23 @@
 #include <cstring>
 #include <ctime>
 #include <functional>
-#include <random>
 
 #include "checkpoint.hpp"
 #include "crew.hpp"
 #include "describe.hpp"
 #include "dispatcher.hpp"
 #include "exploration_state.hpp"
-#include "feasible_slack.hpp"
 #include "least_distance.hpp"
 #include "margin.hpp"
 #include "region_maps/error.hpp"
-#include "starting_point.hpp"
 #include "team_leader.hpp"
 #include "unbounded_cost.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
-constexpr double kLinearProbe =
-    1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
-constexpr double kClearlyInside =
-    1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
-constexpr double kEdge =
-    1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
-constexpr double kActive = 1e-10;                // multipliers below this are not active in a starting point
 constexpr std::size_t kReturnedAtOnce = 50'000;  // regions whose first form is given back to the system
 constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
-
-/// A point just across the facet, on the way from the region's centre to a point beyond.
-Eigen::VectorXd across(const RegionData& region, const Facet& facet, int p, double step) {
-  double distance = 0.0;
-  for (int j = 0; j < p; ++j) distance = std::max(distance, std::abs(facet.beyond[j] - region.centre[j]));
-  double fraction = crossingFraction(region, facet);
-  fraction = std::min(0.5 * (fraction + 1.0), fraction + step / std::max(distance, step));
-  Eigen::VectorXd probe(p);
-  for (int j = 0; j < p; ++j) probe(j) = region.centre[j] + fraction * (facet.beyond[j] - region.centre[j]);
-  return probe;
-}
-
-/// Checks that one of the candidates of a degenerate facet holds a point just across it. Where none does so
-/// clearly, a program of its own finds the active set there, which joins the candidates.
-void probeFacet(const LeastDistance& program, Worker& worker, const Facet& facet,
-                std::vector<ActiveSet>& sets, Described& out) {
-  const double widen = program.linear ? kLinearProbe : 1.0;
-  const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * kProbeStep);
-  const auto held = [&](double tolerance) {
-    return std::any_of(sets.begin(), sets.end(), [&](const ActiveSet& set) {
-      return worker.builder.holds(set, probe.data(), tolerance);
-    });
-  };
-  if (held(-kClearlyInside)) return;
-  ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, widen * kEdge, kActive, active))
-    return;  // the edge of the feasible set
-  if (!activeSetAt(program, worker.qp, probe, 0.0, kActive, active)) return;
-  sets.push_back(active);
-  if (held(kProbeTolerance)) return;
-  RegionData optimal;
-  if (worker.builder.build(active, optimal) == BuildStatus::kRegion) return;  // ill-conditioned, but not lost
-  out.unsettled.insert(out.unsettled.end(), probe.data(), probe.data() + program.p);
-}
-
-/// The same set without one of its rows, for each: one of its multipliers is zero everywhere.
-void addSmallerSets(const ActiveSet& active, std::vector<ActiveSet>& sets) {
-  for (std::size_t left_out = 0; left_out < active.size(); ++left_out) {
-    ActiveSet smaller = active;
-    smaller.erase(smaller.begin() + static_cast<std::ptrdiff_t>(left_out));
-    sets.push_back(std::move(smaller));
-  }
-}
-
-/// What lies about a flat set.
-void addAround(Worker& worker, const ActiveSet& active, Described& out) {
-  for (const Facet& facet : out.region.facets) {
-    worker.builder.neighbours(active, out.region, facet, worker.sets);
-    out.neighbours.insert(out.neighbours.end(), worker.sets.begin(), worker.sets.end());
-  }
-}
-
-void addBehind(std::size_t facet, const std::vector<ActiveSet>& sets, Described& out) {
-  out.neighbours.insert(out.neighbours.end(), sets.begin(), sets.end());
-  out.behind.resize(out.neighbours.size(), static_cast<std::uint32_t>(facet));
-}
-
-// Of a program whose H is singular: the regions behind each facet.
-void findBehindFacets(Worker& worker, const ActiveSet& active, Described& out) {
-  for (const Facet& facet : out.region.facets) {
-    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kEdge) continue;
-    worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unsettled);
-    ++out.degenerate_facets;
-  }
-}
-
-}  // namespace
-
-// The edge of the feasible set after all.
-bool isEdge(const LeastDistance& program, const Eigen::VectorXd& probe) {
-  const std::optional<double> slack = feasibleSlack(program, probe);
-  return slack && *slack <= kEdge;
-}
-
-Described describe(const LeastDistance& program, Worker& worker, const ActiveSet& active) {
-  Described out;
-  out.status = worker.builder.build(active, out.region);
-  if (out.status == BuildStatus::kWeak) addSmallerSets(active, out.neighbours);
-  if (out.status == BuildStatus::kFlat) addAround(worker, active, out);
-  if (out.status != BuildStatus::kRegion) return out;
-  if (program.semidefinite) {
-    findBehindFacets(worker, active, out);
-    return out;
-  }
-  std::vector<std::pair<std::size_t, std::vector<ActiveSet>>> degenerate;
-  for (std::size_t f = 0; f < out.region.facets.size(); ++f) {
-    const Crossing crossing =
-        worker.builder.neighbours(active, out.region, out.region.facets[f], worker.sets);
-    if (crossing == Crossing::kDegenerate) {
-      degenerate.emplace_back(f, worker.sets);
-    } else {
-      addBehind(f, worker.sets, out);
-    }
-  }
-  out.degenerate_facets = static_cast<std::uint32_t>(degenerate.size());
-  for (auto& [f, sets] : degenerate) {  // after all facets: a probe overwrites the builder's rows
-    probeFacet(program, worker, out.region.facets[f], sets, out);
-    addBehind(f, sets, out);
-  }
-  return out;
-}
-
-bool findStart(const LeastDistance& program, const Eigen::VectorXd& centre, Worker& worker,
-               ActiveSet& active) {
-  const double least = program.semidefinite ? 0.0 : kActive;  // where they are as small as what is added to H
-  std::mt19937_64 random(1);
-  constexpr int kTries = 200;
-  RegionData region;
-  for (int round = 0; round < kTries; ++round) {
-    Eigen::VectorXd t = centre;
-    const double spread = round == 0 ? 0.0 : std::pow(10.0, -1.0 - round % 6);
-    for (int j = 0; j < program.p; ++j) {
-      const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
-      t(j) += spread * (2.0 * unit - 1.0);
-    }
-    if (!activeSetAt(program, worker.qp, t, 0.0, least, active)) continue;
-    if (worker.builder.build(active, region) == BuildStatus::kRegion) return true;
-  }
-  return false;
-}
-
-namespace {
 
 Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t) {
   return program.centre + program.half.cwiseProduct(t);
@@ -216,12 +83,13 @@ void resume(const LeastDistance& program, const ExploreOptions& options, std::ui
             const ActiveSet& first, Worker& worker, ExplorationState& state) {
   loadCheckpoint(options.checkpoint, key, program, state);
   const RowSpan start = state.found[0];
+  Described again;
   bool same = std::equal(start.begin(), start.end(), first.begin(), first.end());
   const std::size_t step = std::max<std::size_t>(1, state.regions.size() / kDescribedAgain);
   for (std::size_t k = 0; same && k < state.regions.size(); k += step) {
     const RegionStore::Region& region = state.regions[k];
     const RowSpan set = state.found[region.set];
-    const Described again = describe(program, worker, ActiveSet(set.begin(), set.end()));
+    describe(program, worker, ActiveSet(set.begin(), set.end()), again);
     std::vector<std::byte> numbers;
     ByteWriter out(numbers);
     if (again.status == BuildStatus::kRegion) writeNumbers(again.region, out);

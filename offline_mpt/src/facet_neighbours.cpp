@@ -37,7 +37,7 @@ FacetNeighbours::FacetNeighbours(const LeastDistance& program, double facet_tole
 void FacetNeighbours::lay(const Facet& facet) {
   const int p = program_.p;
   normal_ = Eigen::Map<const Eigen::VectorXd>(facet.row.data(), p);
-  offset_ = facet.row[static_cast<std::size_t>(p)];
+  offset_ = facet.row[p];
   foot_ = offset_ * normal_;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(normal_);
   const Eigen::MatrixXd Q = qr.householderQ();
@@ -47,10 +47,10 @@ void FacetNeighbours::lay(const Facet& facet) {
 }
 
 // Adds sign * (a . t <= b) to the piece. False where nothing of the plane is left.
-bool FacetNeighbours::restrict(const std::vector<double>& row, int sign, Piece& piece) const {
-  const Eigen::Map<const Eigen::VectorXd> a(row.data(), program_.p);
+bool FacetNeighbours::restrict(const Facet& facet, int sign, Piece& piece) const {
+  const Eigen::Map<const Eigen::VectorXd> a(facet.row.data(), program_.p);
   const Eigen::VectorXd along = sign * (basis_.transpose() * a);
-  const double bound = sign * (row.back() - a.dot(foot_));
+  const double bound = sign * (facet.row[program_.p] - a.dot(foot_));
   const double length = along.norm();
   if (length <= kParallel) return bound >= -kThinPiece;
   for (const double value : along) piece.push_back(value / length);
@@ -85,7 +85,7 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   const auto holds = [&](const RegionData& region) {
     return std::all_of(region.facets.begin(), region.facets.end(), [&](const Facet& facet) {
       const Eigen::Map<const Eigen::VectorXd> a(facet.row.data(), program_.p);
-      return a.dot(t) <= facet.row.back() + kHolds;
+      return a.dot(t) <= facet.row[program_.p] + kHolds;
     });
   };
   for (const double step : kSteps) {
@@ -126,25 +126,25 @@ bool FacetNeighbours::cut(const Piece& piece, const RegionData& region, std::vec
   bool left = true;
   for (const Facet& facet : region.facets) {
     Piece outside = inside;
-    if (restrict(facet.row, -1, outside) && outside.size() > inside.size() &&
+    if (restrict(facet, -1, outside) && outside.size() > inside.size() &&
         radius(outside, centre) > kThinPiece)
       rest.push_back(std::move(outside));
-    left = restrict(facet.row, 1, inside) && radius(inside, centre) > kThinPiece;
+    left = restrict(facet, 1, inside) && radius(inside, centre) > kThinPiece;
     if (!left) break;
   }
   if (!left) rest.resize(before);
   return left;
 }
 
-void FacetNeighbours::find(const Facet& facet, const RegionData& region,
-                           const std::vector<ActiveSet>& candidates, std::vector<ActiveSet>& found,
-                           std::vector<double>& unsettled) {
+void FacetNeighbours::find(const Facet& facet, const RegionData& region, const ActiveSetList& candidates,
+                           ActiveSetList& found, std::vector<double>& unsettled) {
   lay(facet);
   std::vector<Piece> pieces(1);
   for (const Facet& other : region.facets) {
-    if (&other != &facet && !restrict(other.row, 1, pieces[0])) return;
+    if (&other != &facet && !restrict(other, 1, pieces[0])) return;
   }
-  for (const ActiveSet& active : candidates) takeRegion(active);
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    takeRegion(ActiveSet(candidates[k].begin(), candidates[k].end()));
   Eigen::VectorXd centre;
   for (std::size_t round = 0; !pieces.empty() && round < kMostPieces; ++round) {
     const Piece piece = std::move(pieces.back());
@@ -164,7 +164,7 @@ void FacetNeighbours::find(const Facet& facet, const RegionData& region,
     const Eigen::VectorXd probe = t + std::min(kSteps[1], 0.5 * room(t)) * normal_;
     unsettled.insert(unsettled.end(), probe.data(), probe.data() + program_.p);
   }
-  found.insert(found.end(), behind_sets_.begin(), behind_sets_.end());
+  for (const ActiveSet& active : behind_sets_) found.push({active.data(), active.size()});
 }
 
 }  // namespace polyfly

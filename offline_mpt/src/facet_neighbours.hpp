@@ -21,8 +21,8 @@ class FacetNeighbours {
 
   /// Adds the active sets of the regions behind `facet` to `found`; `candidates` are asked first. Points
   /// behind which no region was found join `unsettled` (p numbers each).
-  void find(const Facet& facet, const RegionData& region, const std::vector<ActiveSet>& candidates,
-            std::vector<ActiveSet>& found, std::vector<double>& unsettled);
+  void find(const Facet& facet, const RegionData& region, const ActiveSetList& candidates,
+            ActiveSetList& found, std::vector<double>& unsettled);
 
   unsigned long long pivots() const { return builder_.pivots() + (solver_ ? solver_->pivots() : 0); }
 
@@ -31,7 +31,7 @@ class FacetNeighbours {
   enum class Behind { kRegion, kEdge, kUnknown };
 
   void lay(const Facet& facet);
-  bool restrict(const std::vector<double>& row, int sign, Piece& piece) const;
+  bool restrict(const Facet& facet, int sign, Piece& piece) const;
   double radius(const Piece& piece, Eigen::VectorXd& centre);
   bool takeRegion(const ActiveSet& active);
   Behind lookBehind(const Eigen::VectorXd& t);

@@ -20,6 +20,7 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
       width_(program.p + 1),
       gram_(static_cast<std::size_t>(program.m) * program.m),
       D_(static_cast<std::size_t>(program.m) * width_),
+      M_(static_cast<std::size_t>(program.m) * program.n),
       shortest_(program),
       accurate_(program),
       D_size_(program.m),
@@ -31,6 +32,7 @@ RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_toleranc
     for (int j = 0; j < program.m; ++j)
       gram_[static_cast<std::size_t>(i) * program.m + j] = program.gram(i, j);
     for (int j = 0; j < width_; ++j) D_[static_cast<std::size_t>(i) * width_ + j] = program.D(i, j);
+    for (int j = 0; j < program.n; ++j) M_[static_cast<std::size_t>(i) * program.n + j] = program.M(i, j);
     D_size_[i] = program.D.row(i).cwiseAbs().maxCoeff();
   }
   for (int i = 0; i < program.U.rows(); ++i) U_size_.push_back(program.U.row(i).cwiseAbs().maxCoeff());
@@ -40,6 +42,7 @@ bool RegionBuilder::factorise(const ActiveSet& active) {
   const int k = static_cast<int>(active.size());
   if (k > program_.n) return false;
   factor_.resize(static_cast<std::size_t>(k) * k);
+  inverse_.resize(k);
   for (int r = 0; r < k; ++r) {
     const double* source = gram_.data() + static_cast<std::size_t>(active[r]) * program_.m;
     double* row = factor_.data() + static_cast<std::size_t>(r) * k;
@@ -51,6 +54,7 @@ bool RegionBuilder::factorise(const ActiveSet& active) {
         row[c] = value / other[c];
       } else if (value > kSafePivot) {
         row[c] = std::sqrt(value);
+        inverse_[c] = 1.0 / row[c];
       } else {
         return factoriseAccurately(active);
       }
@@ -78,30 +82,28 @@ bool RegionBuilder::factoriseAccurately(const ActiveSet& active) {
     out[r] = row.norm();
     if (out[r] <= kIndependent) return false;
     basis.col(r) = row / out[r];
+    inverse_[r] = 1.0 / out[r];
   }
   return true;
 }
 
-// Solves factor factor' X = X in place for width_ right-hand sides lying side by side.
-void RegionBuilder::solveFactor(double* x) const {
-  const int k = static_cast<int>(multipliers_.size()) / width_;
-  for (int r = 0; r < k; ++r) {
-    double* row = x + r * width_;
-    for (int c = 0; c < r; ++c) {
-      const double weight = factor_[static_cast<std::size_t>(r) * k + c];
-      for (int j = 0; j < width_; ++j) row[j] -= weight * x[c * width_ + j];
+// Solves factor factor' X = X in place for `width` right-hand sides lying side by side.
+void RegionBuilder::solveFactor(double* x, std::size_t rows, std::size_t width) const {
+  for (std::size_t r = 0; r < rows; ++r) {
+    double* row = x + r * width;
+    for (std::size_t c = 0; c < r; ++c) {
+      const double weight = factor_[r * rows + c];
+      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
     }
-    const double inverse = 1.0 / factor_[static_cast<std::size_t>(r) * k + r];
-    for (int j = 0; j < width_; ++j) row[j] *= inverse;
+    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
   }
-  for (int r = k - 1; r >= 0; --r) {
-    double* row = x + r * width_;
-    for (int c = r + 1; c < k; ++c) {
-      const double weight = factor_[static_cast<std::size_t>(c) * k + r];
-      for (int j = 0; j < width_; ++j) row[j] -= weight * x[c * width_ + j];
+  for (std::size_t r = rows; r-- > 0;) {
+    double* row = x + r * width;
+    for (std::size_t c = r + 1; c < rows; ++c) {
+      const double weight = factor_[c * rows + r];
+      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
     }
-    const double inverse = 1.0 / factor_[static_cast<std::size_t>(r) * k + r];
-    for (int j = 0; j < width_; ++j) row[j] *= inverse;
+    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
   }
 }
 
@@ -125,10 +127,14 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
       status = BuildStatus::kWeak;
       return false;
     }
+    if (origin.kind == RowOrigin::Kind::kSlack)
+      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
     return true;
   }
   if (!meets_box) {  // such a row bounds nothing, or all is beyond it; far planes would cost accuracy
     if (constant < 0.0) status = BuildStatus::kThin;
+    if (origin.kind == RowOrigin::Kind::kSlack)
+      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
     return constant > 0.0;
   }
   const double inverse = 1.0 / length;
@@ -136,6 +142,7 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
   rows_.push_back(constant * inverse);
   origins_.push_back(origin);
+  lengths_.push_back(length);
   return true;
 }
 
@@ -157,7 +164,7 @@ bool RegionBuilder::priceOut(const ActiveSet& active) {
     for (int j = 0; j < width_; ++j)
       prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
   }
-  solveFactor(prices_.data());
+  solveFactor(prices_.data(), active.size(), width_);
   const double scale = program_.cost.cwiseAbs().maxCoeff();
   Eigen::MatrixXd rest = program_.cost;
   for (Eigen::Index r = 0; r < k; ++r) {
@@ -250,7 +257,7 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
   if (program_.semidefinite) {
     if (!findShortest(active)) return false;
   } else {
-    solveFactor(multipliers_.data());
+    solveFactor(multipliers_.data(), active.size(), width_);
   }
   size_ = 0.0;
   for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
@@ -284,6 +291,8 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
   for (int d = 0; d < program_.domainCount(); ++d) origins_.push_back({RowOrigin::Kind::kDomain, d});
+  lengths_.assign(origins_.size(), 1.0);
+  nearest_miss_ = std::numeric_limits<double>::infinity();
   const BuildStatus status = addMultiplierRows(active, scale);
   return status == BuildStatus::kRegion ? addSlackRows(active, scale) : status;
 }
@@ -372,9 +381,8 @@ BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance,
     const int row = minimal_.facets[f];
     Facet& facet = region.facets[f];
     facet.origin = origins_[row];
-    facet.row.assign(rows_.begin() + row * width_, rows_.begin() + (row + 1) * width_);
-    facet.beyond.assign(minimal_.beyond.begin() + f * program_.p,
-                        minimal_.beyond.begin() + (f + 1) * program_.p);
+    std::copy_n(rows_.begin() + row * width_, width_, facet.row.begin());
+    std::copy_n(minimal_.beyond.begin() + f * program_.p, program_.p, facet.beyond.begin());
   }
   return BuildStatus::kRegion;
 }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "accurate_description.hpp"
+#include "active_set_list.hpp"
 #include "least_distance.hpp"
 #include "offline_mpt/polytope.hpp"
 #include "shortest_optimum.hpp"
@@ -23,8 +25,8 @@ struct RowOrigin {
 /// A half-space that bounds a region, and what lies behind it.
 struct Facet {
   RowOrigin origin;
-  std::vector<double> row;     ///< (a, b) in scaled parameters
-  std::vector<double> beyond;  ///< a point that violates this row alone
+  std::array<double, PolytopeSolver::kMaxDimension + 1> row;  ///< (a, b) in p + 1 scaled parameters
+  std::array<double, PolytopeSolver::kMaxDimension> beyond;   ///< a point that violates this row alone, p
 };
 
 /// A full-dimensional region in scaled parameters.
@@ -53,6 +55,7 @@ enum class BuildStatus : std::uint8_t {
 enum class Crossing : std::uint8_t {
   kEdge,        ///< nothing: the box, or the end of the feasible set
   kSingle,      ///< one active set, along the whole facet
+  kExchange,    ///< several candidates, the first of which begins where the way to the point beyond crosses
   kDegenerate,  ///< several candidates: which is optimal depends on the place, or rows coincide
 };
 
@@ -67,11 +70,11 @@ class RegionBuilder {
   /// outwards.
   BuildStatus build(const ActiveSet& active, RegionData& region);
 
-  /// Active sets that can be optimal across `facet` of the region of `active`, which must be the last one
-  /// built. Of several, that which is likeliest where the way to the point beyond crosses the facet is the
-  /// first.
+  /// Adds the active sets that can be optimal across `facet` of the region of `active`, which must be the
+  /// last one built. Of several, that which is likeliest where the way to the point beyond crosses the facet
+  /// is the first.
   Crossing neighbours(const ActiveSet& active, const RegionData& region, const Facet& facet,
-                      std::vector<ActiveSet>& sets);
+                      ActiveSetList& sets);
 
   /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
   /// spare); false where the active rows are dependent.
@@ -93,22 +96,24 @@ class RegionBuilder {
   bool describeAccurately(const ActiveSet& active);
   bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
   void slackRow(const ActiveSet& active, int row);
+  void clearRows();
   bool satisfied(const double* t, double tolerance) const;
   bool holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale);
   bool factorise(const ActiveSet& active);
   bool factoriseAccurately(const ActiveSet& active);
-  void solveFactor(double* x) const;
+  void solveFactor(double* x, std::size_t rows, std::size_t width) const;
   BuildStatus assembleRows(const ActiveSet& active);
   bool addRow(const double* affine, RowOrigin origin, double scale, double noise, BuildStatus& status);
   void law(const ActiveSet& active, std::vector<double>& out);
-  bool depends(const ActiveSet& active, int row, std::vector<double>& weights) const;
-  std::vector<RowOrigin> coincident(const Facet& facet) const;
-  void exchange(const ActiveSet& active, int row, const std::vector<double>& crossing,
-                std::vector<ActiveSet>& sets) const;
-  void combine(const ActiveSet& active, const std::vector<RowOrigin>& changes,
-               const std::vector<double>& crossing, std::vector<ActiveSet>& sets) const;
+  bool depends(const ActiveSet& active, int row);
+  void findChanges(const Facet& facet);
+  void cross(const ActiveSet& active, const RegionData& region, const Facet& facet);
+  int exchange(const ActiveSet& active, int row, ActiveSetList& sets) const;
+  bool beginsBehind(const ActiveSet& active, int leaving);
+  bool slacksStay(int facet, double change) const;
+  void combine(const ActiveSet& active, ActiveSetList& sets);
   double valueOf(const double* affine, const double* t) const;
-  void enter(const ActiveSet& active, int leaving, std::vector<ActiveSet>& sets);
+  void enter(const ActiveSet& active, int leaving, ActiveSetList& sets) const;
   BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool priceOut(const ActiveSet& active);
@@ -128,7 +133,9 @@ class RegionBuilder {
   int width_;                 // p + 1
   std::vector<double> gram_;  // row-major copies, so that the inner loops run along memory
   std::vector<double> D_;
-  std::vector<double> factor_;       // lower triangle, k x k of stride n + 1
+  std::vector<double> M_;
+  std::vector<double> factor_;       // lower triangle, k x k
+  std::vector<double> inverse_;      // of its diagonal
   std::vector<double> multipliers_;  // k x (p + 1)
   std::vector<double> prices_;       // as multipliers_, of a linear program
   double size_ = 0.0;                // greatest of multipliers_
@@ -146,6 +153,12 @@ class RegionBuilder {
   std::vector<std::uint16_t> idle_;  // rows outside the set that are tight everywhere
   std::vector<double> rows_;         // (a, b)
   std::vector<RowOrigin> origins_;
+  std::vector<double> lengths_;   // what rows_ were divided by; of the domain's, 1
+  double nearest_miss_ = 0.0;     // least value in the box of a slack that does not meet it
+  std::vector<int> changes_;      // rows in the plane of a facet
+  std::vector<double> weights_;   // of the active rows, in a row that depends on them
+  std::vector<double> crossing_;  // p, in a facet
+  std::vector<double> column_;
   std::vector<char> is_active_;
   std::vector<double> scratch_, at_point_;
   PolytopeSolver solver_;

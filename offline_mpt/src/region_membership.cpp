@@ -26,10 +26,15 @@ bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, d
   doubtful_ = false;
   if (!findMultipliers(active, scale)) return false;
   if (program_.linear && !priceOut(active)) return false;
-  rows_.clear();
-  origins_.clear();
+  clearRows();
   if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
   return holdsSlacks(active, t, tolerance, scale);
+}
+
+void RegionBuilder::clearRows() {
+  rows_.clear();
+  origins_.clear();
+  lengths_.clear();
 }
 
 // Whether t satisfies the rows gathered so far but for `tolerance`.
@@ -47,8 +52,7 @@ bool RegionBuilder::satisfied(const double* t, double tolerance) const {
 bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
   at_point_.resize(active.size());
   for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = valueOf(multipliers_.data() + r * width_, t);
-  rows_.clear();
-  origins_.clear();
+  clearRows();
   for (const int row : active) is_active_[row] = 1;
   BuildStatus status = BuildStatus::kRegion;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
