@@ -28,8 +28,8 @@ struct Witness {
 /// One object, one thread.
 class StrictTest {
  public:
-  static constexpr double kLeastRadius = 2e-10;  ///< [scaled]
-  static constexpr int kNone = -1;               ///< no row
+  static constexpr double kLeastRadius = 2e-9;  ///< twice what `solve` keeps [scaled]
+  static constexpr int kNone = -1;              ///< no row
 
   /// `gap`: m, slacks beyond which laws are apart, of rows of unit length; empty: never.
   StrictTest(const StrictSystem& system, const std::vector<double>& gap);
