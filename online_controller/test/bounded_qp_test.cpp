@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "mpc_core/qp_kernels.hpp"
 #include "allocations.hpp"
+#include "mpc_core/qp_kernels.hpp"
 #include "mpc_core_support.hpp"
 
 namespace polyfly {
@@ -400,6 +400,41 @@ TEST(QpKernels, GiveTheSameBitsOnEveryProcessor) {
 }
 
 // As a working set grows, its factor does.
+TEST(QpKernels, AddColumnsAsTheProductSays) {
+  std::mt19937_64 random(12);
+  const std::vector<int> chosen{3, 0, 2};
+  for (int n = kPack; n <= 80; n += kPack) {
+    const Eigen::MatrixXd M = gaussian(n, n, random);
+    const Eigen::VectorXd x = gaussian(n, 1, random), y = gaussian(n, 1, random);
+    for (const QpKernels* kernels : {&qpKernels(), &plainQpKernels()}) {
+      Eigen::VectorXd all = y, some = y;
+      kernels->addColumns(M.data(), n, n, nullptr, n, x.data(), all.data());
+      EXPECT_LT((all - (y + M * x)).cwiseAbs().maxCoeff(), 1e-12) << n;
+      kernels->addColumns(M.data(), n, n, chosen.data(), 3, x.data(), some.data());
+      const Eigen::VectorXd expected = y + x(0) * M.col(3) + x(1) * M.col(0) + x(2) * M.col(2);
+      EXPECT_LT((some - expected).cwiseAbs().maxCoeff(), 1e-12) << n;
+    }
+  }
+}
+
+TEST(QpKernels, TheGreatestMagnitudeTellsOfWhatIsNotFinite) {
+  constexpr int kSize = 12;
+  for (const QpKernels* kernels : {&qpKernels(), &plainQpKernels()}) {
+    EXPECT_EQ(kernels->greatest(0, nullptr), 0.0);
+    for (int i = 0; i < kSize; ++i) {
+      std::vector<double> x(kSize, 0.5);
+      for (const double value : {2.0, -3.0}) {
+        x[static_cast<std::size_t>(i)] = value;
+        EXPECT_EQ(kernels->greatest(kSize, x.data()), std::abs(value)) << i;
+      }
+      for (const double value : {kInfinity, -kInfinity, std::nan("")}) {
+        x[static_cast<std::size_t>(i)] = value;
+        EXPECT_FALSE(std::isfinite(kernels->greatest(kSize, x.data()))) << i;
+      }
+    }
+  }
+}
+
 TEST(QpKernels, AFactorThatGrowsHasTheSameBits) {
   std::mt19937_64 random(11);
   constexpr int kSize = 32;

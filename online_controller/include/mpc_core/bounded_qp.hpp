@@ -102,6 +102,7 @@ class BoundedQp {
 
   QpStatus take(const QpVectors& vectors) noexcept;
   void startFrom(const QpSide* start) noexcept;
+  QpSide allowed(int index, QpSide side) const noexcept;
   QpStatus leave(QpStatus status) noexcept;
 
   // The phases.
@@ -150,9 +151,14 @@ class BoundedQp {
   double bound(int index) const noexcept {
     return side_[static_cast<std::size_t>(index)] < QpSide::kInactive ? lower_[index] : upper_[index];
   }
-  bool isFixedMultiplier(int index) const noexcept {
-    const QpSide side = side_[static_cast<std::size_t>(index)];
-    return index == partial_ || side == QpSide::kLowerRelaxed || side == QpSide::kUpperRelaxed;
+  // Visits the constraints whose multipliers are data: relaxed rows and the partial constraint.
+  template <class Visit>
+  void forFixedMultipliers(const Visit& visit) {
+    if (partial_ >= 0 && partial_ < n_) visit(partial_);
+    for (int i = n_; i < n_ + m_; ++i) {
+      const QpSide side = side_[static_cast<std::size_t>(i)];
+      if (i == partial_ || side == QpSide::kLowerRelaxed || side == QpSide::kUpperRelaxed) visit(i);
+    }
   }
 
   int n_ = 0;
@@ -162,7 +168,8 @@ class BoundedQp {
   int iteration_limit_ = 0;
   bool convex_ = false;
   bool well_conditioned_ = false;
-  bool constant_ = false;  // the inverse of H is there
+  bool constant_ = false;    // the inverse of H is there
+  bool equalities_ = false;  // there are some
   double violation_ = 0.0;
   double gradient_scale_ = 0.0;
 

@@ -25,6 +25,8 @@ struct QpKernels {
 
   void (*addMultiple)(int n, double factor, const double* x, double* y);  ///< y += factor x
   double (*dot)(int n, const double* x, const double* y);
+  double (*greatest)(int n,
+                     const double* x);  ///< greatest magnitude; infinity or NaN if an entry is not finite
 };
 
 constexpr int kPack = 4;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "mpc_core/qp_kernels.hpp"
@@ -137,38 +139,53 @@ QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
     std::copy_n(vectors.row_lower, m_, lower_.data() + n_);
     std::copy_n(vectors.row_upper, m_, upper_.data() + n_);
   }
-  gradient_scale_ = 0.0;
-  bool finite = true;
-  for (int i = 0; i < n_; ++i) {
-    finite = finite && std::isfinite(g_[i]);
-    gradient_scale_ = std::max(gradient_scale_, std::abs(g_[i]));
-  }
+  gradient_scale_ = qpKernels().greatest(stride_, g_.data());
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  bool ordered = true;
+  const double* const lower = lower_.data();
+  const double* const upper = upper_.data();
+  const double* const scale = scale_.data();
+  double* const least = least_.data();
+  double* const greatest = greatest_.data();
+  std::int64_t not_finite = 0;  // as wide as what decides, so that four are done at once
+  std::int64_t contradictory = 0;
+  std::int64_t equal = 0;
   for (int i = 0; i < n_ + m_; ++i) {
-    finite = finite && lower_[i] < kInfinity && upper_[i] > -kInfinity;  // false for NaN
-    ordered = ordered && lower_[i] <= upper_[i];
-    least_[i] = lower_[i] - kFeasible * (scale_[i] + std::abs(lower_[i]));
-    greatest_[i] = upper_[i] + kFeasible * (scale_[i] + std::abs(upper_[i]));
+    not_finite |= lower[i] < kInfinity ? 0 : 1;  // 1 for NaN
+    not_finite |= upper[i] > -kInfinity ? 0 : 1;
+    contradictory |= lower[i] <= upper[i] ? 0 : 1;
+    equal |= lower[i] == upper[i] ? 1 : 0;
+    least[i] = lower[i] - kFeasible * (scale[i] + std::abs(lower[i]));
+    greatest[i] = upper[i] + kFeasible * (scale[i] + std::abs(upper[i]));
   }
-  if (!finite) return QpStatus::kNotFinite;
-  return ordered ? QpStatus::kOptimal : QpStatus::kInfeasible;
+  equalities_ = equal != 0;
+  if (not_finite != 0 || !std::isfinite(gradient_scale_)) return QpStatus::kNotFinite;
+  return contradictory == 0 ? QpStatus::kOptimal : QpStatus::kInfeasible;
 }
 
+// Sides that the bounds and penalties of this problem allow: at no infinite bound, relaxed at a price only,
+// equalities always held.
 void BoundedQp::startFrom(const QpSide* start) noexcept {
-  for (int i = 0; i < n_ + m_; ++i) {
-    QpSide side = start != nullptr ? start[i] : QpSide::kInactive;
-    if (!std::isfinite(penalty_[i])) {  // hard constraints are not relaxed
-      if (side == QpSide::kLowerRelaxed) side = QpSide::kLower;
-      if (side == QpSide::kUpperRelaxed) side = QpSide::kUpper;
+  const int constraints = n_ + m_;
+  if (start == nullptr) {
+    std::fill_n(side_.data(), constraints, QpSide::kInactive);
+  } else {
+    for (int i = 0; i < constraints; ++i) {
+      side_[static_cast<std::size_t>(i)] = start[i] == QpSide::kInactive ? start[i] : allowed(i, start[i]);
     }
-    if (side < QpSide::kInactive && !std::isfinite(lower_[i])) side = QpSide::kInactive;
-    if (side > QpSide::kInactive && !std::isfinite(upper_[i])) side = QpSide::kInactive;
-    if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
-    side_[static_cast<std::size_t>(i)] = side;
   }
-  std::fill_n(lambda_.data(), n_ + m_, 0.0);
+  for (int i = 0; equalities_ && i < constraints; ++i) {
+    QpSide& side = side_[static_cast<std::size_t>(i)];
+    if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
+  }
+  std::fill_n(lambda_.data(), constraints, 0.0);
   std::fill_n(x_.data(), n_, 0.0);
+}
+
+QpSide BoundedQp::allowed(int index, QpSide side) const noexcept {
+  if (!std::isfinite(side < QpSide::kInactive ? lower_[index] : upper_[index])) return QpSide::kInactive;
+  if (std::isfinite(penalty_[index])) return side;
+  if (side == QpSide::kLowerRelaxed) return QpSide::kLower;
+  return side == QpSide::kUpperRelaxed ? QpSide::kUpper : side;
 }
 
 QpStatus BoundedQp::leave(QpStatus status) noexcept {

@@ -16,9 +16,7 @@ void BoundedQp::solveEquality() noexcept {
     return;
   }
   std::copy_n(g_.data(), stride_, gradient_.data());
-  for (int i = 0; i < n_ + m_; ++i) {
-    if (isFixedMultiplier(i)) addMultiple(i, lambda_[i], gradient_.data());
-  }
+  forFixedMultipliers([&](int i) { addMultiple(i, lambda_[i], gradient_.data()); });
   solvePrimal(x_.data(), lambda_.data(), false);
 }
 
@@ -36,9 +34,8 @@ void BoundedQp::startFromBase() noexcept {
     has_base_ = true;
   }
   std::copy_n(base_.data(), stride_, x_.data());
-  for (int i = 0; i < n_ + m_; ++i) {
-    if (isFixedMultiplier(i)) qpKernels().addMultiple(stride_, -lambda_[i], inverseColumn(i), x_.data());
-  }
+  forFixedMultipliers(
+      [&](int i) { qpKernels().addMultiple(stride_, -lambda_[i], inverseColumn(i), x_.data()); });
 }
 
 // The rates of x and of the multipliers as the candidate's multiplier grows along its direction.
@@ -124,8 +121,7 @@ void BoundedQp::refine() noexcept {
   for (int i = 0; i < n_ + m_; ++i) {
     if (lambda_[i] != 0.0) addMultiple(i, lambda_[i], gradient_.data());
   }
-  double worst = 0.0;
-  for (int i = 0; i < n_; ++i) worst = std::max(worst, std::abs(gradient_[i]));
+  const double worst = kernels.greatest(stride_, gradient_.data());
   if (worst <= kResidual * (gradient_scale_ + largestMultiplier())) return;
   if (dual_) {
     for (int i = 0; i < n_; ++i) dx_[i] = -gradient_[i];

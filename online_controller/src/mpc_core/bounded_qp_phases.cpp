@@ -65,12 +65,17 @@ void BoundedQp::sweepBounds() noexcept {
 
 int BoundedQp::correctGuess() noexcept {
   int changes = dropWrongSigns();
-  for (int i = 0; i < n_; ++i) {
-    QpSide& side = side_[static_cast<std::size_t>(i)];
-    if (side != QpSide::kInactive) continue;
-    if (x_[i] >= least_[i] && x_[i] <= greatest_[i]) continue;
-    side = x_[i] < least_[i] ? QpSide::kLower : QpSide::kUpper;
-    ++changes;
+  const double* const x = x_.data();
+  const double* const least = least_.data();
+  const double* const greatest = greatest_.data();
+  QpSide* const sides = side_.data();
+  for (int i = 0; i < n_; ++i) {  // without branches: which bounds are violated is not to be foreseen
+    const QpSide free = x[i] < least[i]      ? QpSide::kLower
+                        : x[i] > greatest[i] ? QpSide::kUpper
+                                             : QpSide::kInactive;
+    const QpSide side = sides[i] == QpSide::kInactive ? free : sides[i];
+    changes += side != sides[i] ? 1 : 0;
+    sides[i] = side;
   }
   return changes;
 }
