@@ -30,10 +30,10 @@ cpu_set_t processCores() noexcept {
   return cores;
 }
 
-std::string askForPriority(int priority) {
+std::string askForPriority(pthread_t thread, int priority) {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  const int error = pthread_setschedparam(thread, SCHED_FIFO, &parameters);
   if (error == 0) return {};
   return refusal("real_time/priority " + std::to_string(priority), error,
                  "Permitted to root and, as `USER - rtprio 99` in /etc/security/limits.conf, to a user.");
@@ -56,18 +56,18 @@ std::string becomeRealTime(const RealTimeOptions& options) {
   }
   if (options.core >= 0) said += runOn(options.core);
   if (options.rehearse > 0.0) prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]: to be awake in time
-  if (options.priority > 0) said += askForPriority(options.priority);
+  if (options.priority > 0) said += askForPriority(pthread_self(), options.priority);
   return said;
 }
 
-std::string runJustBelow(pid_t thread) {
-  sched_param parameters{};
-  const int policy = sched_getscheduler(thread);
-  if ((policy != SCHED_FIFO && policy != SCHED_RR) || sched_getscheduler(0) != SCHED_OTHER ||
-      sched_getparam(thread, &parameters) != 0)
+std::string runBelow(pid_t thread, int steps, pthread_t who) {
+  const auto isRealTime = [](int policy) { return policy == SCHED_FIFO || policy == SCHED_RR; };
+  sched_param above{}, own{};
+  int own_policy = SCHED_OTHER;
+  if (!isRealTime(sched_getscheduler(thread)) || sched_getparam(thread, &above) != 0 ||
+      pthread_getschedparam(who, &own_policy, &own) != 0 || own_policy != SCHED_OTHER)
     return {};
-  parameters.sched_priority = std::max(1, parameters.sched_priority - 1);
-  return askForPriority(parameters.sched_priority);
+  return askForPriority(who, std::max(1, above.sched_priority - steps));
 }
 
 std::string runOn(int core) {

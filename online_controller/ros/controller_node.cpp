@@ -43,8 +43,9 @@ pid_t thisThread() noexcept {
 }  // namespace
 
 ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private_handle,
-                                                  const ForeignNames& names) {
+                                                  const ForeignNames& names, Household household) {
   Setup setup;
+  setup.alone = household == Household::kAlone;
   ParameterReader reader(private_handle);
   setup.laws = LawSetup::read(reader);
   setup.flight = FlightSetup::read(reader);
@@ -65,8 +66,8 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
 }
 
 ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                                 const ForeignNames& names) try
-    : ExplicitMpcNode(handle, private_handle, names, readSetup(private_handle, names)) {
+                                 const ForeignNames& names, Household household) try
+    : ExplicitMpcNode(handle, private_handle, names, readSetup(private_handle, names, household)) {
 } catch (const std::exception& error) {
   ROS_FATAL("MPC does not start: %s", error.what());
   throw;
@@ -83,6 +84,7 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
       record_(flight_.preview().size()),
       reporter_(handle_, keeper_, flight_, record_, setup.laws.controller.control_period),
       in_publisher_(setup.in_publisher),
+      alone_(setup.alone),
       control_period_(setup.laws.controller.control_period),
       poll_(control_period_, setup.real_time.poll, setup.real_time.rehearse),
       follows_core_(in_publisher_ && setup.real_time.rehearse > 0.0 && setup.real_time.core < 0),
@@ -138,7 +140,8 @@ void ExplicitMpcNode::connect() {
 
 void ExplicitMpcNode::onOdometry(const OdometryEvent& event) {
   const bool in_publisher = at_once_.runsHere();
-  if (in_publisher && (left_ != nullptr || !published_here_(event.getConnectionHeaderPtr()))) {
+  const bool fit = left_ == nullptr && (alone_ || published_here_(event.getConnectionHeaderPtr()));
+  if (in_publisher && !fit) {
     left_ = event.getConstMessage();
     return;  // the follow-up comes in any case
   }
@@ -247,7 +250,8 @@ void ExplicitMpcNode::followPublisher() {
   }
   if (follows_priority_ && publisher_.thread != followed_) {
     followed_ = publisher_.thread;
-    const std::string refused = runJustBelow(publisher_.thread);
+    std::string refused = runBelow(publisher_.thread, 1, pthread_self());
+    if (refused.empty()) refused = background_->runBelow(publisher_.thread, 2);
     if (!refused.empty())
       ROS_WARN_ONCE("MPC: has no priority beside who publishes odometry: %s", refused.c_str());
   }

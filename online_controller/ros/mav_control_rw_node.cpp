@@ -24,7 +24,8 @@ int main(int argc, char** argv) try {
   if (!theirs.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", theirs.taken.c_str());
   for (const std::string& text : theirs.unread)
     ROS_WARN("parameters of mav_control_rw not read: %s", text.c_str());
-  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle, theirs.names);
+  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle, theirs.names,
+                                          polyfly_ros::Household::kAlone);
   ros::spin();
 } catch (const std::exception&) {
   return 1;  // the node has said why

@@ -27,6 +27,11 @@ class Background {
   Background(const Background&) = delete;
   Background& operator=(const Background&) = delete;
 
+  /// As the function of that name, for this thread.
+  std::string runBelow(pid_t thread, int steps) {
+    return polyfly_ros::runBelow(thread, steps, thread_.handle());
+  }
+
  private:
   void apply();
   std::string bakedIn() const;

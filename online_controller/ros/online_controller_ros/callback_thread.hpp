@@ -1,5 +1,6 @@
 #pragma once
 
+#include <pthread.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <sys/types.h>
@@ -53,9 +54,9 @@ std::string becomeRealTime(const RealTimeOptions& options);
 /// sentence why not.
 std::string runOn(int core);
 
-/// The calling thread has the real-time priority just below that of `thread` from now on, where that has one
-/// and this none. Empty, or in one sentence why not.
-std::string runJustBelow(pid_t thread);
+/// `who` has the real-time priority so many `steps` below that of `thread` from now on, but at least 1, where
+/// that has one and `who` none. Empty, or in one sentence why not.
+std::string runBelow(pid_t thread, int steps, pthread_t who);
 
 /// A callback queue that a thread can watch without taking the lock that those who add to it need, or wait
 /// for without being the one who calls.
@@ -107,6 +108,8 @@ class CallbackThread {
   CallbackThread(const CallbackThread&) = delete;
   CallbackThread& operator=(const CallbackThread&) = delete;
   ~CallbackThread();
+
+  pthread_t handle() { return thread_.native_handle(); }
 
  private:
   void serve(WatchedQueue& queue, const Sleep& sleep, polyfly::Baton* baton) const;

@@ -38,17 +38,24 @@ void visitNodeOptions(Options& options, Visit&& visit) {
   visit("controller/stale_periods", options.stale_periods, "control periods", polyfly::Range{2.0, 10000.0});
 }
 
+/// Who is in the process beside the controller.
+enum class Household {
+  kShared,  ///< other nodelets, which may publish odometry
+  kAlone,   ///< nobody: odometry comes over connections only
+};
+
 /// The controller on ROS topics, explicit unless another law is chosen: odometry and references in, attitude
 /// commands and status out. Topics and parameters are listed in online_controller/README.md. It has two
 /// threads of its own: one for control, and one for all that control must not wait for. Odometry of the same
-/// process is answered in the thread that publishes it, where the baton is free; the control thread does the
-/// rest (IN_FLIGHT.md).
+/// process is answered in the thread that publishes it, where the baton is free, and that of another, where
+/// the controller is alone in its own, in the one that reads the connection; the control thread does the rest
+/// (IN_FLIGHT.md).
 class ExplicitMpcNode {
  public:
   /// Reads the parameters, opens the maps, connects. Logs one fatal sentence and throws polyfly::Error when
   /// the parameters or a map are not fit to fly. `names`: under which options can be changed besides ours.
   ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                  const ForeignNames& names = {});
+                  const ForeignNames& names = {}, Household household = Household::kShared);
 
  private:
   struct Setup {
@@ -57,16 +64,18 @@ class ExplicitMpcNode {
     NodeOptions node;
     OutputOptions output;
     RealTimeOptions real_time;
-    bool in_publisher = true;  // odometry is answered there
+    bool in_publisher = true;  // odometry is answered where it comes from
+    bool alone = false;        // in the process
   };
 
-  /// Who publishes odometry, and where.
+  /// Who brings odometry, and where.
   struct Publisher {
     pid_t thread = 0;
     int core = -1;
   };
 
-  static Setup readSetup(const ros::NodeHandle& private_handle, const ForeignNames& names);
+  static Setup readSetup(const ros::NodeHandle& private_handle, const ForeignNames& names,
+                         Household household);
   ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const ForeignNames& names, const Setup& setup);
   void connect();
@@ -109,6 +118,7 @@ class ExplicitMpcNode {
   FlightReporter reporter_;
   AnsweredList answered_;
   bool in_publisher_;
+  bool alone_;
   double control_period_;  // [s]
   polyfly::PollWindow poll_;
   polyfly::PollWindow::Clock::time_point served_at_;  // the last odometry

@@ -41,14 +41,22 @@ nav_msgs::Odometry::Ptr odometryAt(const ros::Time& stamp, double x = 0.0) {
   return odometry;
 }
 
-/// The node, and one who publishes odometry and takes commands where they are published.
+std::string nameOfThisThread() {
+  char name[16] = {};
+  pthread_getname_np(pthread_self(), name, sizeof name);
+  return name;
+}
+
+/// The node, and one who publishes odometry, unless the node shall be alone with a connection, and takes
+/// commands where they are published.
 class Flight {
  public:
   explicit Flight(const std::string& space, const std::string& answer = "",
-                  std::optional<double> rehearse = std::nullopt)
+                  std::optional<double> rehearse = std::nullopt, Household household = Household::kShared)
       : handle_(space), private_handle_(space + "/controller") {
     private_handle_.setParam("law", "linear");
     private_handle_.setParam("controller/stale_periods", 10000);
+    private_handle_.deleteParam("real_time");  // of an earlier flight
     if (!answer.empty()) private_handle_.setParam("real_time/answer", answer);
     if (rehearse) private_handle_.setParam("real_time/rehearse", *rehearse);
     baton_.give();
@@ -57,6 +65,7 @@ class Flight {
         "command/roll_pitch_yawrate_thrust", 100,
         [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& command) {
           thread = std::this_thread::get_id();
+          ++(nameOfThisThread() == "mpc_control" ? by_control : elsewhere);
           last = *command;
           stamps.push_back(command->header.stamp);
           count = stamps.size();
@@ -74,8 +83,8 @@ class Flight {
                       .subscribe<mav_msgs::RollPitchYawrateThrust>(
                           "rehearsal/command", 0,
                           [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) { ++rehearsed; });
-    odometry = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
-    node = std::make_unique<ExplicitMpcNode>(handle_, private_handle_);
+    if (household == Household::kShared) odometry = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
+    node = std::make_unique<ExplicitMpcNode>(handle_, private_handle_, ForeignNames{}, household);
     thread_.emplace(queue_, "statuses", std::function<void()>());
   }
 
@@ -112,6 +121,7 @@ class Flight {
   // Guarded by the baton of the commands; to be read when nobody publishes.
   std::vector<ros::Time> stamps;
   std::thread::id thread;
+  std::atomic<int> by_control{0}, elsewhere{0};  // commands, by the thread that published them
   mav_msgs::RollPitchYawrateThrust last;
   std::atomic<int> rehearsed{0};  // commands of rehearsals
   std::atomic<std::size_t> count{0};
@@ -218,11 +228,12 @@ std::pair<int, int> schedulingOf(const std::string& name) {
   return {-1, 0};
 }
 
-// Where the publisher waits for a lock that the control thread holds, nobody of less priority comes between.
-TEST(DirectAnswer, TheControlThreadIsJustBelowARealTimePublisher) {
+// Where the publisher waits for a lock that a thread of the node holds, nobody of less priority comes between.
+TEST(DirectAnswer, ThreadsOfTheNodeAreJustBelowARealTimePublisher) {
   Flight flight("/below");
   ASSERT_TRUE(flight.exchangeAll(3, {0.01}));
   EXPECT_EQ(schedulingOf("mpc_control"), std::make_pair(SCHED_OTHER, 0));
+  EXPECT_EQ(schedulingOf("mpc_background"), std::make_pair(SCHED_OTHER, 0));
   bool permitted = false, answered = false;
   std::thread publisher([&] {
     sched_param parameters{};
@@ -235,6 +246,9 @@ TEST(DirectAnswer, TheControlThreadIsJustBelowARealTimePublisher) {
   EXPECT_TRUE(answered);
   EXPECT_EQ(schedulingOf("mpc_control"),
             permitted ? std::make_pair(SCHED_FIFO, 19) : std::make_pair(SCHED_OTHER, 0));
+  EXPECT_EQ(schedulingOf("mpc_background"),
+            permitted ? std::make_pair(SCHED_FIFO, 18) : std::make_pair(SCHED_OTHER, 0));
+  EXPECT_EQ(schedulingOf("mpc_workshop"), std::make_pair(SCHED_OTHER, 0));
 }
 
 TEST(DirectAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
@@ -271,6 +285,36 @@ TEST(DirectAnswer, OdometryOfTwoOriginsStopsNobody) {
   const ros::WallTime last = ros::WallTime::now() + ros::WallDuration(kPatience);
   while (flight.count < before + 100 && ros::WallTime::now() < last) ros::WallDuration(0.01).sleep();
   EXPECT_GE(flight.count, before + 100);  // those over TCP
+}
+
+// In a node of its own whoever reads the connection answers: nobody else has to wake up.
+TEST(DirectAnswer, OdometryOverAConnectionIsAnsweredWhereItIsReadInANodeOfItsOwn) {
+  for (const char* answer : {"", "thread"}) {
+    Flight flight("/alone", answer, std::nullopt, Household::kAlone);
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    while (flight.count < 200 && ros::WallTime::now() < end) ros::WallDuration(0.01).sleep();
+    EXPECT_GE(flight.count, 200U) << answer;
+    // What comes while the control thread works is left to it.
+    EXPECT_EQ(flight.elsewhere > 0, std::string(answer) != "thread")
+        << flight.by_control << " by the control thread";
+  }
+}
+
+// No lock of roscpp's is left behind: subscribers come and go, options change, all while odometry is
+// answered.
+TEST(DirectAnswer, ANodeOfItsOwnEndsAndBeginsAgainWhileItsConnectionBringsOdometry) {
+  for (int round = 0; round < 5; ++round) {
+    Flight flight("/alone", "", std::nullopt, Household::kAlone);
+    dynamic_reconfigure::Reconfigure change;
+    change.request.config.doubles.resize(1);
+    change.request.config.doubles[0].name = "controller/yaw_gain";
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+    for (int call = 0; call < 20 || (flight.count < 50 && ros::WallTime::now() < end); ++call) {
+      change.request.config.doubles[0].value = 1.0 + call % 2;
+      ASSERT_TRUE(ros::service::call("/alone/controller/set_parameters", change));
+    }
+    EXPECT_GE(flight.count, 50U);
+  }
 }
 
 TEST(DirectAnswer, TheNodeEndsAndAnotherBeginsWhileOdometryComes) {
