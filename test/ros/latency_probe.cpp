@@ -22,25 +22,10 @@ double microseconds(std::chrono::steady_clock::duration time) {
   return 1e6 * std::chrono::duration<double>(time).count();
 }
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
-void writeTimes(std::ostream& file, const char* name, const std::vector<double>& values) {
-  file << "\"" << name << "\": {\"median\": " << percentile(values, 0.5)
-       << ", \"least\": " << percentile(values, 0.0) << ", \"p10\": " << percentile(values, 0.1)
-       << ", \"p99\": " << percentile(values, 0.99) << ", \"p999\": " << percentile(values, 0.999)
-       << ", \"greatest\": " << percentile(values, 1.0) << "}";
-}
-
 }  // namespace
 
 LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
-    : handle_(handle), consumer_(readConsumer(private_handle)) {
+    : handle_(handle), consumer_(readConsumer(private_handle)), turns_(private_handle.param("turn", 0.0)) {
   private_handle.param("samples", samples_, samples_);
   private_handle.param("warm_up", warm_up_, warm_up_);
   private_handle.param("rate", rate_, rate_);
@@ -85,10 +70,11 @@ void LatencyProbe::subscribe() {
   command_subscriber_ = handle_.subscribe(options);
   options.init<online_controller::ControllerStatus>(
       "controller_status", 10, [this](const online_controller::ControllerStatus::ConstPtr& status) {
-        input_.push_back(1e-3 * static_cast<double>(status->input_time_ns));
-        step_.push_back(1e-3 * static_cast<double>(status->step_time_ns));
-        publishing_.push_back(1e-3 * static_cast<double>(status->output_time_ns));
-        inside_.push_back(input_.back() + step_.back() + publishing_.back());
+        if (now_ == nullptr) return;
+        now_->input.push_back(1e-3 * static_cast<double>(status->input_time_ns));
+        now_->step.push_back(1e-3 * static_cast<double>(status->step_time_ns));
+        now_->publishing.push_back(1e-3 * static_cast<double>(status->output_time_ns));
+        now_->inside.push_back(now_->input.back() + now_->step.back() + now_->publishing.back());
       });
   options.callback_queue = &status_queue_;
   status_subscriber_ = handle_.subscribe(options);
@@ -113,15 +99,16 @@ void LatencyProbe::run() {
   pose->pose.orientation.w = 1.0;
   pose_.publish(pose);
   Clock::time_point next = Clock::now();
-  for (int sample = -warm_up_; sample < samples_ && !stopping_ && ros::ok(); ++sample) {
+  for (int sample = -warm_up_; !enough() && !stopping_ && ros::ok(); ++sample) {
     next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
     std::this_thread::sleep_until(poll_ ? next - kAwake : next);
     while (Clock::now() < next) relax();
+    const Turns::Turn turn = turns_.at(ros::WallTime::now().toSec());
+    now_ = sample < 0 || turn == Turns::Turn::kChanging ? nullptr
+           : turn == Turns::Turn::kCalm                 ? &calm_
+                                                        : &loaded_;
     exchange(sample);
     status_queue_.callAvailable();
-    if (sample < 0) {
-      for (std::vector<double>* times : {&input_, &step_, &publishing_, &inside_}) times->clear();
-    }
   }
   write();
 }
@@ -139,12 +126,18 @@ void LatencyProbe::exchange(int sample) {
   const Clock::time_point sent = Clock::now();
   odometry_.publish(odometry);
   const double held = microseconds(Clock::now() - sent);
-  if (!waitForCommand(stamp)) {
-    missed_ += sample >= 0 ? 1 : 0;
-  } else if (sample >= 0) {
-    latency_.push_back(microseconds(heard_ - sent));
-    held_.push_back(held);
+  const bool heard = waitForCommand(stamp);
+  if (now_ == nullptr) return;
+  if (!heard) {
+    ++now_->missed;
+    return;
   }
+  now_->latency.push_back(microseconds(heard_ - sent));
+  now_->held.push_back(held);
+}
+
+bool LatencyProbe::enough() const {
+  return calm_.count() >= samples_ && (!turns_.alternate() || loaded_.count() >= samples_);
 }
 
 bool LatencyProbe::waitForCommand(std::uint64_t stamp) {
@@ -168,18 +161,10 @@ void LatencyProbe::write() const {
   const std::string partial = output_ + ".partial";
   {
     std::ofstream file(partial);
-    file << "{\"samples\": " << latency_.size() << ", \"missed\": " << missed_ << ", ";
-    writeTimes(file, "latency", latency_);
-    file << ", ";
-    writeTimes(file, "held", held_);
-    file << ", ";
-    writeTimes(file, "inside", inside_);
-    file << ", ";
-    writeTimes(file, "input", input_);
-    file << ", ";
-    writeTimes(file, "step", step_);
-    file << ", ";
-    writeTimes(file, "publishing", publishing_);
+    file << "{\"calm\": ";
+    calm_.write(file);
+    file << ", \"loaded\": ";
+    loaded_.write(file);
     file << "}\n";
   }
   std::rename(partial.c_str(), output_.c_str());

@@ -10,10 +10,10 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/direct_queue.hpp"
+#include "probe_times.hpp"
 
 namespace polyfly_ros {
 
@@ -40,6 +40,7 @@ class LatencyProbe {
   void run();
   bool waitForCommand(std::uint64_t stamp);
   void exchange(int sample);
+  bool enough() const;
   void write() const;
 
   WatchedQueue queue_;  // of commands; outlives what is served on it
@@ -60,11 +61,9 @@ class LatencyProbe {
   ros::Subscriber status_subscriber_;
   Clock::time_point heard_;                 // when the last command came
   std::atomic<std::uint64_t> answered_{0};  // its stamp [ns]; what was written before it can be read
-  std::vector<double> latency_;             // [us]
-  std::vector<double> inside_;  // from the arrival of the odometry to the command's publication [us]
-  std::vector<double> input_, step_, publishing_;  // of which [us]
-  std::vector<double> held_;                       // how long publish(odometry) took [us]
-  int missed_ = 0;
+  Turns turns_;
+  ProbeTimes calm_, loaded_;
+  ProbeTimes* now_ = nullptr;  // to which of them what is measured belongs; none while a turn begins
   std::optional<CallbackThread> consumer_thread_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

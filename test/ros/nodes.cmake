@@ -5,14 +5,15 @@ add_library(polyfly_test_ros
   ros/flight_recorder.cpp
   ros/latency_probe.cpp
   ros/nodelets.cpp
-  ros/plant_node.cpp)
+  ros/plant_node.cpp
+  ros/probe_times.cpp)
 target_include_directories(polyfly_test_ros PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/ros)
 target_include_directories(polyfly_test_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(polyfly_test_ros PUBLIC multirotor_plant online_controller_ros ${catkin_LIBRARIES})
 add_dependencies(polyfly_test_ros ${catkin_EXPORTED_TARGETS})
 polyfly_warnings(polyfly_test_ros)
 
-foreach(node multirotor_plant figure_player flight_recorder latency_probe reconfigure_load)
+foreach(node multirotor_plant figure_player flight_recorder latency_probe reconfigure_load command_echo)
   add_executable(${node}_node ros/${node}_main.cpp)
   set_target_properties(${node}_node PROPERTIES OUTPUT_NAME ${node})
   target_link_libraries(${node}_node PRIVATE polyfly_test_ros)
