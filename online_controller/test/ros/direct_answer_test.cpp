@@ -228,7 +228,8 @@ std::pair<int, int> schedulingOf(const std::string& name) {
   return {-1, 0};
 }
 
-// Where the publisher waits for a lock that a thread of the node holds, nobody of less priority comes between.
+// Where the publisher waits for a lock that a thread of the node holds, nobody of less priority comes
+// between.
 TEST(DirectAnswer, ThreadsOfTheNodeAreJustBelowARealTimePublisher) {
   Flight flight("/below");
   ASSERT_TRUE(flight.exchangeAll(3, {0.01}));
