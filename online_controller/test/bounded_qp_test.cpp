@@ -399,7 +399,6 @@ TEST(QpKernels, GiveTheSameBitsOnEveryProcessor) {
   }
 }
 
-// As a working set grows, its factor does.
 TEST(QpKernels, AddColumnsAsTheProductSays) {
   std::mt19937_64 random(12);
   const std::vector<int> chosen{3, 0, 2};
@@ -435,6 +434,7 @@ TEST(QpKernels, TheGreatestMagnitudeTellsOfWhatIsNotFinite) {
   }
 }
 
+// As a working set grows, its factor does.
 TEST(QpKernels, AFactorThatGrowsHasTheSameBits) {
   std::mt19937_64 random(11);
   constexpr int kSize = 32;

@@ -3,7 +3,6 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>
 
-#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <fstream>
@@ -103,10 +102,7 @@ void LatencyProbe::run() {
     next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
     std::this_thread::sleep_until(poll_ ? next - kAwake : next);
     while (Clock::now() < next) relax();
-    const Turns::Turn turn = turns_.at(ros::WallTime::now().toSec());
-    now_ = sample < 0 || turn == Turns::Turn::kChanging ? nullptr
-           : turn == Turns::Turn::kCalm                 ? &calm_
-                                                        : &loaded_;
+    now_ = sample < 0 ? nullptr : timesOf(turns_.at(ros::WallTime::now().toSec()));
     exchange(sample);
     status_queue_.callAvailable();
   }
@@ -134,6 +130,11 @@ void LatencyProbe::exchange(int sample) {
   }
   now_->latency.push_back(microseconds(heard_ - sent));
   now_->held.push_back(held);
+}
+
+ProbeTimes* LatencyProbe::timesOf(Turns::Turn turn) {
+  if (turn == Turns::Turn::kChanging) return nullptr;
+  return turn == Turns::Turn::kCalm ? &calm_ : &loaded_;
 }
 
 bool LatencyProbe::enough() const {

@@ -40,6 +40,7 @@ class LatencyProbe {
   void run();
   bool waitForCommand(std::uint64_t stamp);
   void exchange(int sample);
+  ProbeTimes* timesOf(Turns::Turn turn);
   bool enough() const;
   void write() const;
 

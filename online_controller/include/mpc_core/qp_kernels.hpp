@@ -25,8 +25,9 @@ struct QpKernels {
 
   void (*addMultiple)(int n, double factor, const double* x, double* y);  ///< y += factor x
   double (*dot)(int n, const double* x, const double* y);
-  double (*greatest)(int n,
-                     const double* x);  ///< greatest magnitude; infinity or NaN if an entry is not finite
+
+  /// Greatest magnitude; not finite if an entry is not.
+  double (*greatest)(int n, const double* x);
 };
 
 constexpr int kPack = 4;

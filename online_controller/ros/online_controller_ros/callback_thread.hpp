@@ -37,8 +37,8 @@ void visitRealTimeOptions(Options& options, Visit&& visit) {
   visit("real_time/rehearse", options.rehearse, "s", polyfly::Range{-1.0, 0.01});
 }
 
-/// Whether odometry of this process is answered in the thread that publishes it, by `answer`, the value of
-/// real_time/answer: publisher, thread (the control thread's), or auto, which is the publisher's unless an
+/// Whether odometry is answered in the thread that brings it (IN_FLIGHT.md), by `answer`, the value of
+/// real_time/answer: publisher, thread (the control thread's), or auto, which is publisher unless an
 /// option asks something of the control thread. Throws Error naming the option.
 bool answersInPublisher(const std::string& answer, const RealTimeOptions& options);
 

@@ -48,9 +48,10 @@ class DirectQueue : public ros::CallbackQueueInterface {
   std::atomic<Clock::time_point> left_at_{kNever};
 };
 
-/// Which messages may be answered by the thread that brings them: those that publish() of this process hands
-/// over, with roscpp's lock on all its publications held. Others come with other locks: of a connection over
-/// TCP, and the last message of a publisher that latches, when it is connected.
+/// Which messages may be answered by the thread that brings them, in a process with others: those that
+/// publish() of this process hands over, with roscpp's lock on all its publications held. Others come with
+/// other locks: of a connection over TCP, and the last message of a publisher that latches, when it is
+/// connected.
 class PublishedHere {
  public:
   /// By the header of the connection that a message came by, which is compared with the last one.
