@@ -6,6 +6,7 @@
 #include "polytope_sets/analyze_map.hpp"
 #include "progress.hpp"
 #include "region_maps/error.hpp"
+#include "signals.hpp"
 
 namespace polyfly {
 namespace {

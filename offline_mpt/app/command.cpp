@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <thread>
 #include <vector>
 
@@ -15,11 +14,6 @@
 namespace polyfly {
 namespace {
 
-std::atomic<bool> stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
-
-extern "C" void onSignal(int) { stop.store(true); }
-
 bool isSameFile(const std::string& a, const std::string& b) {
   struct stat first = {}, second = {};
   if (a == b) return true;
@@ -28,26 +22,6 @@ bool isSameFile(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
-
-const std::atomic<bool>& stopOnSignal() {
-  struct sigaction action = {};
-  action.sa_handler = onSignal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the next one has its usual effect
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  return stop;
-}
-
-void endOnSignal() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
-
-void ignoreSignals() {
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGTERM, SIG_IGN);
-}
 
 // Processes of a launcher share the machine; one that is bound to some processors sees those only.
 int defaultThreads() {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
@@ -35,15 +34,6 @@ ExitCode exitCode(ExploreStatus status);
 
 /// The options --threads, --time-limit and --memory-limit of an exploration.
 void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit);
-
-/// A flag that SIGINT and SIGTERM set from now on. The second signal ends the program at once.
-const std::atomic<bool>& stopOnSignal();
-
-/// Signals end the program at once again: for work that cannot be stopped half-way.
-void endOnSignal();
-
-/// Signals do nothing from now on: for a process that another one tells when to end.
-void ignoreSignals();
 
 /// Number of processors, at least 1; under an MPI launcher this process's share of them.
 int defaultThreads();

@@ -9,6 +9,7 @@
 #include "offline_mpt/vector_text.hpp"
 #include "progress.hpp"
 #include "region_maps/error.hpp"
+#include "signals.hpp"
 
 namespace polyfly {
 namespace {

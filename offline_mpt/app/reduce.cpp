@@ -10,6 +10,7 @@
 #include "progress.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/write_map.hpp"
+#include "signals.hpp"
 #include "verify_reduction.hpp"
 
 namespace polyfly {
@@ -125,7 +126,7 @@ ExitCode reduceMap(const Options& options) {
     return ExitCode::kFailed;
   }
   const RegionMap reduced = attempt.image->view(options.output);
-  endOnSignal();
+  ignoreSignals();
   writeFileAtomically(options.output, attempt.image->bytes());
   if (!options.certificate.empty()) writeCertificate(attempt.report, options.certificate);
   if (!options.stats.empty())

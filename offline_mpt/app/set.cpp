@@ -5,6 +5,7 @@
 #include "polytope_sets/polytope.hpp"
 #include "region_maps/error.hpp"
 #include "set_output.hpp"
+#include "signals.hpp"
 
 namespace polyfly {
 namespace {

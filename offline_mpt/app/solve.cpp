@@ -17,6 +17,7 @@
 #include "region_maps/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "signals.hpp"
 #include "solve_robust.hpp"
 #include "stopwatch.hpp"
 
@@ -24,42 +25,38 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a "
-    "parametric "
-    "program\n"
-    "in the generic form (.json). Of a robust MPC, neither limits nor checkpoints count: it takes seconds.\n"
-    "The map does not depend on the number of threads: the same problem gives the same bytes.\n"
-    "\n"
-    "Stopped by Ctrl-C, SIGTERM or a limit, it leaves MAP.checkpoint, from which --resume goes on to the map "
-    "of "
-    "an\n"
-    "uninterrupted run, byte for byte; it is also written every --checkpoint-period, and removed with the "
-    "complete map.\n"
-    "The regions found so far are written too and marked in the map, unless MAP exists already: it is "
-    "replaced "
-    "by a\n"
-    "partial result with --force only. A checkpoint of an unfinished run is overwritten with --force only.\n"
-    "\n"
-    "Started by mpirun, the processes explore together (--threads each) and process 0 writes the same map. "
-    "If "
-    "one is\n"
-    "lost, the run ends and leaves a checkpoint.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json\n"
-    "  offline_mpt solve big.json -o big.map --threads 8 --time-limit 600 --memory-limit 4G\n"
-    "  offline_mpt solve big.json -o big.map --resume\n"
-    "  mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2";
+    R"(The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a parametric program
+in the generic form (.json). A robust MPC has no checkpoint, and no limit but --time-limit.
+The map does not depend on the number of threads: the same problem gives the same bytes.
+
+Stopped by Ctrl-C, SIGTERM, SIGHUP or a limit, it leaves MAP.checkpoint, from which --resume goes on to the map of
+an uninterrupted run, byte for byte. The checkpoint is also written every --checkpoint-period and before the search
+tree is built. It is removed when the complete map is written.
+The regions found so far are written too and marked in the map, where their search tree takes less than a second.
+An existing MAP is replaced by such a part with --force only, and so is the checkpoint of an unfinished run.
+
+Started by mpirun, the processes explore together (--threads each) and process 0 writes the same map. If one is
+lost, the run ends and leaves a checkpoint.
+
+Examples:
+  offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json
+  offline_mpt solve big.json -o big.map --threads 8 --time-limit 600 --memory-limit 4G
+  offline_mpt solve big.json -o big.map --resume
+  mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2)";
 
 struct Options {
   std::string problem;
   std::string map;
   std::string stats;
   ExploreOptions explore;
+  double time_limit = 0.0;  // [s], of all phases
   std::uint64_t tree_nodes = 0;
   bool quiet = false;
   bool force = false;
 };
+
+// How long the search tree of a stopped exploration may take [s].
+constexpr double kTreeOfAPart = 1.0;
 
 struct Seconds {
   double load = 0.0;
@@ -104,7 +101,7 @@ class Session {
 
 Partition exploreWithProgress(const ParametricProgram& program, const Options& options, Team* team) {
   ExploreOptions explore_options = options.explore;
-  explore_options.stop = &stopOnSignal();
+  explore_options.stop = &stopOnSignal(NextSignal::kIsTaken, options.time_limit);
   explore_options.checkpoint = checkpointOf(options);
   explore_options.team = team;
   Progress progress(options.quiet);
@@ -118,7 +115,10 @@ Partition exploreWithProgress(const ParametricProgram& program, const Options& o
     if (state.unsaved) text += ", CHECKPOINT NOT WRITTEN";
     progress.show(text, forecast.remaining(), forecast.atLeast());
   };
-  return explore(program, explore_options);
+  Partition partition = explore(program, explore_options);
+  if (partition.status == ExploreStatus::kInterrupted && timeIsUp())
+    partition.status = ExploreStatus::kLimited;
+  return partition;
 }
 
 std::vector<double> numbers(const Eigen::VectorXd& theta) {
@@ -209,11 +209,13 @@ void reportEnd(const Options& options, const Partition& partition, const RegionM
               map.cost().depth, map.bytes(), seconds.explore, seconds.encode);
 }
 
+bool isStopped(const Partition& partition) {
+  return partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
+}
+
 // What stopped the exploration and where it can go on: said before the search tree takes its time.
 void reportStop(const Options& options, const Partition& partition) {
-  const bool stopped =
-      partition.status == ExploreStatus::kLimited || partition.status == ExploreStatus::kInterrupted;
-  if (!stopped) return;
+  if (!isStopped(partition)) return;
   if (partition.stats.lost_process > 0) {
     std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost after %zu regions\n",
                  options.map.c_str(), partition.stats.lost_process, partition.regions.size());
@@ -222,6 +224,28 @@ void reportStop(const Options& options, const Partition& partition) {
   std::fprintf(stderr, "offline_mpt: %s: holds %zu regions and %llu open sets; continue with --resume\n",
                checkpointOf(options).c_str(), partition.regions.size(),
                static_cast<unsigned long long>(partition.stats.open_sets));
+}
+
+// From here on a signal or the end of the time limit ends the program. Nothing of an unfinished search tree
+// can be kept, and the checkpoint holds the regions. An exploration that was stopped gets a tree if that is
+// quick.
+void limitTree(const Options& options, const Partition& partition) {
+  const std::string unwritten = options.map + ": not written: stopped while its search tree was built";
+  const std::string regions = std::to_string(partition.regions.size()) + " regions";
+  if (isStopped(partition)) {  // reportStop has said where they are
+    endOnSignal(unwritten, stopRequested() ? kTreeOfAPart : 0.0);
+    return;
+  }
+  if (partition.stats.unsaved) {
+    std::fprintf(stderr, "offline_mpt: %s: could not be written; only the map will hold %s\n",
+                 checkpointOf(options).c_str(), regions.c_str());
+  }
+  const std::string message =
+      unwritten + (partition.stats.unsaved
+                       ? "; " + regions + " are lost"
+                       : "; " + checkpointOf(options) + " holds all " + regions + "; continue with --resume");
+  if (stopRequested()) endNow(message);
+  endOnSignal(message);
 }
 
 // Of a run that was stopped, or left a gap: whoever goes on should know what it will lead to.
@@ -245,6 +269,11 @@ void checkFiles(const Options& options) {
   }
 }
 
+// That of an exploration which reached its end has served once its result is written or refused.
+void removeCheckpoint(const Options& options, const Partition& partition) {
+  if (!isStopped(partition)) ::unlink(checkpointOf(options).c_str());
+}
+
 MapContent encodeWithProgress(const ParametricProgram& program, const Partition& partition,
                               const Options& options) {
   Progress progress(options.quiet);
@@ -265,7 +294,7 @@ ExitCode lead(const Options& options, Session& session) {
   checkFiles(options);
   if (isRobustFile(options.problem)) {
     session.leave();
-    return solveRobust({options.problem, options.map, options.stats, options.tree_nodes,
+    return solveRobust({options.problem, options.map, options.stats, options.time_limit, options.tree_nodes,
                         options.explore.threads, options.quiet});
   }
   Stopwatch watch;
@@ -288,14 +317,18 @@ ExitCode lead(const Options& options, Session& session) {
     throw Error(options.problem + ": the cost is unbounded below at theta = " +
                 vectorText(partition.unbounded_at) + ", and no set of parameters has a finite optimum");
   }
-  if (!mayWrite(options, partition)) return exitCode(partition.status);
-  endOnSignal();
+  if (!mayWrite(options, partition)) {
+    removeCheckpoint(options, partition);
+    return exitCode(partition.status);
+  }
+  limitTree(options, partition);
   const MapContent content = encodeWithProgress(program, partition, options);
   seconds.encode = watch.lap();
+  ignoreSignals();
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
   seconds.write = watch.lap();
-  if (partition.stats.open_sets == 0) ::unlink(checkpointOf(options).c_str());
+  removeCheckpoint(options, partition);
   if (!options.stats.empty()) {
     writeText(options.stats,
               statsJson(program, partition, map, seconds, options.explore.threads, session.processes()));
@@ -339,8 +372,7 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--stats", options->stats, "write counts and times as JSON");
   command->add_option("--region-limit", options->explore.region_limit, "stop after so many regions")
       ->check(CLI::PositiveNumber);
-  addExploreLimits(*command, options->explore.threads, options->explore.time_limit,
-                   options->explore.memory_limit);
+  addExploreLimits(*command, options->explore.threads, options->time_limit, options->explore.memory_limit);
   command->add_flag("--resume", options->explore.resume, "go on from MAP.checkpoint");
   command
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,

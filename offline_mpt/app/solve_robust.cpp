@@ -9,6 +9,7 @@
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
+#include "signals.hpp"
 #include "stopwatch.hpp"
 
 namespace polyfly {
@@ -18,7 +19,6 @@ FeasibleSet projectWithProgress(const RobustProgram& program, const SolveRobustO
   Progress progress(options.quiet);
   ProjectOptions project;
   project.threads = options.threads;
-  project.stop = &stopOnSignal();
   project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
     progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
                       " vertices, " + std::to_string(open) + " to cut off",
@@ -57,14 +57,12 @@ bool isRobustFile(const std::string& path) {
 ExitCode solveRobust(const SolveRobustOptions& options) {
   checkWritable(options.map);
   if (!options.stats.empty()) checkWritable(options.stats);
+  // Of no phase anything can be kept.
+  endOnSignal(options.map + ": stopped, nothing was written", options.time_limit);
   Stopwatch watch;
   const RobustProblem problem = loadRobustProblem(options.problem);
   const RobustProgram program = buildRobustProgram(problem);
   const FeasibleSet set = projectWithProgress(program, options);
-  if (set.interrupted) {
-    std::fprintf(stderr, "offline_mpt: %s: interrupted, nothing was written\n", options.map.c_str());
-    return ExitCode::kStopped;
-  }
   const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
@@ -72,7 +70,9 @@ ExitCode solveRobust(const SolveRobustOptions& options) {
   TreeOptions tree;
   tree.threads = options.threads;
   tree.node_limit = options.tree_nodes;
-  writeMap(encode(rounded.program, rounded.partition, tree), options.map);
+  const MapContent content = encode(rounded.program, rounded.partition, tree);
+  ignoreSignals();
+  writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
   const double encode_time = watch.lap();
   if (!options.stats.empty())

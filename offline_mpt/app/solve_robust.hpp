@@ -11,7 +11,8 @@ namespace polyfly {
 struct SolveRobustOptions {
   std::string problem;
   std::string map;
-  std::string stats;  ///< file to write, empty: none
+  std::string stats;        ///< file to write, empty: none
+  double time_limit = 0.0;  ///< [s], of all phases; 0: none
   std::uint64_t tree_nodes = 0;
   int threads = 1;
   bool quiet = false;

@@ -6,6 +6,7 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "progress.hpp"
+#include "signals.hpp"
 #include "verify_exact.hpp"
 #include "verify_reduction.hpp"
 #include "verify_robust.hpp"

@@ -10,6 +10,7 @@
 #include "region_maps/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "signals.hpp"
 #include "verify_robust.hpp"
 
 namespace polyfly {

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "progress.hpp"
+#include "signals.hpp"
 
 namespace polyfly {
 

@@ -30,6 +30,8 @@ Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t)
   return program.centre + program.half.cwiseProduct(t);
 }
 
+bool stopped(const ExploreOptions& options) { return options.stop != nullptr && options.stop->load(); }
+
 // Whether theta satisfies the region's rows but for `tolerance`; most regions are out after a row or two.
 bool contains(const CriticalRegion& region, const Eigen::VectorXd& theta, double tolerance) {
   for (Eigen::Index i = 0; i < region.g.size(); ++i) {
@@ -40,10 +42,14 @@ bool contains(const CriticalRegion& region, const Eigen::VectorXd& theta, double
 
 // A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
 // no end.
-void settleProbes(const LeastDistance& program, const std::pmr::vector<double>& unsettled,
-                  UnboundedCost& unbounded, Partition& partition) {
+void settleProbes(const LeastDistance& program, const ExploreOptions& options,
+                  const std::pmr::vector<double>& unsettled, UnboundedCost& unbounded, Partition& partition) {
   const auto p = static_cast<std::size_t>(program.p);
   for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
+    if (stopped(options)) {
+      partition.status = ExploreStatus::kInterrupted;
+      return;
+    }
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
     const Eigen::VectorXd theta = unscaled(program, t);
     const bool held =
@@ -99,6 +105,21 @@ void resume(const LeastDistance& program, const ExploreOptions& options, std::ui
   if (!same) throw Error(options.checkpoint + ": was written by another build of the solver");
 }
 
+// What is made of the regions may take longer than they did, and be stopped: a complete exploration is saved,
+// too. A disk that has no room for that may still have it for the map. False if it was not saved.
+bool savedAtEnd(const std::function<void()>& save, ExploreStatus status) {
+  if (status != ExploreStatus::kComplete) {
+    save();
+    return true;
+  }
+  try {
+    save();
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
 // Describes all open sets, alone or with the team's other processes, until there are none or a limit is
 // reached.
 ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
@@ -114,16 +135,18 @@ ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& op
     runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
   }
   const ExploreStatus status = dispatcher.result();
-  if (status != ExploreStatus::kComplete && save && state.regions.size() > 0) save();
+  if (save && state.regions.size() > 0) stats.unsaved = !savedAtEnd(save, status);
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
 
 // Where the regions leave out parameters that have solutions: the cost falls without end there. Of an
 // exploration that was stopped, to look behind all facets could take as long as it was given.
-void noteUnbounded(const LeastDistance& program, UnboundedCost& unbounded, Partition& partition) {
+void noteUnbounded(const LeastDistance& program, const ExploreOptions& options, UnboundedCost& unbounded,
+                   Partition& partition) {
   const bool complete = partition.status == ExploreStatus::kComplete;
   const std::optional<Eigen::VectorXd> t =
-      complete ? unbounded.witness(partition.regions) : unbounded.quickWitness();
+      complete ? unbounded.witness(partition.regions, options.stop) : unbounded.quickWitness();
+  if (unbounded.cutShort()) partition.status = ExploreStatus::kInterrupted;
   if (!t) return;
   if (complete) partition.status = ExploreStatus::kUnbounded;
   partition.unbounded_at = unscaled(program, *t);
@@ -139,13 +162,13 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasi
   const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
   if (!start) {  // without a region, all is found
     partition.status = ExploreStatus::kComplete;
-    noteUnbounded(program, unbounded, partition);
+    noteUnbounded(program, options, unbounded, partition);
     return partition;
   }
   if (!findStart(program, *start, worker, first)) {
     partition.status = ExploreStatus::kIncomplete;
     partition.witness = unscaled(program, *start);
-    noteUnbounded(program, unbounded, partition);
+    noteUnbounded(program, options, unbounded, partition);
     return partition;
   }
   if (options.resume) {
@@ -157,8 +180,8 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasi
   partition.status = describeAll(program, options, key, state, partition.stats);
   convertRegions(program, state, partition);
   if (partition.status == ExploreStatus::kComplete)
-    settleProbes(program, state.unsettled, unbounded, partition);
-  noteUnbounded(program, unbounded, partition);
+    settleProbes(program, options, state.unsettled, unbounded, partition);
+  noteUnbounded(program, options, unbounded, partition);
   partition.stats.regions = partition.regions.size();
   partition.stats.candidate_sets = state.found.size();
   partition.stats.open_sets = state.open();

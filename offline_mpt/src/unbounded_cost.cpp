@@ -171,11 +171,15 @@ std::optional<Eigen::VectorXd> UnboundedCost::behind(const CriticalRegion& regio
   return std::nullopt;
 }
 
-std::optional<Eigen::VectorXd> UnboundedCost::witness(const std::vector<CriticalRegion>& regions) {
+std::optional<Eigen::VectorXd> UnboundedCost::witness(const std::vector<CriticalRegion>& regions,
+                                                      const std::atomic<bool>* stop) {
   if (first_) return first_;
   std::optional<Eigen::VectorXd> found;
   if (!qp_ || !testCorners(found)) return std::nullopt;
-  for (std::size_t k = 0; !found && k < regions.size(); ++k) found = behind(regions[k]);
+  for (std::size_t k = 0; !found && !cut_short_ && k < regions.size(); ++k) {
+    found = behind(regions[k]);
+    cut_short_ = !found && stop != nullptr && stop->load();
+  }
   return found;
 }
 

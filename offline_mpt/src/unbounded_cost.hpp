@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -28,8 +29,13 @@ class UnboundedCost {
   std::optional<Eigen::VectorXd> start(const Eigen::VectorXd& t);
 
   /// A scaled parameter, as deep as one direction tells, that has solutions but no finite optimum, at the
-  /// start or behind a facet of the regions; none if there is none anywhere.
-  std::optional<Eigen::VectorXd> witness(const std::vector<CriticalRegion>& regions);
+  /// start or behind a facet of the regions; none if there is none anywhere, or when `stop` was set before
+  /// all facets were tried (cutShort).
+  std::optional<Eigen::VectorXd> witness(const std::vector<CriticalRegion>& regions,
+                                         const std::atomic<bool>* stop = nullptr);
+
+  /// Whether `witness` was stopped before it had an answer.
+  bool cutShort() const { return cut_short_; }
 
   /// The same from the start and some corners of the box alone, in a time that does not grow with the regions
   /// or 2^p: none is no promise.
@@ -47,7 +53,8 @@ class UnboundedCost {
   Eigen::MatrixXd null_;       // n x r, what H leaves free
   std::optional<DenseQp> qp_;  // the shortest way from -cost to the open directions; none where r = 0
   double size_ = 0.0;          // of the cost
-  std::optional<Eigen::VectorXd> first_;   // found by `start`
+  std::optional<Eigen::VectorXd> first_;  // found by `start`
+  bool cut_short_ = false;
   std::vector<Eigen::VectorXd> harmless_;  // directions along which no feasible parameter's cost falls
 };
 

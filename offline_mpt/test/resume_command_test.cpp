@@ -141,6 +141,58 @@ TEST_F(ResumeCommand, SaysThatTheCostIsUnboundedBeforeTheEnd) {
   EXPECT_EQ(readBytes(path("part.map")), readBytes(path("whole.map")));
 }
 
+// A problem that is explored at once, and whose search tree takes minutes.
+TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
+  writeBytes(path("many.json"), chainProblem(8, 7));
+  const auto expectKept = [&](const Outcome& result, const std::string& map) {
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_NE(result.err.find(map + ": not written: stopped while its search tree was built"),
+              std::string::npos)
+        << result.err;
+    EXPECT_NE(result.err.find(map + ".checkpoint holds all "), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(path(map)));
+    EXPECT_TRUE(fs::exists(path(map + ".checkpoint")));
+  };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const std::string map = "by_signal_" + std::to_string(signal) + ".map";
+    const pid_t child = start(solve("many.json", map, {"--quiet"}));
+    while (!fs::exists(path(map + ".checkpoint"))) {
+      ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "ended by itself";
+      sched_yield();
+    }
+    kill(child, signal);
+    expectKept(wait(child), map);
+  }
+  // A complete exploration is resumed at its search tree, with a limit for this run.
+  expectKept(wait(start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3"}))),
+             "by_signal_2.map");
+}
+
+TEST_F(ResumeCommand, BuildsTheSearchTreeOfACompleteExploration) {
+  ASSERT_EQ(run("whole.map", {"--quiet"}).exit_code, 0);
+  ExploreOptions options;
+  options.checkpoint = path("again.map.checkpoint");
+  ASSERT_EQ(explore(loadProgramJson(path("small.json")), options).status, ExploreStatus::kComplete);
+  const Outcome rest = run("again.map", {"--resume", "--quiet"});
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_EQ(readBytes(path("again.map")), readBytes(path("whole.map")));
+  EXPECT_FALSE(fs::exists(path("again.map.checkpoint")));
+}
+
+TEST_F(ResumeCommand, ASecondSignalDoesNotLoseTheExploration) {
+  writeBytes(path("long.json"), chainProblem(14, 8));
+  const pid_t child =
+      start(solve("long.json", "long.map", {"--threads", "1", "--checkpoint-period", "0.01"}));
+  while (!fs::exists(path("long.map.checkpoint"))) {
+    ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "ended by itself";
+    sched_yield();
+  }
+  for (const int signal : {SIGINT, SIGINT, SIGTERM, SIGHUP}) kill(child, signal);
+  const Outcome result = wait(child);
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_NE(result.err.find("long.map.checkpoint: holds"), std::string::npos) << result.err;
+}
+
 TEST_F(ResumeCommand, MemoryLimitTakesSuffixes) {
   writeBytes(path("small.json"), chainProblem(6, 3));
   const Outcome part = run("part.map", {"--memory-limit", "24k"});

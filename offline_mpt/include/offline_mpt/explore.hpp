@@ -34,7 +34,9 @@ struct ExploreOptions {
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 
-  std::string checkpoint;            ///< file to go on from, written when stopped or limited; empty: none
+  /// File to go on from; empty: none. It is written at the end, also of a complete exploration, for what is
+  /// made of the regions may be stopped, too. The caller removes it.
+  std::string checkpoint;
   double checkpoint_period = 300.0;  ///< it is also written every so often, at least [s]; 0: at the end only
   bool resume = false;               ///< go on from `checkpoint`
   Team* team = nullptr;              ///< other processes that describe active sets, see team.hpp
@@ -53,8 +55,8 @@ struct ExploreOptions {
 /// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the
 /// regions of one that was not. A limit on regions cuts at the same region each time. Throws Error when the
 /// checkpoint is damaged, belongs to another problem or other tolerances, or comes from another build of the
-/// solver; when it cannot be written at the end; and when a process of the team cannot assist. A process of
-/// the team that is lost interrupts (ExploreStats::lost_process).
+/// solver; when that of a stopped exploration cannot be written at the end; and when a process of the team
+/// cannot assist. A process of the team that is lost interrupts (ExploreStats::lost_process).
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly

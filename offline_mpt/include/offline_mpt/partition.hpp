@@ -42,8 +42,10 @@ struct ExploreStats {
   std::uint64_t open_sets = 0;        ///< found, not looked at: the exploration was stopped
   std::uint64_t resumed_regions = 0;  ///< of `regions`, taken from a checkpoint
   std::uint64_t memory_bytes = 0;     ///< greatest that was accounted, see ExploreOptions::memory_limit
-  int lost_process = 0;               ///< number of a process of the team that was lost; 0: none
-  double cpu_seconds = 0.0;           ///< not written to maps
+  /// The checkpoint of an exploration that reached its end could not be written.
+  bool unsaved = false;
+  int lost_process = 0;      ///< number of a process of the team that was lost; 0: none
+  double cpu_seconds = 0.0;  ///< not written to maps
 };
 
 /// The solution of a parametric program. Regions are sorted by active set.

@@ -55,6 +55,17 @@ TEST_F(RobustCommand, SolvesInfoEvalPlotAndVerify) {
   EXPECT_EQ(proof["regions"], stats["regions"]);
 }
 
+// With such a horizon the feasible set alone takes far longer than the limit.
+TEST_F(RobustCommand, StopsAtItsTimeLimit) {
+  MadeRobust made = smallRobust();
+  made.horizon = 40;
+  const std::string problem = write("long.yaml", made.text());
+  const Outcome stopped = run({"solve", problem, "-o", path("long.map"), "--time-limit", "0.5"});
+  EXPECT_EQ(stopped.exit_code, 3) << stopped.err;
+  EXPECT_NE(stopped.err.find("long.map: stopped, nothing was written"), std::string::npos) << stopped.err;
+  EXPECT_FALSE(std::filesystem::exists(path("long.map")));
+}
+
 TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {
   const std::string problem = write("made.yaml", smallRobust().text());
   std::string rows = "p,v,phi,u\n";
