@@ -74,7 +74,6 @@ ReduceResult reduceWithProgress(const RegionMap& map, const Options& options, do
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
   reduce_options.side_tolerance = side_tolerance;
-  reduce_options.stop = &stopOnSignal();
   reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
     progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
                   -1.0);
@@ -101,7 +100,7 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
       if (options.no_proof) return attempt;
       attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
                                       options.quiet, !options.certificate.empty());
-      if (attempt.report.passed() || attempt.report.interrupted) return attempt;
+      if (attempt.report.passed()) return attempt;
       if (!mendLeaves(result.content, attempt.report)) break;
     }
   }
@@ -113,12 +112,10 @@ ExitCode reduceMap(const Options& options) {
   for (const std::string* file : {&options.stats, &options.certificate}) {
     if (!file->empty()) checkWritable(*file, {options.map, options.output});
   }
+  // Of no phase anything can be kept.
+  endOnSignal(options.output + ": interrupted: nothing was written");
   const RegionMap map = RegionMap::open(options.map);
   const Attempt attempt = reduceAndProve(map, options);
-  if (!options.no_proof && attempt.report.interrupted) {
-    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing was written\n", options.output.c_str());
-    return ExitCode::kStopped;
-  }
   if (!options.no_proof && !attempt.report.passed()) {
     if (!options.quiet) std::fputs(reductionText(attempt.report).c_str(), stdout);
     std::fprintf(stderr, "offline_mpt: %s: the reduced map could not be proven: nothing was written\n",

@@ -13,7 +13,6 @@ ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& origin
   ReductionOptions options;
   options.threads = threads;
   options.certificate = certificate;
-  options.stop = &stopOnSignal();
   options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
     const double remaining =
         done > 0 ? progress.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
@@ -26,17 +25,15 @@ ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
   for (const std::string* file : {&options.json, &options.certificate}) {
     if (!file->empty()) checkWritable(*file, {options.map, options.original});
   }
+  endOnSignal(options.map + ": interrupted: nothing is proven");
   const RegionMap reduced = RegionMap::open(options.map);
   const RegionMap original = RegionMap::open(options.original);
   const ReductionReport report =
       proveReduction(reduced, original, options.threads, options.quiet, !options.certificate.empty());
+  ignoreSignals();
   if (!options.json.empty()) writeText(options.json, reductionJson(report));
   if (!options.certificate.empty() && report.passed()) writeCertificate(report, options.certificate);
   if (!options.quiet) std::fputs(reductionText(report).c_str(), stdout);
-  if (report.interrupted) {
-    std::fprintf(stderr, "offline_mpt: %s: interrupted: nothing is proven\n", options.map.c_str());
-    return ExitCode::kStopped;
-  }
   return report.passed() ? ExitCode::kDone : ExitCode::kFailed;
 }
 

@@ -20,7 +20,7 @@ struct VerifyReductionOptions {
 /// Proves that a reduced map answers as the original, or refutes it. kDone when it is proven.
 ExitCode verifyReducedMap(const VerifyReductionOptions& options);
 
-/// verifyReduction with a progress line, stopped by a signal. With `certificate` the report has the proof.
+/// verifyReduction with a progress line. With `certificate` the report has the proof.
 ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet,
                                bool certificate);
 
