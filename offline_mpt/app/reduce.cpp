@@ -108,10 +108,8 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
 }
 
 ExitCode reduceMap(const Options& options) {
-  checkWritable(options.output, {options.map});
-  for (const std::string* file : {&options.stats, &options.certificate}) {
-    if (!file->empty()) checkWritable(*file, {options.map, options.output});
-  }
+  checkOutputs({{options.output, Output::Kind::kFile}, {options.stats}, {options.certificate}},
+               {options.map});
   const RegionMap map = RegionMap::open(options.map);
   const Attempt attempt = reduceAndProve(map, options);
   if (!options.no_proof && attempt.report.interrupted) {

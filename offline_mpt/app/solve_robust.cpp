@@ -55,8 +55,6 @@ bool isRobustFile(const std::string& path) {
 }
 
 ExitCode solveRobust(const SolveRobustOptions& options) {
-  checkWritable(options.map);
-  if (!options.stats.empty()) checkWritable(options.stats);
   Stopwatch watch;
   const RobustProblem problem = loadRobustProblem(options.problem);
   const RobustProgram program = buildRobustProgram(problem);
