@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -53,18 +54,27 @@ bool isSameFile(const std::string& a, const std::string& b) {
   throw Error(path + ": " + rule);
 }
 
-/// The folder that is to hold `target`, or of those above it the first that exists.
-void checkFolder(const Output& output, const std::string& target) {
+/// Whether `output` makes the folder of the file `target`.
+bool makesFolderOf(const Output& output, const std::string& target) {
+  if (output.folder != Output::Folder::kIsMade) return false;
+  const fs::path wanted = wholeName(target).parent_path();
+  const fs::path made = wholeName(output.path).parent_path();
+  return std::mismatch(wanted.begin(), wanted.end(), made.begin(), made.end()).first == wanted.end();
+}
+
+/// The folder that is to hold `target`; where it is made, of those above it the first that exists.
+void checkFolder(const Output& output, const std::string& target, bool is_made) {
   fs::path folder = folderOf(target);
   std::error_code ignored;
-  const bool is_made = output.folder == Output::Folder::kIsMade;
   while (is_made && !fs::exists(fs::symlink_status(folder, ignored)) && folder != folderOf(folder))
     folder = folderOf(folder);
   if (fs::is_directory(folder, ignored) && ::access(folder.c_str(), W_OK | X_OK) == 0) return;
   refuse(output.path, "folder '" + folder.string() + "' does not exist or cannot be written");
 }
 
-void checkOutput(const Output& output) {
+/// The last of `outputs`; the others come before it.
+void checkLast(const std::vector<Output>& outputs) {
+  const Output& output = outputs.back();
   const std::string target = followLinks(output.path);
   struct stat status = {};
   const bool there = ::stat(output.path.c_str(), &status) == 0;
@@ -74,7 +84,11 @@ void checkOutput(const Output& output) {
       refuse(output.path, std::string("cannot be written: ") + std::strerror(errno));
     return;
   }
-  if (!there || S_ISREG(status.st_mode)) checkFolder(output, target);
+  if (!there || S_ISREG(status.st_mode)) {
+    const bool is_made = std::any_of(outputs.begin(), outputs.end(),
+                                     [&target](const Output& one) { return makesFolderOf(one, target); });
+    checkFolder(output, target, is_made);
+  }
   std::error_code ignored;
   // What a permission, a quota or a name's length forbids shows when a draft is begun.
   if (fs::exists(folderOf(target), ignored)) FileDraft(output.path);
@@ -107,13 +121,15 @@ void makeFolder(const std::string& path) {
 
 void checkOutputs(const std::vector<Output>& outputs, const std::vector<std::string>& inputs) {
   std::vector<std::string> taken = inputs;
+  std::vector<Output> done;
   for (const Output& output : outputs) {
     if (output.path.empty()) continue;
     for (const std::string& other : taken) {
       if (!other.empty() && isSameFile(output.path, other))
         refuse(output.path, "is read or written by this command already: the output needs a name of its own");
     }
-    checkOutput(output);
+    done.push_back(output);
+    checkLast(done);
     taken.push_back(output.path);
   }
 }

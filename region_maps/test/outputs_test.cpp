@@ -92,6 +92,9 @@ TEST_F(Outputs, OfAReportNeedAPlaceForItsFolder) {
   fs::create_symlink("nowhere", path("link"));
   EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "");
   EXPECT_FALSE(fs::exists(path("a")));
+  EXPECT_EQ(refusal({{path("a/b/index.html"), Kind::kText, Folder::kIsMade}, {path("./a/other")}}), "");
+  EXPECT_NE(refusal({{path("a/other")}, {path("a/b/index.html"), Kind::kText, Folder::kIsMade}}), "");
+  EXPECT_NE(refusal({{path("a/index.html"), Kind::kText, Folder::kIsMade}, {path("a/b/other")}}), "");
   for (const std::string name : {"input", "link"}) {
     const std::string page = path(name) + "/deeper/index.html";
     EXPECT_EQ(refusal({{page, Kind::kText, Folder::kIsMade}}),
