@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,7 +8,8 @@
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_text.hpp"
-#include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -22,6 +22,9 @@ struct Arguments {
 };
 
 int apply(const Arguments& arguments) {
+  std::vector<std::string> inputs = arguments.calibrations;
+  inputs.push_back(arguments.problem);
+  checkOutputs({{arguments.output}}, inputs);
   std::vector<CalibrationFile> files;
   for (const std::string& path : arguments.calibrations) {
     files.push_back({readText(path), path, provenanceOf(path), arguments.force});
@@ -29,10 +32,7 @@ int apply(const Arguments& arguments) {
   const AppliedCalibration applied = applyCalibrations(readText(arguments.problem), arguments.problem, files);
   // What is written must be a problem; a robust one is checked for what a controller needs of it.
   parseFlightModel(applied.problem, arguments.problem + " with its calibration");
-  std::ofstream file(arguments.output, std::ios::binary);
-  file << applied.problem;
-  file.close();
-  if (!file) throw Error(arguments.output + ": cannot be written");
+  writeFileAtomically(arguments.output, applied.problem);
   for (const std::string& change : applied.changes) std::cout << change << "\n";
   if (applied.changes.empty()) std::cout << "all numbers were as identified already\n";
   return kCalibrated;

@@ -8,6 +8,7 @@
 #include "identification/flight_signals.hpp"
 #include "read_log.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -52,9 +53,10 @@ AttitudeCalibration calibrate(const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
+  checkResults(arguments, arguments.report, arguments.validation);
   const AttitudeCalibration calibration = calibrate(arguments);
   if (!arguments.quiet) std::cout << toText(calibration);
-  if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
+  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.failed.empty() ||
                       std::any_of(calibration.axes.begin(), calibration.axes.end(),

@@ -8,6 +8,7 @@
 #include "calibration/motion_report.hpp"
 #include "identification/motion_output.hpp"
 #include "read_log.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -22,6 +23,7 @@ struct Arguments : LogArguments {
 using Find = std::function<void(const FlightSignals&, const Arguments&, MotionCalibration*)>;
 
 int run(const std::string& kind, Arguments arguments, const Find& find) {
+  checkResults(arguments, arguments.report);
   MotionCalibration calibration;
   calibration.kind = kind;
   calibration.limits = arguments.limits;
@@ -39,7 +41,7 @@ int run(const std::string& kind, Arguments arguments, const Find& find) {
   }
   find(signals, arguments, &calibration);
   if (!arguments.quiet) std::cout << toText(calibration);
-  if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
+  if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.warnings.empty() ||
                       std::any_of(calibration.bounds.begin(), calibration.bounds.end(),

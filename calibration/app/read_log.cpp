@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <map>
 
 #include "ask.hpp"
@@ -11,6 +10,7 @@
 #include "identification/bag_signals.hpp"
 #include "read_progress.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
 
 namespace polyfly {
 namespace {
@@ -103,11 +103,13 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   return bag.signals;
 }
 
-void writeText(const std::string& text, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(path + ": cannot be written");
+void checkResults(const LogArguments& arguments, const std::string& report, const std::string& validation) {
+  std::vector<Output> outputs = {{arguments.output}};
+  if (!report.empty()) {
+    for (const char* name : {"/index.html", "/calibration.yaml"})
+      outputs.push_back({report + name, Output::Kind::kText, Output::Folder::kIsMade});
+  }
+  checkOutputs(outputs, {arguments.log, validation});
 }
 
 }  // namespace polyfly

@@ -31,7 +31,9 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks);
 
-/// Throws Error naming the path.
-void writeText(const std::string& text, const std::string& path);
+/// Before the work: throws Error where the result or its report cannot be written, or would take the place of
+/// one of the logs (empty names apart).
+void checkResults(const LogArguments& arguments, const std::string& report,
+                  const std::string& validation = {});
 
 }  // namespace polyfly

@@ -2,7 +2,6 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -11,6 +10,8 @@
 #include "online_controller/axis.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -79,6 +80,7 @@ CoverageNode::CoverageNode(const ros::NodeHandle& handle, const ros::NodeHandle&
   double period = 1.0;
   reader("period", period, "s", polyfly::Range{0.01, 3600.0});
   summary_ = reader.text("summary", "the path of a file", "");
+  polyfly::checkOutputs({{summary_}}, {maps_[0]->path(), maps_[1]->path(), maps_[2]->path()});
   reader.refuseUnknown({"maps"});
   ros::NodeHandle nh(handle);
   publisher_ = nh.advertise<diagnostic_msgs::DiagnosticArray>("coverage", 10);
@@ -138,10 +140,11 @@ void CoverageNode::writeSummary() const {
     for (const diagnostic_msgs::KeyValue& pair : status.values) one[pair.key] = pair.value;
     one["regions_never_visited"] = counters_[axis]->use().neverVisited();
   }
-  std::ofstream file(summary_, std::ios::binary);
-  file << out.dump(2) << "\n";
-  file.close();
-  if (!file) ROS_ERROR_STREAM("coverage: " << summary_ << ": cannot be written");
+  try {
+    polyfly::writeFileAtomically(summary_, out.dump(2) + "\n");
+  } catch (const polyfly::Error& error) {
+    ROS_ERROR_STREAM("coverage: " << error.what());
+  }
 }
 
 }  // namespace polyfly_ros

@@ -1,9 +1,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -19,7 +18,8 @@
 #include "calibration/validation.hpp"
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
-#include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 #include "robust_mpc/online_law.hpp"
 
 namespace {
@@ -115,11 +115,39 @@ void declare(CLI::App& app, Arguments& arguments) {
       "option.");
 }
 
-void writeText(const std::string& text, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw polyfly::Error(path + ": cannot be written");
+std::string proposalFile(const std::string& folder, const polyfly::RegionMap& map) {
+  return folder + "/" + std::string(map.name()) + "." + std::string(map.problemKind());
+}
+
+std::string reportFolder(const Arguments& arguments, std::size_t number) {
+  if (arguments.bags.size() == 1) return arguments.report;
+  return arguments.report + "/flight_" + std::to_string(number);
+}
+
+// Before the work: whether all results can be written, and none over a file that is read.
+void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
+  using polyfly::Output;
+  std::vector<std::string> inputs = arguments.bags;
+  inputs.insert(inputs.end(), arguments.maps.begin(), arguments.maps.end());
+  inputs.push_back(arguments.options);
+  std::vector<Output> outputs = {{arguments.topics_bag, Output::Kind::kFile}};
+  const auto addPage = [&outputs](const std::string& folder) {
+    for (const char* name : {"/index.html", "/summary.json"})
+      outputs.push_back({folder + name, Output::Kind::kText, Output::Folder::kIsMade});
+  };
+  if (!arguments.report.empty()) {
+    for (std::size_t number = 1; number <= arguments.bags.size(); ++number)
+      addPage(reportFolder(arguments, number));
+    if (arguments.bags.size() > 1) addPage(arguments.report);
+  }
+  if (!arguments.propose.empty()) {
+    for (const polyfly::RegionMap* map : maps.flown) {
+      outputs.push_back(
+          {proposalFile(arguments.propose, *map), Output::Kind::kText, Output::Folder::kIsMade});
+    }
+  }
+  outputs.push_back({arguments.json});
+  polyfly::checkOutputs(outputs, inputs);
 }
 
 // Fills the report's proposals, and writes their problems where that is asked for.
@@ -133,11 +161,8 @@ void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly
     if (!proposal) continue;
     report->proposals.push_back(*proposal);
     if (arguments.propose.empty() || proposal->problem.empty()) continue;
-    std::filesystem::create_directories(arguments.propose);
-    const std::string ending(maps.flown[axis]->problemKind());
-    writeText(proposal->problem, (std::filesystem::path(arguments.propose) /
-                                  (std::string(maps.flown[axis]->name()) + "." + ending))
-                                     .string());
+    polyfly::makeFolder(arguments.propose);
+    polyfly::writeFileAtomically(proposalFile(arguments.propose, *maps.flown[axis]), proposal->problem);
   }
 }
 
@@ -168,10 +193,8 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   if (!arguments.quiet) std::cout << polyfly::toText(flight.validation);
   if (topics != nullptr) topics->write(samples, flight.validation);
   if (!arguments.report.empty()) {
-    const std::string folder = arguments.bags.size() == 1
-                                   ? arguments.report
-                                   : arguments.report + "/flight_" + std::to_string(number);
-    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken}, folder);
+    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken},
+                         reportFolder(arguments, number));
   }
   return flight;
 }
@@ -195,6 +218,7 @@ int run(const Arguments& arguments) {
   for (const std::string& path : arguments.maps) maps.push_back(polyfly::RegionMap::open(path));
   for (const polyfly::RegionMap& map : maps) views.push_back(&map);
   const polyfly::MapChoice choice = polyfly::chooseMaps(views);
+  checkResults(arguments, choice);
   const polyfly::MultirotorOptions options = arguments.options.empty()
                                                  ? polyfly::MultirotorOptions{}
                                                  : polyfly::loadControllerOptions(arguments.options);
@@ -208,7 +232,7 @@ int run(const Arguments& arguments) {
   }
   if (topics) topics->close();
   const std::string json = summarise(flights, choice, arguments);
-  if (!arguments.json.empty()) writeText(json, arguments.json);
+  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, json);
   bool broken = false;
   for (const polyfly::FlightSummary& flight : flights) {
     broken = broken || (arguments.strict && !flight.validation.warnings.empty());
@@ -227,6 +251,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");
   Arguments arguments;

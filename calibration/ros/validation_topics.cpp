@@ -23,28 +23,55 @@ ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, ros::Time(std::m
 
 }  // namespace
 
-ValidationTopics::ValidationTopics(const std::string& path) : path_(path) {
+ValidationTopics::ValidationTopics(const std::string& path) : path_(path), draft_(path) {
   try {
-    bag_.open(path, rosbag::bagmode::Write);
+    bag_->open(draft_.path(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException& failure) {
-    throw polyfly::Error(path + ": cannot be written: " + failure.what());
+    bag_.release();  // see closeBag
+    fail(failure);
   }
+}
+
+ValidationTopics::~ValidationTopics() {
+  try {
+    closeBag();
+  } catch (const rosbag::BagException&) {  // the draft is removed
+  }
+}
+
+// The destructor of a bag tries again to close what could not be closed, and throws: such a bag is left
+// alone.
+void ValidationTopics::closeBag() {
+  if (!bag_) return;
+  try {
+    bag_->close();
+  } catch (const rosbag::BagException&) {
+    bag_.release();
+    throw;
+  }
+  bag_.reset();
+}
+
+void ValidationTopics::fail(const rosbag::BagException& failure) const {
+  throw polyfly::Error(path_ + ": cannot be written: " + failure.what());
 }
 
 void ValidationTopics::number(const std::string& topic, double stamp, double value) {
   std_msgs::Float64 message;
   message.data = value;
-  bag_.write("/validation/" + topic, timeOf(stamp), message);
+  bag_->write("/validation/" + topic, timeOf(stamp), message);
 }
 
 void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
-                             const polyfly::ValidationReport& report) {
+                             const polyfly::ValidationReport& report) try {
   for (std::size_t axis = 0; axis < report.axes.size(); ++axis) writeAxis(samples, report.axes[axis], axis);
   for (const polyfly::ReplaySample& sample : samples) {
     if (!sample.has_reference) continue;
     number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
   }
   writePath(samples);
+} catch (const rosbag::BagException& failure) {
+  fail(failure);
 }
 
 void ValidationTopics::writeAxis(const std::vector<polyfly::ReplaySample>& samples,
@@ -89,15 +116,16 @@ void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& sampl
     path.points.push_back(point);
     path.colors.push_back(color);
   }
-  bag_.write("/validation/markers", path.header.stamp, path);
+  bag_->write("/validation/markers", path.header.stamp, path);
 }
 
 void ValidationTopics::close() {
   try {
-    bag_.close();
+    closeBag();
   } catch (const rosbag::BagException& failure) {
-    throw polyfly::Error(path_ + ": cannot be written: " + failure.what());
+    fail(failure);
   }
+  draft_.commit();
 }
 
 }  // namespace polyfly_ros

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <ostream>
-#include <system_error>
 
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
@@ -113,9 +113,7 @@ std::string inlineSvg(const Figure& figure) {
 
 void writePage(const std::string& folder, const std::string& html, const std::string& data_name,
                const std::string& data) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) throw Error(folder + ": cannot be made: " + failure.message());
+  makeFolder(folder);
   const std::filesystem::path base(folder);
   writeFileAtomically(base / "index.html", html);
   writeFileAtomically(base / data_name, data);

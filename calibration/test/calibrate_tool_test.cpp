@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -49,9 +50,9 @@ class CalibrateTool : public testing::Test {
     }
   }
 
-  int run(const std::string& arguments) {
-    const std::string line = std::string("cd ") + folder_.string() + " && " + CALIBRATE_PROGRAM + " " +
-                             arguments + " > out.txt 2> err.txt";
+  int run(const std::string& arguments, const std::string& before = "") {
+    const std::string line = std::string("cd ") + folder_.string() + " && " + before + CALIBRATE_PROGRAM +
+                             " " + arguments + " > out.txt 2> err.txt";
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -76,6 +77,65 @@ TEST_F(CalibrateTool, ReadsTheLogsOfAutopilots) {
     EXPECT_NEAR(roll["model_without_delay"]["gain"].as<double>(), 0.93, 0.01);
     EXPECT_NEAR(roll["model_without_delay"]["tau"].as<double>(), 0.21, 0.01);
   }
+}
+
+// What the tool reads it does not write over, under any name; it says so before the work.
+TEST_F(CalibrateTool, KeepsTheFlightThatItReads) {
+  const std::string flight = contents(folder_ / "flight.csv");
+  fs::create_symlink("flight.csv", folder_ / "link.csv");
+  fs::create_hard_link(folder_ / "flight.csv", folder_ / "hard.csv");
+  fs::create_directory_symlink(".", folder_ / "here");
+  fs::create_directory(folder_ / "fresh");
+  fs::create_directory(folder_ / "report");
+  fs::create_symlink("../flight.csv", folder_ / "report/calibration.yaml");
+  for (const std::string arguments :
+       {"attitude flight.csv -o flight.csv", "attitude flight.csv -o ./flight.csv",
+        "attitude link.csv -o flight.csv", "attitude flight.csv -o link.csv",
+        "attitude flight.csv -o hard.csv", "attitude flight.csv -o here/flight.csv",
+        "attitude other.csv --validation flight.csv -o flight.csv", "attitude flight.csv --report report",
+        "attitude flight.csv -o fresh/index.html --report fresh", "wind flight.csv -o flight.csv",
+        "drag flight.csv -o link.csv", "mass flight.csv --report report",
+        "disturbance flight.csv -o hard.csv", "apply flight.csv --problem problem.yaml -o link.csv",
+        "apply a.yaml flight.csv --problem problem.yaml -o flight.csv",
+        "apply a.yaml --problem flight.csv -o hard.csv"}) {
+    EXPECT_EQ(run(arguments), 2) << arguments;
+    EXPECT_NE(err().find("name of its own"), std::string::npos) << arguments << ": " << err();
+    EXPECT_EQ(out(), "");
+    EXPECT_EQ(contents(folder_ / "flight.csv"), flight) << arguments;
+  }
+  EXPECT_TRUE(fs::is_empty(folder_ / "fresh"));
+}
+
+TEST_F(CalibrateTool, SaysBeforeTheWorkWhatItCannotWrite) {
+  for (const std::string arguments :
+       {"-o missing/roll.yaml", "-o .", "-o new/roll.yaml --report new", "--report flight.csv",
+        "--report flight.csv/deeper", "-o flight.csv/roll.yaml"}) {
+    EXPECT_EQ(run("attitude flight.csv " + arguments), 2) << arguments;
+    EXPECT_EQ(out(), "") << arguments;
+    const std::string said = err();
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
+}
+
+TEST_F(CalibrateTool, WritesBesideAndRenames) {
+  fs::create_directory(folder_ / "data");
+  fs::create_symlink("data/roll.yaml", folder_ / "link.yaml");
+  fs::create_symlink("/dev/full", folder_ / "full.yaml");
+  ASSERT_EQ(run("attitude flight.csv -o link.yaml --quiet"), 0) << err();
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.yaml"));
+  const std::string good = contents(folder_ / "data/roll.yaml");
+  EXPECT_NE(good.find("polyfly_calibration"), std::string::npos);
+  EXPECT_EQ(run("attitude flight.csv -o full.yaml --quiet"), 2);
+  EXPECT_EQ(err(), "calibrate: full.yaml: cannot be written: No space left on device\n");
+  fs::create_symlink("/dev/stdout", folder_ / "out.yaml");
+  EXPECT_EQ(run("attitude flight.csv -o out.yaml --quiet"), 0) << err();
+  EXPECT_EQ(out(), good);
+  // In blocks of 512 or 1024 bytes, less than what is to be written; it stands for a full disk.
+  ASSERT_GT(good.size(), 1024u);
+  EXPECT_EQ(run("attitude flight.csv -o link.yaml --quiet --delay-max 0.4", "ulimit -f 1; "), 2);
+  EXPECT_EQ(err(), "calibrate: link.yaml: cannot be written: File too large\n");
+  EXPECT_EQ(contents(folder_ / "data/roll.yaml"), good);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "data"), fs::directory_iterator()), 1);
 }
 
 TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {

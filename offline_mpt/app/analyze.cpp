@@ -72,7 +72,7 @@ class Phases {
 };
 
 ExitCode analyzeMap(const Options& options) {
-  if (!options.json.empty()) checkWritable(options.json, {options.map, options.model, options.within});
+  checkOutputs({{options.json}}, {options.map, options.model, options.within});
   const RegionMap map = RegionMap::open(options.map);
   const SetModel model = loadModel(options.model);
   const ClosedLoopModel loop = bindModel(model, map);

@@ -3,6 +3,7 @@
 
 #include "command.hpp"
 #include "csv.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "robust_mpc/disturbance_bounds.hpp"
 
 namespace polyfly {
@@ -26,7 +27,9 @@ struct Options {
 };
 
 ExitCode bound(const Options& options) {
-  if (!options.json.empty()) checkWritable(options.json);
+  std::vector<std::string> inputs = filesOfProblem(options.problem);
+  inputs.insert(inputs.end(), options.flights.begin(), options.flights.end());
+  checkOutputs({{options.json}}, inputs);
   const RobustProblem problem = loadRobustProblem(options.problem);
   std::vector<std::string> names;
   for (const auto* signals : {&problem.states, &problem.inputs}) {

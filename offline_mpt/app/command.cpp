@@ -1,27 +1,14 @@
 #include "command.hpp"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <thread>
-#include <vector>
 
 #include "mpi_team.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
-namespace {
-
-bool isSameFile(const std::string& a, const std::string& b) {
-  struct stat first = {}, second = {};
-  if (a == b) return true;
-  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev &&
-         first.st_ino == second.st_ino;
-}
-
-}  // namespace
 
 // Processes of a launcher share the machine; one that is bound to some processors sees those only.
 int defaultThreads() {
@@ -57,21 +44,6 @@ void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::
       .add_option("--memory-limit", memory_limit,
                   "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
       ->transform(CLI::AsSizeValue(false));
-}
-
-void checkWritable(const std::string& path, std::initializer_list<std::string> beside) {
-  for (const std::string& other : beside) {
-    if (!other.empty() && isSameFile(path, other))
-      throw Error(path + ": is read or written by this command already: the output needs a name of its own");
-  }
-  struct stat status = {};
-  if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode))
-    throw Error(path + ": is a folder, not a file");
-  const std::size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw Error(path + ": folder '" + folder + "' does not exist or cannot be written");
-  }
 }
 
 }  // namespace polyfly

@@ -2,10 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <initializer_list>
 #include <string>
 
 #include "offline_mpt/partition.hpp"
+#include "region_maps/outputs.hpp"
 
 namespace polyfly {
 
@@ -40,10 +40,5 @@ int defaultThreads();
 
 /// Writes a text as writeFileAtomically does. Throws Error.
 void writeText(const std::string& path, const std::string& text);
-
-/// Throws Error when `path` cannot be made: its folder does not exist, or it is a folder itself; or when it
-/// is one of the files that the command reads or writes `beside` it (empty names apart), which would be lost.
-/// Called before long work.
-void checkWritable(const std::string& path, std::initializer_list<std::string> beside = {});
 
 }  // namespace polyfly

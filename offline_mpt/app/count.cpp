@@ -6,6 +6,7 @@
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "offline_mpt/vector_text.hpp"
 #include "progress.hpp"
 #include "region_maps/error.hpp"
@@ -107,8 +108,8 @@ std::string text(const ParametricProgram& program, const Options& options, const
 }
 
 ExitCode count(const Options& options) {
-  if (!options.stats.empty()) checkWritable(options.stats, {options.problem, options.count.proof});
-  if (!options.count.proof.empty()) checkWritable(options.count.proof, {options.problem});
+  checkOutputs({{options.stats}, {options.count.proof, Output::Kind::kFile}},
+               filesOfProblem(options.problem));
   const ParametricProgram program = loadProgram(options.problem);
   const CountResult result = countWithProgress(program, options);
   if (result.status == ExploreStatus::kInfeasible)

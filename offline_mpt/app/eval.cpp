@@ -66,7 +66,7 @@ std::string evaluateRows(const RegionMap& map, const std::vector<std::vector<dou
 }
 
 ExitCode eval(const Options& options) {
-  if (!options.output.empty()) checkWritable(options.output, {options.map, options.csv});
+  checkOutputs({{options.output}}, {options.map, options.csv});
   const RegionMap map = RegionMap::open(options.map);
   std::vector<std::string> names;
   for (const Signal& parameter : map.parameters()) names.push_back(parameter.name);

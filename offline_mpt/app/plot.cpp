@@ -46,7 +46,7 @@ SliceRequest request(const Options& options) {
 
 ExitCode plot(const Options& options) {
   const SliceRequest slice_request = request(options);
-  checkWritable(options.output, {options.map});
+  checkOutputs({{options.output}}, {options.map});
   plotSlice(RegionMap::open(options.map), slice_request, options.output);
   return ExitCode::kDone;
 }

@@ -108,10 +108,8 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
 }
 
 ExitCode reduceMap(const Options& options) {
-  checkWritable(options.output, {options.map});
-  for (const std::string* file : {&options.stats, &options.certificate}) {
-    if (!file->empty()) checkWritable(*file, {options.map, options.output});
-  }
+  checkOutputs({{options.output, Output::Kind::kFile}, {options.stats}, {options.certificate}},
+               {options.map});
   // Of no phase anything can be kept.
   endOnSignal(options.output + ": interrupted: nothing was written");
   const RegionMap map = RegionMap::open(options.map);

@@ -96,7 +96,7 @@ CLI::App* addAction(CLI::App* command, const std::shared_ptr<Options>& options, 
   if (files == 2) sub->add_option("SECOND", options->second, "set file")->required();
   sub->add_flag("--json", options->output.json, "as JSON, with exact numbers");
   sub->callback([options, action, &exit_code] {
-    if (!options->output.file.empty()) checkWritable(options->output.file, {options->first, options->second});
+    checkOutputs({{options->output.file}}, {options->first, options->second});
     exit_code = action(*options);
   });
   return sub;

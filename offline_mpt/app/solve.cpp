@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "mpi_team.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
@@ -259,9 +260,9 @@ void reportUnbounded(const Options& options, const Partition& partition) {
 }
 
 void checkFiles(const Options& options) {
-  checkWritable(options.map, {options.problem});
-  if (!options.stats.empty()) checkWritable(options.stats, {options.problem, options.map});
   const std::string checkpoint = checkpointOf(options);
+  checkOutputs({{options.map, Output::Kind::kFile}, {options.stats}, {checkpoint, Output::Kind::kFile}},
+               filesOfProblem(options.problem));
   const bool unfinished = exists(checkpoint);
   if (options.explore.resume && !unfinished) throw Error(checkpoint + ": there is no checkpoint to resume");
   if (!options.explore.resume && unfinished && !options.force) {

@@ -55,8 +55,6 @@ bool isRobustFile(const std::string& path) {
 }
 
 ExitCode solveRobust(const SolveRobustOptions& options) {
-  checkWritable(options.map);
-  if (!options.stats.empty()) checkWritable(options.stats);
   // Of no phase anything can be kept.
   endOnSignal(options.map + ": stopped, nothing was written", options.time_limit);
   Stopwatch watch;

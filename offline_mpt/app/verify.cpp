@@ -5,6 +5,7 @@
 
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
 #include "verify_exact.hpp"
@@ -53,7 +54,9 @@ struct Options {
 };
 
 ExitCode verifyMap(const Options& options) {
-  if (!options.json.empty()) checkWritable(options.json, {options.map, options.problem});
+  std::vector<std::string> inputs = filesOfProblem(options.problem);
+  inputs.push_back(options.map);
+  checkOutputs({{options.json}}, inputs);
   const RegionMap map = RegionMap::open(options.map);
   if (isRobustMap(map)) {
     return verifyRobust(map,

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "progress.hpp"
@@ -81,9 +82,9 @@ bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& p
 }  // namespace
 
 ExitCode verifyExact(const VerifyExactOptions& options) {
-  for (const std::string* file : {&options.certificate, &options.json, &options.output}) {
-    if (!file->empty()) checkWritable(*file, {options.map, options.problem});
-  }
+  std::vector<std::string> inputs = filesOfProblem(options.problem);
+  inputs.push_back(options.map);
+  checkOutputs({{options.certificate}, {options.json}, {options.output, Output::Kind::kFile}}, inputs);
   ParametricProgram program;
   {
     const RegionMap map = RegionMap::open(options.map);

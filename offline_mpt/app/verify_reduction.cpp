@@ -22,9 +22,7 @@ ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& origin
 }
 
 ExitCode verifyReducedMap(const VerifyReductionOptions& options) {
-  for (const std::string* file : {&options.json, &options.certificate}) {
-    if (!file->empty()) checkWritable(*file, {options.map, options.original});
-  }
+  checkOutputs({{options.json}, {options.certificate}}, {options.map, options.original});
   endOnSignal(options.map + ": interrupted: nothing is proven");
   const RegionMap reduced = RegionMap::open(options.map);
   const RegionMap original = RegionMap::open(options.original);

@@ -45,7 +45,6 @@ bool isRobustMap(const RegionMap& map) {
 }
 
 ExitCode verifyRobust(const RegionMap& map, const VerifyRobustOptions& options) {
-  if (!options.json.empty()) checkWritable(options.json);
   const RobustProblem problem = options.problem.empty() ? parseRobustProblem(std::string(map.problemText()),
                                                                              map.path() + ": problem text")
                                                         : loadRobustProblem(options.problem);

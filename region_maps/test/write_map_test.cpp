@@ -1,11 +1,13 @@
 #include "region_maps/write_map.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -289,6 +291,126 @@ TEST(WriteFileAtomically, StepsAroundALeftOver) {
   EXPECT_EQ(readBytes(folder.file(left_over)), Bytes(3));
   EXPECT_EQ(readBytes(folder.file("a.map")).size(), 5u);
   EXPECT_EQ(folder.names().size(), 2u);
+}
+
+/// What waits to be read at an end that was opened for reading.
+std::string arrived(int descriptor) {
+  char bytes[100];
+  const ssize_t count = ::read(descriptor, bytes, sizeof bytes);
+  return {bytes, static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
+}
+
+TEST(WriteFileAtomically, WritesATextIntoAFifo) {
+  const ScratchFolder folder;
+  const std::string fifo = folder.file("fifo");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  writeFileAtomically(fifo, "from the first byte to the last");
+  EXPECT_EQ(arrived(reader), "from the first byte to the last");
+  ::close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(fifo));
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(WriteFileAtomically, WritesATextIntoADevice) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::unlockpt(terminal), 0);
+  const ScratchFolder folder;
+  const std::string device = ::ptsname(terminal);
+  std::filesystem::create_symlink(device, folder.file("link"));
+  writeFileAtomically(folder.file("link"), "text");
+  EXPECT_EQ(arrived(terminal), "text");
+  EXPECT_TRUE(std::filesystem::is_character_file(device));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
+  ::close(terminal);
+}
+
+TEST(WriteFileAtomically, SaysThatADeviceIsFull) {
+  const ScratchFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder.file("link"));
+  std::string error;
+  try {
+    writeFileAtomically(folder.file("link"), "text");
+  } catch (const Error& thrown) {
+    error = thrown.what();
+  }
+  EXPECT_EQ(error, folder.file("link") + ": cannot be written: No space left on device");
+}
+
+TEST(WriteFileAtomically, WritesNoBytesIntoAFifo) {
+  const ScratchFolder folder;
+  const std::string fifo = folder.file("fifo");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_EQ(writeError(fifo, Bytes(5)),
+            fifo + ": must be a file, not a device, a FIFO or the standard output");
+  EXPECT_TRUE(std::filesystem::is_fifo(fifo));
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(WriteFileAtomically, ReplacesTheFileBehindLinks) {
+  const ScratchFolder folder, other;
+  const std::string target = other.save("target", Bytes(3));
+  std::filesystem::create_symlink(target, folder.file("inner"));
+  std::filesystem::create_symlink("inner", folder.file("outer"));
+  const Bytes bytes(100, std::byte{2});
+  EXPECT_EQ(writeError(folder.file("outer"), bytes), "");
+  EXPECT_EQ(readBytes(target), bytes);
+  EXPECT_EQ(std::filesystem::read_symlink(folder.file("outer")), "inner");
+  EXPECT_EQ(std::filesystem::read_symlink(folder.file("inner")), target);
+  EXPECT_EQ(folder.names().size() + other.names().size(), 3u);
+}
+
+TEST(WriteFileAtomically, MakesWhatALinkLeadsTo) {
+  const ScratchFolder folder;
+  std::filesystem::create_symlink("new", folder.file("link"));
+  EXPECT_EQ(writeError(folder.file("link"), Bytes(5)), "");
+  EXPECT_EQ(readBytes(folder.file("new")), Bytes(5));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
+  std::filesystem::create_symlink("circle", folder.file("circle"));
+  EXPECT_EQ(writeError(folder.file("circle"), Bytes(5)),
+            folder.file("circle") + ": Too many levels of symbolic links");
+}
+
+TEST(WriteFileAtomically, LeavesWhoMayReadAFile) {
+  const ScratchFolder folder;
+  const std::string path = folder.save("private", Bytes(3));
+  ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
+  EXPECT_EQ(writeError(path, Bytes(5)), "");
+  struct stat info = {};
+  ASSERT_EQ(::stat(path.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777u, 0640u);
+}
+
+TEST(WriteFileAtomically, LeavesAFileThatMayNotBeWritten) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const ScratchFolder folder;
+  const std::string path = folder.save("protected", Bytes(3));
+  ASSERT_EQ(::chmod(path.c_str(), 0444), 0);
+  EXPECT_EQ(writeError(path, Bytes(5)), path + ": cannot be written: Permission denied");
+  EXPECT_EQ(readBytes(path), Bytes(3));
+}
+
+// Its descriptor goes on where it stands, so that both are read in the order in which they were written.
+TEST(WriteFileAtomically, AppendsToTheFileOfTheStandardOutput) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("out");
+  std::fflush(stdout);
+  const int before = ::dup(STDOUT_FILENO);
+  const int out = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ASSERT_EQ(::dup2(out, STDOUT_FILENO), STDOUT_FILENO);
+  std::filesystem::create_symlink("/dev/stdout", folder.file("link"));
+  std::printf("before ");
+  writeFileAtomically(folder.file("link"), "text");
+  std::printf(" after");
+  std::fflush(stdout);
+  ::dup2(before, STDOUT_FILENO);
+  ::close(before);
+  ::close(out);
+  const Bytes bytes = readBytes(path);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), "before text after");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "read_options.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -27,9 +28,13 @@ FlightRecorder::FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle&
     throw polyfly::Error(private_nh.resolveName("bag") + ": must name the bag file");
   }
   const double linger = readNumber(private_nh, "linger", 0.5, 0.0, 100.0);
+  path_ = polyfly::followLinks(path_);
+  using polyfly::Output;
+  polyfly::checkOutputs({{path_, Output::Kind::kFile}, {path_ + ".active", Output::Kind::kFile}}, {});
   try {
-    bag_.open(path_ + ".active", rosbag::bagmode::Write);
+    bag_->open(path_ + ".active", rosbag::bagmode::Write);
   } catch (const rosbag::BagException& error) {
+    bag_.release();  // its destructor would try again to close the file, and throw
     throw polyfly::Error(path_ + ".active: cannot be written: " + error.what());
   }
   open_ = true;
@@ -88,9 +93,10 @@ void FlightRecorder::write(const std::string& topic, const Event& event, const r
     return;
   }
   try {
-    bag_.write(topic, time, *event.getMessage(), event.getConnectionHeaderPtr());
+    bag_->write(topic, time, *event.getMessage(), event.getConnectionHeaderPtr());
   } catch (const rosbag::BagException& error) {
     ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
+    bag_.release();  // see the constructor
     open_ = false;
     ros::requestShutdown();
   }
@@ -114,10 +120,12 @@ void FlightRecorder::close(bool complete) {
     return;
   }
   writeEarly(ros::TIME_MIN);
+  if (!open_) return;  // the disk filled up meanwhile
   open_ = false;
   try {
-    bag_.close();
+    bag_->close();
   } catch (const rosbag::BagException& error) {
+    bag_.release();  // see the constructor
     ROS_FATAL_STREAM("recorder: " << path_ << ": " << error.what());
     return;
   }

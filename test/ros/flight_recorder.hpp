@@ -4,6 +4,7 @@
 #include <rosbag/bag.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +36,7 @@ class FlightRecorder {
 
   ros::NodeHandle nh_;
   std::string path_;
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
   bool open_ = false;
   std::vector<std::pair<std::string, Event>> early_;  // arrived before simulated time began
   std::vector<ros::Subscriber> subscribers_;

@@ -5,9 +5,11 @@
 
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -30,6 +32,7 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
   private_handle.param("rate", rate_, rate_);
   private_handle.param("poll", poll_, poll_);
   if (!private_handle.getParam("output", output_)) throw polyfly::Error("latency probe: output: missing");
+  polyfly::checkOutputs({{output_}}, {});
   handle_.setCallbackQueue(&queue_);
   odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
   pose_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
@@ -159,16 +162,17 @@ bool LatencyProbe::waitForCommand(std::uint64_t stamp) {
 }
 
 void LatencyProbe::write() const {
-  const std::string partial = output_ + ".partial";
-  {
-    std::ofstream file(partial);
-    file << "{\"calm\": ";
-    calm_.write(file);
-    file << ", \"loaded\": ";
-    loaded_.write(file);
-    file << "}\n";
+  std::ostringstream text;
+  text << "{\"calm\": ";
+  calm_.write(text);
+  text << ", \"loaded\": ";
+  loaded_.write(text);
+  text << "}\n";
+  try {
+    polyfly::writeFileAtomically(output_, text.str());
+  } catch (const polyfly::Error& error) {
+    ROS_FATAL_STREAM("latency probe: " << error.what());
   }
-  std::rename(partial.c_str(), output_.c_str());
 }
 
 }  // namespace polyfly_ros

@@ -2,11 +2,13 @@
 
 #include <rosbag/bag.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "calibration/replay.hpp"
 #include "calibration/validation.hpp"
+#include "region_maps/file_draft.hpp"
 
 namespace polyfly_ros {
 
@@ -19,12 +21,17 @@ namespace polyfly_ros {
 /// - tracking_error (std_msgs/Float64) [m]
 /// - markers (visualization_msgs/Marker, frame "world"): the path flown, green inside all maps, red outside;
 ///   written at the end of each flight
+///
+/// Everything throws polyfly::Error naming the file when it cannot be written; what was there stays then.
 class ValidationTopics {
  public:
-  /// Throws polyfly::Error naming the file when it cannot be made.
   explicit ValidationTopics(const std::string& path);
+  ValidationTopics(const ValidationTopics&) = delete;
+  ValidationTopics& operator=(const ValidationTopics&) = delete;
+  ~ValidationTopics();
 
   void write(const std::vector<polyfly::ReplaySample>& samples, const polyfly::ValidationReport& report);
+  /// The file takes its place. Nothing else may follow.
   void close();
 
  private:
@@ -32,9 +39,12 @@ class ValidationTopics {
                  std::size_t index);
   void writePath(const std::vector<polyfly::ReplaySample>& samples);
   void number(const std::string& topic, double stamp, double value);
+  void closeBag();
+  [[noreturn]] void fail(const rosbag::BagException& failure) const;
 
   std::string path_;
-  rosbag::Bag bag_;
+  polyfly::FileDraft draft_;
+  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
 };
 
 }  // namespace polyfly_ros

@@ -3,10 +3,12 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -184,6 +186,88 @@ TEST_F(ValidateBag, writesTopicsForRvizAndRqt) {
   }
   EXPECT_EQ(counts["/validation/tracking_error"], 300u);
   EXPECT_EQ(counts["/validation/markers"], 1u);
+}
+
+TEST_F(ValidateBag, writesOverNothingThatItReads) {
+  namespace fs = std::filesystem;
+  const std::string flight = folder_ / "flight.bag", options = folder_ / "default.yaml";
+  std::ofstream(options) << "vehicle: {mass: 1.52}\n";
+  fs::create_symlink("flight.bag", folder_ / "link.bag");
+  fs::create_hard_link(flight, folder_ / "hard.bag");
+  fs::create_directory(folder_ / "report");
+  fs::create_symlink("../flight.bag", folder_ / "report/summary.json");
+  const std::string bytes = contents(flight), map = contents(maps_.path(1));
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--json", flight},
+           {"--json", folder_ / "./flight.bag"},
+           {"--json", folder_ / "hard.bag"},
+           {"--json", maps_.path(1)},
+           {"--options", options, "--json", options},
+           {"--topics-bag", flight},
+           {"--topics-bag", folder_ / "link.bag"},
+           {"--json", folder_ / "new", "--topics-bag", folder_ / "./new"},
+           {"--report", folder_ / "report"},
+           {"--report", folder_ / "new", "--json", folder_ / "new/summary.json"}}) {
+    EXPECT_EQ(runWith(more), kBadInput) << more[1];
+    EXPECT_EQ(std::count(errors_.begin(), errors_.end(), '\n'), 1) << errors_;
+    EXPECT_NE(errors_.find("name of its own"), std::string::npos) << errors_;
+    EXPECT_EQ(output_, "") << "told after the work";
+  }
+  EXPECT_EQ(contents(flight), bytes);
+  EXPECT_EQ(contents(maps_.path(1)), map);
+  EXPECT_FALSE(fs::exists(folder_ / "new"));
+}
+
+TEST_F(ValidateBag, saysBeforeTheWorkWhatItCannotWrite) {
+  std::filesystem::create_symlink("/dev/full", folder_ / "device");
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--json", folder_ / "missing/numbers.json"},
+                                             {"--topics-bag", folder_ / "missing/topics.bag"},
+                                             {"--topics-bag", folder_ / "device"},
+                                             {"--topics-bag", folder_.path()},
+                                             {"--report", folder_ / "flight.bag"},
+                                             {"--propose", folder_ / "flight.bag/deeper"}}) {
+    EXPECT_EQ(runWith(more), kBadInput) << more[1];
+    EXPECT_EQ(std::count(errors_.begin(), errors_.end(), '\n'), 1) << errors_;
+    EXPECT_EQ(output_, "") << "told after the work";
+  }
+}
+
+// A limit on the size of files stands for a full disk.
+TEST_F(ValidateBag, keepsTheOldBagWhereTheDiskIsFull) {
+  const std::string topics = folder_ / "topics.bag";
+  ASSERT_EQ(runWith({"--quiet", "--topics-bag", topics}), kPassed) << errors_;
+  const rlim_t whole = std::filesystem::file_size(topics);
+  std::ofstream(topics) << "old";
+  struct rlimit limit = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  for (const rlim_t bytes : {rlim_t{1}, rlim_t{8000}, whole - 1}) {
+    struct rlimit small = limit;
+    small.rlim_cur = bytes;
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const int exit_code = runWith({"--quiet", "--topics-bag", topics});
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+    EXPECT_EQ(exit_code, kBadInput) << bytes;
+    // Of the limit of one byte, the line that is said is cut too.
+    if (bytes > 1) {
+      EXPECT_EQ(errors_.rfind("validate_bag: " + topics + ": cannot be written: ", 0), 0u) << errors_;
+      EXPECT_EQ(std::count(errors_.begin(), errors_.end(), '\n'), 1) << errors_;
+    }
+    EXPECT_EQ(contents(topics), "old");
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos) << entry.path();
+}
+
+TEST_F(ValidateBag, writesTheBagThatALinkLeadsTo) {
+  std::filesystem::create_symlink("topics.bag", folder_ / "link.bag");
+  EXPECT_EQ(runWith({"--quiet", "--topics-bag", folder_ / "link.bag", "--report", folder_ / "new", "--json",
+                     folder_ / "new/numbers.json"}),
+            kPassed)
+      << errors_;
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.bag"));
+  rosbag::Bag bag(folder_ / "topics.bag");
+  EXPECT_GT(rosbag::View(bag).size(), 0u);
 }
 
 TEST_F(ValidateBag, helpTellsExitCodesAndDefaults) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace polyfly {
 
@@ -10,5 +11,9 @@ namespace polyfly {
 /// needs no other file, and is what a map carries. Throws Error naming file, field and rule; also when the
 /// data of a calibration do not support its numbers.
 std::string readProblem(const std::string& path);
+
+/// The files that a problem or parametric program is read from: itself, those that its key `calibration`
+/// names and those that its disturbances take their ranges from, as far as the file can be understood.
+std::vector<std::string> filesOfProblem(const std::string& path);
 
 }  // namespace polyfly

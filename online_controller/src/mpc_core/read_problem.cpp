@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <vector>
 
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/read_text.hpp"
 #include "mpc_core/yaml_field.hpp"
+#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -48,6 +50,28 @@ std::string readProblem(const std::string& path) {
     files.push_back({readText(place), place, provenanceOf(place)});
   }
   return applyCalibrations(commented(text, key), path, files).problem;
+}
+
+std::vector<std::string> filesOfProblem(const std::string& path) {
+  std::vector<std::string> files = {path};
+  std::error_code ignored;
+  const bool yaml = endsWith(path, ".yaml") || endsWith(path, ".yml");
+  if (!yaml || !std::filesystem::is_regular_file(path, ignored)) return files;  // a FIFO is read once only
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  try {
+    const YamlField root = YamlField::parse(readText(path), path);
+    if (root.has("calibration")) {
+      for (const YamlField& cited : citedFiles(root.at("calibration")))
+        files.push_back((folder / cited.text()).string());
+    }
+    if (!root.has("model") || !root.at("model").has("disturbances")) return files;
+    for (const YamlField& channel : root.at("model").at("disturbances").items()) {
+      if (channel.has("range") && channel.at("range").has("from"))
+        files.push_back((folder / channel.at("range").at("from").text()).string());
+    }
+  } catch (const Error&) {  // told by whoever reads the problem
+  }
+  return files;
 }
 
 }  // namespace polyfly

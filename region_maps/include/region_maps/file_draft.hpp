@@ -9,7 +9,8 @@ namespace polyfly {
 /// A new file beside its target that takes the target's place when it is whole: readers see the old bytes or
 /// the new ones, also after a loss of power. Removed again unless it was committed; left behind only by a
 /// writer that was killed (TARGET.tmp-*). For what is too long for writeFileAtomically's one piece.
-/// Everything throws Error.
+/// Where the target is a symbolic link, the file behind it is replaced; who may read a file stays as it was.
+/// Everything throws Error, also for a target that is there and no file.
 class FileDraft {
  public:
   explicit FileDraft(const std::string& target);
@@ -23,13 +24,17 @@ class FileDraft {
   /// Brings what was written so far to the disk.
   void sync();
 
+  /// Where the new file is meanwhile.
+  const std::string& path() const { return path_; }
+
   /// Syncs, renames, syncs the folder. Nothing else may follow.
   void commit();
 
  private:
   [[noreturn]] void fail(const char* what) const;
 
-  const std::string target_;
+  const std::string name_;    // as the caller calls the target
+  const std::string target_;  // behind links
   std::string path_;
   int descriptor_ = -1;
   bool renamed_ = false;

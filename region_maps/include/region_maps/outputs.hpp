@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace polyfly {
+
+/// A file that a tool is asked to write.
+struct Output {
+  enum class Kind {
+    kText,  ///< from its first byte to its last: into a device or a FIFO too
+    kFile,  ///< mapped, resumed or written in any order: must be a file, or nothing yet
+  };
+  enum class Folder { kExists, kIsMade };
+
+  std::string path;  ///< empty where nothing is asked for
+  Kind kind = Kind::kText;
+  Folder folder = Folder::kExists;
+};
+
+/// To be called before the work whose results go to `outputs`, in the order in which they will be written:
+/// the folder that one makes is there for the next. Throws Error, naming the path, where one of them cannot
+/// be written: no folder, no permission, or not of its kind. Throws also where one is a file that is read
+/// (`inputs`, empty names apart) or another output, through links and other spellings. Nothing is left
+/// behind; of a file that is there, nothing changes.
+void checkOutputs(const std::vector<Output>& outputs, const std::vector<std::string>& inputs);
+
+/// Makes the folder and those above it where they are missing. Throws Error naming it.
+void makeFolder(const std::string& path);
+
+/// The name behind symbolic links: a file, or one that does not exist yet. Throws Error for links in a
+/// circle.
+std::string followLinks(const std::string& path);
+
+/// Whether a text goes into `path` as it comes: a device, a FIFO, or where the standard output or the
+/// standard error goes already.
+bool isStream(const std::string& path);
+
+}  // namespace polyfly
