@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint64_t kPrime[] = {11400714785074694791ull, 14029467366897019727ull, 1609587929392839161ull,
                                     9650029242287828579ull, 2870177450012600261ull};
 
+constexpr double kMaxTolerance = 1e-8;  // of a map, see region_maps/FORMAT.md
+
 std::uint64_t rotate(std::uint64_t value, int bits) { return value << bits | value >> (64 - bits); }
 
 std::uint64_t mix(std::uint64_t state, std::uint64_t input) {
@@ -93,7 +95,7 @@ Map::Map(const std::string& file) {
   tolerance = load<double>(file, 56);
   reduced_from = load<std::uint64_t>(file, 80);
   first_fallback = load<std::uint32_t>(file, 88);
-  require(tolerance >= 0.0 && tolerance <= 1.0, "the map's tolerance is out of range");
+  require(tolerance >= 0.0 && tolerance <= kMaxTolerance, "the map's tolerance is out of range");
   require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
   readText(file);
   bounds = section<double>(file, 1, 2);
