@@ -75,7 +75,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
           "Another flight to validate on; without it, the first half of the data is tried on the second")
       ->type_name("FILE");
   command->add_option("--axis", arguments->axes, "Only these axes; all that the log holds if not given")
-      ->check(CLI::IsMember({"roll", "pitch", "yaw_rate", "thrust"}));
+      ->check(oneOf(std::vector<std::string>{"roll", "pitch", "yaw_rate", "thrust"}));
   command->add_option("--validation-window", arguments->validation_windows, "The same in the other flight")
       ->type_name("FROM:TO");
   command->add_flag("--second-order", arguments->second_order,
@@ -83,7 +83,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
   command
       ->add_option("--delay-max", arguments->options.fit.delay_greatest,
                    "Greatest delay that is looked for [s]")
-      ->check(CLI::Range(0.01, 3.0))
+      ->check(numberFrom(0.01, 3.0))
       ->capture_default_str();
   command->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder")
       ->type_name("DIR");

@@ -1,8 +1,4 @@
-#include <CLI/CLI.hpp>
-#include <iostream>
-
 #include "calibrate_commands.hpp"
-#include "region_maps/error.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Finds the parameters of a vehicle's model from recorded flights.", "calibrate");
@@ -12,13 +8,5 @@ int main(int argc, char** argv) {
   polyfly::addMotionCommands(app, &result);
   polyfly::addApplyCommand(app, &result);
   app.footer("Exit code: 0 done, 1 done with warnings and --strict was given, 2 bad input or option.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? polyfly::kCalibrated : polyfly::kBadInput;
-  } catch (const std::exception& error) {
-    std::cerr << "calibrate: " << error.what() << "\n";
-    return polyfly::kBadInput;
-  }
-  return result;
+  return polyfly::runTool(app, argc, argv, [&] { return result; });
 }

@@ -70,10 +70,10 @@ void findWind(const FlightSignals& signals, const Arguments& arguments, MotionCa
 
 void declareMotion(CLI::App& command, Arguments& arguments) {
   command.add_option("--gravity", arguments.motion.gravity, "[m/s^2]")
-      ->check(CLI::Range(1.0, 30.0))
+      ->check(numberFrom(1.0, 30.0))
       ->capture_default_str();
   command.add_option("--smoothing", arguments.motion.smoothing, "Half width of the mean over velocities [s]")
-      ->check(CLI::Range(0.0, 5.0))
+      ->check(numberFrom(0.0, 5.0))
       ->capture_default_str();
 }
 
@@ -84,12 +84,13 @@ void declareNewtons(CLI::App& command, Arguments& arguments) {
 
 void declareMass(CLI::App& command, Arguments& arguments) {
   command.add_option("--mass", arguments.motion.mass, "Mass, where the thrust command is in newtons [kg]")
-      ->check(CLI::PositiveNumber);
+      ->check(numberAbove(0.0));
   declareNewtons(command, arguments);
 }
 
 void declareDrag(CLI::App& command, Arguments& arguments) {
   command.add_option("--drag", arguments.drag, "Drag along x, y, z of the world, per mass [1/s]")
+      ->check(finiteNumber())
       ->expected(3);
 }
 
@@ -113,10 +114,10 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMass(*command, *limits);
   declareDrag(*command, *limits);
   command->add_option("--share", limits->limits.share, "Of the time that the bounds hold")
-      ->check(CLI::Range(0.5, 0.9999))
+      ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
   command->add_option("--confidence", limits->limits.confidence, "That they do")
-      ->check(CLI::Range(0.5, 0.9999))
+      ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
 
   const auto drag = std::make_shared<Arguments>();

@@ -1,11 +1,9 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +17,7 @@
 #include "calibration/validation.hpp"
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
+#include "command_line/command_line.hpp"
 #include "region_maps/error.hpp"
 #include "robust_mpc/online_law.hpp"
 
@@ -26,7 +25,6 @@ namespace {
 
 constexpr int kPassed = 0;
 constexpr int kThresholdBroken = 1;
-constexpr int kBadInput = 2;
 
 struct Arguments {
   std::vector<std::string> bags;
@@ -62,6 +60,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
   app.add_option("--propose-limit", arguments.propose_limit,
                  "Regions to count at most of such a problem; 0: do not count nor propose")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str();
   app.add_option("--topics-bag", arguments.topics_bag,
                  "Write a bag with the validation as topics, for rviz and rqt")
@@ -91,23 +90,23 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->group(group);
 
   auto& limits = arguments.thresholds;
-  constexpr double kGreatest = std::numeric_limits<double>::max();
   const std::string thresholds = "Thresholds";
   app.add_option("--min-coverage", limits.min_coverage, "Least share of samples that all maps hold")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(polyfly::numberFrom(0.0, 1.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-qp-difference", limits.max_qp_difference,
                  "Greatest difference between map and online QP [rad or m/s^2]")
-      ->check(CLI::Range(0.0, kGreatest))
+      ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-command-difference", limits.max_command_difference,
                  "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2]")
-      ->check(CLI::Range(0.0, kGreatest))
+      ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-violations", limits.max_violations, "Most recorded commands out of their bounds")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str()
       ->group(thresholds);
   app.footer(
@@ -231,15 +230,5 @@ int main(int argc, char** argv) {
                "validate_bag");
   Arguments arguments;
   declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kPassed : kBadInput;
-  }
-  try {
-    return run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "validate_bag: " << error.what() << "\n";
-    return kBadInput;
-  }
+  return polyfly::runTool(app, argc, argv, [&] { return run(arguments); });
 }

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
 
+#include "command_line/command_line.hpp"
 #include "offline_mpt/partition.hpp"
 
 namespace polyfly {

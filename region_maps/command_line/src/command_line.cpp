@@ -144,6 +144,16 @@ CLI::Validator numberAbove(double least) {
       "a finite number above " + shown(least), "> " + shown(least));
 }
 
+CLI::Validator numberBetween(double least, double greatest) {
+  return rule(
+      [=](const std::string& text) {
+        const std::optional<double> value = numberOf(text);
+        return value && *value > least && *value < greatest;
+      },
+      "a number above " + shown(least) + " and below " + shown(greatest),
+      shown(least) + "<..<" + shown(greatest));
+}
+
 CLI::Validator finiteNumber() {
   return rule([](const std::string& text) { return numberOf(text).has_value(); }, "a finite number", "");
 }
