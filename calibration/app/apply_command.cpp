@@ -10,6 +10,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/visible.hpp"
 
 namespace polyfly {
 namespace {
@@ -33,7 +34,7 @@ int apply(const Arguments& arguments) {
   file << applied.problem;
   file.close();
   if (!file) throw Error(arguments.output + ": cannot be written");
-  for (const std::string& change : applied.changes) std::cout << change << "\n";
+  for (const std::string& change : applied.changes) std::cout << visible(change) << "\n";
   if (applied.changes.empty()) std::cout << "all numbers were as identified already\n";
   return kCalibrated;
 }

@@ -8,6 +8,7 @@
 #include "identification/flight_signals.hpp"
 #include "read_log.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/visible.hpp"
 
 namespace polyfly {
 namespace {
@@ -53,7 +54,7 @@ AttitudeCalibration calibrate(const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   const AttitudeCalibration calibration = calibrate(arguments);
-  if (!arguments.quiet) std::cout << toText(calibration);
+  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.failed.empty() ||

@@ -8,6 +8,7 @@
 #include "calibration/motion_report.hpp"
 #include "identification/motion_output.hpp"
 #include "read_log.hpp"
+#include "region_maps/visible.hpp"
 
 namespace polyfly {
 namespace {
@@ -38,7 +39,7 @@ int run(const std::string& kind, Arguments arguments, const Find& find) {
     if (signals.has(name)) calibration.record.emplace_back(name, signals.at(name));
   }
   find(signals, arguments, &calibration);
-  if (!arguments.quiet) std::cout << toText(calibration);
+  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeText(toYaml(calibration), arguments.output);
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.warnings.empty() ||

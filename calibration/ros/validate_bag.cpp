@@ -19,6 +19,7 @@
 #include "calibration_ros/validation_topics.hpp"
 #include "command_line/command_line.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/visible.hpp"
 #include "robust_mpc/online_law.hpp"
 
 namespace {
@@ -154,7 +155,8 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   const polyfly::FlightLog log =
       polyfly_ros::readBag(bag, arguments.topics, progress,
                            arguments.quiet ? polyfly::Ask() : polyfly::askWhereThereIsATerminal());
-  for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
+  for (const std::string& remark : log.remarks)
+    std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::FlightSummary flight;
   flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
@@ -164,7 +166,7 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   }
   if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
   flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::toText(flight.validation);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(flight.validation));
   if (topics != nullptr) topics->write(samples, flight.validation);
   if (!arguments.report.empty()) {
     const std::string folder = arguments.bags.size() == 1
@@ -183,7 +185,7 @@ std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const 
   if (flights.size() == 1) return polyfly::toJson(reports.front());
   polyfly::ValidationReport all = polyfly::together(reports);
   propose(maps, arguments, &all);
-  if (!arguments.quiet) std::cout << "\n" << polyfly::toText(all);
+  if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
   if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
   return polyfly::toJson(all, reports);
 }
@@ -212,11 +214,13 @@ int run(const Arguments& arguments) {
   for (const polyfly::FlightSummary& flight : flights) {
     broken = broken || (arguments.strict && !flight.validation.warnings.empty());
     for (const std::string& sentence : flight.validation.warnings) {
-      if (arguments.quiet) std::cerr << "warning: " << flight.validation.source << ": " << sentence << "\n";
+      if (arguments.quiet)
+        std::cerr << polyfly::visible("warning: " + flight.validation.source + ": " + sentence) << "\n";
     }
     for (const std::string& sentence : flight.broken) {
       broken = true;
-      std::cerr << "broken: " << (flights.size() > 1 ? flight.validation.source + ": " : "") << sentence
+      std::cerr << "broken: "
+                << polyfly::visible((flights.size() > 1 ? flight.validation.source + ": " : "") + sentence)
                 << "\n";
     }
   }

@@ -4,11 +4,13 @@
 
 #include "command_line/command_line.hpp"
 #include "fixedwing_lateral/mission_file.hpp"
+#include "region_maps/error.hpp"
 
 namespace {
 
 using namespace polyfly;
 
+constexpr double kMostPoints = 1e6;
 constexpr double kDegree = 180.0 / kPi;
 
 const char* nameOf(const PathSegment& segment) {
@@ -54,6 +56,7 @@ void printPoints(const Mission& mission, double step) {
   std::printf("segment,north,east\n");
   for (std::size_t i = 0; i < mission.segments.size(); ++i) {
     const double whole = shownLength(mission.segments[i]);
+    if (whole / step > kMostPoints) throw Error("--points: more than 1000000 points on a segment");
     const int count = std::max(1, static_cast<int>(whole / step));
     for (int k = 0; k <= count; ++k) {
       const PathPoint point = pointAt(mission.segments[i], whole * k / count);

@@ -74,8 +74,12 @@ bool isCommand(const CLI::App& app, const std::string& name) {
                      [&name](const CLI::App* command) { return command->check_name(name); });
 }
 
-/// A word in the place of a command that is none.
+/// What is wrong with a word before it has a meaning: names of files are printed by many lines, so none may
+/// hold what a terminal would act on; and a word in the place of a command must be one.
 std::string strayWord(const CLI::App& app, int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (hasControl(argv[i])) return shown(argv[i]) + ": control characters are not taken";
+  }
   const bool has_commands = !app.get_subcommands([](const CLI::App*) { return true; }).empty();
   if (!has_commands || argc < 2 || argv[1][0] == '-' || isCommand(app, argv[1])) return "";
   return "'" + std::string(argv[1]) + "' is no command";

@@ -101,7 +101,7 @@ TEST_F(ToolLine, BytesHaveUnits) {
 
 TEST_F(ToolLine, UnknownWordsNameTheKnownOnes) {
   expectRefused("--shade", "foo", "foo is not one of dark, light");
-  expectRefused("--word", "\x1b[31mred", "'\\x1b[31mred' is not one of keep, widen");
+  expectRefused("--word", "red wine", "'red wine' is not one of keep, widen");
   EXPECT_EQ(run({"--shade", "Light", "--word", "widen"}).code, 0);
   EXPECT_EQ(shade_, Shade::kLight);
 }
@@ -125,6 +125,12 @@ TEST_F(ToolLine, EveryErrorIsOneLineWithTheToolsName) {
   EXPECT_EQ(std::count(unknown.said.begin(), unknown.said.end(), '\n'), 1) << unknown.said;
 }
 
+TEST_F(ToolLine, NamesThatATerminalWouldActOnAreRefused) {
+  EXPECT_EQ(run({"--word", "\x1b[31mred"}).said,
+            "toy: '\\x1b[31mred': control characters are not taken (see toy --help)\n");
+  EXPECT_EQ(run({"--word=\xc2\x9b"}).code, kBadUsage);
+}
+
 TEST_F(ToolLine, AWordThatIsNoCommandIsNamed) {
   app_.add_subcommand("fly", "flies");
   EXPECT_EQ(run({"land"}).said, "toy: 'land' is no command (see toy --help)\n");
@@ -140,6 +146,9 @@ TEST(Visible, KeepsTextAndShowsWhatATerminalWouldActOn) {
             "1m")
       << "C1 controls act as escapes do";
   EXPECT_EQ(visible("\xff\xc3"), "\\xff\\xc3");
+  EXPECT_EQ(visibleLines("a\x1b\nb\n"), "a\\x1b\nb\n");
+  EXPECT_TRUE(hasControl("a\tb"));
+  EXPECT_FALSE(hasControl("r\xc3\xb6hre \xff.bag"));
   EXPECT_EQ(visible(std::string("a\0b", 3)), "a\\x00b");
 }
 
