@@ -8,7 +8,9 @@
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_text.hpp"
+#include "region_maps/error.hpp"
 #include "region_maps/outputs.hpp"
+#include "region_maps/visible.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
@@ -33,7 +35,7 @@ int apply(const Arguments& arguments) {
   // What is written must be a problem; a robust one is checked for what a controller needs of it.
   parseFlightModel(applied.problem, arguments.problem + " with its calibration");
   writeFileAtomically(arguments.output, applied.problem);
-  for (const std::string& change : applied.changes) std::cout << change << "\n";
+  for (const std::string& change : applied.changes) std::cout << visible(change) << "\n";
   if (applied.changes.empty()) std::cout << "all numbers were as identified already\n";
   return kCalibrated;
 }

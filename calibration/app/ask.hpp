@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "region_maps/visible.hpp"
+
 namespace polyfly {
 
 /// Answers which of several is meant, or nothing.
@@ -18,8 +20,9 @@ using Ask = std::function<std::optional<std::size_t>(const std::string& question
 /// Asks at the terminal; an empty answer, or the end of the input, is none.
 inline std::optional<std::size_t> askAtTerminal(const std::string& question,
                                                 const std::vector<std::string>& choices) {
-  std::cerr << question << "\n";
-  for (std::size_t i = 0; i < choices.size(); ++i) std::cerr << "  " << i + 1 << "  " << choices[i] << "\n";
+  std::cerr << visibleLines(question) << "\n";
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    std::cerr << "  " << i + 1 << "  " << visible(choices[i]) << "\n";
   for (;;) {
     std::cerr << "number, or return for none: " << std::flush;
     std::string line;

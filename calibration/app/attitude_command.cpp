@@ -8,6 +8,7 @@
 #include "identification/flight_signals.hpp"
 #include "read_log.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/visible.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
@@ -55,7 +56,7 @@ AttitudeCalibration calibrate(const Arguments& arguments) {
 int run(const Arguments& arguments) {
   checkResults(arguments, arguments.report, arguments.validation);
   const AttitudeCalibration calibration = calibrate(arguments);
-  if (!arguments.quiet) std::cout << toText(calibration);
+  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.failed.empty() ||
@@ -77,7 +78,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
           "Another flight to validate on; without it, the first half of the data is tried on the second")
       ->type_name("FILE");
   command->add_option("--axis", arguments->axes, "Only these axes; all that the log holds if not given")
-      ->check(CLI::IsMember({"roll", "pitch", "yaw_rate", "thrust"}));
+      ->check(oneOf(std::vector<std::string>{"roll", "pitch", "yaw_rate", "thrust"}));
   command->add_option("--validation-window", arguments->validation_windows, "The same in the other flight")
       ->type_name("FROM:TO");
   command->add_flag("--second-order", arguments->second_order,
@@ -85,7 +86,7 @@ void addAttitudeCommand(CLI::App& app, int* result) {
   command
       ->add_option("--delay-max", arguments->options.fit.delay_greatest,
                    "Greatest delay that is looked for [s]")
-      ->check(CLI::Range(0.01, 3.0))
+      ->check(numberFrom(0.01, 3.0))
       ->capture_default_str();
   command->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder")
       ->type_name("DIR");

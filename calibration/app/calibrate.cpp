@@ -1,9 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <csignal>
-#include <iostream>
 
 #include "calibrate_commands.hpp"
-#include "region_maps/error.hpp"
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
@@ -14,13 +11,5 @@ int main(int argc, char** argv) {
   polyfly::addMotionCommands(app, &result);
   polyfly::addApplyCommand(app, &result);
   app.footer("Exit code: 0 done, 1 done with warnings and --strict was given, 2 bad input or option.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? polyfly::kCalibrated : polyfly::kBadInput;
-  } catch (const std::exception& error) {
-    std::cerr << "calibrate: " << error.what() << "\n";
-    return polyfly::kBadInput;
-  }
-  return result;
+  return polyfly::runTool(app, argc, argv, [&] { return result; });
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <CLI/App.hpp>
+#include "command_line/command_line.hpp"
 
 namespace polyfly {
 

@@ -8,6 +8,7 @@
 #include "calibration/motion_report.hpp"
 #include "identification/motion_output.hpp"
 #include "read_log.hpp"
+#include "region_maps/visible.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {
@@ -40,7 +41,7 @@ int run(const std::string& kind, Arguments arguments, const Find& find) {
     if (signals.has(name)) calibration.record.emplace_back(name, signals.at(name));
   }
   find(signals, arguments, &calibration);
-  if (!arguments.quiet) std::cout << toText(calibration);
+  if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
   const bool warned = !calibration.warnings.empty() ||
@@ -72,10 +73,10 @@ void findWind(const FlightSignals& signals, const Arguments& arguments, MotionCa
 
 void declareMotion(CLI::App& command, Arguments& arguments) {
   command.add_option("--gravity", arguments.motion.gravity, "[m/s^2]")
-      ->check(CLI::Range(1.0, 30.0))
+      ->check(numberFrom(1.0, 30.0))
       ->capture_default_str();
   command.add_option("--smoothing", arguments.motion.smoothing, "Half width of the mean over velocities [s]")
-      ->check(CLI::Range(0.0, 5.0))
+      ->check(numberFrom(0.0, 5.0))
       ->capture_default_str();
 }
 
@@ -86,12 +87,13 @@ void declareNewtons(CLI::App& command, Arguments& arguments) {
 
 void declareMass(CLI::App& command, Arguments& arguments) {
   command.add_option("--mass", arguments.motion.mass, "Mass, where the thrust command is in newtons [kg]")
-      ->check(CLI::PositiveNumber);
+      ->check(numberAbove(0.0));
   declareNewtons(command, arguments);
 }
 
 void declareDrag(CLI::App& command, Arguments& arguments) {
   command.add_option("--drag", arguments.drag, "Drag along x, y, z of the world, per mass [1/s]")
+      ->check(finiteNumber())
       ->expected(3);
 }
 
@@ -115,10 +117,10 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMass(*command, *limits);
   declareDrag(*command, *limits);
   command->add_option("--share", limits->limits.share, "Of the time that the bounds hold")
-      ->check(CLI::Range(0.5, 0.9999))
+      ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
   command->add_option("--confidence", limits->limits.confidence, "That they do")
-      ->check(CLI::Range(0.5, 0.9999))
+      ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
 
   const auto drag = std::make_shared<Arguments>();

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <map>
 
 #include "ask.hpp"
@@ -67,7 +68,8 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
     bool good = colon != std::string::npos;
     if (good) {
       good = CLI::detail::lexical_cast(text.substr(0, colon), window.from) &&
-             CLI::detail::lexical_cast(text.substr(colon + 1), window.to) && window.from < window.to;
+             CLI::detail::lexical_cast(text.substr(colon + 1), window.to) && std::isfinite(window.from) &&
+             std::isfinite(window.to) && window.from < window.to;
     }
     if (!good) throw Error("--window " + text + ": must be FROM:TO in seconds, FROM before TO");
     windows.push_back(window);

@@ -3,6 +3,7 @@
 
 #include "calibration_ros/excite_node.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/visible.hpp"
 
 // excite --plan FILE prints duration and spectrum, without ROS; otherwise the node.
 int main(int argc, char** argv) {
@@ -15,8 +16,8 @@ int main(int argc, char** argv) {
     ros::init(argc, argv, "excite");
     polyfly_ros::ExciteNode node(ros::NodeHandle(), ros::NodeHandle("~"));
     ros::spin();
-  } catch (const polyfly::Error& error) {
-    std::cerr << "excite: " << error.what() << "\n";
+  } catch (const std::exception& error) {
+    std::cerr << "excite: " << polyfly::visible(error.what()) << "\n";
     return 2;
   }
   return 0;

@@ -1,10 +1,8 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdint>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,7 +16,10 @@
 #include "calibration/validation.hpp"
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
+#include "command_line/command_line.hpp"
+#include "region_maps/error.hpp"
 #include "region_maps/outputs.hpp"
+#include "region_maps/visible.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/online_law.hpp"
 
@@ -26,7 +27,6 @@ namespace {
 
 constexpr int kPassed = 0;
 constexpr int kThresholdBroken = 1;
-constexpr int kBadInput = 2;
 
 struct Arguments {
   std::vector<std::string> bags;
@@ -62,6 +62,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
   app.add_option("--propose-limit", arguments.propose_limit,
                  "Regions to count at most of such a problem; 0: do not count nor propose")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str();
   app.add_option("--topics-bag", arguments.topics_bag,
                  "Write a bag with the validation as topics, for rviz and rqt")
@@ -91,23 +92,23 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->group(group);
 
   auto& limits = arguments.thresholds;
-  constexpr double kGreatest = std::numeric_limits<double>::max();
   const std::string thresholds = "Thresholds";
   app.add_option("--min-coverage", limits.min_coverage, "Least share of samples that all maps hold")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(polyfly::numberFrom(0.0, 1.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-qp-difference", limits.max_qp_difference,
                  "Greatest difference between map and online QP [rad or m/s^2]")
-      ->check(CLI::Range(0.0, kGreatest))
+      ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-command-difference", limits.max_command_difference,
                  "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2]")
-      ->check(CLI::Range(0.0, kGreatest))
+      ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-violations", limits.max_violations, "Most recorded commands out of their bounds")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str()
       ->group(thresholds);
   app.footer(
@@ -180,7 +181,8 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   const polyfly::FlightLog log =
       polyfly_ros::readBag(bag, arguments.topics, progress,
                            arguments.quiet ? polyfly::Ask() : polyfly::askWhereThereIsATerminal());
-  for (const std::string& remark : log.remarks) std::cerr << "note: " << log.source << ": " << remark << "\n";
+  for (const std::string& remark : log.remarks)
+    std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::FlightSummary flight;
   flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
@@ -190,7 +192,7 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   }
   if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
   flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::toText(flight.validation);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(flight.validation));
   if (topics != nullptr) topics->write(samples, flight.validation);
   if (!arguments.report.empty()) {
     polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken},
@@ -207,7 +209,7 @@ std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const 
   if (flights.size() == 1) return polyfly::toJson(reports.front());
   polyfly::ValidationReport all = polyfly::together(reports);
   propose(maps, arguments, &all);
-  if (!arguments.quiet) std::cout << "\n" << polyfly::toText(all);
+  if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
   if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
   return polyfly::toJson(all, reports);
 }
@@ -237,11 +239,13 @@ int run(const Arguments& arguments) {
   for (const polyfly::FlightSummary& flight : flights) {
     broken = broken || (arguments.strict && !flight.validation.warnings.empty());
     for (const std::string& sentence : flight.validation.warnings) {
-      if (arguments.quiet) std::cerr << "warning: " << flight.validation.source << ": " << sentence << "\n";
+      if (arguments.quiet)
+        std::cerr << polyfly::visible("warning: " + flight.validation.source + ": " + sentence) << "\n";
     }
     for (const std::string& sentence : flight.broken) {
       broken = true;
-      std::cerr << "broken: " << (flights.size() > 1 ? flight.validation.source + ": " : "") << sentence
+      std::cerr << "broken: "
+                << polyfly::visible((flights.size() > 1 ? flight.validation.source + ": " : "") + sentence)
                 << "\n";
     }
   }
@@ -256,15 +260,5 @@ int main(int argc, char** argv) {
                "validate_bag");
   Arguments arguments;
   declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kPassed : kBadInput;
-  }
-  try {
-    return run(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "validate_bag: " << error.what() << "\n";
-    return kBadInput;
-  }
+  return polyfly::runTool(app, argc, argv, [&] { return run(arguments); });
 }

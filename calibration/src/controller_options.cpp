@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -67,9 +68,7 @@ class OptionsFromYaml {
 MultirotorOptions loadControllerOptions(const std::string& path) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw Error(path + ": cannot be opened");
+    root = YAML::Load(readText(path));
   } catch (const YAML::Exception& error) {
     throw Error(path + ": is not YAML: " + error.what());
   }

@@ -68,6 +68,27 @@ class CalibrateTool : public testing::Test {
   fs::path folder_;
 };
 
+TEST_F(CalibrateTool, TellsBadInputInOneLineWithItsName) {
+  std::ofstream(folder_ / "odd.csv") << "t_s,\x1b[31mroll\n0,1\n1,2\n";
+  for (const auto& [arguments, begin] : std::vector<std::pair<std::string, std::string>>{
+           {"mass flight.csv --mass nan", "calibrate: "},
+           {"drag flight.csv --mass nan", "calibrate: --mass: nan is not a finite number above 0"},
+           {"drag flight.csv --gravity 1e999", "calibrate: --gravity: 1e999 is not a number from 1 to 30"},
+           {"disturbance flight.csv --drag 1 nan 1", "calibrate: --drag: nan is not a finite number"},
+           {"attitude flight.csv --axis foo",
+            "calibrate: --axis: foo is not one of roll, pitch, yaw_rate, thrust"},
+           {"attitude flight.csv --window nan:1", "calibrate: --window nan:1: must be FROM:TO"},
+           {"attitude /dev/zero", "calibrate: /dev/zero: "},
+           {"attitude odd.csv --signal roll=x",
+            "calibrate: odd.csv: no column x; there are t_s, \\x1b[31mroll"},
+           {"land", "calibrate: 'land' is no command"}}) {
+    EXPECT_EQ(run(arguments), 2) << arguments;
+    EXPECT_EQ(err().rfind(begin, 0), 0u) << begin << " in: " << err();
+    const std::string said = err();
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
+}
+
 TEST_F(CalibrateTool, ReadsTheLogsOfAutopilots) {
   writeBytes(madePx4Flight(0.93, 0.21).bytes, folder_ / "flight.ulg");
   writeBytes(madeArduPilotFlight(0.93, 0.21).bytes, folder_ / "flight.bin");

@@ -1,15 +1,16 @@
 // Reads a mission file and shows what it amounts to: a table of segments, or points along the path as CSV.
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <string>
 
+#include "command_line/command_line.hpp"
 #include "fixedwing_lateral/mission_file.hpp"
+#include "region_maps/error.hpp"
 
 namespace {
 
 using namespace polyfly;
 
+constexpr double kMostPoints = 1e6;
 constexpr double kDegree = 180.0 / kPi;
 
 const char* nameOf(const PathSegment& segment) {
@@ -55,6 +56,7 @@ void printPoints(const Mission& mission, double step) {
   std::printf("segment,north,east\n");
   for (std::size_t i = 0; i < mission.segments.size(); ++i) {
     const double whole = shownLength(mission.segments[i]);
+    if (whole / step > kMostPoints) throw Error("--points: more than 1000000 points on a segment");
     const int count = std::max(1, static_cast<int>(whole / step));
     for (int k = 0; k <= count; ++k) {
       const PathPoint point = pointAt(mission.segments[i], whole * k / count);
@@ -76,20 +78,19 @@ int main(int argc, char** argv) {
   std::string tight = "keep";
   app.add_option("file", path, "mission, see fixedwing_lateral/README.md")->required();
   app.add_option("--loiter-radius", loiter.radius, "of the circle at the end, where the file has none [m]")
-      ->check(CLI::PositiveNumber);
+      ->check(numberAbove(0.0));
   app.add_option("--points", step, "print the path as CSV instead, a point every so many metres")
-      ->check(CLI::PositiveNumber);
+      ->check(numberAbove(0.0));
   app.add_option("--airspeed", conditions.airspeed, "for the roll that is asked for [m/s]")
-      ->check(CLI::PositiveNumber);
+      ->check(numberAbove(0.0));
   app.add_option("--wind", conditions.wind_speed, "its speed, from the worst direction [m/s]")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--roll", roll, "that turns may ask for [deg]")->check(CLI::PositiveNumber);
+      ->check(numberFrom(0.0));
+  app.add_option("--roll", roll, "that turns may ask for [deg]")->check(numberAbove(0.0));
   app.add_option(
          "--tight", tight,
          "of turns that ask for more: keep them, refuse the mission, or widen Dubins paths and loiters")
-      ->check(CLI::IsMember({"keep", "refuse", "widen"}));
-  CLI11_PARSE(app, argc, argv);
-  try {
+      ->check(oneOf(std::vector<std::string>{"keep", "refuse", "widen"}));
+  return runTool(app, argc, argv, [&] {
     conditions.roll = roll / kDegree;
     checkTurns(conditions, "conditions");
     plan.tight = tightTurnsOf(tight, "--tight");
@@ -98,9 +99,6 @@ int main(int argc, char** argv) {
       printPoints(mission, step);
     else
       printTable(mission, conditions);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "mission: %s\n", error.what());
-    return 2;
-  }
-  return 0;
+    return 0;
+  });
 }

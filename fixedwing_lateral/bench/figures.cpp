@@ -2,9 +2,9 @@
 // what was flown: a CSV for each flight, the paths, summary.json and the rows of the report's tables.
 #include "fixedwing_plant/figures.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,11 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.hpp"
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
 #include "fixedwing_plant/six_dof_aircraft.hpp"
 #include "recorded_figures.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/read_line.hpp"
 
 namespace {
 
@@ -244,11 +246,16 @@ Rows readCsv(const std::string& path) {
   if (!file) throw Error(path + ": cannot be read");
   Rows rows;
   std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
+  readLine(file, line, path);
+  while (readLine(file, line, path)) {
     std::vector<double> row;
     std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      char* end = nullptr;
+      row.push_back(std::strtod(cell.c_str(), &end));
+      if (end == cell.c_str() || !std::isfinite(row.back()))
+        throw Error(path + ": '" + cell + "' is not a number");
+    }
     if (row.size() < 3) throw Error(path + ": a row of fewer than three columns");
     rows.push_back(row);
   }
@@ -333,7 +340,7 @@ void Report::addRecording(const std::string& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Flies the figures of the fixed wing in simulated time.");
+  CLI::App app("Flies the figures of the fixed wing in simulated time.", "fixedwing_figures");
   std::string folder;
   std::vector<std::string> recordings;
   app.add_option("-o,--output", folder, "folder for what was flown")->required();
@@ -341,8 +348,7 @@ int main(int argc, char** argv) {
                  "CSV of a loiter to fly beside: t, north, east, roll, heading, ...");
   std::vector<std::string> logs;
   app.add_option("--log", logs, "FILE,BEGIN,END: CSV of a real flight to replay open loop, and its part [s]");
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return runTool(app, argc, argv, [&] {
     Report report(folder);
     for (const std::string plant : {"model", "rough", "six_dof"}) {
       for (const std::string figure : {"box", "dubins"}) {
@@ -353,9 +359,6 @@ int main(int argc, char** argv) {
     for (const std::string& recording : recordings) report.addRecording(recording);
     for (const std::string& log : logs) report.addLog(log);
     report.finish();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "fixedwing_figures: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -12,6 +12,7 @@
 
 #include "fixedwing_lateral/spline_path.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/read_line.hpp"
 
 namespace polyfly {
 namespace {
@@ -128,12 +129,12 @@ RollFit fitOf(const std::array<double, 4>& shape) {
 std::vector<RecordedSample> readRecording(const std::string& path, double begin, double end) {
   std::ifstream file(path);
   std::string line;
-  if (!std::getline(file, line)) throw Error(path + ": cannot be read");
+  if (!readLine(file, line, path)) throw Error(path + ": cannot be read");
   std::map<std::string, std::size_t> columns;
   const std::vector<std::string> names = cellsOf(line);
   for (std::size_t i = 0; i < names.size(); ++i) columns[names[i]] = i;
   std::vector<RecordedSample> samples;
-  for (int number = 2; std::getline(file, line); ++number) {
+  for (int number = 2; readLine(file, line, path); ++number) {
     const Row row(columns, cellsOf(line), path + ":" + std::to_string(number));
     const RecordedSample sample = sampleOf(row);
     if (sample.state.stamp < begin || sample.state.stamp > end) continue;

@@ -1,11 +1,10 @@
 #include "fixedwing_lateral/mission_file.hpp"
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "fixedwing_lateral/spline_path.hpp"
+#include "mpc_core/read_text.hpp"
 #include "mpc_core/yaml_field.hpp"
 #include "region_maps/error.hpp"
 
@@ -192,10 +191,7 @@ Mission parseMission(const std::string& text, const std::string& source, const L
 }
 
 Mission loadMission(const std::string& path, const LoiterOptions& loiter, const TurnPlan& turns) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) throw Error(path + ": cannot be read");
-  return parseMission(text, path, loiter, turns);
+  return parseMission(readText(path), path, loiter, turns);
 }
 
 }  // namespace polyfly

@@ -110,9 +110,9 @@ void addAnalyze(CLI::App& app, ExitCode& exit_code) {
       ->add_option(
           "--tolerance", options->analyze.tolerance,
           "how far outside a half-space still counts as inside [half ranges] (default: the map's own)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0));
   command->add_option("--threads", options->analyze.threads, "worker threads (default: all processors)")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumber(1, 256));
   command->add_option("--json", options->json, "write the report as JSON");
   command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
   command->callback([options, &exit_code] { exit_code = analyzeMap(*options); });

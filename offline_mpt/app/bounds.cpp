@@ -53,10 +53,13 @@ void addBounds(CLI::App& app, ExitCode& exit_code) {
   command->add_option("PROBLEM", options->problem, "problem file of type robust_mpc")->required();
   command->add_option("FLIGHT", options->flights, "CSV files")->required();
   command->add_option("--coverage", options->bounds.coverage, "share of disturbances that a range shall hold")
+      ->check(numberBetween(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--confidence", options->bounds.confidence, "of that")->capture_default_str();
+  command->add_option("--confidence", options->bounds.confidence, "of that")
+      ->check(numberBetween(0.0, 1.0))
+      ->capture_default_str();
   command->add_option("--every", options->bounds.every, "steps between samples that count as independent")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber<int>(1))
       ->capture_default_str();
   command->add_option("--json", options->json, "write the result as JSON");
   command->callback([options, &exit_code] { exit_code = bound(*options); });

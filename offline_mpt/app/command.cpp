@@ -37,13 +37,13 @@ ExitCode exitCode(ExploreStatus status) {
 
 void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit) {
   command.add_option("--threads", threads, "worker threads (default: all processors)")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumber(1, 256));
   command.add_option("--time-limit", time_limit, "stop after so many seconds (default: none)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0));
   command
       .add_option("--memory-limit", memory_limit,
                   "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
-      ->transform(CLI::AsSizeValue(false));
+      ->transform(byteCount());
 }
 
 }  // namespace polyfly

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 
+#include "command_line/command_line.hpp"
 #include "offline_mpt/partition.hpp"
 #include "region_maps/outputs.hpp"
 

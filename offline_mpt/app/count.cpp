@@ -134,10 +134,10 @@ void addCount(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--map-limit", options->count.map_limit,
                    "stop when the map is proven to take more bytes; suffixes k, M, G (default: none)")
-      ->transform(CLI::AsSizeValue(false));
+      ->transform(byteCount());
   command->add_option("--proof", options->count.proof, "write all counted sets with their witnesses");
   command->add_option("--region-limit", options->count.region_limit, "stop after so many proven regions")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumber<std::uint64_t>(1));
   addExploreLimits(*command, options->count.threads, options->count.time_limit, options->count.memory_limit);
   command->add_option("--stats", options->stats, "write counts and times as JSON");
   command->add_flag("--quiet", options->quiet, "say nothing but errors");

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "region_maps/error.hpp"
+#include "region_maps/read_line.hpp"
 
 namespace polyfly {
 namespace {
@@ -118,7 +119,7 @@ std::vector<std::vector<double>> readCsv(const std::string& path, const std::vec
   if (!file) throw Error(path + ": cannot be read");
   Reader reader(path, names);
   std::string line;
-  while (std::getline(file, line)) reader.readLine(line);
+  while (polyfly::readLine(file, line, path)) reader.readLine(line);
   if (file.bad()) throw Error(path + ": cannot be read");
   return reader.take();
 }

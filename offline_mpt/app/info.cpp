@@ -6,6 +6,7 @@
 
 #include "command.hpp"
 #include "region_maps/region_map.hpp"
+#include "region_maps/visible.hpp"
 
 namespace polyfly {
 namespace {
@@ -97,7 +98,7 @@ void printSignals(const char* title, const std::vector<Signal>& signals) {
 void printNotes(std::string_view notes) {
   while (!notes.empty()) {
     const std::size_t end = std::min(notes.find('\n'), notes.size());
-    std::printf("  %.*s\n", static_cast<int>(end), notes.data());
+    std::printf("  %s\n", visible(notes.substr(0, end)).c_str());
     notes.remove_prefix(std::min(end + 1, notes.size()));
   }
 }

@@ -1,13 +1,7 @@
-#include <algorithm>
 #include <csignal>
-#include <cstdio>
-#include <exception>
-#include <new>
-#include <string>
 
 #include "command.hpp"
 #include "mpi_team.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 
@@ -28,18 +22,6 @@ const char kFooter[] =
     "  2  bad file, option or problem; nothing was written\n"
     "  3  interrupted, or a limit was reached; what was kept is said";
 
-bool isCommand(const CLI::App& app, const std::string& name) {
-  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-  return std::any_of(commands.begin(), commands.end(),
-                     [&name](const CLI::App* command) { return command->get_name() == name; });
-}
-
-// Of the processes of a launcher, which all fail alike, one speaks.
-int fail(const char* text) {
-  if (polyfly::launchedRank() == 0) std::fprintf(stderr, "offline_mpt: %s\n", text);
-  return static_cast<int>(polyfly::ExitCode::kBadInput);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -58,21 +40,7 @@ int main(int argc, char** argv) {
   polyfly::addAnalyze(app, exit_code);
   polyfly::addSet(app, exit_code);
   polyfly::addBounds(app, exit_code);
-  if (argc > 1 && argv[1][0] != '-' && !isCommand(app, argv[1])) {
-    return fail(("'" + std::string(argv[1]) + "' is no command (see offline_mpt --help)").c_str());
-  }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help
-    return app.exit(request);
-  } catch (const CLI::ParseError& error) {
-    return fail((std::string(error.what()) + " (see offline_mpt --help)").c_str());
-  } catch (const polyfly::Error& error) {
-    return fail(error.what());
-  } catch (const std::bad_alloc&) {
-    return fail("out of memory");
-  } catch (const std::exception& error) {
-    return fail(error.what());
-  }
-  return static_cast<int>(exit_code);
+  // Of the processes of a launcher, which all fail alike, one speaks.
+  return polyfly::runTool(
+      app, argc, argv, [&] { return static_cast<int>(exit_code); }, polyfly::launchedRank() == 0);
 }

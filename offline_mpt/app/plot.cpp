@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 
@@ -38,7 +39,8 @@ SliceRequest request(const Options& options) {
     const std::string number = equals == std::string::npos ? "" : entry.substr(equals + 1);
     char* end = nullptr;
     const double value = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != '\0') throw Error("--at: must be name=number, got '" + entry + "'");
+    if (number.empty() || *end != '\0' || !std::isfinite(value))
+      throw Error("--at: must be name=number, got '" + entry + "'");
     result.at.emplace_back(entry.substr(0, equals), value);
   }
   return result;

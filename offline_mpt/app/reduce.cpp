@@ -150,18 +150,17 @@ void addReduce(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--merge", options->reduce.merge,
                    "how regions with the same law are joined (default: auto)")
-      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case))
-      ->type_name("none|greedy|optimal|auto");
+      ->transform(oneOf(methods));
   command->add_flag("--separate", options->reduce.separate,
                     "let few fallback regions take the place of saturated ones");
   command
       ->add_option("--law-tolerance", options->reduce.law_tolerance,
                    "laws that differ by less anywhere in the box are one, relative to max(1, |bounds of u|)")
-      ->check(CLI::Range(0.0, 1e-8))
+      ->check(numberFrom(0.0, 1e-8))
       ->capture_default_str();
   command->add_option("--stats", options->stats, "write what was saved as JSON");
   command->add_option("--threads", options->reduce.threads, "worker threads (default: all processors)")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumber(1, 256));
   command->add_flag("--no-proof", options->no_proof, "write the map without proving it");
   command->add_option("--certificate", options->certificate, "write the proof, for check_certificate")
       ->excludes(command->get_option("--no-proof"));

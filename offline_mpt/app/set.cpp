@@ -109,7 +109,7 @@ void addOutput(CLI::App* sub, const std::shared_ptr<Options>& options) {
 void addFloat(CLI::App* sub, const std::shared_ptr<Options>& options) {
   CLI::Option* floating = sub->add_flag("--float", options->floating, "in floating point");
   sub->add_option("--tolerance", options->tolerance, "with --float: distances below it count as none")
-      ->check(CLI::PositiveNumber)
+      ->check(numberAbove(0.0))
       ->needs(floating)
       ->capture_default_str();
 }
@@ -180,6 +180,7 @@ void addSet(CLI::App& app, ExitCode& exit_code) {
   addFloat(sub, options);
   sub = addAction(command, options, exit_code, "project", "Drop coordinates", 1, showProjection);
   sub->add_option("--keep", options->keep, "coordinates to keep, from 1, separated by commas")
+      ->check(wholeNumber<int>(1))
       ->required()
       ->delimiter(',');
   sub->add_flag("--elimination", options->elimination, "by Fourier-Motzkin elimination instead of vertices");
@@ -192,7 +193,7 @@ void addSet(CLI::App& app, ExitCode& exit_code) {
   addFloat(sub, options);
   addOutput(sub, options);
   sub->add_option("--max-iterations", options->max_iterations, "steps of the recursion")
-      ->check(CLI::Range(1, 1000000))
+      ->check(wholeNumber(1, 1000000))
       ->capture_default_str();
   addAction(command, options, exit_code, "check",
             "Prove that a set (SECOND) is invariant for a model (FIRST)", 2, showCheck);

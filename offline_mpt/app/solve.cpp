@@ -372,18 +372,18 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   command->add_option("-o,--output", options->map, "map file to write")->required();
   command->add_option("--stats", options->stats, "write counts and times as JSON");
   command->add_option("--region-limit", options->explore.region_limit, "stop after so many regions")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumber<std::uint64_t>(1));
   addExploreLimits(*command, options->explore.threads, options->time_limit, options->explore.memory_limit);
   command->add_flag("--resume", options->explore.resume, "go on from MAP.checkpoint");
   command
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,
                    "write MAP.checkpoint every so many seconds (default: 300; 0: at the end only)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0));
   command
       ->add_option("--tree-nodes", options->tree_nodes,
                    "interior nodes that the search tree may have (default: 64 per region up to 131072, 2 per "
                    "region beyond); each takes 12 bytes and time")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumber<std::uint64_t>(1));
   command->add_flag("--quiet", options->quiet, "say nothing but errors");
   command->add_flag("--force", options->force,
                     "let a partial result replace an existing map, and a new run an old checkpoint");

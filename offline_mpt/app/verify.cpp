@@ -105,7 +105,7 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
   output->needs(repair);
   repair->needs(output);
   command->add_option("--time-limit", options->time_limit, "with --exact: stop after so long [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(numberAbove(0.0))
       ->needs(exact);
   CLI::Option* reduced =
       command->add_option("--reduced-from", options->reduced_from,
@@ -127,16 +127,18 @@ void addVerify(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--problem", options->problem,
                       "problem file (default: the problem that the map carries)");
   command->add_option("--samples", options->verify.samples, "parameters to try")
-      ->check(CLI::PositiveNumber)
+      ->check(wholeNumber<std::uint64_t>(1))
       ->capture_default_str();
-  command->add_option("--seed", options->verify.seed, "of the generator")->capture_default_str();
+  command->add_option("--seed", options->verify.seed, "of the generator")
+      ->check(wholeNumber<std::uint64_t>())
+      ->capture_default_str();
   command
       ->add_option("--tolerance", options->verify.tolerance,
                    "greatest error of the input, relative to max(1, |u|)")
-      ->check(CLI::PositiveNumber)
+      ->check(numberAbove(0.0))
       ->capture_default_str();
   command->add_option("--threads", options->verify.threads, "worker threads (default: all processors)")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumber(1, 256));
   command->add_option("--json", options->json, "write the report as JSON");
   command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
   addExact(command, options);

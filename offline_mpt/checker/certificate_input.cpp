@@ -4,13 +4,18 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
 namespace checker {
 namespace {
 
 constexpr std::uint64_t kPrime[] = {11400714785074694791ull, 14029467366897019727ull, 1609587929392839161ull,
                                     9650029242287828579ull, 2870177450012600261ull};
+
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 33;  // of a file that is read whole
+constexpr double kMaxTolerance = 1e-8;                        // of a map, see region_maps/FORMAT.md
 
 std::uint64_t rotate(std::uint64_t value, int bits) { return value << bits | value >> (64 - bits); }
 
@@ -39,11 +44,24 @@ std::vector<T> section(const std::string& bytes, std::size_t index, std::size_t 
 
 }  // namespace
 
+void requireFile(const std::string& path) {
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  if (!std::filesystem::exists(status)) throw Unreadable(path + ": no such file");
+  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status))
+    throw Unreadable(path + ": is no file");
+}
+
 std::string readFile(const std::string& path) {
+  requireFile(path);
+  std::error_code failure;  // of a pipe, which has no size
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (!failure && size > kMostBytes)
+    throw Unreadable(path + ": is larger than " + std::to_string(kMostBytes) + " bytes");
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
   content << file.rdbuf();
-  require(file.good() && content.good(), path + ": cannot be read");
+  if (!file.good() || !content.good()) throw Unreadable(path + ": cannot be read, or is empty");
   return content.str();
 }
 
@@ -93,7 +111,7 @@ Map::Map(const std::string& file) {
   tolerance = load<double>(file, 56);
   reduced_from = load<std::uint64_t>(file, 80);
   first_fallback = load<std::uint32_t>(file, 88);
-  require(tolerance >= 0.0 && tolerance <= 1.0, "the map's tolerance is out of range");
+  require(tolerance >= 0.0 && tolerance <= kMaxTolerance, "the map's tolerance is out of range");
   require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
   readText(file);
   bounds = section<double>(file, 1, 2);

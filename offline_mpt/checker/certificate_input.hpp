@@ -17,6 +17,11 @@ struct Refused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A file that cannot be read, which says nothing about what it holds.
+struct Unreadable : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 inline void require(bool condition, const std::string& rule) {
   if (!condition) throw Refused(rule);
 }
@@ -25,7 +30,11 @@ inline void require(bool condition, const std::string& rule) {
 constexpr double kMostLawTolerance = 1e-6;    ///< relative, what is promised of u
 constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
 
+/// Throws Unreadable where there is no file that can be read whole.
 std::string readFile(const std::string& path);
+
+/// Throws Unreadable where `path` is neither a file nor a pipe.
+void requireFile(const std::string& path);
 std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
 std::string hexText(std::uint64_t value);       ///< 16 digits
 

@@ -3,6 +3,7 @@
 // certificate.
 #include <cstdio>
 
+#include "arguments.hpp"
 #include "certificate.hpp"
 #include "reduction.hpp"
 
@@ -16,54 +17,40 @@ constexpr char kUsage[] =
     "'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.\n"
     "With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that\n"
     "'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line.\n";
+    "Exit code 0: confirmed, 1: refused, 2: bad command line, or a file that cannot be read.\n";
 
-struct Files {
-  std::string certificate, map, problem, original;
-};
+std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
+  const auto found = arguments.find(option);
+  return found == arguments.end() ? "" : found->second;
+}
 
-void confirm(const Files& files) {
+void confirm(const checker::Arguments& arguments) {
   using checker::readFile;
-  const checker::Map map(readFile(files.map));
+  const std::string certificate = valueOf(arguments, ""), map_file = valueOf(arguments, "--map"),
+                    problem = valueOf(arguments, "--problem"),
+                    original_file = valueOf(arguments, "--reduced-from");
+  if (map_file.empty()) throw checker::BadUsage("--map is missing");
+  if (!problem.empty() && !original_file.empty())
+    throw checker::BadUsage("--problem and --reduced-from exclude each other");
+  const checker::Map map(readFile(map_file));
   std::string conditions;
-  if (files.original.empty()) {
-    const checker::Certificate proof(readFile(files.certificate), map);
-    if (!files.problem.empty()) proof.compareProblem(readFile(files.problem));
+  if (original_file.empty()) {
+    const checker::Certificate proof(readFile(certificate), map);
+    if (!problem.empty()) proof.compareProblem(readFile(problem));
     proof.check();
     conditions = proof.conditions();
   } else {
-    const checker::Map original(readFile(files.original));
-    const checker::Reduction proof(readFile(files.certificate), map, original);
+    const checker::Map original(readFile(original_file));
+    const checker::Reduction proof(readFile(certificate), map, original);
     proof.check();
     conditions = proof.conditions();
   }
   std::printf("confirmed: %zu regions\n%s", map.regions.size(), conditions.c_str());
 }
 
-int usage(std::FILE* stream, int code) { return std::fputs(kUsage, stream) < 0 ? 1 : code; }
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  Files files;
-  for (int k = 1; k < argc; ++k) {
-    const std::string argument = argv[k];
-    if (argument == "--help") return usage(stdout, 0);
-    std::string* const target = argument == "--map"            ? &files.map
-                                : argument == "--problem"      ? &files.problem
-                                : argument == "--reduced-from" ? &files.original
-                                                               : nullptr;
-    const bool valid = target != nullptr ? ++k < argc : files.certificate.empty() && argument[0] != '-';
-    if (!valid) return usage(stderr, 2);
-    (target != nullptr ? *target : files.certificate) = argv[k];
-  }
-  const bool both = !files.problem.empty() && !files.original.empty();
-  if (files.certificate.empty() || files.map.empty() || both) return usage(stderr, 2);
-  try {
-    confirm(files);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "check_certificate: %s: refused: %s\n", files.certificate.c_str(), error.what());
-    return 1;
-  }
-  return 0;
+  return checker::run({"check_certificate", kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
+                      confirm);
 }

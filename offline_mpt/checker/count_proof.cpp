@@ -43,8 +43,10 @@ struct CountProof::Share {
   std::vector<std::uint64_t> keys;  // words of each
 };
 
-CountProof::CountProof(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-  require(static_cast<bool>(file_), "cannot be read");
+CountProof::CountProof(const std::string& path) : path_(path) {
+  requireFile(path);
+  file_.open(path, std::ios::binary);
+  if (!file_) throw Unreadable(path + ": cannot be read");
   readHead();
   findMultiples();
   reduce();
@@ -58,8 +60,11 @@ const Matrix& CountProof::data(const std::string& name) const {
 }
 
 void CountProof::readHead() {
-  std::string text;
-  require(std::getline(file_, text) && text == "polyfly count 1", "not a count of version 1");
+  // No more is read before it is known what the file is.
+  const std::string first = "polyfly count 1\n";
+  std::string text(first.size(), '\0');
+  file_.read(text.data(), static_cast<std::streamsize>(text.size()));
+  require(file_ && text == first, "not a count of version 1");
   std::set<std::string> seen;
   while (record_bytes_ == 0) {
     require(static_cast<bool>(std::getline(file_, text)), "there are no records");

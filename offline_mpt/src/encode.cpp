@@ -7,12 +7,14 @@
 
 #include "offline_mpt/vector_text.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/format.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-constexpr double kMembership = 1e-8;  // how far outside a half-space still counts as inside [scaled]
+// How far outside a half-space still counts as inside [scaled].
+constexpr double kMembership = format::kMaxTolerance;
 
 /// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
 class Sharing {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kViolated = 1e-13;  // violation from which on a row enters the basis
 constexpr double kPivot = 1e-11;     // weights below this do not leave it
-constexpr int kMaxDimension = 16;
+constexpr int kMaxDimension = 16;    // beyond it, what is exact must do without a guess
 
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxDimension, kMaxDimension>;
@@ -57,6 +57,8 @@ int ExactGuess::mostViolated() const {
 ExactGuess::Status ExactGuess::maximise(const std::vector<double>& c) {
   const int d = dimension_;
   basis_.clear();
+  weights_.clear();
+  if (d > kMaxDimension) return Status::kFailed;
   Square rows(d, d);  // one basic row per column
   Column bounds(d), weights(d), entering(d);
   for (int j = 0; j < d; ++j) {
@@ -71,6 +73,7 @@ ExactGuess::Status ExactGuess::maximise(const std::vector<double>& c) {
     const Column x = factor.transpose().solve(bounds);
     weights = factor.solve(direction);
     x_.assign(x.data(), x.data() + d);
+    if (!x.allFinite()) return Status::kFailed;  // a basis that is singular in doubles
     const int row = mostViolated();
     weights_.clear();
     if (row < 0) {

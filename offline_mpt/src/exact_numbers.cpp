@@ -1,6 +1,7 @@
 #include "exact_numbers.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace polyfly {
 namespace {
@@ -15,6 +16,13 @@ long lowestBit(const Rational& value) {
 
 void include(long& least, const Rational& value) {
   if (value != 0) least = std::min(least, lowestBit(value));
+}
+
+double above(const Rational& value) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double result = value.get_d();
+  while (std::isfinite(result) && Rational(result) < value) result = std::nextafter(result, kInfinity);
+  return result == -kInfinity ? std::numeric_limits<double>::lowest() : result;
 }
 
 Integer scaled(const Rational& value, long exponent) {

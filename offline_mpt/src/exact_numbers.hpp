@@ -14,6 +14,9 @@ constexpr long kNoBit = std::numeric_limits<long>::max();
 /// has none.
 void include(long& least, const Rational& value);
 
+/// The least double that is not below `value`; infinity where all are.
+double above(const Rational& value);
+
 /// value * 2^exponent, which must be whole.
 Integer scaled(const Rational& value, long exponent);
 

@@ -110,8 +110,9 @@ std::vector<Rational> onPlane(const std::vector<double>& t, const ExactRow* on, 
   if (on == nullptr) return point;
   int k = 0;
   for (int j = 1; j < p; ++j) {
-    if (std::abs(on->unit[j]) > std::abs(on->unit[k])) k = j;
+    if (abs(on->value[j]) > abs(on->value[k])) k = j;
   }
+  if (on->value[k] == 0) return point;  // a constant row is no plane, and no point lies on it
   Rational sum(on->value.back());
   for (int j = 0; j < p; ++j) {
     if (j != k) sum += on->value[j] * point[j];
@@ -174,7 +175,7 @@ void addLifted(const Rows& rows, const ExactRow* on, int p, ExactSimplex& solver
     solver.add(std::move(lifted));
   };
   for (const ExactRow* row : rows) {
-    lift(*row, 1, toInteger(row->length, static_cast<int>(row->bits)) + 1);
+    lift(*row, 1, toInteger(row->length, static_cast<long>(row->bits)) + 1);
   }
   if (on != nullptr) {
     lift(*on, 1, 0);

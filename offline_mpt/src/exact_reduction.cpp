@@ -6,6 +6,7 @@
 
 #include "exact_certificate.hpp"
 #include "exact_dissection.hpp"
+#include "exact_numbers.hpp"
 #include "in_parallel.hpp"
 #include "law_classes.hpp"
 #include "offline_mpt/verify_reduction.hpp"
@@ -62,9 +63,7 @@ class LawTable {
         centre += gain * (Rational(signal.upper) + Rational(signal.lower)) / 2;
       }
       sum = (sum + abs(centre)) / Rational(scales[i]);
-      double difference = sum.get_d();  // rounded towards zero
-      if (Rational(difference) < sum) difference = std::nextafter(difference, 2.0 * difference + 1.0);
-      worst = std::max(worst, difference);
+      worst = std::max(worst, above(sum));
     }
     return worst;
   }

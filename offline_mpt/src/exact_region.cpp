@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace polyfly {
 namespace {
@@ -104,25 +105,31 @@ void finishRow(ExactRow& row) {
   if (divisor > 1) {
     for (Integer& value : row.value) mpz_divexact(value.get_mpz_t(), value.get_mpz_t(), divisor.get_mpz_t());
   }
-  row.bits = 0;
-  for (const Integer& value : row.value) {
-    if (value != 0) row.bits = std::max(row.bits, mpz_sizeinbase(value.get_mpz_t(), 2));
-  }
   const std::size_t p = row.value.size() - 1;
+  const auto bitsOf = [](const Integer& value) {
+    return value == 0 ? std::size_t{0} : mpz_sizeinbase(value.get_mpz_t(), 2);
+  };
+  std::size_t gradient_bits = 0;
+  for (std::size_t j = 0; j < p; ++j) gradient_bits = std::max(gradient_bits, bitsOf(row.value[j]));
+  row.bits = std::max(gradient_bits, bitsOf(row.value[p]));
+  // Relative to the gradient, which a far greater constant would let vanish.
+  const auto reference = static_cast<long>(gradient_bits > 0 ? gradient_bits : row.bits);
   row.unit.assign(p + 1, 0.0);
   double squared = 0.0;
   for (std::size_t j = 0; j <= p; ++j) {
     signed long exponent = 0;
     const double mantissa = mpz_get_d_2exp(&exponent, row.value[j].get_mpz_t());
-    row.unit[j] = std::ldexp(mantissa, static_cast<int>(exponent - static_cast<long>(row.bits)));
+    row.unit[j] = std::ldexp(mantissa, static_cast<int>(exponent - reference));
     if (j == p) break;
     row.unit[j] = -row.unit[j];
     squared += row.unit[j] * row.unit[j];
   }
-  row.length = std::sqrt(squared);
-  if (squared == 0.0) return;
-  const double inverse = 1.0 / row.length;
+  row.length = 0.0;
+  if (gradient_bits == 0) return;
+  const double inverse = 1.0 / std::sqrt(squared);
   for (double& value : row.unit) value *= inverse;
+  const int shift = static_cast<int>(reference - static_cast<long>(row.bits));
+  row.length = std::max(std::ldexp(std::sqrt(squared), shift), std::numeric_limits<double>::min());
 }
 
 std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region) {

@@ -29,9 +29,10 @@ struct ExactOrigin {
 struct ExactRow {
   ExactOrigin origin;
   std::vector<Integer> value;
-  std::vector<double> unit;  ///< (a, b) with |a| = 1: a . t <= b, rounded; a = 0 where the row is constant
-  std::size_t bits = 0;      ///< of the greatest entry
-  double length = 0.0;       ///< of the row without its constant, times 2^-bits
+  /// (a, b) with |a| = 1: a . t <= b, rounded; a = 0 where the row is constant. Infinite b: beyond doubles.
+  std::vector<double> unit;
+  std::size_t bits = 0;  ///< of the greatest entry
+  double length = 0.0;   ///< of the row without its constant, times 2^-bits; 0 only where it is constant
 };
 
 /// All that optimality asks of t when a given set of rows is active: where every row here is >= 0, the law

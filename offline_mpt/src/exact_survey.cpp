@@ -7,19 +7,13 @@
 #include <utility>
 
 #include "exact_cover.hpp"
+#include "exact_numbers.hpp"
 #include "exact_slivers.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::size_t kMostKept = 30000;  // regions up to which exact rows are kept: some kB for each
-
-/// `value`, rounded up.
-double above(const Rational& value) {
-  double result = value.get_d();
-  while (Rational(result) < value) result = std::nextafter(result, std::numeric_limits<double>::infinity());
-  return result;
-}
 
 /// Greatest difference in the box between the map's row and a multiple of the exact one, and between the
 /// length of the map's row and one.

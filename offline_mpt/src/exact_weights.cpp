@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace polyfly {
 namespace {
@@ -28,9 +29,14 @@ Integer least(const std::vector<Integer>& affine) {
   return value;
 }
 
-Integer toInteger(double value, int exponent) {
-  Integer result;
-  mpz_set_d(result.get_mpz_t(), std::ldexp(value, exponent));
+// The power of two is applied to whole numbers: in a double, that of a long row overflows.
+Integer toInteger(double value, long exponent) {
+  int own = 0;
+  const double mantissa = std::ldexp(std::frexp(value, &own), std::numeric_limits<double>::digits);
+  const long shift = exponent + own - std::numeric_limits<double>::digits;
+  Integer result(mantissa);
+  if (shift >= 0) return result << static_cast<unsigned long>(shift);
+  mpz_tdiv_q_2exp(result.get_mpz_t(), result.get_mpz_t(), static_cast<mp_bitcnt_t>(-shift));
   return result;
 }
 
@@ -41,10 +47,11 @@ ExactProof roundWeights(const std::vector<std::pair<int, double>>& weights, cons
   for (const auto& [row, weight] : weights) {
     if (row >= static_cast<int>(rows.size())) continue;
     scaled.emplace_back(row, weight * target_length / rows[static_cast<std::size_t>(row)]->length);
+    if (!std::isfinite(scaled.back().second)) return {};
     greatest = std::max(greatest, scaled.back().second);
   }
   ExactProof proof;
-  if (!(greatest > 0.0) || !std::isfinite(greatest)) return proof;
+  if (!(greatest > 0.0)) return proof;
   const int exponent = std::max(0, bits - std::ilogb(greatest));
   proof.scale <<= static_cast<unsigned long>(exponent);
   for (const auto& [row, weight] : scaled) {

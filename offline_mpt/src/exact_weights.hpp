@@ -19,10 +19,11 @@ void subtract(std::vector<Integer>& sum, const Integer& weight, const ExactRow& 
 /// Least value in the box.
 Integer least(const std::vector<Integer>& affine);
 
-/// value * 2^exponent without its fraction.
-Integer toInteger(double value, int exponent);
+/// value * 2^exponent without its fraction, of a finite value and any exponent.
+Integer toInteger(double value, long exponent);
 
 /// Rounds floating-point weights, given for rows of unit length, to whole ones. With `bits` in the greatest.
+/// No weights where one of them overflows.
 ExactProof roundWeights(const std::vector<std::pair<int, double>>& weights, const ExactRows& rows,
                         double target_length, int bits);
 

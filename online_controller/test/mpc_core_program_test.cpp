@@ -112,7 +112,21 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"[[2, 1], [1, 3]]", "[[2, 1], [1, \"3\"]]", "H[1]", "finite numbers"},
                     BadCase{"[[2, 1], [1, 3]]", "[[2, 1], [1, 1e999]]", "file", "not valid JSON"},
                     BadCase{"[[2, 1], [1, 3]]", "5", "H", "must be a list"},
-                    BadCase{"[8, 9, 10]", "[8, 9]", "A", "2 rows, got 3"},
+                    BadCase{"[8, 9, 10]", "[8, 9]", "b", "3 numbers, got 2"},
+                    BadCase{"[8, 9, 10]", "[8, 9, 10, 11]", "b", "3 numbers, got 4"},
+                    BadCase{"[[1, 0], [0, 1], [1, 1]]", "[[1, 0], [0, 1]]", "A", "3 rows, got 2"},
+                    BadCase{"[[11], [12], [13]]", "[[11]]", "B", "3 rows, got 1"},
+                    BadCase{"[4, 5]", "[4]", "f", "2 numbers, got 1"},
+                    BadCase{"[[6], [7]]", "[[6]]", "F", "2 rows, got 1"},
+                    BadCase{"\"A_theta\": [[3]]", "\"A_theta\": [[3], [4]]", "b_theta", "2 numbers, got 1"},
+                    BadCase{"\"A_theta\"", "\"A_thet\"", "A_thet", "unknown key; known are name, H, "},
+                    BadCase{"\"eq_ids\"", "\"eqids\"", "eqids", "and keys that begin with _"},
+                    BadCase{"\"out\"", "\"Out\"", "Out", "unknown key"},
+                    BadCase{"\"tags\"", "\"\"", "", "unknown key"},
+                    BadCase{"\"lb\": [-1]", "\"lb\": [-1e308]", "lb[0]",
+                            "must not exceed 1e+30 in size, got -1e+308"},
+                    BadCase{"[[2, 1], [1, 3]]", "[[2, 1], [1, 3e40]]", "H[1][1]", "must not exceed 1e+30"},
+                    BadCase{"\"b_theta\": [4]", "\"b_theta\": [1e31]", "b_theta[0]", "must not exceed 1e+30"},
                     BadCase{"\"lb\": [-1]", "\"lb\": []", "lb", "must not be empty"},
                     BadCase{"\"lb\": [-1]", "\"lb\": [2]", "lb", "below ub, entry 0"},
                     BadCase{"\"lb\": [-1]", "\"lb\": [-1, -1]", "ub", "2 numbers, got 1"},
@@ -128,6 +142,12 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"\"n_theta\": 1", "\"n_theta\": 2", "n_theta", "must be 1"},
                     BadCase{"\"name\": \"tiny\"", "\"name\": 3", "name", "must be text"},
                     BadCase{"\"n\": 2", "\"n\": 2, \"n\": 2", "n", "duplicate key"}));
+
+TEST(ProgramJson, KeysThatBeginWithAnUnderscoreAreFree) {
+  const std::string text =
+      replaced(kBase, "\"tags\": [\"ignored\"]", "\"_made_by\": \"hand\", \"_\": {\"H\": 1}");
+  EXPECT_EQ(parseProgramJson(text, "tiny.json").rowCount(), 3);
+}
 
 TEST(BadProgramFile, MalformedMissingDirectoryEmpty) {
   const std::string broken = replaced(kBase, "[8, 9, 10]", "[8, 9 10]");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <sstream>
 
 #include "region_maps/error.hpp"
 #include "utf8.hpp"
@@ -97,7 +98,11 @@ void Examiner::checkHeader() const {
   if (!std::isfinite(header_.period) || header_.period < 0.0) {
     fail("header: period must be finite and not negative");
   }
-  if (!(header_.tolerance >= 0.0 && header_.tolerance <= 1.0)) fail("header: tolerance must be 0 to 1");
+  if (!(header_.tolerance >= 0.0 && header_.tolerance <= format::kMaxTolerance)) {
+    std::ostringstream rule;
+    rule << "header: tolerance must be 0 to " << format::kMaxTolerance << ", got " << header_.tolerance;
+    fail(rule.str());
+  }
   checkZero(offsetof(Header, reserved), offsetof(Header, sections), "the reserved bytes of the header");
 }
 

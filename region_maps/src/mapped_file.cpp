@@ -39,7 +39,8 @@ MappedFile::MappedFile(const std::string& path) {
   if (!S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   if (info.st_size == 0) refuse(path, "is empty");
   const auto size = static_cast<std::size_t>(info.st_size);
-  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.value, 0);
+  // Not MAP_POPULATE: a file that is no map may be larger than memory, and a map's checksum reads every page.
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.value, 0);
   if (data == MAP_FAILED) refuse(path, std::string("cannot be mapped: ") + std::strerror(errno));
   data_ = data;
   size_ = size;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "region_maps/format.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
@@ -10,8 +11,9 @@ namespace {
 
 constexpr double kUnit = 0x1p14;         // of coefficients and parameters; products are in its square
 constexpr double kArithmetic = 0x1p-44;  // more than all roundings of doubles, relative to the numbers added
-constexpr double kSlack = 0x1p-18;   // what these and the tolerance may come to, relative to a plane's norm
-constexpr double kEnlarged = 1.001;  // a parameter may lie beyond its bounds by the tolerance
+constexpr double kSlack = 0x1p-18;  // what these and the tolerance may come to, relative to a plane's norm
+static_assert(format::kMaxTolerance <= 0.5 * kSlack);
+constexpr double kEnlarged = 1.001;     // a parameter may lie beyond its bounds by the tolerance
 constexpr std::int32_t kFar = 1 << 30;  // a constant that no products outweigh
 constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
 
@@ -42,7 +44,7 @@ class SearchIndex::Builder {
         pairs_(pairs(p_)) {}
 
   void run() {
-    if (p_ > kMostParameters || !(map_.tolerance() <= 0.5 * kSlack)) return;
+    if (p_ > kMostParameters) return;
     numberBlocks();
     if (!fits()) return;
     scaleParameters();

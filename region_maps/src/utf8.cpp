@@ -1,9 +1,7 @@
 #include "utf8.hpp"
 
 namespace polyfly {
-namespace {
 
-/// Length of the UTF-8 sequence at `text`, 0 if there is none.
 std::size_t sequenceLength(std::string_view text) noexcept {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const auto follows = [&](std::size_t i, unsigned least, unsigned greatest) {
@@ -24,8 +22,6 @@ std::size_t sequenceLength(std::string_view text) noexcept {
   }
   return 0;
 }
-
-}  // namespace
 
 bool isUtf8(std::string_view text) noexcept {
   while (!text.empty()) {

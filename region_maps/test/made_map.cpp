@@ -237,7 +237,7 @@ MapContent makeSmallMap() {
   map.problem_kind = "yaml";
   map.solver_notes = "regions: 4\nradius: 0.5\n";
   map.period = 0.125;
-  map.tolerance = 1e-6;
+  map.tolerance = 1e-8;
   map.parameters[1].unit = "m/s";
   map.inputs[0].unit = "rad";
   return map;

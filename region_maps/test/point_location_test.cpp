@@ -218,7 +218,7 @@ TEST(PointLocationOnGrid, FacesOfTheBoxAreInsideAndTheNextNumberIsNot) {
 }
 
 TEST(PointLocationTolerance, WidensTheBoxByATimesHalfItsRange) {
-  constexpr double kTolerance = 1.0 / (1 << 20);
+  constexpr double kTolerance = 1.0 / (1 << 27);
   MapContent content = makeGridMap(2, 4);
   content.tolerance = kTolerance;
   // Distances are in units of half the range, which is 2.
@@ -234,7 +234,7 @@ TEST(PointLocationTolerance, WidensTheBoxByATimesHalfItsRange) {
 }
 
 TEST(PointLocationTolerance, IsTheSameOnBothSidesOfAPlane) {
-  constexpr double kTolerance = 1.0 / (1 << 20);
+  constexpr double kTolerance = 1.0 / (1 << 27);
   MapContent content = makeGridMap(1, 2);
   content.tolerance = kTolerance;
   const MadeMap made(std::move(content));
@@ -267,7 +267,7 @@ TEST(PointLocationLeaf, TheFirstCandidateThatHoldsWins) {
 // Two cells with a gap between them: of two regions within the tolerance, the nearer one answers.
 TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
   MapContent content = makeGridMap(1, 2);  // cells [0, 1] and [1, 2]
-  constexpr double kGap = 1.0 / (1 << 10);
+  constexpr double kGap = 1.0 / (1 << 27);
   content.tolerance = kGap;
   content.nodes.clear();
   content.leaves = {{0, 2}};
@@ -296,7 +296,7 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
 // Two ordinary cells with a gap between them, and a fallback region over both and beyond.
 TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   MapContent content = makeGridMap(1, 4);  // cells [0, 1], [1, 2], [2, 3] and [3, 4]
-  constexpr double kTolerance = 1.0 / (1 << 10), kHandicap = kTolerance / 128.0;
+  constexpr double kTolerance = 1.0 / (1 << 27), kHandicap = kTolerance / 128.0;
   content.tolerance = kTolerance;
   content.nodes.clear();
   content.leaves = {{0, 3}};

@@ -1,6 +1,5 @@
 // Flies Figs. 7 and 8 of the chapter with each law of the multirotor and leaves what was flown: a CSV for
 // each flight, summary.json and the rows of the report's table.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.hpp"
 #include "online_controller/attitude.hpp"
 #include "online_controller/law_switch.hpp"
 #include "online_controller/multirotor_controller.hpp"
@@ -158,18 +158,15 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Flies Figs. 7 and 8 of the chapter with each law of the multirotor in simulated time.");
+  CLI::App app("Flies Figs. 7 and 8 of the chapter with each law of the multirotor in simulated time.",
+               "multirotor_figures");
   std::string maps, problems, folder;
   app.add_option("--maps", maps, "folder of the solved maps")->required();
   app.add_option("--problems", problems, "folder of their problem files")->required();
   app.add_option("-o,--output", folder, "folder for what was flown")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return polyfly::runTool(app, argc, argv, [&] {
     std::filesystem::create_directories(folder);
     run(maps, problems, folder);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "multirotor_figures: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

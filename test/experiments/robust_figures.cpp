@@ -1,6 +1,5 @@
 // Flies the ASLquad over Figs. 10 to 13 by the robust MPC and by others, and leaves what was flown: a CSV for
 // each flight of the first seed, summary.json and the rows of the report's tables.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
 #include "region_maps/error.hpp"
 
@@ -153,20 +153,16 @@ void run(const std::string& problems, const std::filesystem::path& output, int s
 }  // namespace
 
 int main(int count, char** words) {
-  CLI::App app{"Flies the ASLquad over Figs. 10 to 13."};
+  CLI::App app("Flies the ASLquad over Figs. 10 to 13.", "robust_figures");
   std::string problems, output;
   int seeds = 20;
   app.add_option("--problems", problems, "folder with aslquad_*.yaml")->required();
   app.add_option("--output", output, "folder for the results")->required();
   app.add_option("--seeds", seeds, "flights of each kind, seeds 1, 2, ..")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  CLI11_PARSE(app, count, words);
-  try {
+      ->check(polyfly::wholeNumber(1, 1000));
+  return polyfly::runTool(app, count, words, [&] {
     run(problems, output, seeds);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "robust_figures: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -1,7 +1,6 @@
 // Flies for long while everything goes wrong at random, and leaves summary.json and the report.
 #include "polyfly_test/soak.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -66,17 +66,17 @@ nlohmann::json toJson(const SoakResult& result, const SoakOptions& options, long
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Flies for long in simulated time while everything goes wrong at random.");
+  CLI::App app("Flies for long in simulated time while everything goes wrong at random.", "soak");
   std::vector<std::string> folders;
   std::string problems, output;
   SoakOptions options;
   app.add_option("--maps", folders, "folders of solved maps, which are swapped for each other")->required();
   app.add_option("--problems", problems, "folder of the problem files of the linear law")->required();
-  app.add_option("--duration", options.duration, "simulated time [s]");
-  app.add_option("--seed", options.seed, "the same seed, the same flight");
+  app.add_option("--duration", options.duration, "simulated time [s]")->check(polyfly::numberAbove(0.0));
+  app.add_option("--seed", options.seed, "the same seed, the same flight")
+      ->check(polyfly::wholeNumber<std::uint32_t>());
   app.add_option("-o,--output", output, "folder for summary.json")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return polyfly::runTool(app, argc, argv, [&] {
     SoakLaws laws;
     std::vector<polyfly::RegionMap> maps;
     maps.reserve(3 * folders.size());
@@ -97,8 +97,5 @@ int main(int argc, char** argv) {
     std::filesystem::create_directories(output);
     std::ofstream(output + "/summary.json") << json.dump(2) << '\n';
     return result.violations.empty() ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "soak: %s\n", error.what());
-    return 2;
-  }
+  });
 }

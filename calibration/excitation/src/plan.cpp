@@ -3,11 +3,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 
+#include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -215,10 +214,6 @@ ExcitationPlan parsePlan(const std::string& text, const std::string& source) {
   return plan;
 }
 
-ExcitationPlan loadPlan(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path + ": cannot be opened");
-  return parsePlan({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}, path);
-}
+ExcitationPlan loadPlan(const std::string& path) { return parsePlan(readText(path), path); }
 
 }  // namespace polyfly

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "region_maps/error.hpp"
+#include "region_maps/read_line.hpp"
 
 namespace polyfly {
 namespace {
@@ -50,8 +51,8 @@ double valueOf(std::string_view text, std::size_t* bad) {
   return kNan;
 }
 
-bool nextLine(std::istream& file, std::string* line) {
-  while (std::getline(file, *line)) {
+bool nextLine(std::istream& file, std::string* line, const std::string& path) {
+  while (readLine(file, *line, path)) {
     const std::string_view content = trimmed(*line);
     if (!content.empty() && content.front() != '#') return true;
   }
@@ -74,7 +75,7 @@ CsvLog readCsv(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw Error(path + ": cannot be read");
   std::string line;
-  if (!nextLine(file, &line)) throw Error(path + ": is empty");
+  if (!nextLine(file, &line, path)) throw Error(path + ": is empty");
   CsvLog log;
   log.path = path;
   const char separator = separatorOf(line);
@@ -82,7 +83,7 @@ CsvLog readCsv(const std::string& path) {
   for (const std::string_view name : fields(line, separator)) log.names.emplace_back(name);
   columns.resize(log.names.size());
   std::size_t number = 1;
-  while (nextLine(file, &line)) {
+  while (nextLine(file, &line, path)) {
     ++number;
     const std::vector<std::string_view> row = fields(line, separator);
     if (row.size() > log.names.size()) {

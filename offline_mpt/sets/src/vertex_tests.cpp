@@ -5,6 +5,18 @@
 #include <utility>
 
 namespace polyfly {
+namespace {
+
+Rational powerOfTwoNear(const Rational& value) {
+  const Integer &numerator = value.get_num(), &denominator = value.get_den();
+  Rational result(1);
+  if (value == 0) return result;
+  mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), mpz_sizeinbase(numerator.get_mpz_t(), 2));
+  mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), mpz_sizeinbase(denominator.get_mpz_t(), 2));
+  return result;
+}
+
+}  // namespace
 
 double roundedUp(const Rational& value) {
   return value == 0 ? 0.0 : std::nextafter(value.get_d(), std::numeric_limits<double>::infinity());
@@ -52,12 +64,18 @@ RationalVector middleOf(const std::vector<std::vector<Integer>>& corners) {
 std::vector<ExactHalfSpace> scaledRows(const ExactPolytope& set, const RegionMap& map) {
   std::vector<ExactHalfSpace> rows;
   const auto add = [&](const ExactHalfSpace& row, int sign) {
-    double squares = 0.0;
+    RationalVector steps;  // per half a range
+    Rational greatest;
     for (std::size_t j = 0; j < row.a.size(); ++j) {
       const Signal& parameter = map.parameters()[j];
-      squares += std::pow(row.a[j].get_d() * 0.5 * (parameter.upper - parameter.lower), 2);
+      steps.push_back(row.a[j] * (Rational(parameter.upper) - Rational(parameter.lower)) / 2);
+      if (abs(steps.back()) > greatest) greatest = abs(steps.back());
     }
-    const Rational scale(squares > 0.0 ? sign / std::sqrt(squares) : sign);
+    // Relative to a power of two near the greatest, so that no square overflows or vanishes.
+    const Rational unit = powerOfTwoNear(greatest);
+    double squares = 0.0;
+    for (const Rational& step : steps) squares += std::pow(Rational(step / unit).get_d(), 2);
+    const Rational scale = Rational(squares > 0.0 ? sign / std::sqrt(squares) : sign) / unit;
     ExactHalfSpace scaled{row.a, Rational(row.b * scale)};
     for (Rational& value : scaled.a) value *= scale;
     rows.push_back(std::move(scaled));

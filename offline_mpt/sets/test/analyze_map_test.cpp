@@ -12,6 +12,7 @@
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/random.hpp"
+#include "../src/vertex_tests.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/encode.hpp"
@@ -47,6 +48,21 @@ SetModel scalarModel(const std::string& d) {
 AnalyzeReport analyzed(const MapContent& content, const SetModel& model, const AnalyzeOptions& options = {}) {
   const MapInMemory map(content);
   return analyze(map.map(), bindModel(model, map.map()), options);
+}
+
+// Whole numbers without a common factor whose squares are beyond doubles.
+TEST(ScaledRows, AreOfUnitLengthForNumbersOfAnySize) {
+  const MapInMemory map(scalarMap());
+  Integer large, larger;
+  mpz_ui_pow_ui(large.get_mpz_t(), 3, 400);
+  mpz_ui_pow_ui(larger.get_mpz_t(), 2, 640);
+  ExactPolytope set;
+  set.dimension = 1;
+  set.rows.push_back({{Rational(large)}, Rational(larger)});
+  const std::vector<ExactHalfSpace> rows = scaledRows(set, map.map());
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(rows[0].a[0].get_d(), 0.2, 1e-15) << "half the range is 5";
+  EXPECT_EQ(rows[0].b * large, rows[0].a[0] * larger);
 }
 
 SetModel doubleIntegrator(const std::string& d) {

@@ -28,7 +28,7 @@ class YamlField {
   std::string text() const;              ///< a non-empty scalar
   std::string name() const;              ///< an identifier: letter or _, then letters, digits, _
   std::string unit() const;              ///< a unit without spaces, such as m/s^2; 1 if dimensionless
-  double number() const;                 ///< finite
+  double number() const;                 ///< finite, at most kGreatestNumber in size
   int integer(int least, int greatest) const;
   void range(double* lower, double* upper) const;  ///< [lower, upper], finite, lower < upper
 

@@ -11,6 +11,8 @@ namespace {
 constexpr double kSymmetryTolerance = 1e-10;      // relative to the greatest entry of H
 constexpr double kSemidefiniteTolerance = 1e-10;  // least eigenvalue of H relative to the greatest entry
 
+constexpr double kNarrowestRange = 1e-100;  // planes are scaled by what it is the inverse of
+
 class Checker {
  public:
   explicit Checker(const ParametricProgram& program) : program_(program) {}
@@ -56,6 +58,7 @@ class Checker {
       const std::string field = "parameters." + signal.name;
       if (!std::isfinite(signal.lower) || !std::isfinite(signal.upper)) fail(field, "range must be bounded");
       if (!(signal.lower < signal.upper)) fail(field, "lower end of the range must be below the upper end");
+      if (signal.upper - signal.lower < kNarrowestRange) fail(field, "range must be at least 1e-100 wide");
     }
   }
 

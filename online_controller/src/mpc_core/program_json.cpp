@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,6 +17,13 @@ namespace polyfly {
 namespace {
 
 using nlohmann::json;
+
+/// What a file may state. The last row is for people and for tests; keys that begin with _ are free as well.
+constexpr const char* kKeys[] = {"name",        "H",    "f",    "F",        "A",       "b", "B", "eq_ids",
+                                 "lb",          "ub",   "out",  "A_theta",  "b_theta", "n", "m", "n_theta",
+                                 "description", "tags", "type", "expected", "samples"};
+
+constexpr const char* kRequired[] = {"H", "f", "F", "A", "b", "B", "lb", "ub"};
 
 /// The generic form; every complaint reads `file: field: rule`.
 class JsonReader {
@@ -37,6 +48,8 @@ class JsonReader {
       fail("file", std::string("is not valid JSON: ") + error.what());
     }
     if (!root_.is_object()) fail("file", "must be an object");
+    for (const char* key : kRequired) at(key);
+    checkKeys();
   }
 
   [[noreturn]] void fail(const std::string& field, const std::string& rule) const {
@@ -88,6 +101,16 @@ class JsonReader {
     return result;
   }
 
+  /// The size that most of the lists have, of which one may be wrong; the first one's where all differ.
+  Eigen::Index commonCount(std::initializer_list<const char*> keys, bool may_be_empty) const {
+    std::vector<Eigen::Index> sizes;
+    for (const char* key : keys) sizes.push_back(count(key, may_be_empty));
+    for (const Eigen::Index size : sizes) {
+      if (std::count(sizes.begin(), sizes.end(), size) > 1) return size;
+    }
+    return sizes.front();
+  }
+
   /// Length of the list at `key`, which must not be empty unless `may_be_empty`.
   Eigen::Index count(const std::string& key, bool may_be_empty) const {
     const json& value = array(at(key), key);
@@ -119,8 +142,26 @@ class JsonReader {
       const json& entry = value[static_cast<std::size_t>(i)];
       if (!entry.is_number()) fail(field, "must hold finite numbers only");
       result(i) = entry.get<double>();
+      if (!(std::abs(result(i)) <= kGreatestNumber)) {
+        std::ostringstream rule;
+        rule << "must not exceed " << kGreatestNumber << " in size, got " << result(i);
+        fail(field + "[" + std::to_string(i) + "]", rule.str());
+      }
     }
     return result;
+  }
+
+  /// A misspelt key would leave out what it states.
+  void checkKeys() const {
+    for (const auto& entry : root_.items()) {
+      const std::string& key = entry.key();
+      const bool known =
+          std::any_of(std::begin(kKeys), std::end(kKeys), [&](const char* other) { return key == other; });
+      if (known || (!key.empty() && key[0] == '_')) continue;
+      std::string list;
+      for (const char* other : kKeys) list += (list.empty() ? "" : ", ") + std::string(other);
+      fail(key, "unknown key; known are " + list + ", and keys that begin with _");
+    }
   }
 
   std::string source_;
@@ -178,8 +219,8 @@ ParametricProgram parseProgramJson(const std::string& text, const std::string& s
   program.text = text;
   program.text_kind = "json";
   setBox(reader, &program);
-  const Eigen::Index n = reader.count("f", false);
-  const Eigen::Index m = reader.count("b", true);
+  const Eigen::Index n = reader.commonCount({"H", "f", "F"}, false);
+  const Eigen::Index m = reader.commonCount({"A", "b", "B"}, true);
   const Eigen::Index p = program.parameterCount();
   program.H = reader.matrix("H", n, n);
   program.f = reader.vector("f", n);

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "mpc_core/read_text.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -165,6 +166,11 @@ double YamlField::number() const {
   stream >> value;
   const bool whole = !stream.fail() && stream.peek() == std::istringstream::traits_type::eof();
   if (!whole || !std::isfinite(value)) fail("must be a finite number, got " + quoted(scalar));
+  if (std::abs(value) > kGreatestNumber) {
+    std::ostringstream rule;
+    rule << "must not exceed " << kGreatestNumber << " in size, got " << value;
+    fail(rule.str());
+  }
   return value;
 }
 

@@ -14,7 +14,8 @@ constexpr std::uint32_t kByteOrder = 0x01020304u;
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kAlignment = 64;  ///< of the file in memory and of each section in the file [bytes]
 constexpr std::uint32_t kMaxSignals = 256;
-constexpr double kHandicap = 1.0 / 128.0;            ///< of fallback regions, in tolerances
+constexpr double kMaxTolerance = 1e-8;     ///< what `solve` writes, and no reader takes more [scaled]
+constexpr double kHandicap = 1.0 / 128.0;  ///< of fallback regions, in tolerances
 constexpr std::uint64_t kMaxElements = 0x7fffffffu;  ///< of a section, text excepted
 
 enum Section : std::size_t {

@@ -43,7 +43,7 @@ class SearchIndex {
   SearchIndex() = default;
 
   /// Of a map that was checked. Stays empty, and look-ups read the file alone, where there are more than
-  /// kMostParameters, the tolerance is above 2^-19, or the index would be too large.
+  /// kMostParameters, or the index would be too large.
   explicit SearchIndex(const RegionMap& map);
 
   bool empty() const noexcept { return records_.empty(); }

@@ -1,0 +1,78 @@
+#include "arguments.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include "certificate_input.hpp"
+
+namespace checker {
+namespace {
+
+constexpr int kRefused = 1;
+constexpr int kBadUsage = 2;
+constexpr std::size_t kMostShown = 40;  // characters of a value that a message repeats
+
+std::string shown(std::string text) {
+  const bool cut = text.size() > kMostShown;
+  text.resize(std::min(text.size(), kMostShown));
+  return "'" + text + (cut ? "..'" : "'");
+}
+
+void say(const std::string& name, std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e) c = '?';
+  }
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), text.c_str());
+}
+
+/// False where --help is asked for.
+bool read(const Tool& tool, int argc, char** argv, Arguments& arguments) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--help") return false;
+    const bool option = std::find(tool.options.begin(), tool.options.end(), word) != tool.options.end();
+    if (!option && !word.empty() && word[0] == '-') throw BadUsage(shown(word) + " is no option");
+    if (!option && arguments.count("") != 0) throw BadUsage(shown(word) + ": one file is checked at a time");
+    if (option && ++k == argc) throw BadUsage(word + ": its value is missing");
+    arguments[option ? word : ""] = argv[k];
+  }
+  if (arguments.count("") == 0 || arguments[""].empty()) throw BadUsage("the file to check is missing");
+  return true;
+}
+
+}  // namespace
+
+unsigned long long wholeNumber(const std::string& option, const std::string& text, unsigned long long least,
+                               unsigned long long greatest) {
+  constexpr std::size_t kMostDigits = 18;  // of what 64 bits hold in any case
+  const bool digits = !text.empty() && text.size() <= kMostDigits &&
+                      text.find_first_not_of("0123456789") == std::string::npos;
+  const unsigned long long value = digits ? std::stoull(text) : 0;
+  if (!digits || value < least || value > greatest) {
+    throw BadUsage(option + ": " + shown(text) + " is not a whole number from " + std::to_string(least) +
+                   " to " + std::to_string(greatest));
+  }
+  return value;
+}
+
+int run(const Tool& tool, int argc, char** argv, const std::function<void(const Arguments&)>& check) {
+  Arguments arguments;
+  try {
+    if (!read(tool, argc, argv, arguments)) return std::fputs(tool.usage.c_str(), stdout) < 0 ? kRefused : 0;
+    check(arguments);
+    return 0;
+  } catch (const BadUsage& error) {
+    say(tool.name, error.what() + (" (see " + tool.name + " --help)"));
+  } catch (const Unreadable& error) {
+    say(tool.name, error.what());
+  } catch (const std::bad_alloc&) {
+    say(tool.name, "out of memory");
+  } catch (const std::exception& error) {
+    say(tool.name, arguments[""] + ": refused: " + error.what());
+    return kRefused;
+  }
+  return kBadUsage;
+}
+
+}  // namespace checker
