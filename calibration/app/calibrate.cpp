@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <new>
 
 #include "calibrate_commands.hpp"
 #include "region_maps/error.hpp"
@@ -16,6 +17,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? polyfly::kCalibrated : polyfly::kBadInput;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "calibrate: out of memory\n";
+    return polyfly::kBadInput;
   } catch (const std::exception& error) {
     std::cerr << "calibrate: " << error.what() << "\n";
     return polyfly::kBadInput;

@@ -19,6 +19,7 @@
 #include "calibration/validation.hpp"
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 #include "region_maps/error.hpp"
 #include "robust_mpc/online_law.hpp"
 
@@ -227,6 +228,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("validate_bag");  // proposals are counted with GMP
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");
   Arguments arguments;
@@ -238,6 +240,8 @@ int main(int argc, char** argv) {
   }
   try {
     return run(arguments);
+  } catch (const std::bad_alloc&) {
+    polyfly::out_of_memory::end("out of memory");
   } catch (const std::exception& error) {
     std::cerr << "validate_bag: " << error.what() << "\n";
     return kBadInput;

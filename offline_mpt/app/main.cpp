@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "mpi_team.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 #include "region_maps/error.hpp"
 
 namespace {
@@ -43,6 +44,7 @@ int fail(const char* text) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("offline_mpt");
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
   app.footer(kFooter);

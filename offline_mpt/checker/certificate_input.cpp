@@ -42,7 +42,12 @@ std::vector<T> section(const std::string& bytes, std::size_t index, std::size_t 
 std::string readFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
-  content << file.rdbuf();
+  content.exceptions(std::ios::badbit);  // else a stream keeps to itself that memory ran out
+  try {
+    content << file.rdbuf();
+  } catch (const std::ios_base::failure&) {  // a folder, say
+    file.setstate(std::ios::badbit);
+  }
   require(file.good() && content.good(), path + ": cannot be read");
   return content.str();
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "certificate.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 #include "reduction.hpp"
 
 namespace {
@@ -16,7 +17,7 @@ constexpr char kUsage[] =
     "'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.\n"
     "With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that\n"
     "'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line.\n";
+    "Exit code 0: confirmed, 1: refused, 2: bad command line, or out of memory.\n";
 
 struct Files {
   std::string certificate, map, problem, original;
@@ -45,6 +46,7 @@ int usage(std::FILE* stream, int code) { return std::fputs(kUsage, stream) < 0 ?
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("check_certificate");
   Files files;
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
@@ -61,6 +63,8 @@ int main(int argc, char** argv) {
   if (files.certificate.empty() || files.map.empty() || both) return usage(stderr, 2);
   try {
     confirm(files);
+  } catch (const std::bad_alloc&) {  // says nothing about the proof
+    polyfly::out_of_memory::end("out of memory");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "check_certificate: %s: refused: %s\n", files.certificate.c_str(), error.what());
     return 1;

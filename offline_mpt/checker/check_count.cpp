@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "count_proof.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 
 namespace {
 
@@ -15,7 +16,7 @@ constexpr char kUsage[] =
     "an interior, all different, and says how many bytes a map of them takes at the least. With --problem, "
     "the\n"
     "proof must be of that problem file; with --map-limit, the map must take more than so many bytes.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line.\n";
+    "Exit code 0: confirmed, 1: refused, 2: bad command line, or out of memory.\n";
 
 struct Arguments {
   std::string proof, problem, map_limit, threads = "1";
@@ -43,6 +44,7 @@ int usage(std::FILE* stream, int code) { return std::fputs(kUsage, stream) < 0 ?
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("check_count");
   constexpr int kMostThreads = 256;
   Arguments arguments;
   for (int k = 1; k < argc; ++k) {
@@ -61,6 +63,8 @@ int main(int argc, char** argv) {
     return usage(stderr, 2);
   try {
     confirm(arguments);
+  } catch (const std::bad_alloc&) {  // says nothing about the proof
+    polyfly::out_of_memory::end("out of memory");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "check_count: %s: refused: %s\n", arguments.proof.c_str(), error.what());
     return 1;
