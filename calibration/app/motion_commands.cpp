@@ -38,7 +38,8 @@ int run(const std::string& kind, Arguments arguments, const Find& find) {
                                                   ? std::vector<std::string>{"vn", "ve", "airspeed"}
                                                   : std::vector<std::string>{"vx", "vy", "vz"};
   for (const std::string& name : velocities) {
-    if (signals.has(name)) calibration.record.emplace_back(name, signals.at(name));
+    CleaningCounts ignored;
+    if (signals.has(name)) calibration.record.emplace_back(name, cleaned(signals.at(name), &ignored));
   }
   find(signals, arguments, &calibration);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));

@@ -77,8 +77,10 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
   return windows;
 }
 
-FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
-                          std::vector<std::string>* remarks) {
+namespace {
+
+FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments, Provenance* provenance,
+                         std::vector<std::string>* remarks) {
   const auto choice = parseSignals(arguments.signals);
   if (isAutopilotLog(path)) {
     AutopilotSignals log = signalsFromAutopilot(path, choice, arguments.on_ground);
@@ -103,6 +105,15 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;
   for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
   return bag.signals;
+}
+
+}  // namespace
+
+FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
+                          std::vector<std::string>* remarks) {
+  FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
+  for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
+  return signals;
 }
 
 void checkResults(const LogArguments& arguments, const std::string& report, const std::string& validation) {

@@ -27,7 +27,7 @@ void declareLog(CLI::App& command, LogArguments& arguments);
 /// FROM:TO in seconds. Throws Error.
 std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 
-/// Signals of a .bag or CSV; appends what was wrong with it. Throws Error.
+/// Signals of a flight in any form; appends what was wrong with it, and where its times jump. Throws Error.
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks);
 

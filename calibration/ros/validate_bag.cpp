@@ -17,6 +17,7 @@
 #include "calibration_ros/bag_reader.hpp"
 #include "calibration_ros/validation_topics.hpp"
 #include "command_line/command_line.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/outputs.hpp"
 #include "region_maps/visible.hpp"
@@ -255,6 +256,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("validate_bag");  // proposals are counted with GMP
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");

@@ -2,6 +2,7 @@
 #include <map>
 #include <optional>
 
+#include "identification/loop_record.hpp"
 #include "online_axis.hpp"
 #include "online_controller/axis.hpp"
 #include "validation_parts.hpp"
@@ -41,7 +42,7 @@ class ExcursionCollector {
       open_ = false;
       return;
     }
-    if (!open_) begin(sample, report);
+    if (!open_ || isFarStep(found_.back().to, sample.state.stamp)) begin(sample, report);
     Excursion& excursion = found_.back();
     excursion.to = sample.state.stamp;
     ++excursion.samples;

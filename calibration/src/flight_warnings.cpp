@@ -108,8 +108,7 @@ std::string commandWarning(const Pairs& pairs, std::size_t angle, double angle_m
             "wrong.";
     return text.str();
   }
-  const double period =
-      (pairs.stamps.back() - pairs.stamps.front()) / static_cast<double>(pairs.stamps.size() - 1);
+  const double period = durationOf(pairs.stamps) / static_cast<double>(pairs.stamps.size() - 1);
   const std::ptrdiff_t shift = clockShift(recorded, replayed, period);
   if (shift != 0) {
     text << "come " << std::abs(static_cast<double>(shift)) * period << " s "
@@ -135,10 +134,18 @@ std::string commandWarning(const Pairs& pairs, std::size_t angle, double angle_m
 void warnOfCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,
                     const MultirotorOptions& options, std::vector<std::string>* warnings) {
   const Pairs pairs = pairsOf(log, samples);
-  if (pairs.stamps.size() < 2 || !(pairs.stamps.back() > pairs.stamps.front())) return;
+  if (pairs.stamps.size() < 2 || !(durationOf(pairs.stamps) > 0.0)) return;
   for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
     const std::string sentence = commandWarning(pairs, angle, options.angle_max);
     if (!sentence.empty()) warnings->push_back(sentence);
+  }
+}
+
+void warnOfClock(const FlightLog& log, std::vector<std::string>* warnings) {
+  std::vector<double> stamps;
+  for (const VehicleState& state : log.odometry) stamps.push_back(state.stamp);
+  for (const std::string& sentence : sentencesOn(farSteps(stamps))) {
+    warnings->push_back("Odometry: " + sentence + "; the flight is judged in pieces.");
   }
 }
 
@@ -232,6 +239,7 @@ void warnOfModels(const FlightLog& log, const AxisMaps& maps, std::vector<std::s
 std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<ReplaySample>& samples,
                                         const AxisMaps& maps, const MultirotorOptions& options) {
   std::vector<std::string> warnings;
+  warnOfClock(log, &warnings);
   warnOfFrames(samples, &warnings);
   warnOfCommands(log, samples, options, &warnings);
   warnOfModels(log, maps, &warnings);

@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <locale>
 #include <mutex>
+#include <new>
 #include <sstream>
 #include <thread>
 
@@ -148,6 +149,8 @@ std::optional<MapProposal> proposeMap(const RegionMap& map, const MapUse& use, c
     for (const MapProposal::Change& change : proposal.changes) text = withRange(text, change);
     proposal.problem = text;
     count(std::string(map.problemKind()), limits, &proposal);
+  } catch (const std::bad_alloc&) {  // is no property of the problem
+    throw;
   } catch (const std::exception& error) {
     proposal.obstacle = error.what();
   }

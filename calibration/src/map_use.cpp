@@ -108,7 +108,9 @@ SampleUse MapUseCounter::add(double stamp, const double* theta) {
   SampleUse sample;
   sample.lookup = map_->locate(theta);
   ++use_.samples;
-  if (use_.windows.empty() || !(stamp < use_.windows.back().from + kWindow))
+  // A clock that was set back begins a window too.
+  if (use_.windows.empty() ||
+      !(stamp >= use_.windows.back().from && stamp < use_.windows.back().from + kWindow))
     use_.windows.push_back({stamp, 0, 0});
   ++use_.windows.back().samples;
   switch (sample.lookup.status) {

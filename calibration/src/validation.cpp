@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "identification/loop_record.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {
@@ -16,9 +17,19 @@ bool rests(const ReplaySample& sample) {
          sample.reference.acceleration.norm() <= kRestTolerance;
 }
 
+std::vector<double> stampsOf(const std::vector<ReplaySample>& samples) {
+  std::vector<double> stamps;
+  for (const ReplaySample& sample : samples) stamps.push_back(sample.state.stamp);
+  return stamps;
+}
+
 std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<ReplaySample>& samples) {
   std::size_t first = samples.size();
-  while (first > 0 && rests(samples[first - 1])) --first;
+  while (
+      first > 0 && rests(samples[first - 1]) &&
+      (first == samples.size() || !isFarStep(samples[first - 1].state.stamp, samples[first].state.stamp))) {
+    --first;
+  }
   if (first == samples.size() || samples.back().state.stamp - samples[first].state.stamp < kLeastHold) {
     return std::nullopt;
   }
@@ -94,7 +105,7 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   ValidationReport report;
   report.source = log.source;
   report.samples = samples.size();
-  if (!samples.empty()) report.duration = samples.back().state.stamp - samples.front().state.stamp;
+  report.duration = durationOf(stampsOf(samples));
   validateTracking(samples, &report);
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {

@@ -1,6 +1,7 @@
 // Runs the command-line tool `calibrate`.
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <sstream>
 
@@ -35,17 +37,19 @@ class CalibrateTool : public testing::Test {
   }
   ~CalibrateTool() override { fs::remove_all(folder_); }
 
-  // Roll of a made flight, with the command held onto the rows of the response.
-  void writeFlight(const test::MadeLoop& made, std::uint32_t seed, const std::string& name) {
+  // Roll of a made flight, with the command held onto the rows of the response; `clock` gives their times.
+  void writeFlight(
+      const test::MadeLoop& made, std::uint32_t seed, const std::string& name,
+      const std::function<double(double)>& clock = [](double time) { return time; }) {
     const LoopRecord record = test::makeFlight(made, seed);
     std::ofstream file(folder_ / name);
-    file.precision(9);
+    file.precision(14);
     file << "t_s,roll_cmd_rad,roll_rad\n";
     std::size_t held = 0;
     for (std::size_t i = 0; i < record.response.time.size(); ++i) {
       const auto& command = record.command;
       while (held + 1 < command.time.size() && command.time[held + 1] <= record.response.time[i]) ++held;
-      file << record.response.time[i] << "," << command.value[held] << "," << record.response.value[i]
+      file << clock(record.response.time[i]) << "," << command.value[held] << "," << record.response.value[i]
            << "\n";
     }
   }
@@ -195,6 +199,35 @@ TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
   EXPECT_EQ(yaml["data"]["validation"]["file"].as<std::string>(), "other.csv");
   EXPECT_FALSE(yaml["axes"]["roll"]["validation"]["by_halves"].as<bool>());
   EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
+}
+
+TEST_F(CalibrateTool, CutsAFlightWhereItsClockWasSet) {
+  for (const double jump : {1.7e9, 1e11, -3600.0}) {
+    writeFlight({}, 1, "set.csv", [jump](double time) { return time < 12.0 ? time : time + jump; });
+    ASSERT_EQ(run("attitude set.csv -o roll.yaml --report report"), 0) << jump << err();
+    EXPECT_NE(out().find("note: set.csv: roll, roll_cmd: after 11.9"), std::string::npos) << out();
+    EXPECT_NE(out().find(jump > 0.0 ? "s the times jump by 1" : "s the times jump by -3599.9"),
+              std::string::npos)
+        << out();
+    expectPage("report", {"set.csv: roll, roll_cmd: after 11.9"});
+    const YAML::Node roll = YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"];
+    EXPECT_NEAR(roll["model"]["gain"].as<double>(), test::MadeLoop().gain, 0.03);
+    EXPECT_GT(roll["windows"].size(), 1u);
+  }
+#ifndef __SANITIZE_ADDRESS__
+  constexpr long kMostMemory = 200'000;  // [KiB]
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  EXPECT_LT(used.ru_maxrss, kMostMemory);
+#endif
+}
+
+TEST_F(CalibrateTool, RefusesTimesThatAreNotInSeconds) {
+  writeFlight({}, 1, "micro.csv", [](double time) { return 1e6 * time; });
+  for (const std::string window : {"", " --window 0:1e12"}) {
+    EXPECT_EQ(run("attitude micro.csv" + window), 2);
+    EXPECT_NE(err().find("are the times in seconds?"), std::string::npos) << err();
+  }
 }
 
 TEST_F(CalibrateTool, FailsWhereAWarningCounts) {

@@ -100,6 +100,36 @@ TEST_F(Warnings, TellNorthEastDown) {
   EXPECT_FALSE(brokenThresholds(report, {}).empty());
 }
 
+// The clock of all stamps is set after three of the ten seconds.
+TEST_F(Warnings, TellAClockThatWasSet) {
+  const ValidationReport whole = validated(syntheticFlight(maps_.axes()));
+  for (const double jump : {1.7e9, 3600.0, -50000.0}) {
+    FlightLog log = syntheticFlight(maps_.axes());
+    const auto set = [jump](double* stamp) { *stamp += *stamp < SyntheticFlight::kStart + 3.0 ? 0.0 : jump; };
+    for (VehicleState& state : log.odometry) set(&state.stamp);
+    for (FlightLog::Command& command : log.commands) set(&command.stamp);
+    for (FlightLog::Status& status : log.statuses) set(&status.stamp);
+    const ValidationReport report = validated(log);
+    EXPECT_TRUE(has(report, "Odometry: after 102.99 s the times jump by ")) << jump;
+    EXPECT_NEAR(report.duration, whole.duration, 0.02) << jump;
+    EXPECT_EQ(report.samples, whole.samples);
+    EXPECT_GT(report.axes[0].windows.size(), 9u);
+    EXPECT_LT(report.axes[0].windows.size(), 13u);
+  }
+}
+
+// The vehicle's loops are identified from the flight, in pieces as long as the flight.
+TEST_F(Warnings, TellAVehicleThatIsNotTheMapsThoughTheClockWasSet) {
+  for (const double jump : {1.7e9, -50000.0}) {
+    FlightLog log = rolling(0.6, 0.25);
+    for (VehicleState& state : log.odometry) state.stamp += state.stamp < 5.0 ? 0.0 : jump;
+    for (FlightLog::Command& command : log.commands) command.stamp += command.stamp < 5.0 ? 0.0 : jump;
+    const ValidationReport report = validate(log, {}, maps_.axes(), options_);
+    EXPECT_TRUE(has(report, "answers its roll command with gain 0.6")) << jump;
+    EXPECT_TRUE(has(report, "the flight is judged in pieces"));
+  }
+}
+
 TEST_F(Warnings, TellAVehicleThatIsNotTheMaps) {
   const auto of = [&](double gain, double lag) {
     const FlightLog log = rolling(gain, lag);

@@ -2,6 +2,7 @@
 
 #include "command.hpp"
 #include "mpi_team.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 
 namespace {
 
@@ -25,6 +26,7 @@ const char kFooter[] =
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("offline_mpt");
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
   app.footer(kFooter);

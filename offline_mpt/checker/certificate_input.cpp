@@ -60,7 +60,12 @@ std::string readFile(const std::string& path) {
     throw Unreadable(path + ": is larger than " + std::to_string(kMostBytes) + " bytes");
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
-  content << file.rdbuf();
+  content.exceptions(std::ios::badbit);  // else a stream keeps to itself that memory ran out
+  try {
+    content << file.rdbuf();
+  } catch (const std::ios_base::failure&) {  // a folder, say
+    file.setstate(std::ios::badbit);
+  }
   if (!file.good() || !content.good()) throw Unreadable(path + ": cannot be read, or is empty");
   return content.str();
 }

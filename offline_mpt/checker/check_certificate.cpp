@@ -5,6 +5,7 @@
 
 #include "arguments.hpp"
 #include "certificate.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 #include "reduction.hpp"
 
 namespace {
@@ -17,7 +18,7 @@ constexpr char kUsage[] =
     "'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.\n"
     "With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that\n"
     "'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line, or a file that cannot be read.\n";
+    "Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.\n";
 
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
   const auto found = arguments.find(option);
@@ -51,6 +52,7 @@ void confirm(const checker::Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("check_certificate");
   return checker::run({"check_certificate", kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
                       confirm);
 }

@@ -5,6 +5,7 @@
 
 #include "arguments.hpp"
 #include "count_proof.hpp"
+#include "offline_mpt/out_of_memory.hpp"
 
 namespace {
 
@@ -15,7 +16,7 @@ constexpr char kUsage[] =
     "an interior, all different, and says how many bytes a map of them takes at the least. With --problem, "
     "the\n"
     "proof must be of that problem file; with --map-limit, the map must take more than so many bytes.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line, or a file that cannot be read.\n";
+    "Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.\n";
 
 constexpr unsigned long long kMostThreads = 256;
 constexpr unsigned long long kMostBytes = 999999999999999999;
@@ -43,6 +44,7 @@ void confirm(const checker::Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("check_count");
   return checker::run({"check_count", kUsage, {"--problem", "--map-limit", "--threads"}}, argc, argv,
                       confirm);
 }

@@ -379,7 +379,12 @@ Size CountProof::check(int threads) {
     }
   };
   std::vector<std::thread> workers;
-  for (Share& share : shares) workers.emplace_back(work, std::ref(share));
+  workers.reserve(shares.size());
+  try {
+    for (Share& share : shares) workers.emplace_back(work, std::ref(share));
+  } catch (...) {  // no memory for a further thread: fewer do the same
+  }
+  if (workers.empty()) work(shares.front());
   for (std::thread& worker : workers) worker.join();
   if (failure) std::rethrow_exception(failure);
   Size size;

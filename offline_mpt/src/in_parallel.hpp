@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -14,7 +15,7 @@ namespace polyfly {
 
 /// Runs work(thread, i) for i = 0 .. count - 1, each once, in any order on any of the threads. `progress` is
 /// called now and then from the calling thread. False when stopped before the end. Rethrows what `work`
-/// throws.
+/// throws. Where no further thread can be had, those that started do the work, or the calling one.
 inline bool inParallel(std::uint64_t count, int threads, const std::atomic<bool>* stop,
                        const std::function<void(std::uint64_t, std::uint64_t)>& progress,
                        const std::function<void(std::size_t, std::uint64_t)>& work) {
@@ -43,7 +44,14 @@ inline bool inParallel(std::uint64_t count, int threads, const std::atomic<bool>
     ended.notify_one();
   };
   std::vector<std::thread> workers;
-  for (std::size_t i = 0; i < amount; ++i) workers.emplace_back(run, i);
+  workers.reserve(amount);
+  try {
+    while (workers.size() < amount) workers.emplace_back(run, workers.size());
+  } catch (...) {  // no memory for a further thread: fewer do the same
+    const std::lock_guard<std::mutex> lock(mutex);
+    running -= amount - std::max<std::size_t>(1, workers.size());
+  }
+  if (workers.empty()) run(0);
   for (bool all_ended = false; !all_ended;) {
     {
       std::unique_lock<std::mutex> lock(mutex);

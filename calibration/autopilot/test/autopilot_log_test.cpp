@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <random>
 
 #include "autopilot/autopilot_signals.hpp"
@@ -26,17 +28,19 @@ class AutopilotLogs : public testing::Test {
     writeBytes(bytes, path_);
     return isULog(path_) ? readULog(path_) : readDataflash(path_);
   }
-  // Reads what may be damaged: an Error is an answer, anything else is not.
-  void readDamaged(const std::vector<std::uint8_t>& bytes, bool ulog) {
+  // Reads what may be damaged: an Error, which gives nothing, is an answer, anything else is not.
+  std::optional<AutopilotLog> readDamaged(const std::vector<std::uint8_t>& bytes, bool ulog) {
     std::filesystem::remove(path_);  // a file that is cut to nothing and written again waits for the disk
     writeBytes(bytes, path_);
     try {
-      const AutopilotLog log = ulog ? readULog(path_) : readDataflash(path_);
+      AutopilotLog log = ulog ? readULog(path_) : readDataflash(path_);
       for (const auto& [name, table] : log.tables) {
-        for (const auto& [field, column] : table.column) ASSERT_EQ(column.size(), table.time.size());
+        for (const auto& [field, column] : table.column) EXPECT_EQ(column.size(), table.time.size());
       }
+      return log;
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find(path_), std::string::npos);
+      return std::nullopt;
     }
   }
   std::string path_;
@@ -177,21 +181,56 @@ TEST_F(AutopilotLogs, dataflashFindsTheNextMessageAfterJunk) {
   EXPECT_EQ(read_back.remarks[1], "6 bytes between messages were skipped");
 }
 
+std::size_t rowsOf(const AutopilotLog& log) {
+  std::size_t rows = 0;
+  for (const auto& [name, table] : log.tables) rows += table.time.size();
+  return rows;
+}
+
+template <class Values>
+bool beginsWith(const Values& whole, const Values& part) {
+  return part.size() <= whole.size() && std::equal(part.begin(), part.end(), whole.begin());
+}
+
+// A log that was cut holds what the whole one holds up to there, and each byte more only adds to it. One with
+// damaged bytes is refused, or read with no more rows than it has bytes for.
 TEST_F(AutopilotLogs, everyCutAndRandomDamageIsAnswered) {
+  constexpr std::size_t kLeastRow = 4;  // [bytes]: a head and a time
   std::mt19937 generator(11);
   for (const bool ulog : {true, false}) {
     const std::vector<std::uint8_t> whole = ulog ? smallULog().bytes : smallDataflash().bytes;
-    for (std::size_t size = 0; size < whole.size(); ++size) {
-      readDamaged({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)}, ulog);
+    const AutopilotLog all = read(whole);
+    std::size_t rows = 0;
+    for (std::size_t size = 0; size <= whole.size(); ++size) {
+      const auto cut = readDamaged({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)}, ulog);
+      if (!cut) {
+        EXPECT_EQ(rows, 0u) << size;
+        continue;
+      }
+      EXPECT_GE(rowsOf(*cut), rows) << size;
+      rows = rowsOf(*cut);
+      for (const auto& [name, table] : cut->tables) {
+        const LogTable& more = all.tables.at(name);
+        EXPECT_TRUE(beginsWith(more.time, table.time)) << size << " " << name;
+        for (const auto& [field, column] : table.column)
+          EXPECT_TRUE(beginsWith(more.column.at(field), column)) << size << " " << name << " " << field;
+      }
     }
+    EXPECT_EQ(rows, rowsOf(all));
+    int refused = 0;
+    int read_back = 0;
     for (int round = 0; round < 1500; ++round) {
       std::vector<std::uint8_t> damaged = whole;
       const int changes = 1 + static_cast<int>(generator() % 4);
       for (int change = 0; change < changes; ++change) {
         damaged[generator() % damaged.size()] = static_cast<std::uint8_t>(generator());
       }
-      readDamaged(damaged, ulog);
+      const auto log = readDamaged(damaged, ulog);
+      ++(log ? read_back : refused);
+      EXPECT_LE(log ? kLeastRow * rowsOf(*log) : 0, damaged.size());
     }
+    EXPECT_GT(refused, 0);
+    EXPECT_GT(read_back, refused);
   }
 }
 

@@ -13,17 +13,24 @@ constexpr double kJoin = 1.0;            // windows closer than this are one [s]
 constexpr double kPiece = 4.0;           // of a window that is judged by itself [s]
 constexpr double kLeastActivity = 1e-9;  // below, the command is constant
 
+// The values held at a window's start and every kGrid after it. Counted, because a grid that is summed up
+// stands still where the times are great. The window must be without far steps.
 std::vector<double> onGrid(const TimeSeries& series, const TimeWindow& window) {
-  std::vector<double> values;
-  std::size_t at = 0;
-  for (double time = window.from; time <= window.to; time += kGrid) {
+  const auto count = static_cast<std::size_t>((window.to - window.from) / kGrid) + 1;
+  std::vector<double> values(count);
+  const auto after = std::upper_bound(series.time.begin(), series.time.end(), window.from);
+  auto at = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, after - series.time.begin() - 1));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double time = window.from + kGrid * static_cast<double>(i);
     while (at + 1 < series.time.size() && series.time[at + 1] <= time) ++at;
-    values.push_back(series.value[at]);
+    values[i] = series.value[at];
   }
   return values;
 }
 
-TimeSeries activityOf(const TimeSeries& command, const TimeWindow& window, double half_width) {
+// Of one piece of the record, appended to what there is of the others.
+void addActivity(const TimeSeries& command, const TimeWindow& window, double half_width,
+                 TimeSeries* activity) {
   const std::vector<double> values = onGrid(command, window);
   const auto reach = static_cast<std::ptrdiff_t>(std::lround(half_width / kGrid));
   std::vector<double> sum(values.size() + 1, 0.0);
@@ -33,7 +40,6 @@ TimeSeries activityOf(const TimeSeries& command, const TimeWindow& window, doubl
     sum[i + 1] = sum[i] + value;
     square[i + 1] = square[i] + value * value;
   }
-  TimeSeries activity;
   const auto size = static_cast<std::ptrdiff_t>(values.size());
   for (std::ptrdiff_t i = 0; i < size; ++i) {
     const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, i - reach));
@@ -41,10 +47,9 @@ TimeSeries activityOf(const TimeSeries& command, const TimeWindow& window, doubl
     const auto count = static_cast<double>(to - from);
     const double mean = (sum[to] - sum[from]) / count;
     const double variance = (square[to] - square[from]) / count - mean * mean;
-    activity.time.push_back(window.from + kGrid * static_cast<double>(i));
-    activity.value.push_back(std::sqrt(std::max(0.0, variance)));
+    activity->time.push_back(window.from + kGrid * static_cast<double>(i));
+    activity->value.push_back(std::sqrt(std::max(0.0, variance)));
   }
-  return activity;
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -54,10 +59,18 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
+// A piece of the record and its part of the activity, [first, last).
+struct ActivePiece {
+  TimeWindow window;
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
 std::vector<TimeWindow> activeWindows(const TimeSeries& activity, double threshold, double margin,
-                                      const TimeWindow& all) {
+                                      const ActivePiece& piece) {
+  const TimeWindow& all = piece.window;
   std::vector<TimeWindow> windows;
-  for (std::size_t i = 0; i < activity.time.size(); ++i) {
+  for (std::size_t i = piece.first; i < piece.last; ++i) {
     if (activity.value[i] < threshold) continue;
     const TimeWindow around = {std::max(all.from, activity.time[i] - margin),
                                std::min(all.to, activity.time[i] + margin)};
@@ -135,27 +148,56 @@ double bestCorrelation(const TimeSeries& command, const TimeSeries& response, co
   return best;
 }
 
+namespace {
+
+TimeSeries within(const TimeSeries& series, const TimeWindow& window) {
+  const auto from = std::lower_bound(series.time.begin(), series.time.end(), window.from);
+  const auto to = std::upper_bound(from, series.time.end(), window.to);
+  const auto value = series.value.begin();
+  return {{from, to}, {value + (from - series.time.begin()), value + (to - series.time.begin())}};
+}
+
+// Keeps what the response follows of a window in which the command is active.
+void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationOptions& options,
+           ExcitationChoice* choice) {
+  if (window.to - window.from < options.least_window) {
+    choice->rejected.push_back({window, "too short"});
+    return;
+  }
+  std::vector<TimeWindow> unanswered;
+  for (const TimeWindow& piece : pieces(window)) {
+    const double follows = bestCorrelation(record.command, record.response, piece, options.greatest_lag);
+    append(piece, std::abs(follows) < options.least_correlation ? &unanswered : &choice->windows);
+  }
+  for (const TimeWindow& piece : unanswered) {
+    choice->rejected.push_back({piece, "the response does not follow the command"});
+  }
+}
+
+}  // namespace
+
 ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationOptions& options) {
   ExcitationChoice choice;
   if (record.command.time.empty() || record.response.time.empty()) return choice;
   const TimeWindow all = {std::max(record.command.time.front(), record.response.time.front()),
                           record.response.time.back()};
   if (!(all.from < all.to)) return choice;
-  choice.activity = activityOf(record.command, all, options.half_width);
-  choice.threshold = options.threshold_share * quantile(choice.activity.value, kBusyShare);
-  if (choice.threshold < kLeastActivity) return choice;
-  for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, all)) {
-    if (window.to - window.from < options.least_window) {
-      choice.rejected.push_back({window, "too short"});
+  std::vector<ActivePiece> active;
+  for (const TimeWindow& window : cutAtFarSteps({all}, record.response.time)) {
+    if (!(typicalPeriod(within(record.response, window)) <= kLongestPeriod)) {
+      choice.rejected.push_back({window, "its samples are too far apart"});
       continue;
     }
-    std::vector<TimeWindow> unanswered;
-    for (const TimeWindow& piece : pieces(window)) {
-      const double follows = bestCorrelation(record.command, record.response, piece, options.greatest_lag);
-      append(piece, std::abs(follows) < options.least_correlation ? &unanswered : &choice.windows);
-    }
-    for (const TimeWindow& piece : unanswered) {
-      choice.rejected.push_back({piece, "the response does not follow the command"});
+    const std::size_t first = choice.activity.time.size();
+    addActivity(record.command, window, options.half_width, &choice.activity);
+    active.push_back({window, first, choice.activity.time.size()});
+  }
+  if (active.empty()) return choice;
+  choice.threshold = options.threshold_share * quantile(choice.activity.value, kBusyShare);
+  if (choice.threshold < kLeastActivity) return choice;
+  for (const ActivePiece& piece : active) {
+    for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, piece)) {
+      judge(record, window, options, &choice);
     }
   }
   return choice;

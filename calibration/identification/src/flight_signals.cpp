@@ -135,6 +135,25 @@ const std::vector<std::string>& signalNames() {
   return kNames;
 }
 
+std::vector<std::string> clockRemarks(const FlightSignals& signals) {
+  std::vector<std::pair<std::vector<std::string>, std::string>> told;  // sentences, names
+  for (const auto& [name, series] : signals.series) {
+    const std::vector<std::string> sentences = sentencesOn(farSteps(series.time));
+    const auto same = std::find_if(told.begin(), told.end(),
+                                   [&sentences](const auto& one) { return one.first == sentences; });
+    if (same != told.end()) {
+      same->second += ", " + name;
+    } else if (!sentences.empty()) {
+      told.emplace_back(sentences, name);
+    }
+  }
+  std::vector<std::string> remarks;
+  for (const auto& [sentences, names] : told) {
+    for (const std::string& sentence : sentences) remarks.push_back(names + ": " + sentence + "; cut there");
+  }
+  return remarks;
+}
+
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {
   FlightSignals signals;
   signals.source = log.path;

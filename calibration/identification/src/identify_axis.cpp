@@ -108,9 +108,10 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
       given(options.windows, model.record, options.excitation, &model.choice);
   model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
-    throw Error(where + (options.windows.empty()
-                             ? "no stretch in which the command moves and the response follows"
-                             : "the given windows hold no samples"));
+    throw Error(where +
+                (options.windows.empty() ? "no stretch in which the command moves and the response follows"
+                                         : "the given windows hold no samples") +
+                whyUnusable(records.training.response));
   }
   FitOptions fit = options.fit;
   try {
@@ -134,7 +135,10 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
     ExcitationChoice choice;
     const auto chosen = given(options.validation_windows, other, options.excitation, &choice);
     std::vector<LoopSegment> segments = cutSegments(other, chosen, options.fit.delay_greatest);
-    if (segments.empty()) throw Error(other.source + ": " + model.axis + ": nothing to validate on");
+    if (segments.empty()) {
+      throw Error(other.source + ": " + model.axis + ": nothing to validate on" +
+                  whyUnusable(records.validation->response));
+    }
     model.validation = validateOn(model.with_delay, other.source, std::move(segments));
   } else {
     model.validation = validateByHalves(model.record, model.segments, fit);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "region_maps/error.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kLeastGap = 0.2;          // [s]
 constexpr std::size_t kLeastForSlope = 3;  // samples that a slope is fitted to
+constexpr std::size_t kMostTold = 5;       // far steps that get a sentence of their own
 
 // Samples [first, last) of the response that one window and the pauses leave together.
 struct Stretch {
@@ -70,29 +72,111 @@ double slope(const std::vector<double>& time, const std::vector<double>& value, 
   return product / spread;
 }
 
+// The finite samples as pieces without far steps, the one that begins first before the others.
+std::vector<TimeSeries> piecesInOrder(const TimeSeries& series, CleaningCounts* counts) {
+  std::vector<TimeSeries> pieces;
+  for (std::size_t i = 0; i < series.time.size(); ++i) {
+    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i])) {
+      ++counts->not_finite;
+      continue;
+    }
+    if (pieces.empty() || isFarStep(pieces.back().time.back(), series.time[i])) pieces.emplace_back();
+    pieces.back().time.push_back(series.time[i]);
+    pieces.back().value.push_back(series.value[i]);
+  }
+  std::stable_sort(pieces.begin(), pieces.end(), [](const TimeSeries& one, const TimeSeries& other) {
+    return one.time.front() < other.time.front();
+  });
+  return pieces;
+}
+
 }  // namespace
+
+std::vector<FarStep> farSteps(const std::vector<double>& time) {
+  std::vector<FarStep> steps;
+  const double* before = nullptr;
+  for (const double& one : time) {
+    if (!std::isfinite(one)) continue;
+    if (before != nullptr && isFarStep(*before, one)) steps.push_back({*before, one});
+    before = &one;
+  }
+  return steps;
+}
+
+double durationOf(const std::vector<double>& time) {
+  if (time.empty()) return 0.0;
+  double duration = time.back() - time.front();
+  for (const FarStep& step : farSteps(time)) duration -= step.to - step.from;
+  return duration;
+}
+
+std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < std::min(steps.size(), kMostTold); ++i) {
+    char text[120];
+    std::snprintf(text, sizeof text, "after %.12g s the times jump by %.6g s", steps[i].from,
+                  steps[i].to - steps[i].from);
+    sentences.emplace_back(text);
+  }
+  if (steps.size() > kMostTold) {
+    sentences.push_back("the times jump " + std::to_string(steps.size() - kMostTold) + " times more");
+  }
+  return sentences;
+}
+
+std::string whyUnusable(const TimeSeries& series) {
+  CleaningCounts ignored;
+  const double period = typicalPeriod(cleaned(series, &ignored));
+  if (!(period <= kLongestPeriod)) {
+    char text[120];
+    std::snprintf(text, sizeof text, "; its samples are %.6g s apart: are the times in seconds?", period);
+    return text;
+  }
+  std::string why;
+  for (const std::string& sentence : sentencesOn(farSteps(series.time))) why += "; " + sentence;
+  return why;
+}
+
+std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
+                                      const std::vector<double>& time) {
+  const std::vector<FarStep> steps = farSteps(time);
+  std::vector<TimeWindow> left;
+  for (TimeWindow rest : windows) {
+    for (const FarStep& step : steps) {
+      if (step.to <= rest.from) continue;
+      if (step.from >= rest.to) break;
+      if (rest.from < step.from) left.push_back({rest.from, step.from});
+      rest.from = step.to;
+    }
+    if (rest.from < rest.to) left.push_back(rest);
+  }
+  return left;
+}
 
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
   if (series.time.size() != series.value.size())
     throw Error("time series: as many times as values are needed");
   TimeSeries clean;
-  for (std::size_t i = 0; i < series.time.size(); ++i) {
-    if (!std::isfinite(series.time[i]) || !std::isfinite(series.value[i])) {
-      ++counts->not_finite;
-    } else if (!clean.time.empty() && series.time[i] <= clean.time.back()) {
-      ++counts->out_of_order;
-    } else {
-      clean.time.push_back(series.time[i]);
-      clean.value.push_back(series.value[i]);
+  for (const TimeSeries& piece : piecesInOrder(series, counts)) {
+    for (std::size_t i = 0; i < piece.time.size(); ++i) {
+      if (!clean.time.empty() && piece.time[i] <= clean.time.back()) {
+        ++counts->out_of_order;
+        continue;
+      }
+      clean.time.push_back(piece.time[i]);
+      clean.value.push_back(piece.value[i]);
     }
   }
   return clean;
 }
 
-double typicalPeriod(const TimeSeries& series) {
-  if (series.time.size() < 2) return 0.0;
+double typicalPeriod(const TimeSeries& series, double longest) {
   std::vector<double> periods;
-  for (std::size_t i = 1; i < series.time.size(); ++i) periods.push_back(series.time[i] - series.time[i - 1]);
+  for (std::size_t i = 1; i < series.time.size(); ++i) {
+    const double period = series.time[i] - series.time[i - 1];
+    if (period <= longest) periods.push_back(period);
+  }
+  if (periods.empty()) return 0.0;
   const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
   std::nth_element(periods.begin(), middle, periods.end());
   return *middle;
@@ -100,7 +184,7 @@ double typicalPeriod(const TimeSeries& series) {
 
 std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,
                                      double reach, std::size_t least_samples) {
-  const double gap = std::max(kLeastGap, kGapPeriods * typicalPeriod(record.response));
+  const double gap = std::max(kLeastGap, kGapPeriods * typicalPeriod(record.response, kLongestPeriod));
   std::vector<LoopSegment> segments;
   if (record.command.time.empty()) return segments;
   for (const TimeWindow& window : windows) {
@@ -137,7 +221,8 @@ std::vector<double> smoothedMean(const std::vector<double>& time, const std::vec
 std::vector<double> cumulativeIntegral(const std::vector<double>& time, const std::vector<double>& value) {
   std::vector<double> integral(time.size(), 0.0);
   for (std::size_t i = 1; i < time.size(); ++i) {
-    integral[i] = integral[i - 1] + 0.5 * (value[i] + value[i - 1]) * (time[i] - time[i - 1]);
+    const double step = isFarStep(time[i - 1], time[i]) ? 0.0 : time[i] - time[i - 1];
+    integral[i] = integral[i - 1] + 0.5 * (value[i] + value[i - 1]) * step;
   }
   return integral;
 }

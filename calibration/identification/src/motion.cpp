@@ -59,13 +59,19 @@ bool isShare(const FlightSignals& signals, const TimeSeries& thrust, const Motio
   return signals.thrust_is_share || greatest <= 1.0;
 }
 
-// The stretches of the velocity's samples, through the machinery that cuts loops.
-std::vector<LoopSegment> stretches(const TimeSeries& velocity, const std::vector<TimeWindow>& windows) {
+// The stretches of the velocity's samples in which every signal is known, through the machinery that cuts
+// loops.
+std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSignals& signals,
+                                   const std::vector<TimeWindow>& wanted) {
   LoopRecord record;
   record.response = velocity;
   record.command = {{velocity.time.front()}, {0.0}};
-  const std::vector<TimeWindow> whole = {{velocity.time.front(), velocity.time.back()}};
-  std::vector<LoopSegment> found = cutSegments(record, windows.empty() ? whole : windows, 0.0);
+  std::vector<TimeWindow> windows = wanted;
+  if (windows.empty()) windows = {{velocity.time.front(), velocity.time.back()}};
+  for (const char* name : {"vx", "vy", "vz", "roll", "pitch", "yaw", "thrust_cmd"}) {
+    if (signals.has(name)) windows = cutAtFarSteps(windows, clean(signals, name).time);
+  }
+  std::vector<LoopSegment> found = cutSegments(record, windows, 0.0);
   found.erase(std::remove_if(found.begin(), found.end(),
                              [](const LoopSegment& segment) { return segment.duration() < kLeastStretch; }),
               found.end());
@@ -134,8 +140,11 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
                 ": thrust_cmd is a share of full thrust, with which no mass goes; leave --mass out, or say "
                 "--newtons if it is in newtons");
   }
-  const std::vector<LoopSegment> parts = stretches(velocity[0], options.windows);
-  if (parts.empty()) throw Error(signals.source + ": no stretch of velocities of a second or more");
+  const std::vector<LoopSegment> parts = stretches(velocity[0], signals, options.windows);
+  if (parts.empty()) {
+    throw Error(signals.source + ": no stretch of velocities of a second or more" +
+                whyUnusable(signals.at("vx")));
+  }
   motion.starts.push_back(0);
   for (const LoopSegment& part : parts) {
     motion.time.insert(motion.time.end(), part.time.begin(), part.time.end());

@@ -121,8 +121,14 @@ std::map<std::string, TimeSeries> TopicSignals::series(double start,
   const std::vector<double>& times = stamped && jump <= kClockJump ? stamps_ : received_;
   std::vector<std::size_t> order(times.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&times](std::size_t one, std::size_t other) { return times[one] < times[other]; });
+  // Between far steps only: that a clock was set back must still be seen.
+  auto piece = order.begin();
+  for (auto at = order.begin(); at != order.end(); ++at) {
+    if (at + 1 != order.end() && !isFarStep(times[*at], times[at[1]])) continue;
+    std::stable_sort(piece, at + 1,
+                     [&times](std::size_t one, std::size_t other) { return times[one] < times[other]; });
+    piece = at + 1;
+  }
   std::map<std::string, TimeSeries> result;
   for (std::size_t name = 0; name < names_.size(); ++name) {
     TimeSeries& one = result[names_[name]];

@@ -26,19 +26,21 @@ struct Samples {
   std::vector<Eigen::Index> starts;
 };
 
-Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& windows) {
+Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& wanted) {
   CleaningCounts ignored;
   const TimeSeries north = cleaned(signals.at("vn"), &ignored);
   const TimeSeries east = cleaned(signals.at("ve"), &ignored);
   const TimeSeries airspeed = cleaned(signals.at("airspeed"), &ignored);
   Samples samples;
   std::vector<double> rows[3];
+  std::vector<TimeWindow> windows = wanted;
+  if (windows.empty() && !north.time.empty()) windows = {{north.time.front(), north.time.back()}};
+  for (const TimeSeries* series : {&north, &east, &airspeed}) windows = cutAtFarSteps(windows, series->time);
   for (std::size_t i = 0; i < north.time.size() && !east.time.empty() && !airspeed.time.empty(); ++i) {
     const double time = north.time[i];
-    const bool used =
-        windows.empty() || std::any_of(windows.begin(), windows.end(), [time](const TimeWindow& window) {
-          return window.from <= time && time <= window.to;
-        });
+    const bool used = std::any_of(windows.begin(), windows.end(), [time](const TimeWindow& window) {
+      return window.from <= time && time <= window.to;
+    });
     const double speed = interpolated(airspeed, time);
     if (!used || speed < kLeastAirspeed) continue;
     samples.time.push_back(time);
@@ -48,7 +50,7 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& win
   }
   constexpr std::size_t kLeastSamples = 20;
   if (rows[0].size() < kLeastSamples)
-    throw Error(signals.source + ": too few samples in flight with airspeed");
+    throw Error(signals.source + ": too few samples in flight with airspeed" + whyUnusable(signals.at("vn")));
   const auto vector = [](const std::vector<double>& values) {
     return Eigen::VectorXd(
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));

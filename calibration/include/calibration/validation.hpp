@@ -89,7 +89,7 @@ struct ValidationReport {
   std::size_t tracked_samples = 0;      ///< of them, with a reference
   std::size_t outside_map_samples = 0;  ///< tracked, but some axis' parameters are not inside its map
   double coverage = 0.0;   ///< share of the tracked samples that all maps hold, 0 if there are none
-  double duration = 0.0;   ///< first to last odometry [s]
+  double duration = 0.0;   ///< first to last odometry, without far steps of its clock [s]
   double top_speed = 0.0;  ///< [m/s]
   Difference tracking;     ///< |position - reference|, in space [m]
   std::array<AxisValidation, 3> axes;

@@ -114,6 +114,33 @@ TEST_F(ValidateBag, failsWhenAThresholdIsBroken) {
   EXPECT_EQ(runWith({"--max-command-difference", "0.01"}), kPassed);
 }
 
+// One clock for all stamps and the recorder, set after one of the three seconds.
+TEST_F(ValidateBag, judgesInPiecesWhereTheClockWasSet) {
+  for (const double jump : {1.7e9, 3600.0}) {
+    polyfly::FlightLog log = log_;
+    const double start = log.odometry.front().stamp;
+    const auto set = [&](double* stamp) {
+      if (*stamp > start + 1.0) *stamp = ros::Time(*stamp + jump).toSec();
+    };
+    for (polyfly::VehicleState& state : log.odometry) set(&state.stamp);
+    for (polyfly::FlightLog::Command& command : log.commands) set(&command.stamp);
+    for (polyfly::FlightLog::Status& status : log.statuses) set(&status.stamp);
+    writeFlightBag(log, folder_ / "flight.bag");
+    EXPECT_NE(runWith({"--json", folder_ / "numbers.json", "--report", folder_ / "report"}), kBadInput)
+        << errors_;
+    const nlohmann::json numbers = nlohmann::json::parse(contents(folder_ / "numbers.json"));
+    EXPECT_EQ(numbers["samples"], log.odometry.size());
+    EXPECT_NEAR(numbers["duration_s"].get<double>(), 3.0, 0.1);
+    EXPECT_NE(numbers["warnings"].dump().find("Odometry: after "), std::string::npos) << numbers["warnings"];
+    EXPECT_NE(contents(folder_ / "report/index.html").find("the times jump by"), std::string::npos);
+    EXPECT_NE(output_.find("the times jump by"), std::string::npos) << output_;
+  }
+  constexpr long kMostMemory = 200'000;  // [KiB]
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  EXPECT_LT(used.ru_maxrss, kMostMemory);
+}
+
 TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
   std::ofstream(folder_ / "heavy.yaml") << "vehicle: {mass: 2.0}\n";
   EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);

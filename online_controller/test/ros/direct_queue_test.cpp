@@ -166,6 +166,7 @@ class Subscriber {
 };
 
 /// Publishes to a subscriber with a queue of that size while the other thread has work of its own; what came.
+/// Where the two meet is up to the machine but for one number: it comes while the other thread is at work.
 std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
   polyfly::Baton baton;
   WatchedQueue others;
@@ -182,17 +183,58 @@ std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
   const auto busy = callback([&] {
     for (int i = 0; i < 300; ++i) ++work;
   });
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(60.0);
+  const auto await = [&end](const std::function<bool()>& condition) {
+    while (!condition() && ros::WallTime::now() < end) std::this_thread::yield();
+  };
+  std::atomic<bool> at_work{false};
+  std::atomic<bool> published{false};
+  const auto until_published = callback([&] {
+    at_work = true;
+    await([&] { return published.load(); });
+  });
   {
     const CallbackThread thread(others, "others", {}, {}, &baton);
     for (unsigned number = 1; number <= count; ++number) {
       if (number % 3 == 0) others.addCallback(busy, kOwner + 1);
+      if (number == count / 2) {
+        others.addCallback(until_published, kOwner + 1);
+        await([&] { return at_work.load(); });
+      }
       subscriber.publish(number);
+      if (number == count / 2) published = true;
     }
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(20.0);
-    while (last != count && ros::WallTime::now() < end) std::this_thread::yield();
+    await([&] { return last == count; });
   }
   EXPECT_FALSE(baton.tryTake());  // the thread keeps it
   return came;
+}
+
+// A queue of one keeps the newest while the baton is taken; who has it then answers that one, also where it
+// came while an answer was being given.
+TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
+  std::vector<unsigned> came;
+  Subscriber* publisher = nullptr;
+  Subscriber subscriber(queue, 1, [&](unsigned number) {
+    came.push_back(number);
+    if (number == 3 || number == 10) {
+      publisher->publish(number + 1);
+      publisher->publish(number + 2);
+    }
+  });
+  publisher = &subscriber;
+  for (const unsigned number : {1U, 2U, 3U}) subscriber.publish(number);  // the baton is taken
+  EXPECT_TRUE(came.empty());
+  others.callAvailable();
+  EXPECT_EQ(came.front(), 3U);
+  others.callAvailable();
+  EXPECT_EQ(came, std::vector<unsigned>({3, 5}));
+  baton.give();
+  subscriber.publish(10);  // answered here; what comes meanwhile is left
+  others.callAvailable();
+  EXPECT_EQ(came, std::vector<unsigned>({3, 5, 10, 12}));
+  subscriber.publish(20);
+  EXPECT_EQ(came.back(), 20U);
 }
 
 // A queue of one keeps the newest: what comes is in order, and the last one always comes.

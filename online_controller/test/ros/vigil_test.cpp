@@ -1,37 +1,20 @@
 // The thread that keeps a processor awake, as the operating system sees it.
 #include "online_controller_ros/vigil.hpp"
 
-#include <dirent.h>
 #include <gtest/gtest.h>
 #include <sched.h>
-#include <sys/types.h>
 
-#include <cstdlib>
 #include <fstream>
-#include <functional>
-#include <memory>
+#include <limits>
+#include <optional>
 #include <string>
-#include <thread>
+
+#include "named_thread.hpp"
 
 namespace polyfly_ros {
 namespace {
 
 using Clock = Vigil::Clock;
-constexpr std::chrono::seconds kPatience{20};  // a busy machine may not run such a thread for long
-constexpr std::chrono::milliseconds kAWhile{30};
-
-const std::string kTasks = "/proc/self/task/";
-
-/// The thread of that name in this process, 0: none.
-pid_t threadNamed(const std::string& name) {
-  const std::unique_ptr<DIR, int (*)(DIR*)> folder(opendir(kTasks.c_str()), closedir);
-  while (const dirent* entry = readdir(folder.get())) {
-    std::string found;
-    std::getline(std::ifstream(kTasks + entry->d_name + "/comm"), found);
-    if (found == name) return std::atoi(entry->d_name);
-  }
-  return 0;
-}
 
 /// Time that the thread has run [ns].
 long long timeRun(pid_t thread) {
@@ -40,12 +23,23 @@ long long timeRun(pid_t thread) {
   return time;
 }
 
-bool comesTrue(const std::function<bool()>& condition) {
-  for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+/// Whether the thread waits for something, whatever else the processors have to do.
+bool sleeps(pid_t thread) {
+  std::ifstream file(kTasks + std::to_string(thread) + "/stat");
+  file.ignore(std::numeric_limits<std::streamsize>::max(), ')');
+  char state = '?';
+  file >> state;
+  return state == 'S';
+}
+
+/// How often the thread has gone to sleep.
+long timesSlept(pid_t thread) {
+  std::ifstream file(kTasks + std::to_string(thread) + "/status");
+  long times = -1;
+  for (std::string word; file >> word && times < 0;) {
+    if (word == "voluntary_ctxt_switches:") file >> times;
   }
-  return false;
+  return times;
 }
 
 int firstCore() {
@@ -65,13 +59,20 @@ bool runsOnlyOn(pid_t thread, int core) {
 struct VigilTest : testing::Test {
   void SetUp() override {
     ASSERT_TRUE(comesTrue([this] { return (thread = threadNamed("mpc_vigil")) != 0; }));
+    ASSERT_TRUE(comesTrue([this] { return sleeps(thread); }));
   }
+  /// It stays awake, and has been run since.
   bool runs() const {
     const long long before = timeRun(thread);
-    std::this_thread::sleep_for(kAWhile);
-    return timeRun(thread) > before + 1'000'000;
+    return comesTrue([&] { return timeRun(thread) > before + 1'000'000; }) && !sleeps(thread);
   }
-  Vigil vigil;
+  /// It was woken, and went to sleep again by itself.
+  bool fallsAsleepAgain(int core, Clock::time_point until) {
+    const long before = timesSlept(thread);
+    vigil->keep(core, until);
+    return comesTrue([&] { return timesSlept(thread) > before && sleeps(thread); });
+  }
+  std::optional<Vigil> vigil{std::in_place};
   pid_t thread = 0;
 };
 
@@ -80,28 +81,30 @@ TEST_F(VigilTest, IsInNobodysWay) {
 }
 
 TEST_F(VigilTest, SleepsUntilItIsToldAndAgainFromThenOn) {
-  EXPECT_TRUE(comesTrue([this] { return !runs(); }));
   const int core = firstCore();
-  vigil.keep(core, Clock::now() + std::chrono::hours(1));
-  EXPECT_TRUE(comesTrue([this] { return runs(); }));
+  vigil->keep(core, Clock::now() + std::chrono::hours(1));
+  EXPECT_TRUE(runs());
   EXPECT_TRUE(runsOnlyOn(thread, core));
-  vigil.end();
-  EXPECT_TRUE(comesTrue([this] { return !runs(); }));
+  vigil->end();
+  EXPECT_TRUE(comesTrue([this] { return sleeps(thread); }));
 }
 
 TEST_F(VigilTest, EndsByItself) {
-  vigil.keep(firstCore(), Clock::now() + std::chrono::milliseconds(1));
-  EXPECT_TRUE(comesTrue([this] { return !runs(); }));
-  vigil.keep(firstCore(), Clock::now() - std::chrono::hours(1));
-  EXPECT_FALSE(runs());
+  EXPECT_TRUE(fallsAsleepAgain(firstCore(), Clock::now() + std::chrono::milliseconds(1)));
+  EXPECT_TRUE(fallsAsleepAgain(firstCore(), Clock::now() - std::chrono::hours(1)));
 }
 
 TEST_F(VigilTest, SleepsWhereItMayNotRun) {
-  vigil.keep(CPU_SETSIZE - 1, Clock::now() + std::chrono::hours(1));
-  EXPECT_FALSE(runs());
+  EXPECT_TRUE(fallsAsleepAgain(CPU_SETSIZE - 1, Clock::now() + std::chrono::hours(1)));
 }
 
-TEST_F(VigilTest, IsGoneWithItsOwnerAtOnce) { vigil.keep(firstCore(), Clock::now() + std::chrono::hours(1)); }
+TEST_F(VigilTest, IsGoneWithItsOwnerAtOnce) {
+  vigil->keep(firstCore(), Clock::now() + std::chrono::hours(1));
+  EXPECT_TRUE(runs());
+  vigil.reset();  // waits for the thread
+  // The kernel may list a thread for a moment after it was joined.
+  EXPECT_TRUE(comesTrue([] { return threadNamed("mpc_vigil") == 0; }));
+}
 
 }  // namespace
 }  // namespace polyfly_ros

@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "named_thread.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
@@ -38,7 +39,14 @@ TEST(Workshop, WhatIsThrownThereComesToTheCallerAndItGoesOn) {
   EXPECT_TRUE(done);
 }
 
-TEST(Workshop, EndsWithoutHavingWorked) { const Workshop workshop; }
+TEST(Workshop, EndsWithoutHavingWorked) {
+  {
+    const Workshop workshop;
+    EXPECT_NE(threadNamed("mpc_workshop"), 0);
+  }
+  // The kernel may list a thread for a moment after it was joined.
+  EXPECT_TRUE(comesTrue([] { return threadNamed("mpc_workshop") == 0; }));
+}
 
 }  // namespace
 }  // namespace polyfly_ros

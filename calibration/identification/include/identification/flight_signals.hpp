@@ -37,6 +37,9 @@ struct FlightSignals {
 /// All names that FlightSignals knows.
 const std::vector<std::string>& signalNames();
 
+/// Sentences on where the times of the signals jump far, in the order of the record, and of which signals.
+std::vector<std::string> clockRemarks(const FlightSignals& signals);
+
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
 /// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
 /// turns the sign. Throws Error when a chosen column is not there, a name is not one of the above, or there

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,12 +36,44 @@ struct CleaningCounts {
   std::size_t out_of_order = 0;  ///< samples whose time does not exceed that of the sample before
 };
 
-/// The series with finite samples of increasing time only. Throws Error when times and values differ in
-/// number.
+/// A step between samples, forward or back, that is far: there the clock was set, or nothing was recorded.
+/// Identification looks at most 5 s back (activity 1 s, delay 3 s), and no command in flight is held for a
+/// minute. So the two sides of a far step say nothing of each other, and what spans both is cut there.
+constexpr double kFarStep = 60.0;  // [s]
+
+inline bool isFarStep(double from, double to) { return !(std::abs(to - from) <= kFarStep); }
+
+/// Two neighbouring samples that are far apart.
+struct FarStep {
+  double from = 0.0;  ///< time of the one [s]
+  double to = 0.0;    ///< time of the next in the record, which may be earlier [s]
+};
+
+/// The far steps between finite times, in the order of the record.
+std::vector<FarStep> farSteps(const std::vector<double>& time);
+
+/// From the first to the last of the times, which are finite, without the far steps between [s].
+double durationOf(const std::vector<double>& time);
+
+/// When and by how much: "after 12.5 s the times jump by 3600 s". Of many steps the first ones and the number
+/// of the others.
+std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps);
+
+/// What may be wrong with the times of a series of which nothing can be used, to end a sentence with: that
+/// they jump, or are not in seconds. Empty if neither.
+std::string whyUnusable(const TimeSeries& series);
+
+/// What the far steps of a clean series leave of the windows; nothing shorter than two samples.
+std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
+                                      const std::vector<double>& time);
+
+/// The series with finite samples of increasing time only. Where its times jump far, the pieces between are
+/// put in the order of their times first, so that a clock that was set back costs no more than what overlaps.
+/// Throws Error when times and values differ in number.
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts);
 
-/// Seconds between neighbouring samples, the median; 0 if there are fewer than two.
-double typicalPeriod(const TimeSeries& series);
+/// Seconds between neighbouring samples, the median of those up to `longest`; 0 if there are none.
+double typicalPeriod(const TimeSeries& series, double longest = std::numeric_limits<double>::infinity());
 
 /// The part of a record that lies in one window without a gap. What the model is compared on.
 struct LoopSegment {
@@ -56,8 +90,13 @@ struct LoopSegment {
 /// A pause between samples above which a segment ends: `gap_periods` typical periods, at least 0.2 s.
 constexpr double kGapPeriods = 6.0;
 
+/// Samples that are typically farther apart tell nothing of a flight: activity is looked for within 2 s. Such
+/// times are not in seconds.
+constexpr double kLongestPeriod = 2.0;  // [s]
+
 /// Cuts a clean record into segments: one for each window, split where the response pauses, without parts of
-/// fewer than `least_samples`. `reach` is how far back the command is kept [s].
+/// fewer than `least_samples`. `reach` is how far back the command is kept [s]. Samples that are farther
+/// apart than kLongestPeriod count as a pause.
 std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector<TimeWindow>& windows,
                                      double reach, std::size_t least_samples = 20);
 
@@ -68,7 +107,7 @@ std::vector<LoopSegment> cutSegments(const LoopRecord& record, const std::vector
 std::vector<double> smoothedMean(const std::vector<double>& time, const std::vector<double>& integral,
                                  double half_width);
 
-/// Trapezoidal integral over time, 0 at the first sample.
+/// Trapezoidal integral over time, 0 at the first sample. Far steps add nothing.
 std::vector<double> cumulativeIntegral(const std::vector<double>& time, const std::vector<double>& value);
 
 }  // namespace polyfly

@@ -1,0 +1,128 @@
+// Memory that runs out ends a tool with one line and exit code 2, in GMP and in threads too.
+#include "offline_mpt/out_of_memory.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "../src/in_parallel.hpp"
+#include "run_program.hpp"
+
+namespace polyfly {
+namespace {
+
+// More than any allocator gives.
+constexpr std::size_t kTooMuch = PTRDIFF_MAX;
+
+void allocateInGmp() {
+  endInWordsWithoutMemory("tool");
+  void* (*allocate)(std::size_t) = nullptr;
+  mp_get_memory_functions(&allocate, nullptr, nullptr);
+  allocate(kTooMuch);
+}
+
+void reallocateInGmp() {
+  endInWordsWithoutMemory("tool");
+  void* (*allocate)(std::size_t) = nullptr;
+  void* (*reallocate)(void*, std::size_t, std::size_t) = nullptr;
+  mp_get_memory_functions(&allocate, &reallocate, nullptr);
+  reallocate(allocate(8), 8, kTooMuch);
+}
+
+template <class Thrown>
+void throwInAThread(const Thrown& thrown) {
+  endInWordsWithoutMemory("tool");
+  std::thread([&thrown] { throw Thrown(thrown); }).join();
+}
+
+TEST(OutOfMemoryDeathTest, OfGmpIsOneLine) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer's allocator ends the program itself";
+#endif
+  EXPECT_EXIT(allocateInGmp(), testing::ExitedWithCode(2), "^tool: out of memory\n$");
+  EXPECT_EXIT(reallocateInGmp(), testing::ExitedWithCode(2), "^tool: out of memory\n$");
+}
+
+TEST(OutOfMemoryDeathTest, OfAThreadIsOneLine) {
+  EXPECT_EXIT(throwInAThread(std::bad_alloc()), testing::ExitedWithCode(2), "^tool: out of memory\n$");
+  EXPECT_EXIT(throwInAThread(std::runtime_error("no thread")), testing::ExitedWithCode(2),
+              "^tool: no thread\n$");
+}
+
+TEST(OutOfMemory, OfAWorkerComesToTheCaller) {
+  const auto fail = [](std::size_t, std::uint64_t i) {
+    if (i == 5) throw std::bad_alloc();
+  };
+  EXPECT_THROW(inParallel(10, 3, nullptr, {}, fail), std::bad_alloc);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Programs that may take so little memory, from what does to load them up to more than they need.
+class LittleMemory : public testing::Test {
+ protected:
+  void SetUp() override {
+    getrlimit(RLIMIT_AS, &before_);
+    writeBytes(path("toy.json"), kToy);
+    ASSERT_EQ(run(0, {OFFLINE_MPT_PROGRAM, "solve", path("toy.json"), "-o", path("toy.map")}).exit_code, 0);
+    ASSERT_EQ(
+        run(0, {OFFLINE_MPT_PROGRAM, "verify", path("toy.map"), "--exact", "--certificate", path("proof")})
+            .exit_code,
+        0);
+  }
+
+  std::string path(const std::string& name) const { return folder_.path(name); }
+
+  Outcome run(rlim_t megabytes, const std::vector<std::string>& arguments) const {
+    rlimit limit = before_;
+    if (megabytes > 0) limit.rlim_cur = megabytes << 20U;
+    setrlimit(RLIMIT_AS, &limit);
+    const pid_t child = startProgram(arguments, path("."));
+    setrlimit(RLIMIT_AS, &before_);
+    return waitForProgram(child, path("."));
+  }
+
+  // Done, or out of memory in one line. A program that could not be loaded is none that ran.
+  void expectAnswers(const std::string& tool, const std::vector<std::string>& arguments) const {
+    bool done = false;
+    for (rlim_t megabytes = 16; megabytes <= 1024; megabytes += megabytes / 4) {
+      const Outcome result = run(megabytes, arguments);
+      constexpr int kNotLoaded = 127;
+      if (result.exit_code == kNotLoaded) continue;
+      done = result.exit_code == 0;
+      if (done) continue;
+      EXPECT_EQ(result.exit_code, 2) << megabytes << " MiB: " << result.err;
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1)
+          << megabytes << " MiB: " << result.err;
+      EXPECT_EQ(result.err.rfind(tool + ": ", 0), 0u) << megabytes << " MiB: " << result.err;
+    }
+    EXPECT_TRUE(done);
+  }
+
+  // min z^2/2 - (a + b) z, |z| <= 1: three regions
+  static constexpr const char* kToy = R"({"name": "toy", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
+    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
+    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
+
+  ScratchFolder folder_;
+  rlimit before_{};
+};
+
+TEST_F(LittleMemory, EndsTheSolverAndItsVerificationInWords) {
+  expectAnswers("offline_mpt", {OFFLINE_MPT_PROGRAM, "solve", path("toy.json"), "-o", path("again.map"),
+                                "--quiet", "--threads", "4"});
+  expectAnswers("offline_mpt", {OFFLINE_MPT_PROGRAM, "verify", path("toy.map"), "--exact", "--threads", "4"});
+}
+
+TEST_F(LittleMemory, EndsTheCheckerInWords) {
+  expectAnswers("check_certificate", {CHECK_CERTIFICATE, path("proof"), "--map", path("toy.map")});
+}
+#endif
+
+}  // namespace
+}  // namespace polyfly
