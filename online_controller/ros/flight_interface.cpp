@@ -96,9 +96,10 @@ FlightSetup FlightSetup::read(ParameterReader& reader) {
 }
 
 FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle,
-                                 polyfly::FlightSupervisor& flight, const FlightSetup& setup,
-                                 const LawSetup& laws)
+                                 polyfly::FlightSupervisor& flight, const polyfly::TimeSource& time,
+                                 const FlightSetup& setup, const LawSetup& laws)
     : flight_(flight),
+      time_(time),
       joy_(setup.joy),
       observer_(laws.nonlinear.model, laws.controller, laws.moments),
       frame_demanded_(!setup.odometry_frame.empty()),
@@ -204,7 +205,7 @@ void FlightInterface::onPose(const geometry_msgs::PoseStamped::ConstPtr& message
 }
 
 void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
-  const ros::Time now = ros::Time::now();
+  const ros::Time now = ros::Time::now() + ros::Duration(time_.ahead());
   const bool command = flight_.onRemoteControl(toRemoteControl(*message, joy_), now.toSec());
   publishChange();
   if (command && on_manual_) on_manual_(now);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "online_controller/flight_supervisor.hpp"
+#include "online_controller/time_source.hpp"
 #include "online_controller/vehicle_observer.hpp"
 #include "online_controller/velocity_check.hpp"
 #include "online_controller_ros/answered.hpp"
@@ -65,9 +66,9 @@ struct FlightSetup {
 /// supervisor's other callers must not run concurrently.
 class FlightInterface {
  public:
-  /// Keeps a reference to `flight`. The observer is that of the vehicle in `laws`.
+  /// Keeps references to `flight` and `time`. The observer is that of the vehicle in `laws`.
   FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle, polyfly::FlightSupervisor& flight,
-                  const FlightSetup& setup, const LawSetup& laws);
+                  const polyfly::TimeSource& time, const FlightSetup& setup, const LawSetup& laws);
 
   /// Whether an odometry bears the frame agreed; the first one may agree it.
   bool frameFits(const std::string& frame);
@@ -105,6 +106,7 @@ class FlightInterface {
   void publish();
 
   polyfly::FlightSupervisor& flight_;
+  const polyfly::TimeSource& time_;
   JoyLayout joy_;
   polyfly::VehicleObserver observer_;
   polyfly::VelocityCheck velocities_;
