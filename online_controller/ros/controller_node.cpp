@@ -222,6 +222,8 @@ Answered& ExplicitMpcNode::remember(const polyfly::ControlReport& report, const 
   answered.law = laws().active();
   answered.report = report;
   answered.sends = flight_.sends();
+  if (answered.sends)
+    record_.commands.store(report.status != polyfly::ControlStatus::kMotorsOff, std::memory_order_relaxed);
   answered.times = times;
   answered.odometry_age = odometry_age_;
   answered.sequence = sequence_++;
