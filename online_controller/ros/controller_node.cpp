@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "online_controller/option_groups.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
 #include "region_maps/error.hpp"
@@ -60,8 +61,9 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
       reader.text("real_time/answer", "auto, publisher or thread", "auto"), setup.real_time);
   setup.real_time.rehearse = rehearsalLead(setup.real_time, setup.in_publisher);
   setup.laws.understudies = setup.real_time.rehearse > 0.0;
-  reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "linear", "nonlinear",
-                        "control_interface", "rc", "output", "real_time"});
+  std::vector<std::string> groups(polyfly::kOptionGroups.begin(), polyfly::kOptionGroups.end());
+  groups.erase(std::find(groups.begin(), groups.end(), polyfly::kSharedGroup));
+  reader.refuseUnknown(groups);
   if (names.empty()) {  // else the adoption has told
     for (const std::string& name : reader.unread())
       ROS_WARN("MPC does not know the parameter %s", name.c_str());
