@@ -104,6 +104,7 @@ class FlightInterface {
   template <class Message>
   void take(const Message& message, std::optional<double> start, const char* topic);
   void publish();
+  void tellOfEarlyReferences();
 
   polyfly::FlightSupervisor& flight_;
   const polyfly::TimeSource& time_;
@@ -112,9 +113,11 @@ class FlightInterface {
   polyfly::VelocityCheck velocities_;
   polyfly::AttitudeCommand sent_;  // last
   unsigned calibrations_ = 0;      // told of
-  bool frame_demanded_;
-  std::string frame_;
-  std::string reference_text_;  // what became of the last reference
+  std::string frame_;              // of odometry and references; empty: not known yet
+  std::string early_frame_;        // of references that came before the first odometry
+  bool early_fits_ = true;         // it is that of the odometry
+  bool told_of_early_ = false;     // what became of those references
+  std::string reference_text_;     // what became of the last reference
   unsigned published_changes_ = 0;
   OnManual on_manual_;
 
