@@ -51,8 +51,8 @@ class FlightSupervisor {
   bool onRemoteControl(const RemoteControl& sticks, double now) noexcept;
 
   /// A new reference; see ReferenceSchedule::set. Answers why it is refused, nullptr when it is taken. Throws
-  /// Error where it asks for more than the limits; before the first odometry distance and height are not
-  /// known, and judged by that: see earlyExcess().
+  /// Error where it asks for more than the limits. What comes before the first odometry is judged by it:
+  /// see earlyExcess().
   const char* onReference(ReferenceTrajectory trajectory, std::optional<double> start);
 
   /// What of the references that came before the first odometry was too far from it: all were dropped then.

@@ -2,11 +2,13 @@
 
 namespace polyfly {
 
-/// How long odometry has been silent, by the clock that can be trusted. ROS time decides. Where it is
-/// simulated it may stand still, and then wall time decides if the clock is dead: odometry has come for
-/// kStandstill of wall time since ROS time last moved, and either no clock ever came, or the odometry's
-/// stamps advanced by as much. Without odometry a clock that stands still is a paused simulation: no time
-/// passes.
+/// How long odometry has been silent, by the clock that can be trusted. ROS time decides, unless it is
+/// simulated and its clock is dead: then wall time does. The clock is dead where odometry has come for
+/// kStandstill of wall time since ROS time last moved, and one of these holds:
+/// - no clock ever came;
+/// - the odometry's stamps advanced by kStandstill meanwhile.
+///
+/// A clock that stands still otherwise is a paused simulation: no time passes.
 ///
 /// Reads no clock; ROS time and a steady wall time are arguments [s].
 class TimeSource {
