@@ -2,9 +2,14 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "mpc_core/read_text.hpp"
+#include "online_controller/option_groups.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {
@@ -29,6 +34,7 @@ class OptionsFromYaml {
   void operator()(const std::string& key, bool& field) { read(key, field); }
 
   void refuseUnknown() const {
+    refuseUnknownGroups();
     for (const char* section : {"vehicle", "controller"}) {
       const YAML::Node group = root_[section];
       if (!group) continue;
@@ -43,6 +49,20 @@ class OptionsFromYaml {
   }
 
  private:
+  void refuseUnknownGroups() const {
+    const std::vector<std::string> groups(kOptionGroups.begin(), kOptionGroups.end());
+    for (const auto& entry : root_) {
+      const std::string name = entry.first.Scalar();
+      const auto is_name = [&](const std::string& known) { return known == name; };
+      if (std::any_of(groups.begin(), groups.end(), is_name) ||
+          std::any_of(kSingleOptions.begin(), kSingleOptions.end(), is_name))
+        continue;
+      const auto meant = entry.second.IsMap() ? meantName(name, groups) : std::nullopt;
+      throw Error(place(path_, entry.first) + name + ": unknown group" +
+                  (meant ? "; is '" + *meant + "' meant?" : ""));
+    }
+  }
+
   template <class Value>
   void read(const std::string& key, Value& field) {
     known_.insert(key);

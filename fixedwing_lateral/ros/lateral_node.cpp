@@ -25,6 +25,17 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Steady [s].
+double wallTime() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+OptionTable tableOf(polyfly::GuidanceOptions& options) {
+  OptionTable table({});
+  polyfly::visitTuning(options.weights, table);
+  polyfly::visitLimits(options.limits, table);
+  polyfly::visitSafety(options.safety, table);
+  return table;
+}
+
 /// Pairs each option with the member of the reconfigurable parameters that has its name.
 template <class Options, class Config, class Pair>
 void pairOptions(Options& options, Config& config, Pair&& pair) {
@@ -91,11 +102,14 @@ LateralNode::LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
 
 LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup)
     : setup_(setup),
+      table_(tableOf(setup_.guidance)),
+      bounds_(table_.bounds()),
       guidance_(setup.guidance, private_handle.getNamespace()),
       diagnostics_(handle, private_handle, private_handle.getNamespace()),
       autopilot_(setup.engaged_modes, setup.autopilot_timeout,
                  private_handle.getNamespace() + "/input/engaged_modes"),
-      engaged_(!setup.require_engaged) {
+      engaged_(!setup.require_engaged),
+      time_(ros::Time::isSimTime()) {
   shown_.reason = polyfly::GuidanceReason::kNone;
   startReconfigure(private_handle);
   diagnostics_.setHardwareID("none");
@@ -123,6 +137,9 @@ void LateralNode::connect(ros::NodeHandle& handle) {
       handle.subscribe("mavros/local_position/odom", 1, &LateralNode::onOdometry, this, hints);
   timer_ = handle.createTimer(ros::Duration(0.5 * setup_.guidance.period),
                               [this](const ros::TimerEvent&) { onTimer(); });
+  if (!ros::Time::isSimTime()) return;
+  wall_timer_ = handle.createSteadyTimer(ros::WallDuration(0.5 * setup_.guidance.period),
+                                         [this](const ros::SteadyTimerEvent&) { onTimer(); });
 }
 
 void LateralNode::startReconfigure(const ros::NodeHandle& private_handle) {
@@ -134,19 +151,39 @@ void LateralNode::startReconfigure(const ros::NodeHandle& private_handle) {
   reconfigure_->setCallback([this](LateralNmpcConfig& changed, std::uint32_t) { onReconfigure(changed); });
 }
 
-// The server has clamped each parameter to its range.
-void LateralNode::onReconfigure(const LateralNmpcConfig& config) {
+// The server has clamped each parameter to its range, unless it is not a number.
+void LateralNode::onReconfigure(LateralNmpcConfig& config) {
+  const polyfly::GuidanceOptions before = setup_.guidance;
+  const double now = wallTime();
   pairOptions(setup_.guidance, config, [](double& option, double parameter) { option = parameter; });
+  try {
+    polyfly::checkGuidance(setup_.guidance, "reconfigure");
+    if (commands_) bounds_.check(table_.values(), now);
+  } catch (const polyfly::Error& error) {
+    setup_.guidance = before;
+    pairOptions(setup_.guidance, config, [](double option, double& parameter) { parameter = option; });
+    ROS_ERROR("reconfigure refused, the values in force stay: %s", error.what());
+    return;
+  }
+  if (commands_) {
+    bounds_.change(table_.values(), now);
+  } else {
+    bounds_.settle(table_.values());
+  }
   guidance_.setTuning(setup_.guidance.weights, setup_.guidance.limits, setup_.guidance.safety);
 }
 
 // A step is due at a fixed rate, and made as soon as the state of that period is in.
 void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   ros::Time now = ros::Time::now();
+  time_.onOdometry(now.toSec(), wallTime(), message->header.stamp.toSec());
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
   if (ros::Time::isSimTime()) now = std::max(now, message->header.stamp);
+  arrival_ = now;
+  const bool first = !has_odometry_;
   has_odometry_ = true;
   odometry_header_ = message->header;
+  if (first) judgeEarlyMission();
   altitude_ = message->pose.pose.position.z;
   input_.state = toAircraftState(*message);
   const bool has_rate = std::abs((message->header.stamp - imu_stamp_).toSec()) <= setup_.imu_timeout;
@@ -157,12 +194,41 @@ void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
 }
 
 void LateralNode::onTimer() {
-  const ros::Time now = ros::Time::now();
+  ros::Time now = ros::Time::now();
+  time_.advance(now.toSec(), wallTime());
+  tellOfClock();
+  // Where the clock is dead, time goes on by wall time, and goes on from there when it runs again.
+  if (ros::Time::isSimTime()) now = arrival_ + ros::Duration(time_.silence());
   if (has_odometry_ && now.toSec() > next_ + kLate * setup_.guidance.period) {
     ++late_steps_;
     step(now);
   }
   diagnostics_.update();
+}
+
+void LateralNode::tellOfClock() {
+  if (time_.byWall() == told_of_wall_time_) return;
+  told_of_wall_time_ = time_.byWall();
+  ROS_WARN("lateral guidance: %s", told_of_wall_time_
+                                       ? "odometry comes, but simulated time stands still: wall time decides "
+                                         "when odometry is silent. Does anybody publish /clock?"
+                                       : "simulated time runs again, and decides when odometry is silent");
+}
+
+// Without a name it is that of the odometry.
+void LateralNode::requireFrame(const std::string& frame) const {
+  const std::string& agreed = odometry_header_.frame_id;
+  if (frame.empty() || agreed.empty() || frame == agreed) return;
+  throw polyfly::Error("mission: frame '" + frame + "' is not that of the odometry, '" + agreed + "'");
+}
+
+void LateralNode::judgeEarlyMission() {
+  try {
+    requireFrame(mission_frame_);
+  } catch (const polyfly::Error& error) {
+    guidance_.clearMission();
+    ROS_ERROR("lateral guidance drops the mission that came before the first odometry: %s", error.what());
+  }
 }
 
 void LateralNode::onImu(const sensor_msgs::Imu::ConstPtr& message) {
@@ -182,11 +248,14 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
   try {
     if (isEmpty(*message)) {
       guidance_.clearMission();
+      mission_frame_.clear();
       ROS_INFO("lateral guidance: the mission is ended");
       return;
     }
+    requireFrame(message->header.frame_id);
     const polyfly::TurnPlan turns = turnPlan();
     guidance_.setMission(toMission(*message, setup_.guidance.loiter, turns));
+    mission_frame_ = message->header.frame_id;
     ROS_INFO("lateral guidance: a mission of %d segments", guidance_.track().count());
     const std::string steep = describeSteep(guidance_.track().segments(), turns.conditions);
     if (!steep.empty()) ROS_WARN("lateral guidance: %s; it may be left there", steep.c_str());
@@ -247,6 +316,7 @@ void LateralNode::publishCommand(const polyfly::GuidanceOutput& output, const st
   twist->header = header;
   fillTwist(output.roll_reference, *twist);
   twist_publisher_.publish(twist);
+  commands_ = true;
   if (!setup_.publish_attitude || !std::isfinite(input_.state.heading)) return;
   const auto attitude = boost::make_shared<mavros_msgs::AttitudeTarget>();
   attitude->header = header;

@@ -42,6 +42,7 @@ Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& pri
       keeper_(keeper),
       record_(record),
       table_(tableOf(setup_, names)),
+      bounds_(table_.bounds()),
       reconfigure_(
           private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return bakedIn(); }),
       display_(handle_),
@@ -52,7 +53,18 @@ Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& pri
       thread_(queue_, "mpc_background", {}) {}
 
 void Background::apply() {
+  if (record_.commands.load(std::memory_order_relaxed))
+    bounds_.check(table_.values(), ros::SteadyTime::now().toSec());
   workshop_.run([this] { keeper_.offer(setup_); });
+  noteInForce();
+}
+
+void Background::noteInForce() {
+  if (record_.commands.load(std::memory_order_relaxed)) {
+    bounds_.change(table_.values(), ros::SteadyTime::now().toSec());
+  } else {
+    bounds_.settle(table_.values());
+  }
 }
 
 // The maps hold the solution for the values that they were solved with.
@@ -89,6 +101,7 @@ bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
       keeper_.offer(next);  // throws before anything has changed
     });
     setup_ = next;  // the table keeps pointing into it
+    noteInForce();
     response.success = 1;
     response.message =
         joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForExchange();

@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "online_controller/option_groups.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
 #include "region_maps/error.hpp"
@@ -35,6 +36,10 @@ class Task : public ros::CallbackInterface {
   std::function<void()> function_;
 };
 
+double seconds(polyfly::PollWindow::Clock::time_point time) noexcept {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
 pid_t thisThread() noexcept {
   static thread_local const pid_t thread = gettid();
   return thread;
@@ -56,8 +61,9 @@ ExplicitMpcNode::Setup ExplicitMpcNode::readSetup(const ros::NodeHandle& private
       reader.text("real_time/answer", "auto, publisher or thread", "auto"), setup.real_time);
   setup.real_time.rehearse = rehearsalLead(setup.real_time, setup.in_publisher);
   setup.laws.understudies = setup.real_time.rehearse > 0.0;
-  reader.refuseUnknown({"maps", "robust_maps", "problems", "vehicle", "controller", "linear", "nonlinear",
-                        "control_interface", "rc", "output", "real_time"});
+  std::vector<std::string> groups(polyfly::kOptionGroups.begin(), polyfly::kOptionGroups.end());
+  groups.erase(std::find(groups.begin(), groups.end(), polyfly::kSharedGroup));
+  reader.refuseUnknown(groups);
   if (names.empty()) {  // else the adoption has told
     for (const std::string& name : reader.unread())
       ROS_WARN("MPC does not know the parameter %s", name.c_str());
@@ -78,8 +84,9 @@ ExplicitMpcNode::ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeH
     : at_once_(baton_, queue_, boost::make_shared<Task>([this] { onFollowUp(); })),
       handle_(onQueue(handle, queue_)),
       keeper_(setup.laws),
+      time_(ros::Time::isSimTime()),
       flight_(laws(), setup.laws.controller, setup.flight.flight, setup.flight.pilot),
-      interface_(handle_, onQueue(private_handle, queue_), flight_, setup.flight, setup.laws),
+      interface_(handle_, onQueue(private_handle, queue_), flight_, time_, setup.flight, setup.laws),
       output_(handle_, setup.output, setup.laws.controller),
       record_(flight_.preview().size()),
       reporter_(handle_, keeper_, flight_, record_, setup.laws.controller.control_period),
@@ -127,15 +134,30 @@ void ExplicitMpcNode::connect() {
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   if (in_publisher_) options.callback_queue = &at_once_;
   odometry_subscriber_ = handle_.subscribe(options);
-  watchdog_task_ = boost::make_shared<Task>([this] {
-    watchdog_waits_ = false;
-    onWatchdog();
+  startWatchdog();
+}
+
+// A timer of ROS time never fires where its clock is dead.
+void ExplicitMpcNode::startWatchdog() {
+  const auto task = [this](std::atomic<bool>& waits, void (ExplicitMpcNode::*function)()) {
+    return boost::make_shared<Task>([this, &waits, function] {
+      waits = false;
+      (this->*function)();
+    });
+  };
+  const auto post = [this](const ros::CallbackInterfacePtr& what, std::atomic<bool>& waits) {
+    if (!waits.exchange(true)) queue_.addCallback(what, reinterpret_cast<std::uint64_t>(this));
+  };
+  watchdog_task_ = task(watchdog_waits_, &ExplicitMpcNode::onWatchdog);
+  wall_time_task_ = task(wall_time_waits_, &ExplicitMpcNode::onWallTime);
+  ros::NodeHandle timers = onQueue(handle_, timer_queue_);
+  watchdog_ = timers.createTimer(ros::Duration(control_period_), [this, post](const ros::TimerEvent&) {
+    post(watchdog_task_, watchdog_waits_);
   });
-  watchdog_ = onQueue(handle_, timer_queue_)
-                  .createTimer(ros::Duration(control_period_), [this](const ros::TimerEvent&) {
-                    if (!watchdog_waits_.exchange(true))
-                      queue_.addCallback(watchdog_task_, reinterpret_cast<std::uint64_t>(this));
-                  });
+  if (!ros::Time::isSimTime()) return;
+  wall_watchdog_ = timers.createSteadyTimer(
+      ros::WallDuration(control_period_),
+      [this, post](const ros::SteadyTimerEvent&) { post(wall_time_task_, wall_time_waits_); });
 }
 
 void ExplicitMpcNode::onOdometry(const OdometryEvent& event) {
@@ -164,6 +186,7 @@ void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   }
   arrival_ = ros::Time::now();
   // /clock is handled on another thread: simulated time may still stand before the odometry that came with it
+  time_.onOdometry(arrival_.toSec(), seconds(served_at_), message.header.stamp.toSec());
   if (ros::Time::isSimTime()) arrival_ = std::max(arrival_, message.header.stamp);
   has_odometry_ = true;
   frame_ = message.header.frame_id;
@@ -201,6 +224,8 @@ Answered& ExplicitMpcNode::remember(const polyfly::ControlReport& report, const 
   answered.law = laws().active();
   answered.report = report;
   answered.sends = flight_.sends();
+  if (answered.sends)
+    record_.commands.store(report.status != polyfly::ControlStatus::kMotorsOff, std::memory_order_relaxed);
   answered.times = times;
   answered.odometry_age = odometry_age_;
   answered.sequence = sequence_++;
@@ -318,18 +343,38 @@ void ExplicitMpcNode::onManual(const ros::Time& now) {
   finish();
 }
 
+void ExplicitMpcNode::onWallTime() {
+  time_.advance(ros::Time::now().toSec(), seconds(polyfly::PollWindow::Clock::now()));
+  tellOfClock();
+  if (time_.byWall()) onWatchdog();
+}
+
+void ExplicitMpcNode::tellOfClock() {
+  if (time_.byWall() == told_of_wall_time_) return;
+  told_of_wall_time_ = time_.byWall();
+  if (told_of_wall_time_) {
+    ROS_WARN(
+        "MPC: odometry comes, but simulated time stands still: wall time decides when odometry is silent. "
+        "Does anybody publish /clock, as /use_sim_time asks for?");
+  } else {
+    ROS_WARN("MPC: simulated time runs again, and decides when odometry is silent");
+  }
+}
+
 void ExplicitMpcNode::onWatchdog() {
-  const ros::Time now = ros::Time::now();
-  flight_.onTime(now.toSec());
+  ros::Time now = ros::Time::now();
+  time_.advance(now.toSec(), seconds(polyfly::PollWindow::Clock::now()));
+  flight_.onTime(now.toSec() + time_.ahead());
   interface_.publishChange();
   if (!has_odometry_) {
     exchangeLaws();
     return;
   }
-  if (now < arrival_) arrival_ = now;  // simulated time began anew
-  if (now - arrival_ <= silence_) return;
+  if (time_.silence() <= silence_) return;
   finish();
   exchangeLaws();  // nothing is prepared in silence
+  // Stamps go on from those of the odometry.
+  if (time_.byWall()) now = arrival_ + ros::Duration(time_.silence());
   StageClock clock;
   StageTimes times;
   const polyfly::ControlReport& report = flight_.onSilence(now.toSec());
@@ -337,7 +382,7 @@ void ExplicitMpcNode::onWatchdog() {
   std_msgs::Header header;
   header.stamp = now;
   header.frame_id = frame_;
-  odometry_age_ = (now - arrival_).toSec();
+  odometry_age_ = time_.silence();
   if (flight_.sends()) output_.publish(report.command, header, kNan);
   times.output = clock.lap();
   remember(report, header, times);

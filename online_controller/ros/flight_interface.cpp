@@ -43,6 +43,10 @@ std::string summary(const polyfly::ReferenceTrajectory& trajectory) {
   return text;
 }
 
+std::string wrongFrame(const std::string& frame, const std::string& agreed) {
+  return "frame '" + frame + "' is not that of the odometry, '" + agreed + "'";
+}
+
 /// What a person should know of a trajectory that begins long after `now`, or was over before; empty else.
 std::string oddTime(const polyfly::ReferenceTrajectory& trajectory, double start, double now) {
   constexpr double kLongWait = 10.0;  // [s]
@@ -96,12 +100,12 @@ FlightSetup FlightSetup::read(ParameterReader& reader) {
 }
 
 FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle,
-                                 polyfly::FlightSupervisor& flight, const FlightSetup& setup,
-                                 const LawSetup& laws)
+                                 polyfly::FlightSupervisor& flight, const polyfly::TimeSource& time,
+                                 const FlightSetup& setup, const LawSetup& laws)
     : flight_(flight),
+      time_(time),
       joy_(setup.joy),
       observer_(laws.nonlinear.model, laws.controller, laws.moments),
-      frame_demanded_(!setup.odometry_frame.empty()),
       frame_(setup.odometry_frame),
       name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
       status_publisher_(handle.advertise<online_controller::FlightStatus>("flight_status", 1, true)) {
@@ -124,7 +128,11 @@ FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle privat
 }
 
 bool FlightInterface::frameFits(const std::string& frame) {
-  if (frame_.empty()) frame_ = frame;
+  if (frame_.empty() && !frame.empty()) {
+    frame_ = frame;
+    early_fits_ = flight_.isLocated() || early_frame_.empty() || early_frame_ == frame;
+    if (!early_fits_) flight_.dropReferences();
+  }
   return frame == frame_;
 }
 
@@ -164,13 +172,15 @@ template <class Message>
 void FlightInterface::take(const Message& message, std::optional<double> start, const char* topic) {
   std::string refusal, odd;
   const std::string& frame = message.header.frame_id;
-  const bool foreign = !frame.empty() && !frame_.empty() && frame != frame_;
+  // Until the first odometry tells, it is that of the first reference.
+  const bool early = frame_.empty() && !flight_.isLocated();
+  const std::string& agreed = early ? early_frame_ : frame_;
   try {
     polyfly::ReferenceTrajectory trajectory = toReferenceTrajectory(message);
     reference_text_ = summary(trajectory);
     if (start) odd = oddTime(trajectory, *start, ros::Time::now().toSec());
-    if (foreign && frame_demanded_) {
-      refusal = std::string(topic) + ": frame '" + frame + "' is not that of the odometry, '" + frame_ + "'";
+    if (!frame.empty() && !agreed.empty() && frame != agreed) {
+      refusal = std::string(topic) + ": " + wrongFrame(frame, agreed);
     } else if (const char* why = flight_.onReference(std::move(trajectory), start)) {
       refusal = std::string(topic) + ": " + why;
     }
@@ -183,16 +193,26 @@ void FlightInterface::take(const Message& message, std::optional<double> start, 
   } else if (!odd.empty()) {
     reference_text_ += "; " + odd;
     ROS_WARN_THROTTLE(kLogInterval, "MPC: %s: %s", topic, odd.c_str());
-  } else if (foreign) {
-    ROS_WARN_ONCE("MPC takes %s in frame '%s' as in '%s'", topic, frame.c_str(), frame_.c_str());
   } else {
     ROS_INFO_THROTTLE(kLogInterval, "MPC: %s", reference_text_.c_str());  // planners may stream
   }
+  if (early && refusal.empty() && !frame.empty()) early_frame_ = frame;
   if (flight_.changes() == published_changes_) {
     publish();
   } else {
     publishChange();
   }
+}
+
+void FlightInterface::tellOfEarlyReferences() {
+  if (told_of_early_ || !flight_.isLocated()) return;
+  told_of_early_ = true;
+  if (early_fits_ && flight_.earlyExcess().limit == nullptr) return;
+  const std::string why =
+      early_fits_ ? polyfly::describe(flight_.earlyExcess()) : wrongFrame(early_frame_, frame_);
+  reference_text_ = "refused: " + why;
+  ROS_ERROR("MPC drops the reference that came before the first odometry: %s", why.c_str());
+  publish();
 }
 
 void FlightInterface::onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message) {
@@ -204,7 +224,7 @@ void FlightInterface::onPose(const geometry_msgs::PoseStamped::ConstPtr& message
 }
 
 void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
-  const ros::Time now = ros::Time::now();
+  const ros::Time now = ros::Time::now() + ros::Duration(time_.ahead());
   const bool command = flight_.onRemoteControl(toRemoteControl(*message, joy_), now.toSec());
   publishChange();
   if (command && on_manual_) on_manual_(now);
@@ -242,6 +262,7 @@ bool FlightInterface::onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Re
 }
 
 void FlightInterface::observe(const Answered& answered) {
+  tellOfEarlyReferences();
   if (answered.accepted) {
     if (answered.restarted) observer_.restart();
     if (answered.restarted) velocities_.restart();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace polyfly_ros {
 
@@ -52,6 +53,12 @@ std::vector<double> OptionTable::values() const {
   std::vector<double> all;
   for (const Option& option : options_) all.push_back(get(option));
   return all;
+}
+
+polyfly::ChangeBounds OptionTable::bounds() const {
+  std::vector<polyfly::ChangeBounds::Option> options;
+  for (const Option& option : options_) options.push_back({option.name, option.unit, option.range});
+  return {std::move(options), values()};
 }
 
 void OptionTable::restore(const std::vector<double>& values) {

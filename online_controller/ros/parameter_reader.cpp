@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "online_controller/option_groups.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {
@@ -90,11 +91,31 @@ std::string ParameterReader::text(const std::string& key, const std::string& wha
 
 void ParameterReader::refuseUnknown(const std::vector<std::string>& namespaces) const {
   const std::vector<std::string> names = allNames();
+  refuseMisspeltGroups(names, namespaces);
   for (const std::string& space : namespaces) {
     const std::string prefix = handle_.resolveName(space) + "/";
     for (const std::string& name : names) {
       if (startsWith(name, prefix) && read_.count(name) == 0) refuseValue(name, "unknown");
     }
+  }
+}
+
+void ParameterReader::refuseMisspeltGroups(const std::vector<std::string>& names,
+                                           std::vector<std::string> groups) const {
+  const std::string own = handle_.getNamespace() + "/";
+  // What comes before the first slash below the private namespace; empty without one.
+  const auto groupOf = [&](const std::string& name) {
+    const std::size_t slash = startsWith(name, own) ? name.find('/', own.size()) : std::string::npos;
+    return slash == std::string::npos ? std::string() : name.substr(own.size(), slash - own.size());
+  };
+  for (const std::string& name : read_) {
+    if (!groupOf(name).empty()) groups.push_back(groupOf(name));
+  }
+  for (const std::string& name : names) {
+    const std::string group = groupOf(name);
+    if (group.empty()) continue;
+    if (const auto meant = polyfly::meantName(group, groups))
+      refuseValue(name, "there is no group '" + group + "'; is '" + *meant + "' meant?");
   }
 }
 

@@ -67,10 +67,10 @@ void visitSafety(Options& safety, Visit&& visit) {
   visit("safety/wind_timeout", safety.wind_timeout, "s", Range{0.01, 600.0});
   visit("safety/airspeed_min", safety.airspeed_min, "m/s", Range{1.0, 100.0});
   visit("safety/wind_share_max", safety.wind_share_max, "", Range{0.1, 0.99});
-  visit("safety/hysteresis", safety.hysteresis, "", Range{0.0, 0.5});
+  visit("safety/hysteresis", safety.hysteresis, "", anyChange(0.0, 0.5));
   visit("safety/jump_distance", safety.jump_distance, "m", Range{0.5, 1000.0});
-  visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0});
-  visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0});
+  visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0, 10.0, 1.0});
+  visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/upwind_gain", safety.upwind_gain, "1/s", Range{0.01, 5.0});
 }
 

@@ -39,14 +39,14 @@ struct HorizonOptions {
 /// The one list of these options, see online_controller/options.hpp.
 template <class Options, class Visit>
 void visitTuning(Options& weights, Visit&& visit) {
-  visit("weights/track", weights.track, "1/m^2", Range{0.0, 1e3});
-  visit("weights/course", weights.course, "1/rad^2", Range{0.0, 1e5});
-  visit("weights/roll", weights.roll, "1/rad^2", Range{0.0, 1e5});
-  visit("weights/roll_rate", weights.roll_rate, "s^2/rad^2", Range{0.0, 1e5});
+  visit("weights/track", weights.track, "1/m^2", Range{0.0, 1e3, 10.0, 1.0});
+  visit("weights/course", weights.course, "1/rad^2", Range{0.0, 1e5, 10.0, 1.0});
+  visit("weights/roll", weights.roll, "1/rad^2", Range{0.0, 1e5, 10.0, 1.0});
+  visit("weights/roll_rate", weights.roll_rate, "s^2/rad^2", Range{0.0, 1e5, 10.0, 1.0});
   visit("weights/roll_reference", weights.roll_reference, "1/rad^2", Range{1e-3, 1e5});
-  visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6});
-  visit("weights/feedforward", weights.feedforward, "", Range{0.0, 1.0});
-  visit("weights/curvature", weights.curvature, "", Range{0.0, 1.0});
+  visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("weights/feedforward", weights.feedforward, "", anyChange(0.0, 1.0));
+  visit("weights/curvature", weights.curvature, "", anyChange(0.0, 1.0));
 }
 
 template <class Limits, class Visit>

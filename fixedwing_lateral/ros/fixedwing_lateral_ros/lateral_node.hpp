@@ -21,6 +21,9 @@
 #include "fixedwing_lateral/guidance.hpp"
 #include "fixedwing_lateral_ros/autopilot_watch.hpp"
 #include "fixedwing_lateral_ros/conversions.hpp"
+#include "online_controller/change_bounds.hpp"
+#include "online_controller/time_source.hpp"
+#include "online_controller_ros/option_table.hpp"
 
 namespace polyfly_ros {
 
@@ -62,7 +65,10 @@ class LateralNode {
   polyfly::TurnPlan turnPlan() const;
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
-  void onReconfigure(const fixedwing_lateral::LateralNmpcConfig& config);
+  void onReconfigure(fixedwing_lateral::LateralNmpcConfig& config);
+  void requireFrame(const std::string& frame) const;
+  void judgeEarlyMission();
+  void tellOfClock();
 
   void step(const ros::Time& now);
   void improve(const std::chrono::steady_clock::time_point& start);
@@ -72,11 +78,14 @@ class LateralNode {
   void logChange(const polyfly::GuidanceOutput& output);
 
   Setup setup_;
+  OptionTable table_;             // what of setup_ may change
+  polyfly::ChangeBounds bounds_;  // of its values
   polyfly::LateralGuidance guidance_;
   ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
   ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
       mission_subscriber_, engaged_subscriber_, autopilot_subscriber_;
   ros::Timer timer_;
+  ros::SteadyTimer wall_timer_;  // where time is simulated, which may stand still
   diagnostic_updater::Updater diagnostics_;
   boost::recursive_mutex reconfigure_mutex_;
   std::unique_ptr<dynamic_reconfigure::Server<fixedwing_lateral::LateralNmpcConfig>> reconfigure_;
@@ -89,7 +98,12 @@ class LateralNode {
   double imu_rate_ = 0.0;
   ros::Time imu_stamp_;
   double next_ = 0.0;  // step is due [s]
+  polyfly::TimeSource time_;
+  ros::Time arrival_;          // of the last odometry
+  std::string mission_frame_;  // of the mission in force; empty: as the odometry
   bool has_odometry_ = false;
+  bool commands_ = false;  // were sent
+  bool told_of_wall_time_ = false;
   double feedback_time_ = 0.0;
   double preparation_time_ = 0.0;
   std::uint64_t steps_ = 0;

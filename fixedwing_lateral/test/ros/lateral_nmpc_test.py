@@ -128,8 +128,23 @@ class LateralNmpcTest(unittest.TestCase):
         guidance.exchange(accept=tracks)
         bad = Mission(segments=[PathSegment(type=PathSegment.ARC, radius=-1.0, direction=1)])
         guidance.mission.publish(bad)
+        elsewhere = northward(500.0)
+        elsewhere.header.frame_id = "odom"  # the odometry's is map
+        guidance.mission.publish(elsewhere)
         for _ in range(5):
             self.assertTrue(tracks(guidance.exchange()))
+
+    def test_a_mission_that_came_before_the_odometry_is_judged_by_its_frame(self):
+        for frame, reason in (("map", LateralStatus.REASON_NONE), ("odom", LateralStatus.REASON_NO_MISSION)):
+            guidance = self.start_as("early_" + frame, {})
+            mission = northward()
+            mission.header.frame_id = frame
+            guidance.mission.publish(mission)
+            deadline = rospy.Time.now() + rospy.Duration(PATIENCE)
+            while guidance.mission.get_num_connections() == 0 and rospy.Time.now() < deadline:
+                rospy.sleep(0.02)
+            rospy.sleep(0.3)  # until it is read
+            self.assertEqual(guidance.exchange().reason, reason)
 
     def test_turns_that_cannot_be_flown_are_told_refused_or_widened(self):
         def loiter(radius):
@@ -195,6 +210,16 @@ class LateralNmpcTest(unittest.TestCase):
             lambda m: m.reason == LateralStatus.REASON_STALE and m.mode == LateralStatus.LEVEL)
         self.assertIsNotNone(status)
         self.assertGreater(status.state_age, 0.2)
+
+    def test_wall_time_decides_where_simulated_time_stands(self):
+        rospy.set_param("/use_sim_time", True)
+        self.addCleanup(rospy.set_param, "/use_sim_time", False)
+        guidance = self.start({"safety/state_timeout": 0.2, "safety/hold_time": 0.3})
+        guidance.mission.publish(northward())
+        guidance.exchange(accept=tracks)
+        self.assertIsNotNone(guidance.statuses.wait(
+            lambda m: m.reason == LateralStatus.REASON_STALE and m.mode == LateralStatus.LEVEL))
+        guidance.exchange(accept=tracks)
 
     def test_low_airspeed_levels(self):
         guidance = self.start({"safety/airspeed_min": 20.0})
@@ -309,6 +334,9 @@ class LateralNmpcTest(unittest.TestCase):
         client.update_configuration({"limits_roll_reference": 0.05, "weights_track": 1.0})
         status = guidance.exchange(accept=lambda s: abs(s.roll_reference) <= 0.05 and tracks(s))
         self.assertAlmostEqual(status.roll_reference, -0.05, places=6)
+        for track in (1e9, 100.0, float("nan")):  # refused as a whole
+            refused = client.update_configuration({"weights_track": track, "weights_course": 11.0})
+            self.assertEqual((refused["weights_track"], refused["weights_course"]), (1.0, 10.0))
 
     def test_markers_and_diagnostics(self):
         guidance = self.start()
@@ -334,6 +362,7 @@ class LateralNmpcTest(unittest.TestCase):
 
     def test_refuses_parameters_that_are_not_fit(self):
         for parameters, sentence in (({"weights/trakc": 1.0}, "/guidance/weights/trakc: unknown"),
+                                     ({"weigths/track": 1.0}, "there is no group 'weigths'; is 'weights' meant?"),
                                      ({"horizon/step": -1.0}, "/guidance/horizon/step: must lie in"),
                                      ({"guidance/delay": 0.1}, "guidance/delay: the second move")):
             name = "refusal_%d" % abs(hash(sentence))

@@ -2,10 +2,16 @@
 
 namespace polyfly {
 
-/// Admissible values of an option, ends included.
+/// Admissible values of an option, ends included, and how far it may go from what was in force while commands
+/// are sent: `factor` times as great or small, and `step` beyond that. See ChangeBounds.
 struct Range {
   double least = 0.0;
   double greatest = 0.0;
+  double factor = 10.0;
+  double step = 0.0;  ///< [the option's unit]; above 0 where the option may be 0
 };
+
+/// Any admissible value at any time, of an option that may be as great as that.
+constexpr Range anyChange(double least, double greatest) { return {least, greatest, 1.0, greatest - least}; }
 
 }  // namespace polyfly

@@ -39,27 +39,27 @@ struct NonlinearMpcOptions {
 template <class Options, class Visit>
 void visitNonlinearOptions(Options& options, Visit&& visit) {
   auto& model = options.model;
-  visit("nonlinear/roll_gain", model.roll_gain, "1", Range{0.01, 10.0});
-  visit("nonlinear/roll_time", model.roll_time, "s", Range{0.002, 10.0});
-  visit("nonlinear/pitch_gain", model.pitch_gain, "1", Range{0.01, 10.0});
-  visit("nonlinear/pitch_time", model.pitch_time, "s", Range{0.002, 10.0});
-  visit("nonlinear/drag_x", model.drag.x(), "1/s", Range{0.0, 10.0});
-  visit("nonlinear/drag_y", model.drag.y(), "1/s", Range{0.0, 10.0});
-  visit("nonlinear/drag_z", model.drag.z(), "1/s", Range{0.0, 10.0});
+  visit("nonlinear/roll_gain", model.roll_gain, "1", Range{0.01, 10.0, 1.5});
+  visit("nonlinear/roll_time", model.roll_time, "s", Range{0.002, 10.0, 1.5});
+  visit("nonlinear/pitch_gain", model.pitch_gain, "1", Range{0.01, 10.0, 1.5});
+  visit("nonlinear/pitch_time", model.pitch_time, "s", Range{0.002, 10.0, 1.5});
+  visit("nonlinear/drag_x", model.drag.x(), "1/s", Range{0.0, 10.0, 2.0, 0.1});
+  visit("nonlinear/drag_y", model.drag.y(), "1/s", Range{0.0, 10.0, 2.0, 0.1});
+  visit("nonlinear/drag_z", model.drag.z(), "1/s", Range{0.0, 10.0, 2.0, 0.1});
   visit("nonlinear/horizon", options.horizon, "stages", Range{1.0, 100.0});
   visit("nonlinear/period", options.period, "s", Range{0.001, 1.0});
-  visit("nonlinear/position_weight_x", options.position_weight.x(), "1/m^2", Range{0.0, 1e6});
-  visit("nonlinear/position_weight_y", options.position_weight.y(), "1/m^2", Range{0.0, 1e6});
-  visit("nonlinear/position_weight_z", options.position_weight.z(), "1/m^2", Range{0.0, 1e6});
-  visit("nonlinear/velocity_weight_x", options.velocity_weight.x(), "s^2/m^2", Range{0.0, 1e6});
-  visit("nonlinear/velocity_weight_y", options.velocity_weight.y(), "s^2/m^2", Range{0.0, 1e6});
-  visit("nonlinear/velocity_weight_z", options.velocity_weight.z(), "s^2/m^2", Range{0.0, 1e6});
-  visit("nonlinear/attitude_weight", options.attitude_weight, "1/rad^2", Range{0.0, 1e6});
+  visit("nonlinear/position_weight_x", options.position_weight.x(), "1/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/position_weight_y", options.position_weight.y(), "1/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/position_weight_z", options.position_weight.z(), "1/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/velocity_weight_x", options.velocity_weight.x(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/velocity_weight_y", options.velocity_weight.y(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/velocity_weight_z", options.velocity_weight.z(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/attitude_weight", options.attitude_weight, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
   visit("nonlinear/command_weight", options.command_weight, "1/rad^2", Range{1e-3, 1e6});
   visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
-  visit("nonlinear/speed_max", options.speed_max, "m/s", Range{0.0, 1000.0});
+  visit("nonlinear/speed_max", options.speed_max, "m/s", anyChange(0.0, 1000.0));
   visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
-  visit("nonlinear/working_sets_max", options.working_sets_max, "working sets", Range{0.0, 100000.0});
+  visit("nonlinear/working_sets_max", options.working_sets_max, "working sets", anyChange(0.0, 100000.0));
 }
 
 /// What one stage shall follow: entries of h in the chapter's order.
@@ -99,8 +99,8 @@ class NonlinearMpc {
 
   /// Solves for the state x with N + 1 references (the last one's commands do not count). kOptimal;
   /// kIterationLimit where the search was ended early: the solution has moved towards the point that it had,
-  /// within all limits, as far as the cost falls most; where it does not fall, stepLength() is 0; or why there
-  /// is none: then the solution is unchanged. Call prepare() before each call.
+  /// within all limits, as far as the cost falls most; where it does not fall, stepLength() is 0; or why
+  /// there is none: then the solution is unchanged. Call prepare() before each call.
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
   /// Goes on with the solution of another one. False, and nothing is done, when its stages are others.

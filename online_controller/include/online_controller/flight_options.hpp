@@ -2,10 +2,12 @@
 
 #include "mpc_core/range.hpp"
 #include "online_controller/options.hpp"
+#include "online_controller/reference_limits.hpp"
 
 namespace polyfly {
 
-/// How take-off, landing and remote control go. Names and defaults of mav_control_rw where it has them.
+/// How take-off, landing and remote control go, and which references are taken. Names and defaults of
+/// mav_control_rw where it has them.
 struct FlightOptions {
   double takeoff_distance = 1.0;   ///< above the point where it started [m]
   double takeoff_time = 5.0;       ///< for that [s]
@@ -23,6 +25,7 @@ struct FlightOptions {
   double rc_timeout = 1.0;     ///< without a message the remote control counts as off, 0: never [s]
   bool resume = true;          ///< after a failsafe go on with what was interrupted, else hold where it is
   bool idle_publishes = true;  ///< hover thrust before anything has started it, else nothing is sent
+  ReferenceLimits reference_limits;
 };
 
 /// The one list of these options, as visitOptions of MultirotorOptions.
@@ -49,6 +52,7 @@ void visitFlightOptions(Options& options, Visit&& visit) {
   visit("control_interface/rc_timeout", options.rc_timeout, "s", Range{0.0, 1000.0});
   visit("control_interface/resume", options.resume);
   visit("control_interface/idle_publishes", options.idle_publishes);
+  visitReferenceLimits(options.reference_limits, visit);
 }
 
 /// Throws Error naming the key, its range and its value.

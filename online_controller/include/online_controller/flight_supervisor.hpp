@@ -50,8 +50,19 @@ class FlightSupervisor {
   /// The sticks at time `now` [s]. True when the command of report() is to be sent: manual mode.
   bool onRemoteControl(const RemoteControl& sticks, double now) noexcept;
 
-  /// A new reference; see ReferenceSchedule::set. Answers why it is refused, nullptr when it is taken.
+  /// A new reference; see ReferenceSchedule::set. Answers why it is refused, nullptr when it is taken. Throws
+  /// Error where it asks for more than the limits. What comes before the first odometry is judged by it:
+  /// see earlyExcess().
   const char* onReference(ReferenceTrajectory trajectory, std::optional<double> start);
+
+  /// What of the references that came before the first odometry was too far from it: all were dropped then.
+  const ReferenceExcess& earlyExcess() const noexcept { return early_excess_; }
+
+  /// No reference is left; nothing has started the flight. For the time before the first odometry.
+  void dropReferences() noexcept;
+
+  /// Whether odometry was ever accepted.
+  bool isLocated() const noexcept { return located_; }
 
   /// Requests; they answer why they are refused, nullptr when they are granted.
   const char* takeOff() noexcept;
@@ -105,6 +116,7 @@ class FlightSupervisor {
   void watchTask(const VehicleState& state) noexcept;
   bool makePreview(double time, int count) noexcept;
   void makeRampPreview(double time, int count, Reference* references) const noexcept;
+  void judgeEarlyReferences() noexcept;
   Reference stop() const noexcept;
   void startTask(FlightState task, FlightEvent cause) noexcept;
 
@@ -122,10 +134,12 @@ class FlightSupervisor {
   OdometryGate gate_;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
-  VehicleState last_;   // accepted
-  bool fresh_ = false;  // the last odometry was accepted, and there was no silence since
+  VehicleState last_;     // accepted
+  bool located_ = false;  // something was accepted
+  bool fresh_ = false;    // the last odometry was accepted, and there was no silence since
 
   ReferenceSchedule references_;
+  ReferenceExcess early_excess_;
   std::optional<FlightState> after_takeoff_;  // what came during the take-off
   VerticalRamp ramp_;
   Eigen::Vector3d resting_disturbance_ = Eigen::Vector3d::Zero();

@@ -25,7 +25,7 @@ using LinearTuning = std::array<AxisTuning, 3>;
 /// The one list of the tuning: calls visit(key, field, unit, range).
 template <class Tuning, class Visit>
 void visitLinearTuning(Tuning& tuning, Visit&& visit) {
-  const Range weight{0.0, 1e6}, positive{1e-6, 1e6};
+  const Range weight{0.0, 1e6, 10.0, 1.0}, positive{1e-6, 1e6};
   visit("linear/position_weight_x", tuning[0].position_weight, "1/m^2", weight);
   visit("linear/position_weight_y", tuning[1].position_weight, "1/m^2", weight);
   visit("linear/position_weight_z", tuning[2].position_weight, "1/m^2", weight);
@@ -40,12 +40,12 @@ void visitLinearTuning(Tuning& tuning, Visit&& visit) {
   visit("linear/pitch_rate_weight", tuning[0].rate_weight, "1/rad^2", weight);
   visit("linear/roll_rate_weight", tuning[1].rate_weight, "1/rad^2", weight);
   visit("linear/thrust_rate_weight", tuning[2].rate_weight, "s^4/m^2", weight);
-  visit("linear/pitch_command_min", tuning[0].command_min, "rad", Range{-1.0, 0.0});
-  visit("linear/pitch_command_max", tuning[0].command_max, "rad", Range{0.0, 1.0});
-  visit("linear/roll_command_min", tuning[1].command_min, "rad", Range{-1.0, 0.0});
-  visit("linear/roll_command_max", tuning[1].command_max, "rad", Range{0.0, 1.0});
-  visit("linear/thrust_command_min", tuning[2].command_min, "m/s^2", Range{-30.0, 0.0});
-  visit("linear/thrust_command_max", tuning[2].command_max, "m/s^2", Range{0.0, 200.0});
+  visit("linear/pitch_command_min", tuning[0].command_min, "rad", Range{-1.0, 0.0, 2.5, 0.05});
+  visit("linear/pitch_command_max", tuning[0].command_max, "rad", Range{0.0, 1.0, 2.5, 0.05});
+  visit("linear/roll_command_min", tuning[1].command_min, "rad", Range{-1.0, 0.0, 2.5, 0.05});
+  visit("linear/roll_command_max", tuning[1].command_max, "rad", Range{0.0, 1.0, 2.5, 0.05});
+  visit("linear/thrust_command_min", tuning[2].command_min, "m/s^2", Range{-30.0, 0.0, 2.0, 0.5});
+  visit("linear/thrust_command_max", tuning[2].command_max, "m/s^2", Range{0.0, 200.0, 2.0, 0.5});
 }
 
 /// The tuning that is in the problems (longitudinal, lateral, vertical), bound by the names of their

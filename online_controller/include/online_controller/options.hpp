@@ -21,12 +21,12 @@ struct ObserverNoise {
 
 template <class Noise, class Visit>
 void visitObserverNoise(Noise& noise, Visit&& visit) {
-  const Range drift{0.0, 10.0}, measured{1e-10, 10.0};
+  const Range drift{0.0, 10.0, 100.0, 1e-6}, measured{1e-10, 10.0, 100.0};
   visit("KF_observer/q_position", noise.q_position, "m^2", drift);
   visit("KF_observer/q_velocity", noise.q_velocity, "m^2/s^2", drift);
   visit("KF_observer/q_attitude", noise.q_attitude, "rad^2", drift);
   visit("KF_observer/q_angular_velocity", noise.q_angular_velocity, "rad^2/s^2", drift);
-  visit("KF_observer/q_torque", noise.q_torque, "rad^2/s^4", Range{1e-8, 10.0});
+  visit("KF_observer/q_torque", noise.q_torque, "rad^2/s^4", Range{1e-8, 10.0, 100.0});
   visit("KF_observer/r_position", noise.r_position, "m^2", measured);
   visit("KF_observer/r_velocity", noise.r_velocity, "m^2/s^2", measured);
   visit("KF_observer/r_attitude", noise.r_attitude, "rad^2", measured);
@@ -71,32 +71,32 @@ struct MultirotorOptions {
 /// visit(key, field) for each bool. Keys are parameter names relative to a node's private namespace.
 template <class Options, class Visit>
 void visitOptions(Options& options, Visit&& visit) {
-  visit("vehicle/mass", options.mass, "kg", Range{0.01, 1000.0});
-  visit("vehicle/gravity", options.gravity, "m/s^2", Range{1.0, 30.0});
-  visit("vehicle/roll_trim", options.roll_trim, "rad", Range{-0.2, 0.2});
-  visit("vehicle/pitch_trim", options.pitch_trim, "rad", Range{-0.2, 0.2});
+  visit("vehicle/mass", options.mass, "kg", Range{0.01, 1000.0, 1.2});
+  visit("vehicle/gravity", options.gravity, "m/s^2", Range{1.0, 30.0, 1.05});
+  visit("vehicle/roll_trim", options.roll_trim, "rad", Range{-0.2, 0.2, 1.0, 0.05});
+  visit("vehicle/pitch_trim", options.pitch_trim, "rad", Range{-0.2, 0.2, 1.0, 0.05});
   visit("controller/control_period", options.control_period, "s", Range{0.0005, 1.0});
-  visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0});
-  visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0});
-  visit("controller/angle_max", options.angle_max, "rad", Range{0.01, 1.0});
-  visit("controller/thrust_min", options.thrust_min, "m/s^2", Range{0.5, 50.0});
-  visit("controller/thrust_max", options.thrust_max, "m/s^2", Range{1.0, 200.0});
-  visit("controller/hold_periods", options.hold_periods, "samples", Range{0.0, 1000.0});
-  visit("controller/level_periods", options.level_periods, "samples", Range{0.0, 100000.0});
-  visit("controller/descend_periods", options.descend_periods, "samples", Range{0.0, 1000000.0});
+  visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0, 4.0, 0.1});
+  visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0, 4.0, 0.1});
+  visit("controller/angle_max", options.angle_max, "rad", Range{0.01, 1.0, 2.5});
+  visit("controller/thrust_min", options.thrust_min, "m/s^2", Range{0.5, 50.0, 2.0});
+  visit("controller/thrust_max", options.thrust_max, "m/s^2", Range{1.0, 200.0, 2.0});
+  visit("controller/hold_periods", options.hold_periods, "samples", Range{0.0, 1000.0, 10.0, 10.0});
+  visit("controller/level_periods", options.level_periods, "samples", Range{0.0, 100000.0, 10.0, 200.0});
+  visit("controller/descend_periods", options.descend_periods, "samples", Range{0.0, 1000000.0, 10.0, 800.0});
   visit("controller/descend_thrust", options.descend_thrust, "1", Range{0.5, 1.0});
-  visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6});
+  visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6, 10.0, 0.5});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
-  visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1});
-  visit("controller/attitude_coupling", options.attitude_coupling, "1", Range{0.0, 1.0});
-  visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1});
+  visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1, 10.0, 5e-4});
+  visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));
+  visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});
   visit("controller/offset_free", options.offset_free);
   visit("controller/solve_outside", options.solve_outside);
   visit("controller/integrator", options.integrator);
-  visit("controller/integral_gain_xy", options.integral_gain_xy, "1/s^3", Range{0.0, 10.0});
-  visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0});
-  visit("controller/integral_limit", options.integral_limit, "m s", Range{0.0, 100.0});
-  visit("controller/antiwindup_ball", options.antiwindup_ball, "m", Range{0.0, 100.0});
+  visit("controller/integral_gain_xy", options.integral_gain_xy, "1/s^3", Range{0.0, 10.0, 4.0, 0.1});
+  visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0, 4.0, 0.1});
+  visit("controller/integral_limit", options.integral_limit, "m s", Range{0.0, 100.0, 4.0, 1.0});
+  visit("controller/antiwindup_ball", options.antiwindup_ball, "m", Range{0.0, 100.0, 10.0, 0.4});
   visitObserverNoise(options.noise, visit);
 }
 

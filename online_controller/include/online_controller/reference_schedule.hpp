@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "online_controller/reference_limits.hpp"
 #include "online_controller/reference_trajectory.hpp"
 
 namespace polyfly {
@@ -34,6 +35,12 @@ class ReferenceSchedule {
   /// Takes over at time `start` [s], or with the next sample. The first of all is in force at once and holds
   /// its first pose until its start. An empty trajectory is ignored. Throws Error when too many wait.
   void set(ReferenceTrajectory trajectory, std::optional<double> start);
+
+  /// Drops all.
+  void clear() noexcept { first_ = count_ = 0; }
+
+  /// The first point of all that asks for too much, see the function.
+  ReferenceExcess findExcess(const Eigen::Vector3d& vehicle, const ReferenceLimits& limits) const noexcept;
 
   /// Holds a pose from now on and drops the rest. Does not allocate.
   void hold(const Eigen::Vector3d& position, double yaw) noexcept;

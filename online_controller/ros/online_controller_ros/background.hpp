@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "online_controller/change_bounds.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/flight_diagnostics.hpp"
 #include "online_controller_ros/flight_display.hpp"
@@ -34,6 +35,7 @@ class Background {
 
  private:
   void apply();
+  void noteInForce();
   std::string bakedIn() const;
   bool onSwapMaps(online_controller::SwapMaps::Request& request,
                   online_controller::SwapMaps::Response& response);
@@ -46,7 +48,8 @@ class Background {
   LawSetup setup_;  // what was offered last
   LawKeeper& keeper_;
   FlightRecord& record_;
-  OptionTable table_;  // of setup_
+  OptionTable table_;             // of setup_
+  polyfly::ChangeBounds bounds_;  // of its values
   ReconfigureServer reconfigure_;
   FlightDisplay display_;
   FlightDiagnostics diagnostics_;

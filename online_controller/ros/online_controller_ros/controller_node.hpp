@@ -13,6 +13,7 @@
 
 #include "online_controller/options.hpp"
 #include "online_controller/poll_window.hpp"
+#include "online_controller/time_source.hpp"
 #include "online_controller_ros/background.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"
@@ -79,6 +80,7 @@ class ExplicitMpcNode {
   ExplicitMpcNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const ForeignNames& names, const Setup& setup);
   void connect();
+  void startWatchdog();
 
   using OdometryEvent = ros::MessageEvent<const nav_msgs::Odometry>;
   void onOdometry(const OdometryEvent& event);
@@ -87,6 +89,8 @@ class ExplicitMpcNode {
   void onFollowUp();
   void onManual(const ros::Time& now);
   void onWatchdog();
+  void onWallTime();
+  void tellOfClock();
   bool onSelectLaw(online_controller::SelectLaw::Request& request,
                    online_controller::SelectLaw::Response& response);
   void publishLaw();
@@ -111,6 +115,7 @@ class ExplicitMpcNode {
   nav_msgs::Odometry::ConstPtr left_;  // for the control thread to answer
   ros::NodeHandle handle_;
   LawKeeper keeper_;
+  polyfly::TimeSource time_;
   polyfly::FlightSupervisor flight_;
   FlightInterface interface_;
   CommandOutput output_;
@@ -129,7 +134,7 @@ class ExplicitMpcNode {
   int core_ = -1;          // where it is kept; -1: anywhere
   bool follows_core_;      // while it rehearses, it shall be kept where the publisher runs
   bool follows_priority_;  // it shall have a priority just below that of the publisher
-  ros::Duration silence_;  // longer than this without odometry is silence
+  double silence_;         // longer than this without odometry is silence [s]
 
   ros::Publisher law_publisher_;
   ros::ServiceServer law_service_;
@@ -137,10 +142,12 @@ class ExplicitMpcNode {
   // roscpp takes a lock of its timers after each callback: not with the baton in one's hands.
   WatchedQueue timer_queue_;
   ros::Timer watchdog_;
-  ros::CallbackInterfacePtr watchdog_task_;  // of the control thread
-  std::atomic<bool> watchdog_waits_{false};
+  ros::SteadyTimer wall_watchdog_;                            // where time is simulated
+  ros::CallbackInterfacePtr watchdog_task_, wall_time_task_;  // of the control thread
+  std::atomic<bool> watchdog_waits_{false}, wall_time_waits_{false};
 
   bool has_odometry_ = false;
+  bool told_of_wall_time_ = false;
   ros::Time arrival_;          // of the last odometry
   std::string frame_;          // of the last odometry
   double odometry_age_ = 0.0;  // at its arrival [s]

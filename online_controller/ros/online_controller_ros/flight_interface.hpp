@@ -10,6 +10,7 @@
 #include <string>
 
 #include "online_controller/flight_supervisor.hpp"
+#include "online_controller/time_source.hpp"
 #include "online_controller/vehicle_observer.hpp"
 #include "online_controller/velocity_check.hpp"
 #include "online_controller_ros/answered.hpp"
@@ -65,9 +66,9 @@ struct FlightSetup {
 /// supervisor's other callers must not run concurrently.
 class FlightInterface {
  public:
-  /// Keeps a reference to `flight`. The observer is that of the vehicle in `laws`.
+  /// Keeps references to `flight` and `time`. The observer is that of the vehicle in `laws`.
   FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle, polyfly::FlightSupervisor& flight,
-                  const FlightSetup& setup, const LawSetup& laws);
+                  const polyfly::TimeSource& time, const FlightSetup& setup, const LawSetup& laws);
 
   /// Whether an odometry bears the frame agreed; the first one may agree it.
   bool frameFits(const std::string& frame);
@@ -103,16 +104,20 @@ class FlightInterface {
   template <class Message>
   void take(const Message& message, std::optional<double> start, const char* topic);
   void publish();
+  void tellOfEarlyReferences();
 
   polyfly::FlightSupervisor& flight_;
+  const polyfly::TimeSource& time_;
   JoyLayout joy_;
   polyfly::VehicleObserver observer_;
   polyfly::VelocityCheck velocities_;
   polyfly::AttitudeCommand sent_;  // last
   unsigned calibrations_ = 0;      // told of
-  bool frame_demanded_;
-  std::string frame_;
-  std::string reference_text_;  // what became of the last reference
+  std::string frame_;              // of odometry and references; empty: not known yet
+  std::string early_frame_;        // of references that came before the first odometry
+  bool early_fits_ = true;         // it is that of the odometry
+  bool told_of_early_ = false;     // what became of those references
+  std::string reference_text_;     // what became of the last reference
   unsigned published_changes_ = 0;
   OnManual on_manual_;
 

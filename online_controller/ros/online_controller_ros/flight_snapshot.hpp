@@ -37,6 +37,7 @@ struct FlightRecord {
   polyfly::LatestValue<FlightSnapshot> latest;
   std::atomic<bool> wanted{true};       ///< somebody waits for a snapshot
   std::atomic<bool> show_paths{false};  ///< with reference and prediction
+  std::atomic<bool> commands{false};    ///< were sent, since the start or since it landed
 
   polyfly::LatencyHistogram latency;      ///< odometry to command
   polyfly::LatencyHistogram step;         ///< the law alone

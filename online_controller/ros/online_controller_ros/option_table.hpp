@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mpc_core/range.hpp"
+#include "online_controller/change_bounds.hpp"
 
 namespace polyfly_ros {
 
@@ -57,7 +58,7 @@ class OptionTable {
   void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range) {
     add(key, &field, unit, range);
   }
-  void operator()(const char* key, bool& field) { add(key, &field, "", {0.0, 1.0}); }
+  void operator()(const char* key, bool& field) { add(key, &field, "", polyfly::anyChange(0.0, 1.0)); }
 
   const std::vector<Option>& options() const noexcept { return options_; }
   std::vector<std::string> groups() const;  ///< in the order of the options
@@ -69,6 +70,9 @@ class OptionTable {
   void alias(const ForeignName& name);
   const std::vector<Alias>& aliases() const noexcept { return aliases_; }
   const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }
+  /// How far they may be changed in flight, from the present values.
+  polyfly::ChangeBounds bounds() const;
+
   /// All values, and putting them back.
   std::vector<double> values() const;
   void restore(const std::vector<double>& values);

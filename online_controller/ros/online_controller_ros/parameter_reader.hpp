@@ -31,7 +31,8 @@ class ParameterReader {
   /// As requiredText, but `fallback` where the parameter is not set.
   std::string text(const std::string& key, const std::string& what, const std::string& fallback);
 
-  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling.
+  /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is
+  /// one below a namespace whose name is near to one of these, or of those read: see polyfly::meantName.
   void refuseUnknown(const std::vector<std::string>& namespaces) const;
 
   /// Private parameters that were never read: perhaps misspelled.
@@ -39,6 +40,7 @@ class ParameterReader {
 
  private:
   bool given(const std::string& key);
+  void refuseMisspeltGroups(const std::vector<std::string>& names, std::vector<std::string> groups) const;
 
   ros::NodeHandle handle_;
   std::set<std::string> read_;

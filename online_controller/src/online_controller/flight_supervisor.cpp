@@ -6,6 +6,7 @@
 
 #include "online_controller/attitude.hpp"
 #include "online_controller/warm.hpp"
+#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -132,6 +133,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
   if (restarted_) law_->restartObserver();
   last_ = state;
   fresh_ = true;
+  if (!located_) judgeEarlyReferences();
   switch (state_) {
     case FlightState::kInactive:
     case FlightState::kLanded:
@@ -151,6 +153,19 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
       break;
   }
   return *report_;
+}
+
+void FlightSupervisor::judgeEarlyReferences() noexcept {
+  located_ = true;
+  early_excess_ = references_.findExcess(last_.position, options_.reference_limits);
+  if (early_excess_.limit != nullptr) dropReferences();
+}
+
+void FlightSupervisor::dropReferences() noexcept {
+  references_.clear();
+  if (state_ == FlightState::kRemoteControl || state_ == FlightState::kInactive) return;
+  state_ = FlightState::kInactive;
+  ++changes_;
 }
 
 const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
@@ -337,6 +352,9 @@ const char* FlightSupervisor::onReference(ReferenceTrajectory trajectory, std::o
   const FlightEvent event = is_pose ? FlightEvent::kPose : FlightEvent::kTrajectory;
   const FlightTransition next = transition(state_, event, situation());
   if (next.refusal != nullptr) return next.refusal;
+  const ReferenceExcess excess =
+      findExcess(trajectory, located_ ? &last_.position : nullptr, options_.reference_limits);
+  if (excess.limit != nullptr) throw Error(describe(excess));
   references_.set(std::move(trajectory), start);
   const FlightState wanted = is_pose ? FlightState::kPositionHold : FlightState::kTrajectory;
   if (state_ == FlightState::kTakeOff) after_takeoff_ = wanted;

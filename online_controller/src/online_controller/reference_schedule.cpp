@@ -44,6 +44,14 @@ void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double
   last() = {std::move(trajectory), start};
 }
 
+ReferenceExcess ReferenceSchedule::findExcess(const Eigen::Vector3d& vehicle,
+                                              const ReferenceLimits& limits) const noexcept {
+  ReferenceExcess found;
+  for (std::size_t i = first_; i < first_ + count_ && found.limit == nullptr; ++i)
+    found = polyfly::findExcess(entries_[i].trajectory, &vehicle, limits);
+  return found;
+}
+
 void ReferenceSchedule::hold(const Eigen::Vector3d& position, double yaw) noexcept {
   first_ = 0;
   count_ = 1;

@@ -16,6 +16,7 @@ from mav_msgs.msg import RollPitchYawrateThrust
 from nav_msgs.msg import Odometry
 from online_controller.msg import AxisStatus, ControllerStatus
 from online_controller.srv import SelectLaw
+from rosgraph_msgs.msg import Clock
 from roslib.packages import find_node
 from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
@@ -194,6 +195,40 @@ class ExplicitMpcTest(MapsFixture):
         command, status = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
         self.assertFalse(is_level(command))
 
+    def test_wall_time_decides_where_simulated_time_stands_and_odometry_came(self):
+        rospy.set_param("/use_sim_time", True)
+        self.addCleanup(rospy.set_param, "/use_sim_time", False)
+        controller = self.fly({"controller/stale_periods": 10})
+        controller.pose.publish(pose_at(0.5, 0.0, 0.0))
+        command, _ = controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+        self.assertFalse(is_level(command))
+        self.assertIsNotNone(controller.statuses.wait(
+            lambda m: (m.status, m.reason) == (ControllerStatus.LEVEL, ControllerStatus.REASON_STALE)))
+        self.assertTrue(is_level(controller.commands.messages[-1]))
+        controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+
+        # A clock that stands after odometry came is a paused simulation.
+        clock = rospy.Publisher("/clock", Clock, queue_size=1)
+        time = rospy.Time.now()
+        deadline = time + rospy.Duration(PATIENCE)
+        while clock.get_num_connections() == 0 and rospy.Time.now() < deadline:
+            rospy.sleep(0.01)
+        for _ in range(5):
+            time += rospy.Duration(0.001)
+            clock.publish(time)
+            rospy.sleep(0.05)
+        stamp = rospy.Time.now()
+
+        def still(odometry):
+            odometry.header.stamp = stamp
+
+        controller.exchange(still, accept=lambda s: s.status == ControllerStatus.OPTIMAL)
+        paused = len(controller.commands.messages)
+        rospy.sleep(0.6)
+        self.assertEqual(len(controller.commands.messages), paused)
+        controller.process.terminate()
+        self.assertIn("wall time decides", controller.output_at_end())
+
     def test_refuses_maps_that_do_not_fit(self):
         def with_lateral(name):
             return dict(self.maps, lateral=os.path.join(self.folder.name, name))
@@ -209,6 +244,9 @@ class ExplicitMpcTest(MapsFixture):
 
     def test_refuses_parameters_that_are_not_fit(self):
         self.assertIn("/controller/controller/yaw_gian: unknown", self.refusal(parameters={"controller/yaw_gian": 1.0}))
+        self.assertIn("/controller/vehical/mass: there is no group 'vehical'; is 'vehicle' meant?",
+                      self.refusal(parameters={"vehical/mass": 3.0}))
+        self.assertIn("is 'KF_observer' meant?", self.refusal(parameters={"kf_observer/q_position": 0.1}))
         self.assertIn("/controller/vehicle/mass: must lie in", self.refusal(parameters={"vehicle/mass": -1.0}))
         self.assertIn("/controller/vehicle/mass: must be a number", self.refusal(parameters={"vehicle/mass": "heavy"}))
         self.assertIn("hold_periods: must be a whole number", self.refusal(parameters={"controller/hold_periods": 2.5}))

@@ -13,7 +13,7 @@ from std_srvs.srv import Empty, Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 from geometry_msgs.msg import Transform
 
-from controller_twin import MapsFixture, pose_at
+from controller_twin import Controller, MapsFixture, pose_at
 from twin import PATIENCE
 
 MASS, GRAVITY, PERIOD = 1.52, 9.8066, 0.01
@@ -179,6 +179,29 @@ class FlightStatesTest(MapsFixture):
             controller.trajectory.publish(trajectory)
             self.assertIsNotNone(self.states.wait(lambda m: said in m.reference), said)
         vehicle.step()
+
+        # What is refused leaves the reference in force.
+        def refused(send, sentence):
+            before = vehicle.step()[1].longitudinal.theta[0]
+            send()
+            self.assertIsNotNone(self.states.wait(lambda m: m.reference.startswith("refused") and sentence in m.reference),
+                                 sentence)
+            self.assertAlmostEqual(vehicle.step()[1].longitudinal.theta[0], before, delta=0.1)
+
+        def pose(x, z, frame):
+            message = pose_at(x, 0.0, z)
+            message.header.frame_id = frame
+            controller.pose.publish(message)
+
+        refused(lambda: pose(0.5, 1.0, "map"), "frame 'map' is not that of the odometry, 'world'")
+        refused(lambda: pose(1e5, 1.0, "world"), "more than reference_limits/distance, 1000 m")
+        refused(lambda: pose(0.5, 700.0, ""), "more than reference_limits/height, 500 m")
+        trajectory.header.stamp, trajectory.header.frame_id = rospy.Time(), "map"
+        refused(lambda: controller.trajectory.publish(trajectory), "command/trajectory: frame 'map' is not")
+        trajectory.header.frame_id = ""
+        trajectory.points[3].transforms[0].translation.x = 900.0
+        refused(lambda: controller.trajectory.publish(trajectory), "more than reference_limits/speed, 30 m/s")
+        vehicle.step()
         vehicle.frame = "odom"
         _, status = vehicle.step()
         self.assertEqual((status.status, status.reason),
@@ -190,6 +213,23 @@ class FlightStatesTest(MapsFixture):
         vehicle.frame = "world"
         _, status = vehicle.step()
         self.assertEqual(status.status, ControllerStatus.OPTIMAL)
+
+
+    def test_references_that_came_before_the_odometry_are_judged_by_it(self):
+        for x, frame, sentence in ((1e5, "world", "reference_limits/distance"), (0.0, "map", "frame 'map'")):
+            controller = Controller("early_" + frame, self.maps, {"controller/stale_periods": 10000})
+            self.addCleanup(controller.stop)
+            controller.connect()
+            states = controller.collector("flight_status", FlightStatus)
+            early = pose_at(x, 0.0, 0.0)
+            early.header.frame_id = frame
+            controller.pose.publish(early)
+            self.assertIsNotNone(states.wait(lambda m: m.reference == "pose"))
+            _, status = controller.exchange()
+            self.assertEqual(status.status, ControllerStatus.NO_REFERENCE)
+            self.assertIsNotNone(states.wait(lambda m: sentence in m.reference and m.state == FlightStatus.INACTIVE))
+            controller.pose.publish(pose_at(0.0, 0.0, 0.0))
+            controller.exchange(accept=lambda s: s.status == ControllerStatus.OPTIMAL)
 
 
 if __name__ == "__main__":

@@ -43,13 +43,16 @@ class InFlightTest(MapsFixture):
 
     def test_options_change_in_flight(self):
         controller = self.fly({"law": "linear", "controller/offset_free": False})  # the vehicle does not move
+        options = self.options(controller)
+        # Before the first command the whole range is open.
+        for mass in (900.0, 1.52):
+            self.assertEqual(options.update_configuration({"vehicle/mass": mass})["vehicle/mass"], mass)
         turned = pose_at(0.0, 0.3, 0.0)
         turned.pose.orientation.w, turned.pose.orientation.z = math.cos(0.1), math.sin(0.1)
         controller.pose.publish(turned)
         controller.exchange(accept=is_optimal)
         for _ in range(5):  # until the command depends on the one before no more
             first, _ = controller.exchange()
-        options = self.options(controller)
         described = {p["name"]: p for p in options.get_parameter_descriptions(PATIENCE)}
         self.assertEqual(described["controller/yaw_gain"]["max"], 20.0)
         self.assertEqual(described["controller/hold_periods"]["type"], "int")
@@ -72,6 +75,19 @@ class InFlightTest(MapsFixture):
         self.assertEqual((refused["controller/thrust_min"], refused["controller/yaw_gain"]), (5.0, 3.6))
         command, _ = controller.exchange()
         self.assertAlmostEqual(command.yaw_rate, faster.yaw_rate)
+        # Refused as a whole, because the thrust would follow the mass in the next command.
+        thrust = command.thrust.z
+        for mass in (1e9, 3.0, 1e-9, -1.0):
+            refused = options.update_configuration({"vehicle/mass": mass, "controller/yaw_gain": 4.0})
+            self.assertEqual((refused["vehicle/mass"], refused["controller/yaw_gain"]), (1.52, 3.6))
+        self.assertEqual(options.update_configuration({"vehicle/mass": float("nan")})["vehicle/mass"], 1.52)
+        controller.exchange()
+        self.assertAlmostEqual(controller.exchange()[0].thrust.z, thrust)
+        mass = 1.52
+        for _ in range(20):  # in a row they go no further than one
+            mass = options.update_configuration({"vehicle/mass": 1.1 * mass})["vehicle/mass"]
+        self.assertAlmostEqual(mass, 1.52 * 1.1)
+        refused = options.update_configuration({"vehicle/mass": 1.52})
 
         note = refused["explicit_maps"]
         self.assertIn("linear/position_weight_y is 40 in the maps, 4 here", note)

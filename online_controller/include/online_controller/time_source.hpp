@@ -1,0 +1,46 @@
+#pragma once
+
+namespace polyfly {
+
+/// How long odometry has been silent, by the clock that can be trusted. ROS time decides, unless it is
+/// simulated and its clock is dead: then wall time does. The clock is dead where odometry has come for
+/// kStandstill of wall time since ROS time last moved, and one of these holds:
+/// - no clock ever came;
+/// - the odometry's stamps advanced by kStandstill meanwhile.
+///
+/// A clock that stands still otherwise is a paused simulation: no time passes.
+///
+/// Reads no clock; ROS time and a steady wall time are arguments [s].
+class TimeSource {
+ public:
+  /// Long against a slow /clock, short against what a vehicle can do meanwhile [s].
+  static constexpr double kStandstill = 0.25;
+
+  /// Without `simulated`, ROS time always decides.
+  explicit TimeSource(bool simulated) noexcept : simulated_(simulated) {}
+
+  /// To be called in each control period.
+  void advance(double ros, double wall) noexcept;
+
+  /// Odometry with this stamp [s] arrived.
+  void onOdometry(double ros, double wall, double stamp) noexcept;
+
+  bool byWall() const noexcept { return by_wall_; }     ///< wall time decides
+  double silence() const noexcept { return silence_; }  ///< since the last odometry [s]
+  double ahead() const noexcept { return ahead_; }      ///< of ROS time is the time that decides [s]
+
+ private:
+  bool simulated_;
+  double ros_ = 0.0;             // ROS time when it last moved; 0: no clock came yet
+  double since_ = 0.0;           // silence counts from this ROS time
+  bool heard_ = false;           // odometry, since ROS time last moved; with it:
+  double first_wall_ = 0.0;      // when that came first
+  double first_stamp_ = 0.0;     // its stamp
+  double greatest_stamp_ = 0.0;  // of those since
+  double last_wall_ = 0.0;       // when odometry came last
+  double silence_ = 0.0;
+  double ahead_ = 0.0;
+  bool by_wall_ = false;
+};
+
+}  // namespace polyfly
