@@ -204,6 +204,19 @@ TEST_P(OdometryOutliers, AFrameThatHasTurnedIsBelievedInTheEnd) {
   EXPECT_LT(flown.last, 0.1);
 }
 
+// Velocities that are turned with the yaw do not lead where the positions go: this frame has not turned.
+TEST_P(OdometryOutliers, AYawThatIsOffForGoodIsNotBelievedAgainstTheMotion) {
+  for (const Task task : {Task::kHover, Task::kLine}) {  // wind moves what hovers
+    OutlierFlight flight(GetParam().make);
+    begin(flight, task);
+    const Flown flown = flight.fly(6.0, yawOff(kPi, 6.0));
+    EXPECT_NEAR(flown.refused, 6.0, 0.5 * kPeriod);
+    EXPECT_EQ(flight.supervisor().state(), FlightState::kFailsafe);
+    EXPECT_LT(flown.tilt, 15.0 * kDegree);
+    EXPECT_EQ(flight.supervisor().report().status, ControlStatus::kDescend);
+  }
+}
+
 TEST_P(OdometryOutliers, OdometryThatRepeatsItselfInMotionIsSilence) {
   for (const bool noisy : {true, false}) {
     for (const double length : {0.2, 0.5, 1.0, 3.0}) {

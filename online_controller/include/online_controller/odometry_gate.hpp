@@ -17,7 +17,8 @@ namespace polyfly {
 /// Time and place may truly begin anew (another bag, a relocalisation): after hold_periods refused samples in
 /// a row that agree with each other the next one of them is accepted, as a restart. An attitude that is wrong
 /// drives the vehicle away, where being level does not; so another attitude is believed hold_periods and
-/// level_periods after it came, when the SafetyLadder would begin to descend.
+/// level_periods after it came, when the SafetyLadder would begin to descend; and not while its velocities
+/// lead elsewhere than its positions go, by 0.2 m/s on the mean, as they do where only the attitude is wrong.
 class OdometryGate {
  public:
   struct Verdict {
@@ -38,12 +39,16 @@ class OdometryGate {
  private:
   ControlReason compare(const VehicleState& before, const VehicleState& state) const noexcept;
   bool hasTurned(const VehicleState& before, const VehicleState& state) const noexcept;
+  void addCandidate(const VehicleState& state, bool agrees) noexcept;
+  bool isElsewhere() const noexcept;
 
   MultirotorOptions options_;
   RepeatCheck repeat_;
   VehicleState last_;       // accepted
   VehicleState led_;        // the last one in time, with the attitude to which body rates led where it jumped
   VehicleState candidate_;  // refused last
+  VehicleState first_candidate_;                             // of those that agree
+  Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();  // that their velocities lead since then [m]
   bool started_ = false;
   int agreeing_ = 0;  // refused samples in a row that agree
 };

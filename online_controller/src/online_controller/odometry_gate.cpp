@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kGreatestAcceleration = 20.0;  // that a vehicle is granted between two samples [m/s^2]
 constexpr double kGreatestAngularAcceleration = 20.0;  // likewise, beyond what its rates say [rad/s^2]
+constexpr double kOtherWay = 0.2;  // of positions and velocities that are of different frames [m/s]
 constexpr double kPi = 3.14159265358979323846;
 
 // Where the body rates of both samples lead from the attitude of the first one.
@@ -49,6 +50,24 @@ bool OdometryGate::hasTurned(const VehicleState& before, const VehicleState& sta
          halfCosine(ledAttitude(before, state), state.attitude) < least;
 }
 
+void OdometryGate::addCandidate(const VehicleState& state, bool agrees) noexcept {
+  if (agrees) {
+    ++agreeing_;
+    candidate_way_ += 0.5 * (state.stamp - candidate_.stamp) * (candidate_.velocity + state.velocity);
+  } else {
+    agreeing_ = 1;
+    candidate_way_.setZero();
+    first_candidate_ = state;
+  }
+  candidate_ = state;
+}
+
+// Whether the candidates went elsewhere than their velocities lead.
+bool OdometryGate::isElsewhere() const noexcept {
+  const Eigen::Vector3d went = candidate_.position - first_candidate_.position;
+  return (went - candidate_way_).norm() > kOtherWay * (candidate_.stamp - first_candidate_.stamp);
+}
+
 OdometryGate::Verdict OdometryGate::check(const VehicleState& state) noexcept {
   if (!isSane(state)) return {ControlReason::kNotFinite, false};
   if (repeat_.repeats(state, options_.repeat_time)) return {ControlReason::kStale, false};
@@ -59,10 +78,9 @@ OdometryGate::Verdict OdometryGate::check(const VehicleState& state) noexcept {
   if (refusal != ControlReason::kNone) {
     const bool agrees =
         agreeing_ > 0 && compare(candidate_, state) == ControlReason::kNone && !hasTurned(candidate_, state);
-    agreeing_ = agrees ? agreeing_ + 1 : 1;
-    candidate_ = state;
+    addCandidate(state, agrees);
     const int wait = options_.hold_periods + (turned ? options_.level_periods : 0);
-    if (agreeing_ <= wait) {
+    if (agreeing_ <= wait || (turned && isElsewhere())) {
       if (state.stamp < led_.stamp) return {refusal, false};
       const Eigen::Quaterniond attitude = turned ? ledAttitude(led_, state) : state.attitude;
       led_ = state;
