@@ -87,7 +87,9 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
         sample.reference = reference.value_or(Reference{});
         const OdometryGate::Verdict verdict = gate.check(state);
         if (verdict.restarted) controller.restartObserver();
-        if (!reference) {
+        if (verdict.refusal == ControlReason::kStale) {
+          sample.report = controller.onSilence(state.stamp);
+        } else if (!reference) {
           sample.report = controller.stepWithoutReference(state.stamp);
         } else if (verdict.refusal != ControlReason::kNone) {
           sample.report = controller.withoutSample(state.stamp, verdict.refusal);

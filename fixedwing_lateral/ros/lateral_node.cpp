@@ -57,6 +57,7 @@ void pairOptions(Options& options, Config& config, Pair&& pair) {
   pair(options.safety.wind_share_max, config.safety_wind_share_max);
   pair(options.safety.hysteresis, config.safety_hysteresis);
   pair(options.safety.jump_distance, config.safety_jump_distance);
+  pair(options.safety.jump_angle, config.safety_jump_angle);
   pair(options.safety.jump_patience, config.safety_jump_patience);
   pair(options.safety.hold_time, config.safety_hold_time);
   pair(options.safety.upwind_gain, config.safety_upwind_gain);

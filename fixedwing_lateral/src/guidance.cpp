@@ -15,6 +15,8 @@ using Index = LateralIndex;
 constexpr double kHorizonLife = 0.5;              // after which the nodes are too old to begin with [s]
 constexpr double kFastest = 20.0;                 // roll rate beyond which it is none [rad/s]
 constexpr double kSteepest = 80.0 / 180.0 * kPi;  // roll beyond which the model says nothing [rad]
+constexpr double kTurnRate = 0.5;                 // that a heading is granted between two states [rad/s]
+constexpr double kStandingSpeed = 1.0;            // below which a state may repeat itself [m/s]
 
 bool isFinite(const AircraftState& state) noexcept {
   return state.position.allFinite() && state.ground_velocity.allFinite() && std::isfinite(state.heading) &&
@@ -53,7 +55,7 @@ const char* toString(GuidanceReason reason) noexcept {
     case GuidanceReason::kStale:
       return "a stale state";
     case GuidanceReason::kJump:
-      return "a jump of the position";
+      return "a jump of position, heading or roll";
     case GuidanceReason::kSolver:
       return "the optimisation failed";
     case GuidanceReason::kLowAirspeed:
@@ -192,21 +194,39 @@ GuidanceReason LateralGuidance::fault(const GuidanceInput& input) noexcept {
   const AircraftState& state = input.state;
   if (!isFinite(state) || !std::isfinite(input.time)) return GuidanceReason::kNotFinite;
   if (std::abs(input.time - state.stamp) > options_.safety.state_timeout) return GuidanceReason::kStale;
+  if (repeats(state)) return GuidanceReason::kStale;
   return hasJumped(state) ? GuidanceReason::kJump : GuidanceReason::kNone;
 }
 
+// What moves is not for long where it was, whatever the stamp says.
+bool LateralGuidance::repeats(const AircraftState& state) noexcept {
+  if (state.position != seen_.position || state.stamp < seen_.stamp) seen_ = state;
+  return state.ground_velocity.norm() > kStandingSpeed &&
+         state.stamp - seen_.stamp > options_.safety.state_timeout;
+}
+
+// Whether heading or roll is another one than the last, with the room that turns and the roll rates need.
+bool LateralGuidance::hasTurned(const AircraftState& state, double elapsed) const noexcept {
+  const double room = options_.safety.jump_angle;
+  const double roll = place_.roll + 0.5 * elapsed * (place_.roll_rate + state.roll_rate);
+  return std::abs(wrapCourse(state.heading - place_.heading)) > room + kTurnRate * elapsed ||
+         std::abs(state.roll - roll) > room + kTurnRate * elapsed;
+}
+
 // A position is expected where the last velocity leads. One that is not is believed after a while, as is one
-// after a pause too long to expect anything.
+// after a pause too long to expect anything. Another heading would be flown by in the wrong direction, where
+// the last horizon goes on as it was; so heading and roll are believed after that pause only.
 bool LateralGuidance::hasJumped(const AircraftState& state) noexcept {
   const SafetyOptions& safety = options_.safety;
   const double elapsed = state.stamp - place_.stamp;
   if (has_place_ && elapsed >= 0.0 && elapsed <= safety.hold_time) {
     const Eigen::Vector2d expected =
         place_.position + 0.5 * elapsed * (place_.ground_velocity + state.ground_velocity);
-    if ((state.position - expected).norm() > safety.jump_distance) {
+    const bool turned = hasTurned(state, elapsed);
+    if (turned || (state.position - expected).norm() > safety.jump_distance) {
       if (!jumping_) jump_since_ = state.stamp;
       jumping_ = true;
-      if (state.stamp - jump_since_ < safety.jump_patience) return true;
+      if (turned || state.stamp - jump_since_ < safety.jump_patience) return true;
     }
   }
   needs_restart_ = needs_restart_ || jumping_;

@@ -161,6 +161,41 @@ TEST_F(Ladder, DisbelievesAJumpUntilItStays) {
   EXPECT_EQ(restarts, 1);
 }
 
+TEST_F(Ladder, DisbelievesAHeadingOrARollThatJumps) {
+  expectRecovery();
+  for (const double angle : {kPi, -2.2}) {
+    GuidanceOutput output = flyWith(1.5, [&](GuidanceInput& input) { input.state.heading += angle; });
+    EXPECT_EQ(output.mode, GuidanceMode::kHoldHorizon) << angle;
+    EXPECT_EQ(output.reason, GuidanceReason::kJump) << angle;
+    EXPECT_LT(std::abs(aircraft_.state().roll), 0.05) << angle;  // it goes on straight ahead
+    EXPECT_EQ(step(truth()).reason, GuidanceReason::kNone);
+    EXPECT_LT(std::abs(fly(0.5).error.track), 0.5) << angle;
+  }
+  GuidanceOutput output = flyWith(0.3, [](GuidanceInput& input) { input.state.roll = 1.3; });
+  EXPECT_EQ(output.reason, GuidanceReason::kJump);
+  EXPECT_EQ(step(truth()).reason, GuidanceReason::kNone);
+  // One that stays is believed when the last horizon is flown: the wings would be levelled next. Against the
+  // ground velocity, a heading means wind.
+  output = flyWith(2.1, [](GuidanceInput& input) { input.state.heading += kPi; });
+  EXPECT_EQ(output.reason, GuidanceReason::kStrongWind);
+}
+
+TEST_F(Ladder, TakesAStateThatRepeatsItselfUnderNewStampsForStale) {
+  fly(1.0);
+  const AircraftState first = aircraft_.state();
+  const auto repeat = [&](GuidanceInput& input) {
+    const double stamp = input.state.stamp;
+    input.state = first;
+    input.state.stamp = stamp;
+  };
+  EXPECT_EQ(flyWith(0.25, repeat).reason,
+            GuidanceReason::kNone);  // slow positions may be published more often
+  const GuidanceOutput output = flyWith(0.5, repeat);
+  EXPECT_EQ(output.mode, GuidanceMode::kHoldHorizon);
+  EXPECT_EQ(output.reason, GuidanceReason::kStale);
+  expectRecovery();
+}
+
 TEST_F(Ladder, LevelsAtLowAirspeedUntilThereIsAMargin) {
   fly(1.0);
   const auto slow = [](double airspeed) {

@@ -198,13 +198,15 @@ void ExplicitMpcNode::answer(const nav_msgs::Odometry& message) {
   times.input = clock.lap();
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   times.step = clock.lap();
-  if (flight_.sends()) output_.publish(report.command, message.header, yawOf(state));
+  // A yaw that was refused must not reach the autopilot either: then the last one stays.
+  const bool accepted = flight_.lastRefusal() == polyfly::ControlReason::kNone;
+  if (flight_.sends()) output_.publish(report.command, message.header, accepted ? yawOf(state) : kNan);
   times.output = clock.lap();
 
   Answered& answered = remember(report, message.header, times);
   answered.by_odometry = true;
   answered.state = state;
-  answered.accepted = flight_.lastRefusal() == polyfly::ControlReason::kNone;
+  answered.accepted = accepted;
   answered.restarted = flight_.restarted();
 }
 

@@ -94,11 +94,11 @@ const char* words(ControlReason reason) {
     case ControlReason::kNotFinite:
       return "odometry or reference is not finite or absurdly large";
     case ControlReason::kStale:
-      return "odometry is silent";
+      return "odometry is silent or repeats itself";
     case ControlReason::kNoReference:
       return "nothing to track yet";
     case ControlReason::kJump:
-      return "the odometry's position jumped";
+      return "the odometry's position or attitude jumped";
     case ControlReason::kOutOfOrder:
       return "the odometry's stamp is before the last one";
     case ControlReason::kWrongFrame:

@@ -322,7 +322,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 35);
+  EXPECT_EQ(count, 37);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

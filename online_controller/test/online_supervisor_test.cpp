@@ -321,6 +321,10 @@ TEST(Supervisor, RefusedOdometryHoldsThenLevelsAndSaysWhy) {
   };
   refused([](auto& state, int) { state.position.x() = kNan; }, ControlReason::kNotFinite, true);
   refused([](auto& state, int) { state.position.y() += 5.0; }, ControlReason::kJump, true);
+  const auto turn = [](auto& state, int) {
+    state.attitude = Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ())) * state.attitude;
+  };
+  refused(turn, ControlReason::kJump, true);
   refused([](auto& state, int k) { state.stamp -= 0.5 + kPeriod * k; }, ControlReason::kOutOfOrder, true);
   refused([](auto&, int) {}, ControlReason::kWrongFrame, false);
 }
@@ -353,6 +357,37 @@ TEST(Supervisor, AJumpThatLastsIsBelievedInTheEnd) {
   EXPECT_LT(std::abs(room.supervisor.report().axis[0].disturbance), 0.05);
   room.run(8.0);
   EXPECT_NEAR(room.state.position.x(), 0.0, 0.1);
+}
+
+TEST(Supervisor, OdometryThatStandsStillWhileItMovesIsSilence) {
+  Room room;
+  room.hover({0.0, 0.0, 1.0});
+  room.state.velocity.x() = 0.3;
+  int answered = 0;
+  while (room.supervisor.onOdometry(room.state).reason != ControlReason::kStale && answered < 100) {
+    room.state.stamp += kPeriod;
+    ++answered;
+  }
+  EXPECT_NEAR(answered, 11, 1);
+  EXPECT_EQ(room.supervisor.report().status, ControlStatus::kLevel);
+  EXPECT_EQ(room.supervisor.state(), FlightState::kFailsafe);
+  EXPECT_EQ(room.supervisor.lastRefusal(), ControlReason::kStale);
+  room.state.position.x() += 1e-3;  // it goes on
+  room.state.velocity.x() = 0.0;
+  EXPECT_EQ(room.step().status, ControlStatus::kOptimal);
+  EXPECT_EQ(room.supervisor.state(), FlightState::kPositionHold);
+}
+
+TEST(Supervisor, OptionsChangedInFlightReachTheGate) {
+  Room room;
+  room.hover({0.0, 0.0, 1.0});
+  polyfly::MultirotorOptions options;
+  options.jump_distance = 10.0;
+  options.jump_angle = 0.0;
+  room.supervisor.setLaw(*room.law.controller, options);
+  room.state.position.y() += 1.0;
+  room.state.attitude = Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()) * room.state.attitude;
+  EXPECT_EQ(room.supervisor.onOdometry(room.state).reason, ControlReason::kNone);
 }
 
 TEST(Supervisor, ALawWithoutAnswerEndsInFailsafeAndTheNextAnswerEndsIt) {
@@ -409,6 +444,14 @@ TEST(Supervisor, NothingInFlightAllocates) {
   room.run(0.5);
   const long before = polyfly_test::allocationCount();
   for (int k = 0; k < 100; ++k) room.supervisor.onOdometry(room.state);
+  polyfly::VehicleState turned = room.state;
+  turned.attitude = Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()) * turned.attitude;
+  turned.angular_velocity.z() = 1.0;
+  for (int k = 0; k < 30; ++k) {
+    turned.stamp += kPeriod;
+    room.supervisor.onOdometry(turned);
+  }
+  room.state.stamp = turned.stamp + kPeriod;
   room.supervisor.holdPosition();
   room.supervisor.onOdometry(room.state);
   room.supervisor.onRemoteControl(sticks, room.state.stamp);

@@ -47,8 +47,8 @@ enum class GuidanceReason : std::uint8_t {
   kNotEngaged,
   kNoMission,
   kNotFinite,  ///< a NaN, an infinity, roll of 80 degrees or 20 rad/s and more
-  kStale,      ///< the state is too old, or from the future
-  kJump,       ///< the position is not where it was expected
+  kStale,      ///< the state is too old, from the future, or repeats itself under new stamps
+  kJump,       ///< position, heading or roll is not where it was expected
   kSolver,     ///< the optimisation failed, also after beginning anew
   kLowAirspeed,
   kStrongWind,
@@ -115,6 +115,8 @@ class LateralGuidance {
 
  private:
   GuidanceReason fault(const GuidanceInput& input) noexcept;
+  bool repeats(const AircraftState& state) noexcept;
+  bool hasTurned(const AircraftState& state, double elapsed) const noexcept;
   bool hasJumped(const AircraftState& state) noexcept;
   bool solve(const GuidanceInput& input) noexcept;
   LateralState predicted(const AircraftState& state) const noexcept;
@@ -148,6 +150,7 @@ class LateralGuidance {
   double horizon_time_ = -1e300;    // of the last horizon that was good [s]
   bool has_place_ = false;
   AircraftState place_;  // the last one believed
+  AircraftState seen_;   // the first one at its position
   double jump_since_ = 0.0;
   bool jumping_ = false;
 };

@@ -17,6 +17,7 @@ struct SafetyOptions {
   double wind_share_max = 0.85;   ///< of the airspeed; above it, into the wind [-]
   double hysteresis = 0.05;       ///< share by which a limit must be left again [-]
   double jump_distance = 15.0;    ///< of a position from where it was expected [m]
+  double jump_angle = 1.0;        ///< of heading or roll from the last one, beside what turns need [rad]
   double jump_patience = 0.5;     ///< after which a new place is believed [s]
   double hold_time = 2.0;         ///< how long the last horizon is flown without a new one [s]
   double upwind_gain = 0.6;       ///< heading rate per heading error, into the wind [1/s]
@@ -69,6 +70,7 @@ void visitSafety(Options& safety, Visit&& visit) {
   visit("safety/wind_share_max", safety.wind_share_max, "", Range{0.1, 0.99});
   visit("safety/hysteresis", safety.hysteresis, "", anyChange(0.0, 0.5));
   visit("safety/jump_distance", safety.jump_distance, "m", Range{0.5, 1000.0});
+  visit("safety/jump_angle", safety.jump_angle, "rad", Range{0.1, 10.0});
   visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/upwind_gain", safety.upwind_gain, "1/s", Range{0.01, 5.0});

@@ -52,6 +52,8 @@ struct MultirotorOptions {
   int descend_periods = 800;  ///< control periods at descend_thrust after these; then nothing is sent
   double descend_thrust = 0.95;  ///< share of the hover thrust [1]
   double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
+  double jump_angle = 1.0;       ///< beyond what the body rates explain between two samples, 0: any [rad]
+  double repeat_time = 0.1;      ///< of odometry that repeats itself while the vehicle moves, 0: any [s]
   double disturbance_drift =
       0.005;  ///< of the observer's model, per control period: greater follows faster [m/s^2]
   ObserverNoise noise;
@@ -86,6 +88,8 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/descend_periods", options.descend_periods, "samples", Range{0.0, 1000000.0, 10.0, 800.0});
   visit("controller/descend_thrust", options.descend_thrust, "1", Range{0.5, 1.0});
   visit("controller/jump_distance", options.jump_distance, "m", Range{0.0, 1e6, 10.0, 0.5});
+  visit("controller/jump_angle", options.jump_angle, "rad", Range{0.0, 3.1415927, 10.0, 0.1});
+  visit("controller/repeat_time", options.repeat_time, "s", Range{0.0, 10.0, 10.0, 0.05});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
   visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1, 10.0, 5e-4});
   visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));

@@ -65,9 +65,9 @@ enum class ControlReason : std::uint8_t {
   kOutsideBox = 1,        ///< parameter out of range
   kOutsidePartition = 2,  ///< no region at the parameter or no solution: infeasible
   kNotFinite = 3,         ///< NaN or infinity in the odometry or reference
-  kStale = 4,             ///< odometry silent
+  kStale = 4,             ///< odometry silent, or repeating itself while the vehicle must be moving
   kNoReference = 5,
-  kJump = 6,        ///< position further from the last one than the velocities explain
+  kJump = 6,        ///< position or attitude further from the last one than velocities and rates explain
   kOutOfOrder = 7,  ///< stamp before that of the last sample
   kWrongFrame = 8,  ///< odometry in another frame than agreed
   kOnGround = 9,    ///< landed, or not taken off yet

@@ -124,6 +124,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
   verdict.refusal = ControlReason::kWrongFrame;
   if (frame_fits) verdict = gate_.check(state);
   refused_ = verdict.refusal;
+  if (verdict.refusal == ControlReason::kStale) return onSilence(state.stamp);
   if (verdict.refusal != ControlReason::kNone) {
     fresh_ = false;
     report_ = &refuse(state.stamp, verdict.refusal);
@@ -174,6 +175,8 @@ const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
   const ControlReport& report = law_->step(state, preview_.data());
   if (isAnswer(report.status)) {
     handle(FlightEvent::kRecovered);
+    // On the ground, where ramps begin and end, commands need not move the vehicle.
+    if (!isRamp(state_)) gate_.commanded(report.command);
     watchTask(state);
   }
   if (isOffTheLadder(report.status)) handle(FlightEvent::kNoAnswer);
@@ -198,6 +201,7 @@ void FlightSupervisor::prepareRecovery() noexcept {
 void FlightSupervisor::setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept {
   law_ = &law;
   vehicle_ = vehicle;
+  gate_.setOptions(vehicle);
   if (report_ != &own_) report_ = &law.report();
 }
 
