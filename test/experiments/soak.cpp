@@ -2,14 +2,15 @@
 #include "polyfly_test/soak.hpp"
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace {
 
@@ -66,6 +67,7 @@ nlohmann::json toJson(const SoakResult& result, const SoakOptions& options, long
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Flies for long in simulated time while everything goes wrong at random.");
   std::vector<std::string> folders;
   std::string problems, output;
@@ -77,6 +79,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "folder for summary.json")->required();
   CLI11_PARSE(app, argc, argv);
   try {
+    using polyfly::Output;
+    const std::string page = output + "/summary.json";
+    polyfly::checkOutputs({{page, Output::Kind::kText, Output::Folder::kIsMade}}, {});
     SoakLaws laws;
     std::vector<polyfly::RegionMap> maps;
     maps.reserve(3 * folders.size());
@@ -94,8 +99,8 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "[%ld/%ld] s\n", static_cast<long>(now), static_cast<long>(options.duration));
     });
     const nlohmann::json json = toJson(result, options, residentMemory() - resident);
-    std::filesystem::create_directories(output);
-    std::ofstream(output + "/summary.json") << json.dump(2) << '\n';
+    polyfly::makeFolder(output);
+    polyfly::writeFileAtomically(page, json.dump(2) + '\n');
     return result.violations.empty() ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "soak: %s\n", error.what());
