@@ -1,9 +1,7 @@
-#include <csignal>
 
 #include "calibrate_commands.hpp"
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Finds the parameters of a vehicle's model from recorded flights.", "calibrate");
   app.require_subcommand(1);
   int result = polyfly::kCalibrated;

@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -257,7 +256,6 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("validate_bag");  // proposals are counted with GMP
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");
   Arguments arguments;

@@ -18,7 +18,9 @@
 #include "fixedwing_plant/six_dof_aircraft.hpp"
 #include "recorded_figures.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
 #include "region_maps/read_line.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace {
 
@@ -34,16 +36,14 @@ constexpr double kDuration = 240.0;
 constexpr double kLoiterSettled = 25.0;  // of the 50 s of the recordings [s]
 const Vector2d kWind(0.6 * 0.5 * kAirspeed, -0.8 * 0.5 * kAirspeed);
 
-std::ofstream open(const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file.precision(9);
-  if (!file) throw Error(path.string() + ": cannot be written");
-  return file;
+std::ostringstream table() {
+  std::ostringstream text;
+  text.precision(9);
+  return text;
 }
 
-void writeFlight(const std::filesystem::path& path, const std::vector<PathSegment>& segments,
-                 const std::vector<FlightSample>& samples) {
-  std::ofstream file = open(path);
+std::string flightCsv(const std::vector<PathSegment>& segments, const std::vector<FlightSample>& samples) {
+  std::ostringstream file = table();
   file << "t,north,east,distance,roll_deg,reference_deg,rate_deg,segment\n";
   constexpr double kDegree = 180.0 / kPi;
   for (const FlightSample& sample : samples) {
@@ -52,10 +52,11 @@ void writeFlight(const std::filesystem::path& path, const std::vector<PathSegmen
          << kDegree * sample.roll_reference << ',' << kDegree * sample.truth.roll_rate << ','
          << sample.output.segment << '\n';
   }
+  return file.str();
 }
 
-void writePath(const std::filesystem::path& path, const std::vector<PathSegment>& segments) {
-  std::ofstream file = open(path);
+std::string pathCsv(const std::vector<PathSegment>& segments) {
+  std::ostringstream file = table();
   constexpr int kPoints = 90;
   for (const PathSegment& segment : segments) {
     const auto* loiter = std::get_if<LoiterCircle>(&segment);
@@ -66,6 +67,7 @@ void writePath(const std::filesystem::path& path, const std::vector<PathSegment>
     }
     file << '\n';
   }
+  return file.str();
 }
 
 AircraftState startAt(const Vector2d& position) {
@@ -128,19 +130,29 @@ std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const 
 
 class Report {
  public:
-  explicit Report(std::filesystem::path folder) : folder_(std::move(folder)) {
-    std::filesystem::create_directories(folder_);
+  /// The report of these files, none of which it may replace.
+  Report(const std::string& folder, const std::vector<std::string>& recordings,
+         const std::vector<std::string>& logs)
+      : folder_(folder), taken_(recordings) {
+    std::vector<Output> outputs = {{fileNamed("summary.json"), Output::Kind::kText, Output::Folder::kIsMade}};
+    for (const std::string& path : recordings) outputs.push_back({fileNamed(loiterName(path) + "_mpc.csv")});
+    for (const std::string& log : logs) {
+      outputs.push_back({fileNamed(logName(parseLog(log)))});
+      taken_.push_back(parseLog(log).path);
+    }
+    checkOutputs(outputs, taken_);
+    makeFolder(folder);
   }
 
   void add(const Case& chosen) {
     const Mission mission = missionOf(chosen);
     const std::string name = chosen.figure + (chosen.windy ? "_wind" : "_calm") +
                              (chosen.plant == "model" ? "" : "_" + chosen.plant);
-    writePath(folder_ / (name + "_path.csv"), mission.segments);
+    write(name + "_path.csv", pathCsv(mission.segments));
     for (const std::string& law : kLaws) {
       const std::string flight = name + "_" + law;
       const std::vector<FlightSample> samples = fly(chosen, mission, law);
-      writeFlight(folder_ / (flight + ".csv"), mission.segments, samples);
+      write(flight + ".csv", flightCsv(mission.segments, samples));
       double reference = 0.0;
       for (const FlightSample& sample : samples)
         reference = std::max(reference, std::abs(sample.roll_reference));
@@ -155,7 +167,7 @@ class Report {
   /// The guidance over a log of a real aircraft.
   void addLog(const std::string& text);
 
-  void finish() const {
+  void finish() {
     nlohmann::json all = summary_;
     const auto& calm = summary_["flights"]["box_calm_mpc"];
     const auto& windy = summary_["flights"]["box_wind_mpc"];
@@ -175,8 +187,9 @@ class Report {
         {"Dubins planned for the wind, wind: loiter", dubins_windy["loiter_m"], "m"},
         {"Dubins planned for calm, wind: loiter that cannot be flown", tight["loiter_m"], "m"},
         {"the same: largest roll reference", tight["reference_largest_rad"], "rad"}};
-    open(folder_ / "summary.json") << all.dump(2) << '\n';
-    open(folder_ / "tables.html")
+    write("summary.json", all.dump(2) + '\n');
+    std::ostringstream tables;
+    tables
         << "<h2>Flights</h2>\n<table><tr><th>flight</th><th>rms [m]</th><th>largest [m]</th>"
            "<th>joined after [s]</th><th>largest from then on [m]</th><th>lines once converged "
            "[m]</th><th>loiter [m]</th><th>overshoot [m]</th>"
@@ -195,9 +208,24 @@ class Report {
            "<th>once converged [m]</th><th>overshoot [m]</th></tr>\n"
         << segments_.str() << "</table>\n"
         << recordings_.str();
+    write("tables.html", tables.str());
   }
 
  private:
+  std::string fileNamed(const std::string& name) const { return folder_ + "/" + name; }
+  static std::string loiterName(const std::string& path) {
+    return "loiter_" + std::filesystem::path(path).stem().string();
+  }
+  static std::string logName(const RecordedLog& log) {
+    return "log_" + std::filesystem::path(log.path).stem().string() + ".csv";
+  }
+
+  void write(const std::string& name, const std::string& text) {
+    checkOutputs({{fileNamed(name)}}, taken_);
+    writeFileAtomically(fileNamed(name), text);
+    taken_.push_back(fileNamed(name));
+  }
+
   void addMetrics(const std::string& flight, const FlightMetrics& metrics, double reference) {
     summary_["flights"][flight] = {{"rms_m", metrics.rms},
                                    {"largest_m", metrics.largest},
@@ -236,7 +264,8 @@ class Report {
     }
   }
 
-  std::filesystem::path folder_;
+  std::string folder_;
+  std::vector<std::string> taken_;  // read already, or written
   nlohmann::json summary_;
   std::ostringstream flights_, segments_, recordings_;
 };
@@ -286,7 +315,9 @@ Spread spreadOf(const Rows& rows, double radius) {
 void Report::addLog(const std::string& text) {
   const RecordedLog log = parseLog(text);
   const std::string name = std::filesystem::path(log.path).stem().string();
-  const nlohmann::json metrics = replayLog(log, folder_);
+  const ReplayedLog replayed = replayLog(log);
+  write(logName(log), replayed.csv);
+  const nlohmann::json& metrics = replayed.metrics;
   summary_["logs"][name] = metrics;
   recordings_ << "<p>" << name << ", open loop over " << metrics["samples"] << " states, "
               << metrics["tracking"] << " answered by a horizon";
@@ -317,10 +348,11 @@ void Report::addRecording(const std::string& path) {
   for (const FlightSample& sample : samples)
     ours.push_back({sample.time, sample.truth.position.x(), sample.truth.position.y()});
   const std::string name = std::filesystem::path(path).stem().string();
-  writeFlight(folder_ / ("loiter_" + name + "_mpc.csv"), mission.segments, samples);
-  writePath(folder_ / ("loiter_" + name + "_path.csv"), mission.segments);
-  std::ofstream copy = open(folder_ / ("loiter_" + name + "_recorded.csv"));
+  write(loiterName(path) + "_mpc.csv", flightCsv(mission.segments, samples));
+  write(loiterName(path) + "_path.csv", pathCsv(mission.segments));
+  std::ostringstream copy = table();
   for (const std::vector<double>& row : recorded) copy << row[0] << ',' << row[1] << ',' << row[2] << '\n';
+  write(loiterName(path) + "_recorded.csv", copy.str());
 
   const Spread theirs = spreadOf(recorded, kRadius);
   const Spread mine = spreadOf(ours, kRadius);
@@ -349,7 +381,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> logs;
   app.add_option("--log", logs, "FILE,BEGIN,END: CSV of a real flight to replay open loop, and its part [s]");
   return runTool(app, argc, argv, [&] {
-    Report report(folder);
+    Report report(folder, recordings, logs);
     for (const std::string plant : {"model", "rough", "six_dof"}) {
       for (const std::string figure : {"box", "dubins"}) {
         for (const bool windy : {false, true}) report.add({figure, windy, plant});

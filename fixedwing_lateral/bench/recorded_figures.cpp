@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "fixedwing_plant/recorded_flight.hpp"
@@ -54,20 +53,18 @@ RecordedLog parseLog(const std::string& text) {
   throw Error("--log: must be FILE,BEGIN,END, got '" + text + "'");
 }
 
-nlohmann::json replayLog(const RecordedLog& log, const std::filesystem::path& folder) {
+ReplayedLog replayLog(const RecordedLog& log) {
   const std::vector<RecordedSample> samples = readRecording(log.path, log.begin, log.end);
   if (samples.empty()) throw Error(log.path + ": has no samples between begin and end");
   LateralGuidance guidance(replayOptions(meanAirspeed(samples)), "replay");
   guidance.setMission(missionAlong(samples, kSpacing));
   const std::vector<FlightSample> replayed = replayOpenLoop(guidance, samples);
-  const std::string name = "log_" + std::filesystem::path(log.path).stem().string() + ".csv";
-  std::ofstream file(folder / name);
+  std::ostringstream file;
   file << "t,north,east,roll_deg,asked_deg,wind_north,wind_east\n";
   for (const FlightSample& sample : replayed)
     file << sample.time << ',' << sample.truth.position.x() << ',' << sample.truth.position.y() << ','
          << kDegree * sample.truth.roll << ',' << kDegree * sample.roll_reference << ',' << sample.wind.x()
          << ',' << sample.wind.y() << '\n';
-  if (!file) throw Error((folder / name).string() + ": cannot be written");
   nlohmann::json result = metricsOf(replayed);
   const Eigen::Vector2d wind = windBySpeeds(samples);
   result["wind_by_speeds_north_mps"] = wind.x();
@@ -79,7 +76,7 @@ nlohmann::json replayLog(const RecordedLog& log, const std::filesystem::path& fo
     result["roll_predicted_1s_rms_deg"] = kDegree * prediction.rms;
     result["roll_standing_still_1s_rms_deg"] = kDegree * prediction.rms_still;
   }
-  return result;
+  return {file.str(), result};
 }
 
 }  // namespace polyfly

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -16,8 +15,12 @@ struct RecordedLog {
 /// From "FILE,BEGIN,END". Throws polyfly::Error.
 RecordedLog parseLog(const std::string& text);
 
-/// Replays the guidance over the log open loop: log_NAME.csv in the folder (t, north, east, roll, asked,
-/// wind), and what there is to say of it.
-nlohmann::json replayLog(const RecordedLog& log, const std::filesystem::path& folder);
+struct ReplayedLog {
+  std::string csv;         ///< t, north, east, roll, asked, wind
+  nlohmann::json metrics;  ///< what there is to say of it
+};
+
+/// Replays the guidance over the log open loop.
+ReplayedLog replayLog(const RecordedLog& log);
 
 }  // namespace polyfly

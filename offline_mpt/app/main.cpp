@@ -1,4 +1,3 @@
-#include <csignal>
 
 #include "command.hpp"
 #include "mpi_team.hpp"
@@ -27,7 +26,6 @@ const char kFooter[] =
 
 int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("offline_mpt");
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
   app.footer(kFooter);
   app.require_subcommand(1);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,6 +16,8 @@
 #include "online_controller/nonlinear_controller.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace {
 
@@ -36,11 +38,10 @@ struct Result {
   int samples = 0, not_optimal = 0;
 };
 
-std::ofstream open(const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file.precision(9);
-  if (!file) throw Error(path.string() + ": cannot be written");
-  return file;
+std::ostringstream sheet() {
+  std::ostringstream text;
+  text.precision(9);
+  return text;
 }
 
 void writeSample(std::ostream& file, double time, const VehicleState& truth, const Reference& reference,
@@ -58,7 +59,7 @@ void writeSample(std::ostream& file, double time, const VehicleState& truth, con
 
 Result fly(ControlLaw& law, const FlightFigure& figure, const PlantOptions& options,
            const std::filesystem::path& path) {
-  std::ofstream file = open(path);
+  std::ostringstream file = sheet();
   file << "t,x,y,z,x_ref,y_ref,z_ref,v_x,v_y,v_z,v_x_ref,v_y_ref,v_z_ref,roll,pitch,yaw,yaw_ref,roll_cmd,"
           "pitch_cmd,thrust,status\n";
   LawFlight flown(figure, options, law);
@@ -86,6 +87,7 @@ Result fly(ControlLaw& law, const FlightFigure& figure, const PlantOptions& opti
   }
   for (double* sum : {&result.rms, &result.rms_velocity, &result.rms_yaw})
     *sum = std::sqrt(*sum / result.samples);
+  writeFileAtomically(path.string(), file.str());
   return result;
 }
 
@@ -124,7 +126,7 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
   plant.velocity_noise = 0.01;
   plant.attitude_noise = 0.002;
   nlohmann::json summary;
-  std::ofstream table = open(folder / "table.html");
+  std::ostringstream table = sheet();
   for (const Figure& chosen : kFigures) {
     FigureOptions options;
     options.rate = chosen.rate;
@@ -152,7 +154,8 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
         {std::string(chosen.name) + ": nonlinear over linear, RMS",
          rms[static_cast<std::size_t>(Law::kNonlinear)] / rms[static_cast<std::size_t>(Law::kLinear)], ""});
   }
-  open(folder / "summary.json") << summary.dump(2) << '\n';
+  writeFileAtomically((folder / "table.html").string(), table.str());
+  writeFileAtomically((folder / "summary.json").string(), summary.dump(2) + '\n');
 }
 
 }  // namespace
@@ -165,7 +168,8 @@ int main(int argc, char** argv) {
   app.add_option("--problems", problems, "folder of their problem files")->required();
   app.add_option("-o,--output", folder, "folder for what was flown")->required();
   return polyfly::runTool(app, argc, argv, [&] {
-    std::filesystem::create_directories(folder);
+    checkOutputs({{folder + "/summary.json", Output::Kind::kText, Output::Folder::kIsMade}}, {});
+    makeFolder(folder);
     run(maps, problems, folder);
     return 0;
   });

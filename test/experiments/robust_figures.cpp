@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -11,21 +10,16 @@
 
 #include "command_line/command_line.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
-#include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace {
 
 using namespace polyfly_test;
 
-std::ofstream open(const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file.precision(9);
-  if (!file) throw polyfly::Error(path.string() + ": cannot be written");
-  return file;
-}
-
 void writeFlight(const std::filesystem::path& path, const std::vector<AslquadSample>& flight) {
-  std::ofstream file = open(path);
+  std::ostringstream file;
+  file.precision(9);
   file << "t,x,y,z,x_ref,y_ref,z_ref,v_x,v_y,v_z,roll,pitch,roll_cmd,pitch_cmd,load_x,load_y,load_z,d_x,d_y,"
           "status\n";
   for (const AslquadSample& sample : flight) {
@@ -41,6 +35,7 @@ void writeFlight(const std::filesystem::path& path, const std::vector<AslquadSam
     file << ',' << sample.disturbance.x() << ',' << sample.disturbance.y() << ','
          << static_cast<int>(sample.status) << '\n';
   }
+  polyfly::writeFileAtomically(path.string(), file.str());
 }
 
 /// A number of the flights of all seeds.
@@ -105,7 +100,10 @@ double median(std::vector<double> values) {
 }
 
 void run(const std::string& problems, const std::filesystem::path& output, int seeds) {
-  std::filesystem::create_directories(output);
+  using polyfly::Output;
+  const std::string page = (output / "summary.json").string();
+  polyfly::checkOutputs({{page, Output::Kind::kText, Output::Folder::kIsMade}}, {});
+  polyfly::makeFolder(output.string());
   const AslquadFlights flights(problems, output.string() + "/");
   nlohmann::json summary;
   for (int seed = 1; seed <= seeds; ++seed) summary["seeds"].push_back(seed);
@@ -146,8 +144,8 @@ void run(const std::string& problems, const std::filesystem::path& output, int s
     tables << "</table>\n<p><img src=\"" << figureName(figure) << ".svg\" alt=\"" << figureName(figure)
            << "\"></p>\n";
   }
-  open(output / "summary.json") << summary.dump(2) << '\n';
-  open(output / "tables.html") << tables.str();
+  polyfly::writeFileAtomically((output / "summary.json").string(), summary.dump(2) + '\n');
+  polyfly::writeFileAtomically((output / "tables.html").string(), tables.str());
 }
 
 }  // namespace

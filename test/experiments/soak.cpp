@@ -2,14 +2,14 @@
 #include "polyfly_test/soak.hpp"
 
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "command_line/command_line.hpp"
-#include "region_maps/error.hpp"
+#include "region_maps/outputs.hpp"
+#include "region_maps/write_map.hpp"
 
 namespace {
 
@@ -77,6 +77,9 @@ int main(int argc, char** argv) {
       ->check(polyfly::wholeNumber<std::uint32_t>());
   app.add_option("-o,--output", output, "folder for summary.json")->required();
   return polyfly::runTool(app, argc, argv, [&] {
+    using polyfly::Output;
+    const std::string page = output + "/summary.json";
+    polyfly::checkOutputs({{page, Output::Kind::kText, Output::Folder::kIsMade}}, {});
     SoakLaws laws;
     std::vector<polyfly::RegionMap> maps;
     maps.reserve(3 * folders.size());
@@ -94,8 +97,8 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "[%ld/%ld] s\n", static_cast<long>(now), static_cast<long>(options.duration));
     });
     const nlohmann::json json = toJson(result, options, residentMemory() - resident);
-    std::filesystem::create_directories(output);
-    std::ofstream(output + "/summary.json") << json.dump(2) << '\n';
+    polyfly::makeFolder(output);
+    polyfly::writeFileAtomically(page, json.dump(2) + '\n');
     return result.violations.empty() ? 0 : 1;
   });
 }

@@ -1,6 +1,7 @@
 #include "command_line/command_line.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -88,6 +89,7 @@ std::string strayWord(const CLI::App& app, int argc, const char* const* argv) {
 }  // namespace
 
 int runTool(CLI::App& app, int argc, const char* const* argv, const std::function<int()>& work, bool speaks) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no further is an error of the write that meets it
   const auto fail = [&](const std::string& text) {
     if (speaks) std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), visible(text).c_str());
     return kBadUsage;
