@@ -250,6 +250,26 @@ TEST_F(AutopilotLogs, bothGiveTheLoopThatFlew) {
   }
 }
 
+TEST_F(AutopilotLogs, aClockThatWasSetLeavesTheLoopThatFlew) {
+  constexpr double kGain = 0.93;
+  constexpr double kTau = 0.21;
+  for (const std::int64_t set_by : {std::int64_t{3600000000}, std::int64_t{1700000000000000}}) {
+    for (const bool px4 : {true, false}) {
+      writeBytes(
+          px4 ? madePx4Flight(kGain, kTau, set_by).bytes : madeArduPilotFlight(kGain, kTau, set_by).bytes,
+          path_);
+      const FlightSignals signals = signalsFromAutopilot(path_, {}).signals;
+      ASSERT_FALSE(clockRemarks(signals).empty());
+      EXPECT_NE(clockRemarks(signals).front().find("after 19.99"), std::string::npos)
+          << clockRemarks(signals).front();
+      const AxisModel model = identifyAxis(axisRecords(signals, "roll"), {});
+      EXPECT_NEAR(model.without_delay.parameters[0].value, kGain, 0.01);
+      EXPECT_NEAR(model.without_delay.parameters[1].value, kTau, 0.01);
+      EXPECT_LT(model.choice.activity.time.size(), 1300u);
+    }
+  }
+}
+
 TEST_F(AutopilotLogs, dataflashUnitsTellWhichFieldIsTheInstance) {
   MadeDataflash log;
   log.format(30, "VIBE", "QBf", "TimeUS,IMU,X", 3 + 8 + 1 + 4);

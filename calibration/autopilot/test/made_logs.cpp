@@ -39,6 +39,12 @@ Roll rollFlight(double gain, double tau) {
   return roll;
 }
 
+// [us]
+std::uint64_t stampOf(std::int64_t start, int sample, std::int64_t set_by) {
+  const auto period = static_cast<std::int64_t>(1e6 * kPeriod);
+  return static_cast<std::uint64_t>(start + period * sample + (sample < 2000 ? 0 : set_by));
+}
+
 }  // namespace
 
 MadeULog::MadeULog() {
@@ -101,7 +107,7 @@ void MadeDataflash::row(std::uint8_t type, const std::vector<std::uint8_t>& body
   bytes.insert(bytes.end(), body.begin(), body.end());
 }
 
-MadeULog madePx4Flight(double gain, double tau) {
+MadeULog madePx4Flight(double gain, double tau, std::int64_t set_by) {
   const Roll roll = rollFlight(gain, tau);
   MadeULog log;
   log.flags(0);
@@ -111,7 +117,7 @@ MadeULog madePx4Flight(double gain, double tau) {
   log.subscribe(0, 1, "vehicle_attitude");
   log.subscribe(0, 2, "vehicle_attitude_setpoint");
   for (int sample = 0; sample < kSamples; ++sample) {
-    const auto stamp = std::uint64_t{5000000} + 10000U * static_cast<std::uint64_t>(sample);
+    const std::uint64_t stamp = stampOf(5000000, sample, set_by);
     std::vector<std::uint8_t> setpoint;
     put(stamp, &setpoint);
     put(static_cast<float>(roll.command[static_cast<std::size_t>(sample)]), &setpoint);
@@ -127,13 +133,13 @@ MadeULog madePx4Flight(double gain, double tau) {
   return log;
 }
 
-MadeDataflash madeArduPilotFlight(double gain, double tau) {
+MadeDataflash madeArduPilotFlight(double gain, double tau, std::int64_t set_by) {
   const Roll roll = rollFlight(gain, tau);
   MadeDataflash log;
   log.format(10, "ATT", "Qccccf", "TimeUS,DesRoll,Roll,DesPitch,Pitch,Yaw", 3 + 8 + 8 + 4);
   for (int sample = 0; sample < kSamples; ++sample) {
     std::vector<std::uint8_t> row;
-    put(std::uint64_t{7000000} + 10000U * static_cast<std::uint64_t>(sample), &row);
+    put(stampOf(7000000, sample, set_by), &row);
     for (const double angle : {roll.command[static_cast<std::size_t>(sample)],
                                roll.response[static_cast<std::size_t>(sample)], 0.0, 0.0}) {
       put(static_cast<std::int16_t>(std::lround(100.0 * angle / kDegrees)), &row);

@@ -37,9 +37,9 @@ void put(Number number, std::vector<std::uint8_t>* row) {
 }
 
 /// Sixty seconds of roll steps answered with gain and lag, as PX4 and ArduPilot log them: forward-right-down,
-/// quaternions and degrees.
-MadeULog madePx4Flight(double gain, double tau);
-MadeDataflash madeArduPilotFlight(double gain, double tau);
+/// quaternions and degrees. The clock is set by so many microseconds after the first twenty seconds.
+MadeULog madePx4Flight(double gain, double tau, std::int64_t set_by = 0);
+MadeDataflash madeArduPilotFlight(double gain, double tau, std::int64_t set_by = 0);
 
 void writeBytes(const std::vector<std::uint8_t>& bytes, const std::string& path);
 

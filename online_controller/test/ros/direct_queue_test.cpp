@@ -210,8 +210,8 @@ std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
   return came;
 }
 
-// A queue of one keeps the newest while the baton is taken; who has it then answers that one, also where it
-// came while an answer was being given.
+// A queue of one keeps the newest while another thread calls back; that thread then answers that one, also
+// where it came while an answer was being given.
 TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
   std::vector<unsigned> came;
   Subscriber* publisher = nullptr;
@@ -223,7 +223,7 @@ TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
     }
   });
   publisher = &subscriber;
-  for (const unsigned number : {1U, 2U, 3U}) subscriber.publish(number);  // the baton is taken
+  for (const unsigned number : {1U, 2U, 3U}) subscriber.publish(number);  // left to others
   EXPECT_TRUE(came.empty());
   others.callAvailable();
   EXPECT_EQ(came.front(), 3U);
