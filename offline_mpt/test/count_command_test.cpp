@@ -86,7 +86,7 @@ TEST_F(CountCommand, BadInputIsRefusedInOneLine) {
   const Outcome result = count({"--proof", path("toy.count")});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("toy: H: must be positive definite to count"), std::string::npos) << result.err;
-  EXPECT_EQ(check({}).exit_code, 1) << "a proof was left behind";
+  EXPECT_EQ(check({}).exit_code, 2) << "a proof was left behind";
 }
 
 }  // namespace
