@@ -153,7 +153,7 @@ TEST_F(ValidateBag, badInputHasItsOwnExitCode) {
   EXPECT_EQ(runWith({"--no-such-option"}), kBadInput);
   EXPECT_EQ(runWith({"--min-coverage", "1.5"}), kBadInput);
   EXPECT_EQ(runWith({"--options", folder_ / "missing.yaml"}), kBadInput);
-  EXPECT_NE(errors_.find("missing.yaml: cannot be opened"), std::string::npos);
+  EXPECT_NE(errors_.find("missing.yaml: file: cannot be opened"), std::string::npos);
   EXPECT_EQ(run({"--bag", folder_ / "missing.bag", "--map", maps_.path(0), maps_.path(1), maps_.path(2)}),
             kBadInput);
   EXPECT_NE(errors_.find("missing.bag: no such file"), std::string::npos);

@@ -37,6 +37,7 @@ class Guidance(Program):
                          parameters)
 
     def connect(self):
+        self.sent = 0
         self.odometry = self.publisher("mavros/local_position/odom", Odometry)
         self.imu = self.publisher("mavros/imu/data", Imu)
         self.hud = self.publisher("mavros/vfr_hud", VFR_HUD)
@@ -56,7 +57,8 @@ class Guidance(Program):
         hud.header.stamp = wind.header.stamp = odometry.header.stamp = stamp
         hud.airspeed = AIRSPEED
         odometry.header.frame_id = "map"
-        odometry.pose.pose.position.x, odometry.pose.pose.position.y = 20.0, 50.0
+        self.sent += 1  # an estimate that repeats itself would count as none
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = 20.0, 50.0 + 1e-4 * self.sent
         odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = math.sqrt(0.5)
         odometry.twist.twist.linear.x = AIRSPEED
         change(odometry)
