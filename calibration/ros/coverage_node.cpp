@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calibration/replay.hpp"
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/outputs.hpp"

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "fixedwing_lateral_ros/conversions.hpp"
-#include "online_controller/attitude.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "identification/loop_record.hpp"
 #include "online_axis.hpp"
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mpc_core/read_text.hpp"
-#include "online_controller/option_groups.hpp"
+#include "online_controller/types/option_groups.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -8,7 +8,7 @@
 
 #include "identification/identify_axis.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/attitude.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "region_maps/error.hpp"
 #include "validation_parts.hpp"
 

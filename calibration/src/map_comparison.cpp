@@ -4,7 +4,7 @@
 
 #include "difference_collector.hpp"
 #include "online_axis.hpp"
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

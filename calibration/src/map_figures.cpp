@@ -6,7 +6,7 @@
 #include <set>
 
 #include "map_plot/slice.hpp"
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "report_parts.hpp"
 
 namespace polyfly {

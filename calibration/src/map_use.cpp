@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "online_controller/axis.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/odometry_gate.hpp"
+#include "online_controller/estimation/odometry_gate.hpp"
+#include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include "online_controller/types.hpp"
+#include "online_controller/types/types.hpp"
 
 namespace polyfly {
 

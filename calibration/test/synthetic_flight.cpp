@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

@@ -6,7 +6,7 @@
 
 #include "calibration/flight_log.hpp"
 #include "calibration/replay.hpp"
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 

@@ -1,5 +1,5 @@
 // The simplex kernels, which work on lanes, against plain loops: every length and every place of a tail.
-#include "../src/dictionary_kernels.hpp"
+#include "lp/dictionary_kernels.hpp"
 
 #include <gtest/gtest.h>
 

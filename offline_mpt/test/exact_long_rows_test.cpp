@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
-#include "../src/exact_numbers.hpp"
-#include "../src/exact_proof.hpp"
-#include "../src/exact_weights.hpp"
+#include "arithmetic/exact_numbers.hpp"
+#include "certify/exact_proof.hpp"
+#include "certify/exact_weights.hpp"
 #include "map_in_memory.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mutation.hpp"

@@ -7,9 +7,9 @@
 #include <new>
 #include <vector>
 
-#include "../src/arena.hpp"
 #include "offline_mpt/explore.hpp"
 #include "random_program.hpp"
+#include "support/arena.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // How far inside the feasible set a parameter lies, against GLPK.
-#include "../src/feasible_slack.hpp"
+#include "program/feasible_slack.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Numbers of 32 digits, and active sets described with them, against rational arithmetic.
-#include "../src/long_description.hpp"
+#include "explore/region/long_description.hpp"
 
 #include <gmpxx.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "../src/exact_description.hpp"
+#include "exact_kkt/exact_description.hpp"
 #include "made_program.hpp"
 #include "random.hpp"
 

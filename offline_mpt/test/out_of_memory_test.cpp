@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "../src/in_parallel.hpp"
 #include "run_program.hpp"
+#include "support/in_parallel.hpp"
 
 namespace polyfly {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "../src/rational_polytope.hpp"
+#include "lp/rational_polytope.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "../src/minimum_cover.hpp"
 #include "exact_programs.hpp"
 #include "grid_map.hpp"
 #include "map_in_memory.hpp"
@@ -20,6 +19,7 @@
 #include "offline_mpt/verify.hpp"
 #include "offline_mpt/verify_reduction.hpp"
 #include "random.hpp"
+#include "reduce/minimum_cover.hpp"
 #include "reduction_mutation.hpp"
 #include "reference_problems.hpp"
 #include "region_maps/error.hpp"

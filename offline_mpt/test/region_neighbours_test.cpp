@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "../src/describe.hpp"
+#include "explore/region/describe.hpp"
 #include "made_program.hpp"
 
 namespace polyfly {

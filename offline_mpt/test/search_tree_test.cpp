@@ -8,11 +8,11 @@
 #include <cmath>
 #include <random>
 
-#include "../src/tree_cells.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "random_program.hpp"
+#include "tree/tree_cells.hpp"
 
 namespace polyfly {
 namespace {

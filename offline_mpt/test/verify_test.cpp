@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "../src/exact_arbiter.hpp"
 #include "made_program.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
@@ -18,6 +17,7 @@
 #include "random_program.hpp"
 #include "reference_problems.hpp"
 #include "region_maps/error.hpp"
+#include "verify/exact_arbiter.hpp"
 
 namespace polyfly {
 namespace {

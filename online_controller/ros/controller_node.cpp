@@ -12,7 +12,7 @@
 #include <limits>
 #include <utility>
 
-#include "online_controller/option_groups.hpp"
+#include "online_controller/types/option_groups.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
 #include "region_maps/error.hpp"

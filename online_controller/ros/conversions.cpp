@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "online_controller/attitude.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {

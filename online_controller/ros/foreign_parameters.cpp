@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {

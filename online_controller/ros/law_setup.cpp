@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
 
 namespace polyfly_ros {
 namespace {

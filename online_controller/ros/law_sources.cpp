@@ -1,7 +1,7 @@
 #include "online_controller_ros/law_sources.hpp"
 
-#include "online_controller/axis.hpp"
-#include "online_controller/linear_tuning.hpp"
+#include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {

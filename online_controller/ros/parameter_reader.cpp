@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "online_controller/option_groups.hpp"
+#include "online_controller/types/option_groups.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly_ros {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "online_controller/attitude.hpp"
+#include "online_controller/types/attitude.hpp"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "online_support.hpp"
 
 namespace {

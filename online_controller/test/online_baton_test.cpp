@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "online_controller/baton.hpp"
+#include "online_controller/realtime/baton.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
-#include "online_controller/change_bounds.hpp"
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/options.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/types/change_bounds.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/error.hpp"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
 #include "online_support.hpp"
 #include "project_root.hpp"
 #include "region_maps/error.hpp"

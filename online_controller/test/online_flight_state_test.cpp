@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "online_controller/flight_state.hpp"
+#include "online_controller/flight/flight_state.hpp"
 
 namespace {
 

@@ -11,12 +11,12 @@
 #include <thread>
 #include <vector>
 
-#include "online_controller/hand_over.hpp"
-#include "online_controller/latency_histogram.hpp"
-#include "online_controller/latest_value.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/realtime/hand_over.hpp"
+#include "online_controller/realtime/latency_histogram.hpp"
+#include "online_controller/realtime/latest_value.hpp"
 #include "online_support.hpp"
 
 namespace polyfly {

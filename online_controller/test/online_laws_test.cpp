@@ -3,12 +3,12 @@
 
 #include <random>
 
+#include "allocations.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "mpc_core/online_program.hpp"
-#include "allocations.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"
 

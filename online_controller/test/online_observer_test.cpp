@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "allocations.hpp"
-#include "online_controller/attitude_trim.hpp"
-#include "online_controller/flight_options.hpp"
-#include "online_controller/nonlinear_controller.hpp"
-#include "online_controller/vehicle_observer.hpp"
-#include "online_controller/velocity_check.hpp"
+#include "online_controller/estimation/attitude_trim.hpp"
+#include "online_controller/estimation/vehicle_observer.hpp"
+#include "online_controller/estimation/velocity_check.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/types/flight_options.hpp"
 #include "online_support.hpp"
 #include "project_root.hpp"
 #include "region_maps/error.hpp"

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/flight_options.hpp"
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/option_groups.hpp"
-#include "online_controller/options.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/types/flight_options.hpp"
+#include "online_controller/types/option_groups.hpp"
+#include "online_controller/types/options.hpp"
 
 namespace {
 

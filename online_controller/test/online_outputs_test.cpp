@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
-#include "online_controller/poll_window.hpp"
-#include "online_controller/thrust_curve.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/realtime/poll_window.hpp"
+#include "online_controller/types/thrust_curve.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "allocations.hpp"
-#include "online_controller/flight_supervisor.hpp"
-#include "online_controller/reference_limits.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/reference/reference_excess.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/reference_schedule.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
 #include "project_root.hpp"
 
 namespace {

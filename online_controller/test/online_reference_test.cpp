@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/reference_schedule.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
 #include "region_maps/error.hpp"
 
 namespace {

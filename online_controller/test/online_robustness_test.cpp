@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "allocations.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/reference_schedule.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
 #include "online_support.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "allocations.hpp"
-#include "online_controller/flight_supervisor.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
 #include "online_support.hpp"
 #include "region_maps/error.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "online_controller/time_source.hpp"
+#include "online_controller/realtime/time_source.hpp"
 
 namespace {
 

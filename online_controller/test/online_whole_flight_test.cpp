@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/flight_supervisor.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
 #include "project_root.hpp"
 
 namespace polyfly {

@@ -75,7 +75,7 @@ function(polyfly_tool name)
 endfunction()
 
 # polyfly_test(NAME [THREADS] [ALLOCATIONS] SOURCES file... [LINK target...])
-#   A GoogleTest program, run by ctest, with the headers of test/shared. Under catkin the same tests are left to the
+#   A GoogleTest program, run by ctest, with the headers of test/shared and those that the package keeps in src/. Under catkin the same tests are left to the
 #   plain build. With THREADS it starts threads, and is also run under the thread sanitizer; with ALLOCATIONS the heap
 #   counts what it is asked for (allocations.hpp).
 function(polyfly_test name)
@@ -91,6 +91,9 @@ function(polyfly_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_compile_features(${name} PRIVATE cxx_std_17)
   target_include_directories(${name} PRIVATE "${shared}")
+  if(IS_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/src")
+    target_include_directories(${name} PRIVATE src)
+  endif()
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gtest_main)
   polyfly_warnings(${name})
   polyfly_test_options(${name})

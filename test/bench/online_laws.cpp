@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_timing.hpp"
 #include "polyfly_test/law_flight.hpp"
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "command_line/command_line.hpp"
-#include "online_controller/attitude.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "region_maps/error.hpp"
 #include "region_maps/outputs.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/types.hpp"
+#include "online_controller/types/types.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 
 namespace polyfly_ros {

@@ -1,10 +1,10 @@
 // The soak of the controller's core: laws are built, offered and exchanged as the node does it.
 #include <memory>
 
-#include "online_controller/flight_supervisor.hpp"
-#include "online_controller/hand_over.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/realtime/hand_over.hpp"
 #include "polyfly_test/soak.hpp"
 
 namespace polyfly_test {

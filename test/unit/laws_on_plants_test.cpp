@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "online_controller/attitude.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "polyfly_test/attitude_plants.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "project_root.hpp"

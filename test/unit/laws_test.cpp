@@ -12,9 +12,9 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/multirotor_controller.hpp"
-#include "online_controller/nonlinear_controller.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "project_root.hpp"
 #include "region_maps/error.hpp"
@@ -362,8 +362,8 @@ TEST(Laws, NonlinearHoldsLevelsAndRecovers) {
   EXPECT_EQ(law->stepWithoutReference(31.0).status, ControlStatus::kNoReference);
 }
 
-// Whatever the bound, the figure is tracked as without it: where the search is ended early its point is flown,
-// and hardly ever is there none.
+// Whatever the bound, the figure is tracked as without it: where the search is ended early its point is
+// flown, and hardly ever is there none.
 TEST(Laws, NonlinearFliesWhatItHasWhenItsSearchIsEndedEarly) {
   Course course;
   course.figure.rate = 0.9;

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "online_controller/flight_supervisor.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
 #include "polyfly_test/attitude_plants.hpp"
 
 namespace polyfly {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "offline_mpt/encode.hpp"
-#include "online_controller/attitude.hpp"
-#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
 #include "project_root.hpp"

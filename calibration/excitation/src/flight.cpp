@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "online_controller/attitude.hpp"
+#include "online_controller/types/attitude.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

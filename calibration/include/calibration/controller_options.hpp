@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 
 namespace polyfly {
 

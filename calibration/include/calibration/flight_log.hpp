@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "online_controller/reference_schedule.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
+#include "online_controller/types/types.hpp"
 
 namespace polyfly {
 

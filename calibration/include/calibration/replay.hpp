@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibration/flight_log.hpp"
-#include "online_controller/options.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {

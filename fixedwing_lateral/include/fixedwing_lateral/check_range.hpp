@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

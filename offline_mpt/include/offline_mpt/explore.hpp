@@ -1,46 +1,10 @@
 #pragma once
 
-#include <atomic>
-#include <cstdint>
-#include <functional>
-#include <string>
-
 #include "mpc_core/parametric_program.hpp"
+#include "offline_mpt/explore_options.hpp"
 #include "offline_mpt/partition.hpp"
 
 namespace polyfly {
-
-class Team;
-
-struct ExploreProgress {
-  std::uint64_t regions = 0;    ///< finished, those of a checkpoint among them
-  std::uint64_t open = 0;       ///< active sets found, not yet described
-  std::uint64_t described = 0;  ///< active sets described, of which some are regions
-  std::uint64_t memory = 0;     ///< accounted [bytes], see memory_limit
-  bool unsaved = false;         ///< the checkpoint could not be written when it was last due
-};
-
-struct ExploreOptions {
-  int threads = 1;  ///< worker threads, at most the machine's; the result does not depend on it
-  std::uint64_t region_limit = 10'000'000;  ///< stop when so many regions are found
-  double time_limit = 0.0;                  ///< [s], of this run, 0: none
-  /// [bytes], 0: none. What grows with the exploration counts: regions, active sets, their hash tables,
-  /// probes. Not the program, and not the Partition that regions are converted to at the end.
-  std::uint64_t memory_limit = 0;
-  double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
-  /// Regions with a smaller inscribed ball are left to their neighbours: maps write planes once that are
-  /// closer to each other than a tenth of it [scaled].
-  double radius_tolerance = 1e-9;
-  const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
-  std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
-
-  /// File to go on from; empty: none. It is written at the end, also of a complete exploration, for what is
-  /// made of the regions may be stopped, too. The caller removes it.
-  std::string checkpoint;
-  double checkpoint_period = 300.0;  ///< it is also written every so often, at least [s]; 0: at the end only
-  bool resume = false;               ///< go on from `checkpoint`
-  Team* team = nullptr;              ///< other processes that describe active sets, see team.hpp
-};
 
 /// Partitions the parameter set of a convex program into critical regions.
 ///

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "in_parallel.hpp"
 #include "region_maps/error.hpp"
+#include "support/in_parallel.hpp"
 #include "whole_program.hpp"
 
 namespace polyfly {

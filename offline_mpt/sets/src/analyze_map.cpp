@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "cone.hpp"
-#include "in_parallel.hpp"
 #include "map_domain.hpp"
 #include "region_cover.hpp"
 #include "region_maps/error.hpp"
+#include "support/in_parallel.hpp"
 #include "vertex_tests.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cone.hpp"
-#include "in_parallel.hpp"
+#include "support/in_parallel.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "online_controller/law_switch.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/types/types.hpp"
 
 namespace polyfly_ros {
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "online_controller/change_bounds.hpp"
+#include "online_controller/types/change_bounds.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/flight_diagnostics.hpp"
 #include "online_controller_ros/flight_display.hpp"

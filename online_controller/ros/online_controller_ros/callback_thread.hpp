@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "mpc_core/range.hpp"
-#include "online_controller/baton.hpp"
+#include "online_controller/realtime/baton.hpp"
 
 namespace polyfly_ros {
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "online_controller/options.hpp"
-#include "online_controller/thrust_curve.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/thrust_curve.hpp"
+#include "online_controller/types/types.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {

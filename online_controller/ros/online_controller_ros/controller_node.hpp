@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/options.hpp"
-#include "online_controller/poll_window.hpp"
-#include "online_controller/time_source.hpp"
+#include "online_controller/realtime/poll_window.hpp"
+#include "online_controller/realtime/time_source.hpp"
+#include "online_controller/types/options.hpp"
 #include "online_controller_ros/background.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/command_output.hpp"

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/reference_schedule.hpp"
-#include "online_controller/thrust_curve.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
+#include "online_controller/types/thrust_curve.hpp"
+#include "online_controller/types/types.hpp"
 #include "region_maps/signal.hpp"
 
 // The only place where messages become values and frames change. Also for replaying a bag.

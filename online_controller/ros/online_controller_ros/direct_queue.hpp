@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "online_controller/baton.hpp"
+#include "online_controller/realtime/baton.hpp"
 
 namespace polyfly_ros {
 

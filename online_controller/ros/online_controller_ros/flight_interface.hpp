@@ -9,10 +9,10 @@
 
 #include <string>
 
-#include "online_controller/flight_supervisor.hpp"
-#include "online_controller/time_source.hpp"
-#include "online_controller/vehicle_observer.hpp"
-#include "online_controller/velocity_check.hpp"
+#include "online_controller/estimation/vehicle_observer.hpp"
+#include "online_controller/estimation/velocity_check.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/realtime/time_source.hpp"
 #include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "online_controller_ros/parameter_reader.hpp"

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "online_controller/flight_supervisor.hpp"
+#include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "online_controller_ros/law_keeper.hpp"

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "online_controller/latency_histogram.hpp"
-#include "online_controller/latest_value.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/realtime/latency_histogram.hpp"
+#include "online_controller/realtime/latest_value.hpp"
+#include "online_controller/types/types.hpp"
 #include "online_controller_ros/answered.hpp"
 
 namespace polyfly_ros {

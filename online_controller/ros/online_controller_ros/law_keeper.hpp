@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "online_controller/hand_over.hpp"
+#include "online_controller/realtime/hand_over.hpp"
 #include "online_controller_ros/law_setup.hpp"
 
 namespace polyfly_ros {

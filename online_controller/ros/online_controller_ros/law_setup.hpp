@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/options.hpp"
-#include "online_controller/vehicle_observer.hpp"
+#include "online_controller/estimation/vehicle_observer.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/types/options.hpp"
 #include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"

@@ -7,7 +7,7 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly_ros {

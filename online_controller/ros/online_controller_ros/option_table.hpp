@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mpc_core/range.hpp"
-#include "online_controller/change_bounds.hpp"
+#include "online_controller/types/change_bounds.hpp"
 
 namespace polyfly_ros {
 

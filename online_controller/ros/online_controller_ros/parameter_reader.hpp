@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/options.hpp"
+#include "online_controller/types/options.hpp"
 
 namespace polyfly_ros {
 

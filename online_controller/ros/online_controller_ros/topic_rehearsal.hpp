@@ -12,8 +12,8 @@
 #include <string>
 #include <thread>
 
-#include "online_controller/baton.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/realtime/baton.hpp"
+#include "online_controller/types/types.hpp"
 #include "online_controller_ros/direct_queue.hpp"
 
 namespace polyfly_ros {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller/multirotor_controller.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "region_maps/region_map.hpp"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "online_controller/types.hpp"
+#include "online_controller/types/types.hpp"
 #include "polyfly_test/gaussian_source.hpp"
 
 namespace polyfly {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "online_controller/control_law.hpp"
+#include "online_controller/laws/control_law.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "online_controller/options.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
 #include "polyfly_test/dryden_turbulence.hpp"
 #include "polyfly_test/gaussian_source.hpp"
 #include "polyfly_test/slung_load.hpp"

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "online_controller/options.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
 
 namespace polyfly {
 

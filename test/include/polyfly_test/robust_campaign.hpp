@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "online_controller/axis.hpp"
+#include "online_controller/laws/axis.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/robust_problem.hpp"
 

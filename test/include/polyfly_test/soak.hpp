@@ -8,9 +8,9 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
-#include "online_controller/law_switch.hpp"
-#include "online_controller/linear_tuning.hpp"
-#include "online_controller/options.hpp"
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/types/options.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly_test {

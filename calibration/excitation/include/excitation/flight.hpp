@@ -6,7 +6,7 @@
 
 #include "excitation/plan.hpp"
 #include "mpc_core/range.hpp"
-#include "online_controller/types.hpp"
+#include "online_controller/types/types.hpp"
 
 namespace polyfly {
 

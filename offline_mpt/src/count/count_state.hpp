@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory_resource>
+#include <shared_mutex>
+#include <vector>
+
+#include "count/law_gap.hpp"
+#include "count/strict_test.hpp"
+#include "explore/parallel/crew.hpp"
+#include "explore/region/region_builder.hpp"
+#include "explore/state/set_queue.hpp"
+#include "offline_mpt/count.hpp"
+
+namespace polyfly {
+
+/// How far a count has come.
+struct CountState : SetQueue {
+  /// Gets the sets that are proven, with their witness, in the order in which they count. Rows are those of
+  /// the reduced program.
+  using Record = std::function<void(RowSpan set, const std::int64_t* witness)>;
+
+  CountState(const ParametricProgram& program, std::uint64_t map_limit, Record record);
+
+  std::uint64_t regionCount() const override { return count.proven; }
+  bool enough() const override { return map_limit_ > 0 && leastMapBytes(program_, count) > map_limit_; }
+  void merge(ByteReader& answer) override;
+
+  /// Which of the sets are proven by now. Any thread may ask while another merges: what is proven stays so,
+  /// and a proof that comes later is not looked at.
+  void findProven(const ActiveSetList& sets, std::vector<char>& proven) const;
+
+  MapCount count;
+  ActiveSetPool tight;                 // rows tight in a region that only slacks bound, to know it again
+  std::pmr::vector<bool> is_proven;    // of each set of `found`
+  std::pmr::vector<bool> is_region;    // of each set described: one of `regions`
+  std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
+  std::uint64_t regions = 0;
+  std::uint64_t unproven = 0;
+  std::uint64_t facets = 0;
+  std::uint64_t contradicted = 0;
+  bool failed = false;  // the simplex gave up on a set
+
+ private:
+  std::uint8_t readProof(ByteReader& answer);
+  void prove(std::uint32_t set, std::uint8_t proof);
+  bool mergeRegion(ByteReader& answer);
+
+  mutable std::shared_mutex growing_;  // guards found and is_proven
+  const ParametricProgram& program_;
+  const std::uint64_t map_limit_;
+  const Record record_;
+  std::vector<std::uint16_t> rows_;
+  std::vector<std::int64_t> witness_;
+};
+
+/// Makes describers that answer in the form that CountState::merge reads, and leave out proofs of what
+/// `state` says is proven. `names`: of each row of the reduced program, the row of `system`.
+MakeDescriber countDescribers(const LeastDistance& program, const ExploreOptions& options,
+                              const StrictSystem& system, const LawGap& gap, const std::vector<int>& names,
+                              const CountState& state);
+
+}  // namespace polyfly

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "exact_kkt/exact_region.hpp"
+#include "program/least_distance.hpp"
+
+namespace polyfly {
+
+/// Describes active sets of a reduced program in rational arithmetic, for those whose rows depend on each
+/// other so nearly that doubles mislead. What it gives is in the units of LeastDistance and rounded once. The
+/// program without rounding is made when first needed. One object, one thread.
+class ExactDescription {
+ public:
+  explicit ExactDescription(const LeastDistance& reduced) : reduced_(reduced) {}
+
+  /// False where the set cannot be described: its rows are dependent, or the program's equalities hold up to
+  /// rounding only.
+  bool describe(const std::vector<std::uint16_t>& active);
+
+  /// Of the program, once a set was described: the program without rounding leaves as many variables free.
+  bool usable() const { return source_ && source_->usable; }
+
+  // Of the set that was described last; affine functions of t are p + 1 numbers, constant last.
+
+  /// Of active row `place`, in the order given.
+  void multiplier(std::size_t place, double* affine) const;
+  /// Where H is singular: what the cost asks of active row `place`.
+  void price(std::size_t place, double* affine) const;
+  /// Of row `row` of the reduced program.
+  void slack(int row, double* affine) const;
+  /// q rows
+  void law(std::vector<double>& out) const;
+
+ private:
+  void unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const, long units,
+               double* affine) const;
+
+  struct Source {
+    explicit Source(const LeastDistance& reduced);
+    ExactProgram program;
+    bool usable = false;  ///< leaves as many variables free as the reduced program does
+  };
+
+  const LeastDistance& reduced_;
+  std::optional<Source> source_;
+  std::vector<std::uint16_t> active_;
+  ExactSolution solution_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,103 @@
+#include "exact_kkt/exact_equalities.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "arithmetic/exact_numbers.hpp"
+#include "program/program_rows.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kDependent = 1e-11;  // relative, of rows that depend on others up to rounding
+
+bool holds(const std::vector<int>& rows, int row) {
+  return std::find(rows.begin(), rows.end(), row) != rows.end();
+}
+
+/// The first `columns` entries of (A, S, b) of the rows, without rounding.
+IntegerMatrix wholeEqualities(const ParametricProgram& program, const std::vector<int>& rows, int columns) {
+  std::vector<Rational> values;
+  for (const int row : rows) {
+    for (int j = 0; j < columns; ++j) values.emplace_back(rowEntry(program, row, j));
+  }
+  return wholeRows(values, columns);
+}
+
+std::vector<int> exactBasis(const ParametricProgram& program, const std::vector<int>& rows) {
+  std::vector<int> basis;
+  for (const int k : independentRows(wholeEqualities(program, rows, program.variableCount())))
+    basis.push_back(rows[static_cast<std::size_t>(k)]);
+  return basis;
+}
+
+bool followsExactly(const ParametricProgram& program, std::vector<int> basis, int row) {
+  const std::size_t size = basis.size();
+  basis.push_back(row);
+  const int columns = program.variableCount() + program.parameterCount() + 1;
+  return independentRows(wholeEqualities(program, basis, columns)).size() == size;
+}
+
+/// (A, S half, b + S centre) of the rows as columns, scaled to a length of one in A.
+Eigen::MatrixXd unitColumns(const ParametricProgram& program, const std::vector<int>& rows) {
+  const int n = program.variableCount(), p = program.parameterCount();
+  Eigen::MatrixXd result(n + p + 1, static_cast<Eigen::Index>(rows.size()));
+  for (Eigen::Index k = 0; k < result.cols(); ++k) {
+    const int row = rows[static_cast<std::size_t>(k)];
+    result.col(k).head(n) = program.A.row(row);
+    result(n + p, k) = program.b(row);
+    for (int j = 0; j < p; ++j) {
+      const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
+      result(n + j, k) = program.S(row, j) * 0.5 * (signal.upper - signal.lower);
+      result(n + p, k) += program.S(row, j) * 0.5 * (signal.upper + signal.lower);
+    }
+    const double length = result.col(k).head(n).norm();
+    if (length > 0.0) result.col(k) /= length;
+  }
+  return result;
+}
+
+/// Whether all `others` follow from the basis up to rounding.
+bool followNearly(const ParametricProgram& program, const std::vector<int>& basis,
+                  const std::vector<int>& others) {
+  const int n = program.variableCount();
+  const Eigen::MatrixXd from = unitColumns(program, basis), to = unitColumns(program, others);
+  const Eigen::MatrixXd weights =
+      basis.empty() ? Eigen::MatrixXd::Zero(0, to.cols())
+                    : Eigen::MatrixXd(from.topRows(n).colPivHouseholderQr().solve(to.topRows(n)));
+  const Eigen::MatrixXd rest = to - from * weights;
+  for (Eigen::Index k = 0; k < to.cols(); ++k) {
+    const double size =
+        to.col(k).cwiseAbs().maxCoeff() + (from.cwiseAbs() * weights.col(k).cwiseAbs()).maxCoeff();
+    if (rest.col(k).cwiseAbs().maxCoeff() > kDependent * size) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows, Adjustment& adjustment) {
+  adjustment.dropped.clear();
+  adjustment.basis.clear();
+  if (rows.empty()) return;
+  adjustment.basis = exactBasis(program, rows);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(
+      unitColumns(program, adjustment.basis).topRows(program.variableCount()));
+  qr.setThreshold(kDependent);
+  std::vector<int> basis, dropped;
+  for (Eigen::Index k = 0; k < qr.rank(); ++k)
+    basis.push_back(adjustment.basis[static_cast<std::size_t>(qr.colsPermutation().indices()(k))]);
+  std::sort(basis.begin(), basis.end());
+  for (const int row : rows) {
+    if (holds(basis, row) || followsExactly(program, basis, row)) continue;
+    if (!isEquality(program, row)) return;
+    dropped.push_back(row);
+  }
+  if (!followNearly(program, basis, dropped)) return;
+  adjustment.basis = std::move(basis);
+  adjustment.dropped = std::move(dropped);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,148 @@
+#include "exact_kkt/exact_program.hpp"
+
+#include <algorithm>
+
+#include "arithmetic/exact_numbers.hpp"
+
+namespace polyfly {
+namespace {
+
+std::vector<Rational> exactly(const Eigen::MatrixXd& M) {
+  std::vector<Rational> values;
+  for (Eigen::Index i = 0; i < M.rows(); ++i) {
+    for (Eigen::Index j = 0; j < M.cols(); ++j) values.emplace_back(M(i, j));
+  }
+  return values;
+}
+
+/// The matrix with its replaced entries, by rows.
+std::vector<Rational> counted(const Eigen::MatrixXd& M, ReplacedEntry::Matrix matrix,
+                              const Adjustment& adjustment) {
+  std::vector<Rational> values = exactly(M);
+  for (const ReplacedEntry& entry : adjustment.replaced) {
+    if (entry.matrix == matrix)
+      values[static_cast<std::size_t>(entry.row) * static_cast<std::size_t>(M.cols()) +
+             static_cast<std::size_t>(entry.column)] = entry.value;
+  }
+  return values;
+}
+
+/// (M theta + v) as p + 1 numbers per row.
+std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<Rational>& v,
+                             const ExactProgram& exact) {
+  std::vector<Rational> result;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    Rational constant = v[i];
+    for (int j = 0; j < exact.p; ++j) {
+      const Rational& entry = M[i * static_cast<std::size_t>(exact.p) + j];
+      result.push_back(entry * exact.half[j]);
+      constant += entry * exact.centre[j];
+    }
+    result.push_back(constant);
+  }
+  return result;
+}
+
+}  // namespace
+
+Rational rowSum(const ParametricProgram& program, int row) {
+  Rational sum;
+  for (int j = 0; j < program.variableCount(); ++j) sum += abs(Rational(program.A(row, j)));
+  return sum;
+}
+
+std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment,
+                              double penalty) {
+  const int n = program.variableCount();
+  std::vector<Rational> H;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      Rational value = (Rational(program.H(i, j)) + Rational(program.H(j, i))) / 2;
+      for (std::size_t k = 0; penalty != 0.0 && k < adjustment.basis.size(); ++k) {
+        const int row = adjustment.basis[k];
+        value += Rational(penalty) * Rational(program.A(row, i)) * Rational(program.A(row, j));
+      }
+      H.push_back(value);
+    }
+  }
+  for (const ReplacedEntry& entry : adjustment.replaced) {
+    if (entry.matrix == ReplacedEntry::Matrix::kH)
+      H[static_cast<std::size_t>(entry.row) * n + entry.column] = entry.value;
+  }
+  return H;
+}
+
+ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& adjustment)
+    : n(program.variableCount()),
+      m(program.rowCount()),
+      p(program.parameterCount()),
+      q(program.inputCount()),
+      linear(program.H.cwiseAbs().maxCoeff() == 0.0),
+      semidefinite(adjustment.singular),
+      basis(adjustment.basis),
+      in_basis(static_cast<std::size_t>(m), 0),
+      is_equality(static_cast<std::size_t>(m), 0),
+      is_dropped(static_cast<std::size_t>(m), 0) {
+  for (const Signal& signal : program.parameters) {
+    centre.push_back((Rational(signal.upper) + Rational(signal.lower)) / 2);
+    half.push_back((Rational(signal.upper) - Rational(signal.lower)) / 2);
+  }
+  for (const int row : adjustment.basis) in_basis[row] = 1;
+  for (const int row : adjustment.dropped) is_dropped[row] = 1;
+  for (const int row : program.equalities) is_equality[row] = 1;
+
+  using Matrix = ReplacedEntry::Matrix;
+  std::vector<Rational> H_values = hessian(program, adjustment, 0.0);
+  if (linear) {
+    for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
+  }
+  const std::vector<Rational> cost_values =
+      affine(counted(program.F, Matrix::kF, adjustment), counted(program.f, Matrix::kf, adjustment), *this);
+  std::vector<Rational> b_values = exactly(program.b);
+  for (const auto& [row, value] : adjustment.bounds) b_values[static_cast<std::size_t>(row)] = value;
+  std::vector<Rational> bound_values = affine(exactly(program.S), b_values, *this);
+  for (const int row : adjustment.relaxed)
+    bound_values[row * (p + 1) + p] +=
+        Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
+  const std::vector<Rational> A_values = counted(program.A, Matrix::kA, adjustment);
+  const auto a = [&](int i, int j) -> const Rational& {
+    return A_values[static_cast<std::size_t>(i) * static_cast<std::size_t>(n) + static_cast<std::size_t>(j)];
+  };
+  long H_least = kNoBit, cost_least = kNoBit;
+  for (const Rational& value : H_values) include(H_least, value);
+  for (const Rational& value : cost_values) include(cost_least, value);
+  H_exponent = -H_least;
+  if (cost_least != kNoBit) shift = std::max(shift, H_least - cost_least);
+  for (int i = 0; i < m; ++i) {
+    long least = kNoBit, bound_least = kNoBit;
+    for (int j = 0; j < n; ++j) include(least, a(i, j));
+    for (int j = 0; j <= p; ++j) include(bound_least, bound_values[i * (p + 1) + j]);
+    if (least == kNoBit) least = bound_least == kNoBit ? 0 : bound_least;
+    row_exponent.push_back(-least);
+    if (bound_least != kNoBit) shift = std::max(shift, least - bound_least);
+  }
+  H = IntegerMatrix(n, n);
+  cost = IntegerMatrix(n, p + 1);
+  A = IntegerMatrix(m, n);
+  bound = IntegerMatrix(m, p + 1);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) H(i, j) = scaled(H_values[i * n + j], -H_least);
+    for (int j = 0; j <= p; ++j) cost(i, j) = scaled(cost_values[i * (p + 1) + j], shift - H_least);
+  }
+  for (int i = 0; i < m; ++i) {
+    Integer size(0);
+    for (int j = 0; j < n; ++j) {
+      A(i, j) = scaled(a(i, j), row_exponent[i]);
+      if (mpz_cmpabs(A(i, j).get_mpz_t(), size.get_mpz_t()) > 0) size = abs(A(i, j));
+    }
+    row_size.push_back(size);
+    for (int j = 0; j <= p; ++j) bound(i, j) = scaled(bound_values[i * (p + 1) + j], shift + row_exponent[i]);
+  }
+  domain = wholeRows(affine(exactly(-program.A_theta), exactly(program.b_theta), *this), p + 1);
+  for (int i = 0; i < q; ++i) {
+    for (int j = 0; j < n; ++j) E.emplace_back(program.E(i, j));
+  }
+  offset = affine(exactly(program.C), exactly(program.c), *this);
+}
+
+}  // namespace polyfly

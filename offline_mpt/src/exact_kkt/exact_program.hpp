@@ -1,0 +1,91 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "arithmetic/exact_matrix.hpp"
+#include "mpc_core/parametric_program.hpp"
+#include "program/singular_hessian.hpp"
+
+namespace polyfly {
+
+/// Numbers that prove rows to hold with equality wherever the program is feasible: the sum of weight times
+/// row, in z, b and S alike, is zero, and the weights of inequalities are positive.
+using ZeroCombination = std::vector<std::pair<int, Integer>>;
+
+/// What is certified in place of the program as it was given; nothing, where all fields are empty.
+struct Adjustment {
+  bool singular = false;                         ///< H is, and not zero: of several optima the shortest
+  std::vector<ReplacedEntry> replaced;           ///< of H, f, F and A; with H, all its entries
+  std::vector<std::pair<int, Rational>> bounds;  ///< rows, and what counts instead of their entries of b
+  double penalty = 0.0;      ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
+  std::vector<int> dropped;  ///< rows that others imply up to rounding, ascending
+  std::vector<int> relaxed;  ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
+  std::vector<int> basis;    ///< rows taken as equalities: independent, and all others follow from them
+  std::vector<ZeroCombination> implied;  ///< why inequalities are among them
+};
+
+/// A ParametricProgram in whole numbers. Its doubles are taken at their exact values; parameters are
+/// theta = centre + half .* t, with t in [-1, 1]^p; an affine function of t is p + 1 numbers, constant last.
+///
+///     H z + cost (t, 1) + A' lambda = 0,   A z + slack = bound (t, 1)
+///
+/// in z and t multiplied by 2^shift, each row by a power of two of its own, H and cost by another: signs are
+/// those of the program.
+struct ExactProgram {
+  ExactProgram(const ParametricProgram& program, const Adjustment& adjustment);
+
+  int n = 0;
+  int m = 0;
+  int p = 0;
+  int q = 0;
+  bool linear = false;        ///< H = 0; `H` is then the identity: of several optima the shortest
+  bool semidefinite = false;  ///< H is singular otherwise: the same
+  bool hasPrices() const { return linear || semidefinite; }
+  long shift = 0;
+  long H_exponent = 0;             ///< H and cost are multiplied by 2^H_exponent
+  std::vector<long> row_exponent;  ///< m, row i of A and bound is multiplied by 2^row_exponent[i]
+  std::vector<Rational> centre;
+  std::vector<Rational> half;
+  IntegerMatrix H;
+  IntegerMatrix cost;             ///< n x (p + 1)
+  IntegerMatrix A;                ///< m x n
+  IntegerMatrix bound;            ///< m x (p + 1)
+  IntegerMatrix domain;           ///< rows >= 0 from A_theta
+  std::vector<Rational> E;        ///< q x n, u = E z + offset (t, 1), z not shifted
+  std::vector<Rational> offset;   ///< q x (p + 1)
+  std::vector<int> basis;         ///< Adjustment::basis
+  std::vector<char> in_basis;     ///< m
+  std::vector<char> is_equality;  ///< m, of the program
+  std::vector<char> is_dropped;   ///< m
+  bool forgiving = false;         ///< slacks may be negative by rounding, see ExactRegion::forgiven
+  std::vector<Integer> row_size;  ///< m, greatest |entry| of the row of A
+};
+
+/// How far below zero a dropped inequality's slack may be, relative to the row's greatest entry:
+/// 2^-kDroppedBits.
+constexpr int kDroppedBits = 30;
+
+/// By how much a relaxed row's bound is greater, a forgiven slack may be negative, or a dropped equality may
+/// fail, relative to the row's greatest entry: 2^-kRelaxedBits.
+constexpr int kRelaxedBits = 40;
+
+/// By how much a bound that counts as another may differ, relative to rowSum: 2^-kNarrowBits.
+constexpr int kNarrowBits = 29;
+
+/// Sum of |entry| of a row of A.
+Rational rowSum(const ParametricProgram& program, int row);
+
+/// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.
+std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment, double penalty);
+
+/// Greatest difference of a replaced entry from the one given, relative to the greatest of H (with the
+/// penalty), F, f, or the row of A.
+double greatestReplacement(const ParametricProgram& program, const Adjustment& adjustment);
+
+/// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
+/// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z
+/// free.
+Adjustment adjust(const ParametricProgram& program, const std::vector<char>& may_drop);
+
+}  // namespace polyfly

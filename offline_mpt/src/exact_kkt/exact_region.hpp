@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exact_kkt/exact_program.hpp"
+
+namespace polyfly {
+
+/// Where a half-space of a region comes from.
+struct ExactOrigin {
+  enum class Kind : std::uint8_t {
+    kMultiplier,  ///< of row `index` of the program, >= 0
+    kPrice,       ///< the same where H is singular and the cost decides it
+    kSlack,       ///< of row `index`, >= 0
+    kDomain,      ///< row `index` of A_theta
+    kBox,         ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
+    kExcess,      ///< minus the slack of row `index`, an equality that is dropped
+  };
+  Kind kind = Kind::kDomain;
+  int index = 0;
+
+  bool operator==(const ExactOrigin& other) const { return kind == other.kind && index == other.index; }
+};
+
+/// row (t, 1) >= 0 with p + 1 whole numbers without a common factor, constant last.
+struct ExactRow {
+  ExactOrigin origin;
+  std::vector<Integer> value;
+  /// (a, b) with |a| = 1: a . t <= b, rounded; a = 0 where the row is constant. Infinite b: beyond doubles.
+  std::vector<double> unit;
+  std::size_t bits = 0;  ///< of the greatest entry
+  double length = 0.0;   ///< of the row without its constant, times 2^-bits; 0 only where it is constant
+};
+
+/// All that optimality asks of t when a given set of rows is active: where every row here is >= 0, the law
+/// below is optimal, and nowhere else.
+struct ExactRegion {
+  std::vector<int> active;     ///< without equalities, ascending
+  std::vector<ExactRow> rows;  ///< multipliers, slacks and domain; no box, and none that is dropped
+  std::vector<ExactRow>
+      dropped;  ///< slacks of dropped rows, of equalities both ways, with what they may fall short added
+  std::vector<ExactRow>
+      forgiven;               ///< of a forgiving program: slacks with what rounding may take from them added
+  std::vector<Rational> law;  ///< q x (p + 1), u = law (t, 1)
+};
+
+enum class ExactStatus : std::uint8_t {
+  kRegion,
+  kDependent,     ///< the active rows are linearly dependent
+  kUnpaid,        ///< H singular: no prices of these rows make up the cost
+  kInconsistent,  ///< an equality does not hold
+};
+
+/// The optimality conditions of one active set, solved: each unknown is an affine function of t, p + 1 whole
+/// numbers over one denominator that all share.
+class ExactSolution {
+ public:
+  /// The set may name equalities or not. Only after kRegion has the object an answer.
+  ExactStatus solve(const ExactProgram& program, const std::vector<int>& active);
+
+  /// Rows of the program in the system: the basis, then the active ones in the order given.
+  const std::vector<int>& rows() const { return rows_; }
+  const Integer& denominator() const { return determinant_; }  ///< > 0
+  const Integer& z(int i, int j) const { return system_(i, j + first_); }
+  /// Of rows()[r].
+  const Integer& multiplier(int r, int j) const { return system_(multipliers_ + r, j + first_); }
+  /// Of rows()[r], where H is singular.
+  const Integer& price(int r, int j) const { return system_(n_ + r, j + price_column_); }
+  /// bound - A z of a row, over the denominator.
+  std::vector<Integer> slack(const ExactProgram& program, int row) const;
+  /// q x (p + 1), u = law (t, 1)
+  std::vector<Rational> law(const ExactProgram& program) const;
+
+ private:
+  ExactStatus solveLimit(const ExactProgram& program);
+
+  std::vector<int> rows_;
+  IntegerMatrix system_;
+  Integer determinant_;
+  int n_ = 0, first_ = 0, width_ = 0;
+  int multipliers_ = 0, price_column_ = 0;  // where they stand in system_
+};
+
+/// Solves the optimality conditions for one active set, which may name equalities or not.
+ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
+
+/// The rows that can fail: not those that are zero or a positive constant everywhere.
+std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region);
+
+/// The row of one side of the box.
+ExactRow boxRow(int p, int index);
+
+/// Divides by the common factor, fills `unit`, `bits` and `length`.
+void finishRow(ExactRow& row);
+
+/// Whether `row` is a positive multiple of `other`.
+bool sameHalfSpace(const ExactRow& row, const ExactRow& other);
+
+/// row (t, 1), times a positive number.
+Integer valueAt(const ExactRow& row, const std::vector<Rational>& t);
+
+}  // namespace polyfly

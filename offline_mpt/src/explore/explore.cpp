@@ -1,0 +1,226 @@
+#include "offline_mpt/explore.hpp"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <functional>
+
+#include "explore/parallel/crew.hpp"
+#include "explore/parallel/dispatcher.hpp"
+#include "explore/parallel/team_leader.hpp"
+#include "explore/region/describe.hpp"
+#include "explore/state/checkpoint.hpp"
+#include "explore/state/exploration_state.hpp"
+#include "program/least_distance.hpp"
+#include "program/margin.hpp"
+#include "program/unbounded_cost.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kReturnedAtOnce = 50'000;  // regions whose first form is given back to the system
+constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
+
+Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t) {
+  return program.centre + program.half.cwiseProduct(t);
+}
+
+bool stopped(const ExploreOptions& options) { return options.stop != nullptr && options.stop->load(); }
+
+// Whether theta satisfies the region's rows but for `tolerance`; most regions are out after a row or two.
+bool contains(const CriticalRegion& region, const Eigen::VectorXd& theta, double tolerance) {
+  for (Eigen::Index i = 0; i < region.g.size(); ++i) {
+    if (region.G.row(i).dot(theta) > region.g(i) + tolerance) return false;
+  }
+  return true;
+}
+
+// A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
+// no end.
+void settleProbes(const LeastDistance& program, const ExploreOptions& options,
+                  const std::pmr::vector<double>& unsettled, UnboundedCost& unbounded, Partition& partition) {
+  const auto p = static_cast<std::size_t>(program.p);
+  for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
+    if (stopped(options)) {
+      partition.status = ExploreStatus::kInterrupted;
+      return;
+    }
+    const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
+    const Eigen::VectorXd theta = unscaled(program, t);
+    const bool held =
+        std::any_of(partition.regions.begin(), partition.regions.end(),
+                    [&](const CriticalRegion& region) { return contains(region, theta, kProbeTolerance); });
+    if (held || unbounded.direction(t)) continue;
+    if (isEdge(program, t)) continue;
+    partition.status = ExploreStatus::kIncomplete;
+    partition.witness = theta;
+    return;
+  }
+}
+
+// The heap keeps what is freed in pieces, which for large explorations would be as much as the regions take.
+void returnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+// Regions sorted by active set, whatever the order in which they were found. Their numbers are freed on the
+// way: both forms side by side would be the most memory that an exploration ever takes.
+void convertRegions(const LeastDistance& program, ExplorationState& state, Partition& partition) {
+  partition.regions.reserve(state.regions.size());
+  for (std::size_t k = 0; k < state.regions.size(); ++k) {
+    partition.regions.push_back(state.regions.region(k, program, state.found[state.regions[k].set]));
+    state.regions.releaseBefore(k);
+    if ((k + 1) % kReturnedAtOnce == 0) returnFreedMemory();
+  }
+  std::sort(partition.regions.begin(), partition.regions.end(),
+            [](const CriticalRegion& a, const CriticalRegion& b) { return a.active < b.active; });
+}
+
+// Goes on from a checkpoint. Some of its regions are described again: other bits tell of another solver,
+// whose regions would not go together with these.
+void resume(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
+            const ActiveSet& first, Worker& worker, ExplorationState& state) {
+  loadCheckpoint(options.checkpoint, key, program, state);
+  const RowSpan start = state.found[0];
+  Described again;
+  bool same = std::equal(start.begin(), start.end(), first.begin(), first.end());
+  const std::size_t step = std::max<std::size_t>(1, state.regions.size() / kDescribedAgain);
+  for (std::size_t k = 0; same && k < state.regions.size(); k += step) {
+    const RegionStore::Region& region = state.regions[k];
+    const RowSpan set = state.found[region.set];
+    describe(program, worker, ActiveSet(set.begin(), set.end()), again);
+    std::vector<std::byte> numbers;
+    ByteWriter out(numbers);
+    if (again.status == BuildStatus::kRegion) writeNumbers(again.region, out);
+    same = again.region.facets.size() == region.facets && !numbers.empty() &&
+           std::memcmp(numbers.data(), region.numbers, numbers.size()) == 0;
+  }
+  if (!same) throw Error(options.checkpoint + ": was written by another build of the solver");
+}
+
+// What is made of the regions may take longer than they did, and be stopped: a complete exploration is saved,
+// too. A disk that has no room for that may still have it for the map. False if it was not saved.
+bool savedAtEnd(const std::function<void()>& save, ExploreStatus status) {
+  if (status != ExploreStatus::kComplete) {
+    save();
+    return true;
+  }
+  try {
+    save();
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+// Describes all open sets, alone or with the team's other processes, until there are none or a limit is
+// reached.
+ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
+                          ExplorationState& state, ExploreStats& stats) {
+  std::function<void()> save;
+  if (!options.checkpoint.empty()) save = [&] { saveCheckpoint(options.checkpoint, key, state); };
+  Dispatcher dispatcher(state, options, save);
+  if (options.team != nullptr && options.team->size() > 1) {
+    TeamLeader leader(*options.team, dispatcher, key);
+    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
+    stats.lost_process = leader.finish();
+  } else {
+    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
+  }
+  const ExploreStatus status = dispatcher.result();
+  if (save && state.regions.size() > 0) stats.unsaved = !savedAtEnd(save, status);
+  return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
+}
+
+// Where the regions leave out parameters that have solutions: the cost falls without end there. Of an
+// exploration that was stopped, to look behind all facets could take as long as it was given.
+void noteUnbounded(const LeastDistance& program, const ExploreOptions& options, UnboundedCost& unbounded,
+                   Partition& partition) {
+  const bool complete = partition.status == ExploreStatus::kComplete;
+  const std::optional<Eigen::VectorXd> t =
+      complete ? unbounded.witness(partition.regions, options.stop) : unbounded.quickWitness();
+  if (unbounded.cutShort()) partition.status = ExploreStatus::kInterrupted;
+  if (!t) return;
+  if (complete) partition.status = ExploreStatus::kUnbounded;
+  partition.unbounded_at = unscaled(program, *t);
+}
+
+Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasible, UnboundedCost& unbounded,
+                      std::uint64_t key, const ExploreOptions& options) {
+  const std::clock_t cpu_start = std::clock();
+  Partition partition;
+  ExplorationState state(program);
+  Worker worker(program, options);
+  ActiveSet first;
+  const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
+  if (!start) {  // without a region, all is found
+    partition.status = ExploreStatus::kComplete;
+    noteUnbounded(program, options, unbounded, partition);
+    return partition;
+  }
+  if (!findStart(program, *start, worker, first)) {
+    partition.status = ExploreStatus::kIncomplete;
+    partition.witness = unscaled(program, *start);
+    noteUnbounded(program, options, unbounded, partition);
+    return partition;
+  }
+  if (options.resume) {
+    resume(program, options, key, first, worker, state);
+  } else {
+    state.found.insert({first.data(), first.size()});
+  }
+  partition.stats.resumed_regions = state.regions.size();
+  partition.status = describeAll(program, options, key, state, partition.stats);
+  convertRegions(program, state, partition);
+  if (partition.status == ExploreStatus::kComplete)
+    settleProbes(program, options, state.unsettled, unbounded, partition);
+  noteUnbounded(program, options, unbounded, partition);
+  partition.stats.regions = partition.regions.size();
+  partition.stats.candidate_sets = state.found.size();
+  partition.stats.open_sets = state.open();
+  partition.stats.degenerate_facets = state.degenerate_facets;
+  partition.stats.lp_pivots = state.pivots;
+  partition.stats.memory_bytes = state.memory.peak();
+  partition.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  return partition;
+}
+
+}  // namespace
+
+const char* toString(ExploreStatus status) {
+  switch (status) {
+    case ExploreStatus::kComplete:
+      return "complete";
+    case ExploreStatus::kIncomplete:
+      return "incomplete";
+    case ExploreStatus::kLimited:
+      return "limited";
+    case ExploreStatus::kInterrupted:
+      return "interrupted";
+    case ExploreStatus::kInfeasible:
+      return "infeasible";
+    case ExploreStatus::kUnbounded:
+      return "unbounded";
+  }
+  return "unknown";
+}
+
+Partition explore(const ParametricProgram& program, const ExploreOptions& options) {
+  checkProgram(program);
+  ParametricProgram explicit_equalities = program;
+  const Margin margin = findMargin(explicit_equalities);
+  if (!margin.feasible) return {};
+  const LeastDistance scaled = toLeastDistance(explicit_equalities);
+  if (scaled.domain_empty) return {};
+  UnboundedCost unbounded(explicit_equalities, scaled);
+  return exploreFrom(scaled, margin.t, unbounded, fingerprint(program, options), options);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,172 @@
+#include "explore/parallel/dispatcher.hpp"
+
+#include <algorithm>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kMostSets = 16;  // in a chunk for a thread of this process
+constexpr std::size_t kShare = 4;      // chunks that the open sets are cut into, for each describer
+constexpr std::size_t kWindow = 16;    // chunks out at a time, for each describer
+constexpr double kSavingShare = 0.05;  // greatest part of the time that saving may take
+
+}  // namespace
+
+Dispatcher::Dispatcher(SetQueue& state, const ExploreOptions& options, std::function<void()> save)
+    : state_(state),
+      options_(options),
+      save_(std::move(save)),
+      next_save_(begin_ + std::chrono::duration_cast<Clock::duration>(
+                              std::chrono::duration<double>(options.checkpoint_period))),
+      describers_(static_cast<std::size_t>(std::max(1, options.threads))),
+      handed_out_(state.described) {}
+
+Chunk* Dispatcher::next(std::size_t most) {
+  const std::uint64_t open = undispatched();
+  if (open == 0 || out_.size() >= kWindow * describers_) return nullptr;
+  const std::uint64_t count = std::clamp<std::uint64_t>(open / (kShare * describers_), 1, most);
+  if (idle_.empty()) idle_.push_back(std::make_unique<Chunk>());
+  out_.push_back(std::move(idle_.back()));
+  idle_.pop_back();
+  Chunk& chunk = *out_.back();
+  chunk.number = chunks_++;
+  chunk.sets.clear();
+  chunk.answers.clear();
+  chunk.answered = false;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    chunk.sets.push_back(state_.found[static_cast<std::uint32_t>(handed_out_++)]);
+  }
+  return &chunk;
+}
+
+Chunk* Dispatcher::take() {
+  Lock lock(mutex_);
+  while (!ended_) {
+    if (limitReached()) break;
+    saveIfDue();
+    if (Chunk* const chunk = next(kMostSets)) return chunk;
+    if (out_.empty()) {
+      stop(ExploreStatus::kComplete);
+      break;
+    }
+    ++waiting_;
+    changed_.wait(lock);
+    --waiting_;
+  }
+  return nullptr;
+}
+
+Chunk* Dispatcher::tryTake(std::size_t most) {
+  const Lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock() || ended_ || limitReached()) return nullptr;
+  saveIfDue();
+  return next(most);
+}
+
+void Dispatcher::give(Chunk* chunk) {
+  Lock lock(mutex_);
+  merge(chunk);
+  report(lock);
+}
+
+bool Dispatcher::tryGive(Chunk* chunk) {
+  const Lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return false;
+  merge(chunk);
+  return true;
+}
+
+void Dispatcher::look() {
+  const Lock lock(mutex_, std::try_to_lock);
+  if (lock.owns_lock() && !ended_ && !limitReached()) saveIfDue();
+}
+
+void Dispatcher::merge(Chunk* chunk) {
+  chunk->answered = true;
+  while (!ended_ && !out_.empty() && out_.front()->answered) {
+    Chunk& front = *out_.front();
+    ByteReader answers(front.answers.data(), front.answers.size(), "answer to a chunk of active sets");
+    for (std::size_t k = 0; k < front.sets.size(); ++k) {
+      if (limitReached()) return;
+      state_.merge(answers);
+    }
+    idle_.push_back(std::move(out_.front()));
+    out_.pop_front();
+  }
+  if (waiting_ > 0) changed_.notify_all();
+}
+
+// Sends the numbers from the thread that asked for the exploration, and not while others wait for it.
+void Dispatcher::report(Lock& lock) {
+  if (!options_.progress || std::this_thread::get_id() != owner_) return;
+  const ExploreProgress progress{state_.regionCount(), state_.open(), state_.described, state_.memory.bytes(),
+                                 unsaved_};
+  lock.unlock();
+  options_.progress(progress);
+}
+
+bool Dispatcher::limitReached() {
+  if (state_.open() == 0) return false;  // nothing is left to do
+  if (options_.stop != nullptr && options_.stop->load()) {
+    stop(ExploreStatus::kInterrupted);
+  } else if (state_.regionCount() >= options_.region_limit || state_.enough() ||
+             (options_.memory_limit > 0 && state_.memory.bytes() >= options_.memory_limit) ||
+             (options_.time_limit > 0.0 &&
+              std::chrono::duration<double>(Clock::now() - begin_).count() > options_.time_limit)) {
+    stop(ExploreStatus::kLimited);
+  }
+  return ended_;
+}
+
+void Dispatcher::saveIfDue() {
+  if (!save_ || options_.checkpoint_period <= 0.0) return;
+  const Clock::time_point before = Clock::now();
+  if (before < next_save_) return;
+  try {
+    save_();
+    unsaved_ = false;
+  } catch (const Error&) {  // a full disk must not cost the work: the next attempt, or the last, may succeed
+    unsaved_ = true;
+  }
+  const std::chrono::duration<double> taken = Clock::now() - before;
+  const double pause = std::max(options_.checkpoint_period, taken.count() / kSavingShare);
+  next_save_ =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
+}
+
+void Dispatcher::stop(ExploreStatus status) {
+  ended_ = true;
+  status_ = status;
+  changed_.notify_all();
+}
+
+void Dispatcher::end(ExploreStatus status) {
+  const Lock lock(mutex_);
+  if (!ended_) stop(status);
+}
+
+void Dispatcher::fail(std::exception_ptr error) {
+  const Lock lock(mutex_);
+  if (!error_) error_ = std::move(error);
+  if (!ended_) stop(ExploreStatus::kInterrupted);
+}
+
+void Dispatcher::addDescribers(int count) {
+  const Lock lock(mutex_);
+  describers_ += static_cast<std::size_t>(std::max(0, count));
+}
+
+bool Dispatcher::ended() const {
+  const Lock lock(mutex_);
+  return ended_;
+}
+
+ExploreStatus Dispatcher::result() const {
+  const Lock lock(mutex_);
+  if (error_) std::rethrow_exception(error_);
+  return status_;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,414 @@
+#include "explore/region/region_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace polyfly {
+namespace {
+
+constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
+constexpr double kFlatness = 1e-8;   // how far rows overlap, or part, with nothing between them [scaled]
+constexpr double kOpposite = 1e-6 - 1.0;  // product of unit rows below which they are opposite
+
+}  // namespace
+
+RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance)
+    : program_(program),
+      facet_tolerance_(facet_tolerance),
+      radius_tolerance_(radius_tolerance),
+      width_(program.p + 1),
+      gram_(static_cast<std::size_t>(program.m) * program.m),
+      D_(static_cast<std::size_t>(program.m) * width_),
+      M_(static_cast<std::size_t>(program.m) * program.n),
+      shortest_(program),
+      accurate_(program),
+      D_size_(program.m),
+      reach_((1.0 + kAccurate) * std::sqrt(static_cast<double>(program.p))),
+      is_active_(program.m, 0),
+      scratch_(program.p + 1),
+      solver_(program.p) {
+  for (int i = 0; i < program.m; ++i) {
+    for (int j = 0; j < program.m; ++j)
+      gram_[static_cast<std::size_t>(i) * program.m + j] = program.gram(i, j);
+    for (int j = 0; j < width_; ++j) D_[static_cast<std::size_t>(i) * width_ + j] = program.D(i, j);
+    for (int j = 0; j < program.n; ++j) M_[static_cast<std::size_t>(i) * program.n + j] = program.M(i, j);
+    D_size_[i] = program.D.row(i).cwiseAbs().maxCoeff();
+  }
+  for (int i = 0; i < program.U.rows(); ++i) U_size_.push_back(program.U.row(i).cwiseAbs().maxCoeff());
+}
+
+bool RegionBuilder::factorise(const ActiveSet& active) {
+  const int k = static_cast<int>(active.size());
+  if (k > program_.n) return false;
+  factor_.resize(static_cast<std::size_t>(k) * k);
+  inverse_.resize(k);
+  for (int r = 0; r < k; ++r) {
+    const double* source = gram_.data() + static_cast<std::size_t>(active[r]) * program_.m;
+    double* row = factor_.data() + static_cast<std::size_t>(r) * k;
+    for (int c = 0; c <= r; ++c) {
+      const double* other = factor_.data() + static_cast<std::size_t>(c) * k;
+      double value = source[active[c]];
+      for (int i = 0; i < c; ++i) value -= row[i] * other[i];
+      if (c < r) {
+        row[c] = value / other[c];
+      } else if (value > kSafePivot) {
+        row[c] = std::sqrt(value);
+        inverse_[c] = 1.0 / row[c];
+      } else {
+        return factoriseAccurately(active);
+      }
+    }
+  }
+  return true;
+}
+
+// The same factor from the rows themselves, orthogonalised twice: distances come out with full accuracy,
+// where products of rows only keep their squares. Few sets need it.
+bool RegionBuilder::factoriseAccurately(const ActiveSet& active) {
+  const int k = static_cast<int>(active.size());
+  Eigen::MatrixXd basis(program_.n, k);
+  for (int r = 0; r < k; ++r) {
+    Eigen::VectorXd row = program_.M.row(active[r]);
+    double* out = factor_.data() + static_cast<std::size_t>(r) * k;
+    std::fill(out, out + r, 0.0);
+    for (int pass = 0; pass < 2; ++pass) {
+      for (int c = 0; c < r; ++c) {
+        const double weight = basis.col(c).dot(row);
+        out[c] += weight;
+        row -= weight * basis.col(c);
+      }
+    }
+    out[r] = row.norm();
+    if (out[r] <= kIndependent) return false;
+    basis.col(r) = row / out[r];
+    inverse_[r] = 1.0 / out[r];
+  }
+  return true;
+}
+
+// Solves factor factor' X = X in place for `width` right-hand sides lying side by side.
+void RegionBuilder::solveFactor(double* x, std::size_t rows, std::size_t width) const {
+  for (std::size_t r = 0; r < rows; ++r) {
+    double* row = x + r * width;
+    for (std::size_t c = 0; c < r; ++c) {
+      const double weight = factor_[r * rows + c];
+      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
+    }
+    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
+  }
+  for (std::size_t r = rows; r-- > 0;) {
+    double* row = x + r * width;
+    for (std::size_t c = r + 1; c < rows; ++c) {
+      const double weight = factor_[c * rows + r];
+      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
+    }
+    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
+  }
+}
+
+// Adds affine (t, 1) >= 0, known but for `noise`, as a unit half-space. False: the set describes no region.
+bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale, double noise,
+                           BuildStatus& status) {
+  double squared = 0.0;
+  for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
+  const double length = std::sqrt(squared);
+  if (is_accurate_) noise = 0.0;
+  const double constant = affine[program_.p];
+  const double blurred = kErrorMargin * noise;
+  const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
+  if (meets_box && noise > kConstant * scale && length <= blurred) doubtful_ = true;
+  if (length <= kConstant * scale) {
+    if (constant < -kConstant * scale) {
+      status = BuildStatus::kThin;
+      return false;
+    }
+    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstant * scale) {
+      status = BuildStatus::kWeak;
+      return false;
+    }
+    if (origin.kind == RowOrigin::Kind::kSlack)
+      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
+    return true;
+  }
+  if (!meets_box) {  // such a row bounds nothing, or all is beyond it; far planes would cost accuracy
+    if (constant < 0.0) status = BuildStatus::kThin;
+    if (origin.kind == RowOrigin::Kind::kSlack)
+      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
+    return constant > 0.0;
+  }
+  const double inverse = 1.0 / length;
+  if (noise > kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
+  for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
+  rows_.push_back(constant * inverse);
+  origins_.push_back(origin);
+  lengths_.push_back(length);
+  return true;
+}
+
+// Prices of the active rows, -gram^-1 M cost. False unless they pay for the whole cost with no price negative
+// everywhere.
+bool RegionBuilder::priceOut(const ActiveSet& active) {
+  const auto k = static_cast<Eigen::Index>(active.size());
+  prices_.resize(multipliers_.size());
+  if (is_accurate_) {
+    for (std::size_t r = 0; r < active.size(); ++r) accurate_.price(r, prices_.data() + r * width_);
+    return true;
+  }
+  if (program_.semidefinite) {
+    for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
+      shortest_.price(r, prices_.data() + r * width_);
+    return is_paid_;
+  }
+  for (Eigen::Index r = 0; r < k; ++r) {
+    for (int j = 0; j < width_; ++j)
+      prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
+  }
+  solveFactor(prices_.data(), active.size(), width_);
+  const double scale = program_.cost.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd rest = program_.cost;
+  for (Eigen::Index r = 0; r < k; ++r) {
+    for (int j = 0; j < width_; ++j)
+      rest.col(j) += prices_[r * width_ + j] * program_.M.row(active[r]).transpose();
+  }
+  double greatest = 0.0;
+  for (const double price : prices_) greatest = std::max(greatest, std::abs(price));
+  if (kErrorMargin * growth() * greatest > kUnpaid * scale) doubtful_ = true;
+  return rest.cwiseAbs().maxCoeff() <= kUnpaid * scale;
+}
+
+BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
+  BuildStatus status = BuildStatus::kRegion;
+  double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
+  if (program_.semidefinite) {
+    for (const double price : prices_) price_scale = std::max(price_scale, std::abs(price));
+  }
+  const double zero = program_.linear ? kUnpaid * price_scale : 0.0;  // prices below this are
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    if (program_.linear || program_.semidefinite) {
+      const double* price = prices_.data() + r * width_;
+      const double largest = std::abs(*std::max_element(
+          price, price + width_, [](double a, double b) { return std::abs(a) < std::abs(b); }));
+      if (largest > zero) {  // the multiplier's sign is the price's
+        for (int j = 0; j < width_; ++j) scratch_[j] = std::abs(price[j]) > zero ? price[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, growth() * largest,
+                    status))
+          return status;
+        continue;
+      }
+    }
+    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale,
+                growth() * size_, status)) {
+      return status;
+    }
+  }
+  return status;
+}
+
+// Slack of an inactive row as a function of (t, 1), into scratch_.
+void RegionBuilder::slackRow(const ActiveSet& active, int row) {
+  if (is_accurate_) return accurate_.slack(row, scratch_.data());
+  if (program_.semidefinite) return shortest_.slack(row, scratch_.data());
+  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
+  std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    const double weight = gram[active[r]];
+    const double* multiplier = multipliers_.data() + r * width_;
+    for (int j = 0; j < width_; ++j) scratch_[j] += weight * multiplier[j];
+  }
+}
+
+BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
+  BuildStatus status = BuildStatus::kRegion;
+  idle_.clear();
+  for (const int row : active) is_active_[row] = 1;
+  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
+    if (is_active_[i]) continue;
+    slackRow(active, i);
+    const std::size_t before = origins_.size();
+    const double noise = (program_.semidefinite ? growth() : program_.rounding) * (D_size_[i] + size_);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
+    if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
+      idle_.push_back(static_cast<std::uint16_t>(i));
+    }
+  }
+  for (const int row : active) is_active_[row] = 0;
+  return status;
+}
+
+// Multipliers of the active rows as functions of (t, 1), and the size of their constants and slopes. False
+// where the rows are dependent.
+bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
+  multipliers_.resize(active.size() * width_);
+  pivot_ = 1.0;
+  if (!is_accurate_ && !factorise(active)) return false;
+  scale = 1.0;
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    for (int j = 0; j < width_; ++j) {
+      const double value = -D_[static_cast<std::size_t>(active[r]) * width_ + j];
+      multipliers_[r * width_ + j] = value;
+      scale = std::max(scale, std::abs(value));
+    }
+  }
+  if (is_accurate_) {
+    for (std::size_t r = 0; r < active.size(); ++r) accurate_.multiplier(r, multipliers_.data() + r * width_);
+    return true;
+  }
+  if (program_.semidefinite) {
+    if (!findShortest(active)) return false;
+  } else {
+    solveFactor(multipliers_.data(), active.size(), width_);
+  }
+  size_ = 0.0;
+  for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
+  for (std::size_t r = 0; r < active.size(); ++r) pivot_ = std::min(pivot_, factor_[r * active.size() + r]);
+  return true;
+}
+
+// The same where H is singular and not zero.
+bool RegionBuilder::findShortest(const ActiveSet& active) {
+  const ShortestOptimum::Outcome outcome = shortest_.describe(active);
+  doubtful_ = doubtful_ || shortest_.doubtful();
+  is_paid_ = outcome != ShortestOptimum::Outcome::kUnpaid;
+  if (outcome == ShortestOptimum::Outcome::kDependent) return false;
+  for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
+    shortest_.multiplier(r, multipliers_.data() + r * width_);
+  return true;
+}
+
+// What rounding does to multipliers and prices, relative to their size.
+double RegionBuilder::growth() const {
+  return program_.semidefinite ? shortest_.noise() : program_.rounding / pivot_;
+}
+
+BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
+  double scale = 1.0;
+  plane_error_ = 0.0;
+  doubtful_ = false;
+  if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
+  if ((program_.linear || program_.semidefinite) && !priceOut(active)) return BuildStatus::kThin;
+
+  rows_.assign(program_.domain.begin(), program_.domain.end());
+  origins_.clear();
+  for (int d = 0; d < program_.domainCount(); ++d) origins_.push_back({RowOrigin::Kind::kDomain, d});
+  lengths_.assign(origins_.size(), 1.0);
+  nearest_miss_ = std::numeric_limits<double>::infinity();
+  const BuildStatus status = addMultiplierRows(active, scale);
+  return status == BuildStatus::kRegion ? addSlackRows(active, scale) : status;
+}
+
+// Rows, largest ball and law.
+BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) {
+  region.radius = -std::numeric_limits<double>::infinity();
+  const BuildStatus status = assembleRows(active);
+  if (status != BuildStatus::kRegion) return status;
+  region.centre.assign(program_.p, 0.0);
+  if (!solver_.chebyshevInBox(rows_.data(), static_cast<int>(origins_.size()), region.centre.data(),
+                              region.radius))
+    return BuildStatus::kFailed;
+  if (region.radius <= radius_tolerance_) return BuildStatus::kThin;
+  law(active, region.law);
+  return status;
+}
+
+bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) const {
+  if (status == BuildStatus::kDependent) return false;
+  if (misleads()) return true;
+  if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
+  return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
+}
+
+bool RegionBuilder::describeAccurately(const ActiveSet& active) {
+  is_accurate_ = accurate_.describe(active);
+  return is_accurate_;
+}
+
+BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
+  is_accurate_ = false;
+  BuildStatus status = measure(active, region);
+  if (needsAccuracy(status, region)) {
+    if (describeAccurately(active)) {
+      status = measure(active, region);
+    } else if (program_.semidefinite && accurate_.isNoSolution()) {
+      return BuildStatus::kThin;  // what doubles took for a solution is none
+    }
+  }
+  if (status == BuildStatus::kThin && isFlat(region)) return openFlat(active, region);
+  if (status != BuildStatus::kRegion) return status;
+  // A facet of a thin region shows at the region's own scale.
+  return findFacets(active, std::min(facet_tolerance_, 0.1 * region.radius), region);
+}
+
+// Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
+bool RegionBuilder::isFlat(const RegionData& region) const {
+  if (program_.linear || program_.semidefinite || std::abs(region.radius) > kFlatness) return false;
+  const auto row = [&](int i) {
+    return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
+  };
+  const Eigen::Map<const Eigen::VectorXd> centre(region.centre.data(), program_.p);
+  std::vector<int> tight;
+  for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
+    if (rows_[static_cast<std::size_t>(i) * width_ + program_.p] - row(i).dot(centre) >
+        region.radius + kFlatness)
+      continue;
+    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOpposite; }))
+      return true;
+    tight.push_back(i);
+  }
+  return false;
+}
+
+// Where regions meet that nothing but a flat set is between, they are neighbours of its facets.
+BuildStatus RegionBuilder::openFlat(const ActiveSet& active, RegionData& region) {
+  constexpr double kMoved = 4.0 * kFlatness;
+  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += kMoved;
+  const BuildStatus status = findFacets(active, facet_tolerance_, region);
+  return status == BuildStatus::kRegion ? BuildStatus::kFlat : status;
+}
+
+BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance, RegionData& region) {
+  const int count = static_cast<int>(origins_.size());
+  if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
+    return BuildStatus::kFailed;
+  region.tight = active;
+  region.tight.insert(region.tight.end(), idle_.begin(), idle_.end());
+  std::sort(region.tight.begin(), region.tight.end());
+  region.by_slack = std::none_of(origins_.begin(), origins_.end(), [](const RowOrigin& origin) {
+    return origin.kind == RowOrigin::Kind::kMultiplier || origin.kind == RowOrigin::Kind::kPrice;
+  });
+  region.facets.resize(minimal_.facets.size());
+  for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
+    const int row = minimal_.facets[f];
+    Facet& facet = region.facets[f];
+    facet.origin = origins_[row];
+    std::copy_n(rows_.begin() + row * width_, width_, facet.row.begin());
+    std::copy_n(minimal_.beyond.begin() + f * program_.p, program_.p, facet.beyond.begin());
+  }
+  return BuildStatus::kRegion;
+}
+
+void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
+  law_error_ = 0.0;
+  if (is_accurate_) return accurate_.law(out);
+  if (program_.semidefinite) {
+    law_error_ = shortest_.noise();
+    return shortest_.law(out);
+  }
+  const int q = static_cast<int>(program_.U.rows());
+  out.resize(static_cast<std::size_t>(q) * width_);
+  for (int i = 0; i < q; ++i) {
+    double* row = out.data() + static_cast<std::size_t>(i) * width_;
+    double size = 1.0, weights = 0.0;
+    for (int j = 0; j < width_; ++j) row[j] = program_.U(i, j);
+    for (std::size_t r = 0; r < active.size(); ++r) {
+      const double weight = program_.V(i, active[r]);
+      const double* multiplier = multipliers_.data() + r * width_;
+      weights = std::max(weights, std::abs(weight));
+      for (int j = 0; j < width_; ++j) row[j] += weight * multiplier[j];
+    }
+    for (int j = 0; j < width_; ++j) size = std::max(size, std::abs(row[j]));
+    law_error_ = std::max(law_error_, program_.rounding * (U_size_[i] + weights * size_) / size);
+  }
+}
+
+}  // namespace polyfly

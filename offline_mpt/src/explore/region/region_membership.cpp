@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+
+#include "explore/region/region_builder.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kClear =
+    1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
+
+}  // namespace
+
+bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
+  is_accurate_ = false;
+  const bool held = holdsAsDescribed(active, t, tolerance);
+  if (!misleads() && plane_error_ <= kAccurate) return held;
+  if (!held && !misleads() && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
+    return false;
+  return describeAccurately(active) ? holdsAsDescribed(active, t, tolerance) : held;
+}
+
+bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance) {
+  double scale = 1.0;
+  plane_error_ = 0.0;
+  doubtful_ = false;
+  if (!findMultipliers(active, scale)) return false;
+  if (program_.linear && !priceOut(active)) return false;
+  clearRows();
+  if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
+  return holdsSlacks(active, t, tolerance, scale);
+}
+
+void RegionBuilder::clearRows() {
+  rows_.clear();
+  origins_.clear();
+  lengths_.clear();
+}
+
+// Whether t satisfies the rows gathered so far but for `tolerance`.
+bool RegionBuilder::satisfied(const double* t, double tolerance) const {
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    double slack = rows_[i * width_ + program_.p];
+    for (int j = 0; j < program_.p; ++j) slack -= rows_[i * width_ + j] * t[j];
+    if (slack < -tolerance) return false;
+  }
+  return true;
+}
+
+// The same of the inactive rows. Their slacks at t alone clear most of them; only the others are described as
+// half-spaces.
+bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
+  at_point_.resize(active.size());
+  for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = valueOf(multipliers_.data() + r * width_, t);
+  clearRows();
+  for (const int row : active) is_active_[row] = 1;
+  BuildStatus status = BuildStatus::kRegion;
+  for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
+    if (is_active_[i]) continue;
+    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
+    double slack = valueOf(D_.data() + static_cast<std::size_t>(i) * width_, t);
+    for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
+    const double noise = program_.rounding * (D_size_[i] + size_);
+    if (slack > kClear * scale + kErrorMargin * noise) continue;
+    slackRow(active, i);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
+  }
+  for (const int row : active) is_active_[row] = 0;
+  return status == BuildStatus::kRegion && satisfied(t, tolerance);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,103 @@
+#include "explore/region/shortest_optimum.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
+constexpr double kZero = 1e-10;         // relative size below which a number is zero
+constexpr double kDoubt = 1e3;  // by how much it may be greater or smaller to be decided without rounding
+
+}  // namespace
+
+ShortestOptimum::ShortestOptimum(const LeastDistance& program) : program_(program) {
+  if (!program.semidefinite) return;
+  greatest_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(program.curvature, Eigen::EigenvaluesOnly)
+                  .eigenvalues()(program.n - 1);
+}
+
+bool ShortestOptimum::isZero(double part, double whole) {
+  if (part > kZero * whole / kDoubt && part < kZero * whole * kDoubt) doubtful_ = true;
+  return part <= kZero * whole;
+}
+
+// With A' = Y T and Z an orthonormal basis of what A leaves free, z = Y T^-1' bound + Z v; v is the shortest
+// that solves (Z'HZ) v = -Z'(cost + H z).
+ShortestOptimum::Outcome ShortestOptimum::describe(const std::vector<std::uint16_t>& active) {
+  const auto k = static_cast<Eigen::Index>(active.size());
+  const Eigen::Index n = program_.n;
+  doubtful_ = false;
+  noise_ = program_.rounding;
+  if (k > n) return Outcome::kDependent;
+  Eigen::MatrixXd A(n, k), bound(k, program_.p + 1);
+  for (Eigen::Index r = 0; r < k; ++r) {
+    A.col(r) = program_.M.row(active[static_cast<std::size_t>(r)]);
+    bound.row(r) = program_.D.row(active[static_cast<std::size_t>(r)]);
+  }
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd T(k, k);
+  if (k > 0) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(A);
+    Q = qr.householderQ();
+    T = qr.matrixQR().topRows(k);
+    const double least = T.diagonal().cwiseAbs().minCoeff();
+    if (least <= kIndependent) return Outcome::kDependent;
+    noise_ /= least;
+  }
+  const Eigen::MatrixXd& factor = T;
+  const auto upper = factor.triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd Y = Q.leftCols(k), Z = Q.rightCols(n - k);
+  z_ = Eigen::MatrixXd::Zero(n, program_.p + 1);
+  if (k > 0) z_ = Y * factor.transpose().triangularView<Eigen::Lower>().solve(bound);
+  const Eigen::MatrixXd gradient = program_.cost + program_.curvature * z_;
+  const double size = program_.cost.cwiseAbs().maxCoeff() + greatest_ * z_.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd v = Eigen::MatrixXd::Zero(n - k, program_.p + 1), w = v;
+  if (n > k) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Z.transpose() * program_.curvature * Z);
+    const Eigen::MatrixXd slopes = solver.eigenvectors().transpose() * Z.transpose() * gradient;
+    for (Eigen::Index i = 0; i < n - k; ++i) {
+      const double curvature = solver.eigenvalues()(i);
+      if (isZero(curvature, greatest_)) {
+        if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kUnpaid;
+        continue;
+      }
+      noise_ = std::max(noise_, program_.rounding * greatest_ / curvature);
+      v += solver.eigenvectors().col(i) * (-1.0 / curvature * slopes.row(i));
+      w += solver.eigenvectors().col(i) * (1.0 / curvature / curvature * slopes.row(i));
+    }
+    z_ += Z * v;
+  }
+  if (k == 0) return Outcome::kDescribed;
+  prices_ = -upper.solve(Y.transpose() * (program_.curvature * z_ + program_.cost));
+  multipliers_ = -upper.solve(Y.transpose() * (program_.curvature * Z * w + z_));
+  for (Eigen::Index r = 0; r < k; ++r) {
+    if (isZero(prices_.row(r).cwiseAbs().maxCoeff(), size)) prices_.row(r).setZero();
+  }
+  return Outcome::kDescribed;
+}
+
+void ShortestOptimum::multiplier(std::size_t place, double* affine) const {
+  for (int j = 0; j <= program_.p; ++j) affine[j] = multipliers_(static_cast<Eigen::Index>(place), j);
+}
+
+void ShortestOptimum::price(std::size_t place, double* affine) const {
+  for (int j = 0; j <= program_.p; ++j) affine[j] = prices_(static_cast<Eigen::Index>(place), j);
+}
+
+void ShortestOptimum::slack(int row, double* affine) const {
+  for (int j = 0; j <= program_.p; ++j) affine[j] = program_.D(row, j) - program_.M.row(row).dot(z_.col(j));
+}
+
+void ShortestOptimum::law(std::vector<double>& out) const {
+  const Eigen::MatrixXd law = program_.U + program_.output * z_;
+  out.clear();
+  for (Eigen::Index i = 0; i < law.rows(); ++i) {
+    for (int j = 0; j <= program_.p; ++j) out.push_back(law(i, j));
+  }
+}
+
+}  // namespace polyfly

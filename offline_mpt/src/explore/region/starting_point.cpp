@@ -1,0 +1,23 @@
+#include "explore/region/starting_point.hpp"
+
+#include <algorithm>
+
+namespace polyfly {
+
+bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
+                 double least, ActiveSet& active) {
+  Eigen::VectorXd t1(program.p + 1);
+  t1 << t, 1.0;
+  const Eigen::VectorXd g = program.F * t1;
+  const Eigen::VectorXd b = program.S * t1 - margin * program.length;
+  if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
+  active.clear();
+  for (int k = 0; k < qp.activeCount(); ++k) {
+    const int row = qp.activeRows()[k];
+    if (qp.lambda()(row) > least) active.push_back(static_cast<std::uint16_t>(row));
+  }
+  std::sort(active.begin(), active.end());
+  return true;
+}
+
+}  // namespace polyfly

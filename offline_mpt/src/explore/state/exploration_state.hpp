@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "explore/region/describe.hpp"
+#include "explore/state/region_store.hpp"
+#include "explore/state/set_queue.hpp"
+#include "program/least_distance.hpp"
+
+namespace polyfly {
+
+/// How far an exploration has come: all that a checkpoint holds.
+struct ExplorationState : SetQueue {
+  explicit ExplorationState(const LeastDistance& program);
+
+  std::uint64_t regionCount() const override { return regions.size(); }
+  void merge(ByteReader& answer) override;
+
+  ActiveSetPool tight;  // rows tight in a region that only slacks bound, to know it again
+  RegionStore regions;
+  std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
+  std::uint64_t degenerate_facets = 0;
+  std::uint64_t pivots = 0;
+  bool failed = false;  // the simplex gave up on a set
+
+ private:
+  void mergeRegion(ByteReader& answer);
+
+  std::vector<std::uint16_t> rows_;
+  ActiveSetList neighbours_;
+};
+
+/// Appends what describing a set yielded, in the form that ExplorationState::merge reads.
+void writeAnswer(const Described& described, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out);
+
+/// The numbers of a region as RegionStore holds them.
+void writeNumbers(const RegionData& region, ByteWriter& out);
+
+}  // namespace polyfly

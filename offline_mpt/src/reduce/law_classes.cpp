@@ -1,0 +1,84 @@
+#include "reduce/law_classes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace polyfly {
+namespace {
+
+/// A law in scaled parameters, each input divided by its scale: (gains, value at the centre of the box).
+std::vector<double> scaledLaw(const RegionMap& map, std::uint32_t law, const std::vector<double>& scales) {
+  const std::size_t p = map.parameters().size();
+  const double* const source = map.law(law);
+  std::vector<double> result;
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    const double* const row = source + i * (p + 1);
+    double centre = row[p];
+    for (std::size_t j = 0; j < p; ++j) {
+      const Signal& signal = map.parameters()[j];
+      result.push_back(row[j] * 0.5 * (signal.upper - signal.lower) / scales[i]);
+      centre += row[j] * 0.5 * (signal.upper + signal.lower);
+    }
+    result.push_back(centre / scales[i]);
+  }
+  return result;
+}
+
+/// Greatest difference of an input anywhere in the box.
+double difference(const std::vector<double>& a, const std::vector<double>& b, std::size_t p) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.size(); i += p + 1) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j <= p; ++j) sum += std::abs(a[i + j] - b[i + j]);
+    worst = std::max(worst, sum);
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<double> lawScales(const RegionMap& map) {
+  std::vector<double> scales;
+  for (const Signal& input : map.inputs()) {
+    double scale = 1.0;
+    for (const double bound : {input.lower, input.upper}) {
+      if (std::isfinite(bound)) scale = std::max(scale, std::abs(bound));
+    }
+    scales.push_back(scale);
+  }
+  return scales;
+}
+
+std::vector<std::uint32_t> lawClasses(const RegionMap& map, double tolerance) {
+  const std::size_t p = map.parameters().size();
+  const std::vector<double> scales = lawScales(map);
+  std::vector<std::vector<double>> laws;
+  std::multimap<double, std::uint32_t> heads;  // by the first input at the centre of the box
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t law = 0; law < map.lawCount(); ++law) {
+    laws.push_back(scaledLaw(map, law, scales));
+    const double key = laws.back()[p];
+    std::uint32_t head = law;
+    for (auto it = heads.lower_bound(key - tolerance); it != heads.end() && it->first <= key + tolerance;
+         ++it) {
+      if (it->second < head && difference(laws[law], laws[it->second], p) <= tolerance) head = it->second;
+    }
+    if (head == law) heads.emplace(key, law);
+    result.push_back(head);
+  }
+  return result;
+}
+
+bool isConstantLaw(const RegionMap& map, std::uint32_t law, double tolerance) {
+  const std::size_t p = map.parameters().size();
+  const std::vector<double> gains = scaledLaw(map, law, lawScales(map));
+  for (std::size_t i = 0; i < gains.size(); i += p + 1) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < p; ++j) sum += std::abs(gains[i + j]);
+    if (sum > tolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace polyfly

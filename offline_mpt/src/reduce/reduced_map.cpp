@@ -1,0 +1,136 @@
+#include "reduce/reduced_map.hpp"
+
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "offline_mpt/search_tree.hpp"
+#include "reduce/prune_tree.hpp"
+
+namespace polyfly {
+namespace {
+
+// A sliver that the tree leaves to a neighbour must not be left to a fallback region, whose law may be
+// another.
+constexpr double kSharpSide = 0.03;
+
+class Encoder {
+ public:
+  Encoder(const RegionMap& map, const ScaledPlanes& planes, ReducedRegions reduced)
+      : map_(map), planes_(planes), reduced_(std::move(reduced)), entries_(reduced_.regions) {}
+
+  MapContent run() {
+    MapContent content;
+    content.name = map_.name();
+    content.problem_text = map_.problemText();
+    content.problem_kind = map_.problemKind();
+    content.solver_status = map_.solverStatus();
+    content.period = map_.period();
+    content.tolerance = map_.tolerance();
+    content.parameters = map_.parameters();
+    content.inputs = map_.inputs();
+    content.reduced_from = map_.checksum();
+    content.first_fallback = static_cast<std::uint32_t>(reduced_.first_fallback);
+    TreeRegions tree;
+    tree.p = planes_.p;
+    addPlanes(content, tree);
+    addRegions(content, tree);
+    addTree(content, tree);
+    return content;
+  }
+
+ private:
+  void addTree(MapContent& content, const TreeRegions& tree) const {
+    TreeOptions options;
+    options.side_tolerance = reduced_.side_tolerance;
+    PruneRegions regions{tree.rows, {}, content.regions.size()};
+    for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
+    if (reduced_.first_fallback != 0) {
+      options.side_tolerance *= kSharpSide;
+      regions.first_fallback = reduced_.first_fallback;
+    }
+    const ScaledPlanes planes{tree.p, tree.planes};
+    PieceGeometry geometry(planes);
+    SearchTree found = pruneTree(geometry, regions, reduced_.slack, buildTree(tree, options));
+    content.solver_notes = "tree_depth: " + std::to_string(found.depth) + "\n";
+    content.root = found.root;
+    content.nodes = std::move(found.nodes);
+    content.leaves = std::move(found.leaves);
+    content.candidates = std::move(found.candidates);
+  }
+
+  /// Only planes that are still used; rows are renumbered.
+  void addPlanes(MapContent& content, TreeRegions& tree) {
+    const auto p = static_cast<std::size_t>(planes_.p);
+    std::vector<std::int32_t> number(planes_.planes.size() / (p + 1), 0);
+    for (const ReducedRegion& entry : entries_) {
+      for (const std::int32_t row : entry.piece.rows) number[static_cast<std::size_t>(std::abs(row)) - 1] = 1;
+    }
+    std::int32_t next = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      if (number[i] == 0) continue;
+      number[i] = ++next;
+      const double* const scaled = planes_.planes.data() + i * (p + 1);
+      tree.planes.insert(tree.planes.end(), scaled, scaled + p + 1);
+      if (i < map_.planeCount()) {
+        content.planes.insert(content.planes.end(), map_.plane(i), map_.plane(i) + p + 1);
+        continue;
+      }
+      double bound = scaled[p];
+      for (std::size_t j = 0; j < p; ++j) {
+        const Signal& signal = map_.parameters()[j];
+        const double a = scaled[j] / (0.5 * (signal.upper - signal.lower));
+        content.planes.push_back(a);
+        bound += a * 0.5 * (signal.upper + signal.lower);
+      }
+      content.planes.push_back(bound);
+    }
+    for (ReducedRegion& entry : entries_) {
+      for (std::int32_t& row : entry.piece.rows) {
+        const std::int32_t plane = number[static_cast<std::size_t>(std::abs(row)) - 1];
+        row = row > 0 ? plane : -plane;
+      }
+    }
+  }
+
+  void addRegions(MapContent& content, TreeRegions& tree) {
+    const std::size_t width = map_.inputs().size() * (map_.parameters().size() + 1);
+    std::map<std::uint32_t, std::uint32_t> laws;
+    for (const ReducedRegion& entry : entries_) laws.emplace(entry.law, 0);
+    std::uint32_t next = 0;
+    for (auto& [law, number] : laws) {
+      number = next++;
+      content.laws.insert(content.laws.end(), map_.law(law), map_.law(law) + width);
+    }
+    for (const ReducedRegion& entry : entries_) {
+      MapContent::Region region;
+      region.first_row = static_cast<std::uint32_t>(content.rows.size());
+      region.row_count = static_cast<std::uint32_t>(entry.piece.rows.size());
+      region.law = laws[entry.law];
+      region.first_active = static_cast<std::uint32_t>(content.active.size());
+      if (entry.source >= 0) {
+        const RegionView source = map_.region(static_cast<std::size_t>(entry.source));
+        region.active_count = source.active_count;
+        content.active.insert(content.active.end(), source.active, source.active + source.active_count);
+      }
+      content.rows.insert(content.rows.end(), entry.piece.rows.begin(), entry.piece.rows.end());
+      content.regions.push_back(region);
+      tree.rows.push_back(entry.piece.rows);
+      tree.centres.insert(tree.centres.end(), entry.piece.centre.begin(), entry.piece.centre.end());
+    }
+  }
+
+  const RegionMap& map_;
+  const ScaledPlanes& planes_;
+  ReducedRegions reduced_;
+  std::vector<ReducedRegion>& entries_;
+};
+
+}  // namespace
+
+MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced) {
+  return Encoder(original, planes, std::move(reduced)).run();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "reduce/piece_geometry.hpp"
+#include "region_maps/map_content.hpp"
+
+namespace polyfly {
+
+/// A region of a reduced map.
+struct ReducedRegion {
+  Piece piece;            ///< described, and bounded by its own rows
+  std::uint32_t law = 0;  ///< of the original
+  int source = -1;        ///< the region of the original that it is, unchanged; -1: a union
+};
+
+struct ReducedRegions {
+  std::vector<ReducedRegion> regions;
+  std::size_t first_fallback = 0;  ///< 0: none
+  double slack = 0.0;              ///< how far outside a half-space still counts as inside [scaled]
+  double side_tolerance = 0.0;     ///< ReduceOptions::side_tolerance
+};
+
+/// The map of these regions, with a search tree. `planes` are the original's, then those that were added.
+MapContent encodeReduced(const RegionMap& original, const ScaledPlanes& planes, ReducedRegions reduced);
+
+}  // namespace polyfly

@@ -1,0 +1,233 @@
+#include "reduce/separate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+constexpr double kMargin = 1e-6;    // least distance of the pieces from the plane between them [scaled]
+constexpr double kAccurate = 0.5;   // share of the margin that every piece must keep
+constexpr double kNothing = 1e-10;  // a part of a piece whose largest ball is smaller is left out [scaled]
+constexpr double kSharp =
+    1e-12;                    // fallback regions must not reach beyond the domain, even by little [scaled]
+constexpr int kRounds = 400;  // of finding points that a plane must respect
+
+using Pieces = std::vector<Piece>;
+
+/// A plane between two sets of polytopes with the greatest margin, by the points of theirs that come nearest:
+/// max m  s.t.  a . v - c >= m on the first, <= -m on the second, |a_j| <= 1.
+class Separator {
+ public:
+  explicit Separator(PieceGeometry& geometry)
+      : geometry_(geometry),
+        p_(static_cast<std::size_t>(geometry.planes().p)),
+        solver_(geometry.planes().p + 2) {}
+
+  /// plane: a . t <= c holds on `below` and nowhere on `above`. False if there is none.
+  bool find(Pieces& above, Pieces& below, std::vector<double>& plane) {
+    rows_.clear();
+    addBounds();
+    for (const Piece& piece : above) addPoint(piece.centre.data(), -1.0);
+    for (const Piece& piece : below) addPoint(piece.centre.data(), 1.0);
+    for (int round = 0; round < kRounds; ++round) {
+      double margin = 0.0;
+      if (!solve(plane, margin) || margin < kMargin) return false;
+      const bool above_kept = respects(above, plane, margin, -1.0);
+      const bool below_kept = respects(below, plane, margin, 1.0);
+      if (above_kept && below_kept) return true;
+    }
+    return false;
+  }
+
+ private:
+  void addRow(const std::vector<double>& coefficients, double bound) {
+    double squared = 0.0;
+    for (const double value : coefficients) squared += value * value;
+    const double factor = 1.0 / std::sqrt(squared);
+    for (const double value : coefficients) rows_.push_back(factor * value);
+    rows_.push_back(factor * bound);
+  }
+
+  void addBounds() {
+    for (std::size_t k = 0; k < p_ + 2; ++k) {
+      std::vector<double> unit(p_ + 2, 0.0);
+      for (const double side : {1.0, -1.0}) {
+        unit[k] = side;
+        addRow(unit, k < p_ ? 1.0 : 4.0 * static_cast<double>(p_ + 1));
+      }
+    }
+  }
+
+  /// side (a . v - c) + m <= 0
+  void addPoint(const double* point, double side) {
+    std::vector<double> row(p_ + 2);
+    for (std::size_t j = 0; j < p_; ++j) row[j] = side * point[j];
+    row[p_] = -side;
+    row[p_ + 1] = 1.0;
+    addRow(row, 0.0);
+  }
+
+  bool solve(std::vector<double>& plane, double& margin) {
+    std::vector<double> start(p_ + 2, 0.0), direction(p_ + 2, 0.0), best(p_ + 2);
+    start[p_ + 1] = -1.0;
+    direction[p_ + 1] = 1.0;
+    const int count = static_cast<int>(rows_.size() / (p_ + 3));
+    if (!solver_.support(rows_.data(), count, start.data(), direction.data(), best.data())) return false;
+    double squared = 0.0;
+    for (std::size_t j = 0; j < p_; ++j) squared += best[j] * best[j];
+    if (squared == 0.0) return false;
+    const double factor = 1.0 / std::sqrt(squared);
+    plane.assign(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(p_) + 1);
+    for (double& value : plane) value *= factor;
+    margin = factor * best[p_ + 1];
+    return true;
+  }
+
+  /// Adds the point of each piece that comes nearest to the plane, or lies beyond it.
+  bool respects(Pieces& pieces, const std::vector<double>& plane, double margin, double side) {
+    bool kept = true;
+    std::vector<double> direction(plane.begin(), plane.end() - 1), point(p_);
+    for (double& value : direction) value *= side;
+    for (Piece& piece : pieces) {
+      if (!geometry_.support(piece, direction.data(), point.data())) return false;
+      double distance = -plane[p_];
+      for (std::size_t j = 0; j < p_; ++j) distance += plane[j] * point[j];
+      if (side * distance <= -kAccurate * margin) continue;
+      addPoint(point.data(), side);
+      kept = false;
+    }
+    return kept;
+  }
+
+  PieceGeometry& geometry_;
+  std::size_t p_;
+  PolytopeSolver solver_;
+  std::vector<double> rows_;
+};
+
+class Divider {
+ public:
+  Divider(PieceGeometry& geometry, ScaledPlanes& planes, const Piece& domain, std::size_t limit)
+      : geometry_(geometry), planes_(planes), domain_(domain), limit_(limit), separator_(geometry) {}
+
+  Separation run(Pieces upper, Pieces lower) {
+    RowList path;
+    std::vector<double> plane;
+    while (!upper.empty() && !lower.empty()) {
+      if (result_.fallbacks.size() + 2 > limit_) return result_;
+      if (separator_.find(upper, lower, plane)) {
+        const std::int32_t row = addPlane(plane);
+        addPart(path, -row, true);
+        addPart(path, row, false);
+        result_.done = true;
+        return result_;
+      }
+      if (!cutOff(upper, lower, path)) return result_;
+    }
+    if (!upper.empty() || !lower.empty()) addPart(path, 0, !upper.empty());
+    result_.done = true;
+    return result_;
+  }
+
+ private:
+  /// The plane with most pieces of one kind on one side and all of the other kind on the other. What lies on
+  /// the side of one kind becomes a part.
+  bool cutOff(Pieces& upper, Pieces& lower, RowList& path) {
+    std::vector<double> upper_plane, lower_plane;
+    const std::size_t from_upper = growSide(upper, lower, upper_plane);
+    const std::size_t from_lower = growSide(lower, upper, lower_plane);
+    if (from_upper == 0 && from_lower == 0) return false;
+    const bool is_upper = from_upper >= from_lower;
+    const std::int32_t row = addPlane(is_upper ? upper_plane : lower_plane);
+    addPart(path, -row, is_upper);
+    path.push_back(row);
+    clip(upper, row);
+    clip(lower, row);
+    return true;
+  }
+
+  /// Adds pieces as long as a plane keeps them apart from all the others; returns how many.
+  std::size_t growSide(const Pieces& pieces, Pieces& others, std::vector<double>& plane) {
+    Pieces side;
+    std::vector<double> attempt;
+    for (const Piece& piece : pieces) {
+      side.push_back(piece);
+      if (separator_.find(side, others, attempt)) {
+        plane = attempt;
+      } else {
+        side.pop_back();
+      }
+    }
+    return side.size();
+  }
+
+  std::int32_t addPlane(const std::vector<double>& plane) {
+    planes_.planes.insert(planes_.planes.end(), plane.begin(), plane.end());
+    ++result_.planes;
+    return static_cast<std::int32_t>(planes_.planes.size() / plane.size());
+  }
+
+  void addPart(const RowList& path, std::int32_t last, bool upper) {
+    Fallback part;
+    part.upper = upper;
+    part.piece.rows = domain_.rows;
+    part.piece.rows.insert(part.piece.rows.end(), path.begin(), path.end());
+    if (last != 0) part.piece.rows.push_back(last);
+    part.piece.centre = domain_.centre;
+    geometry_.describe(part.piece);
+    if (part.piece.radius <= kNothing) return;
+    part.piece.rows = geometry_.minimal(part.piece, kSharp);
+    result_.fallbacks.push_back(std::move(part));
+  }
+
+  void clip(Pieces& pieces, std::int32_t row) {
+    Pieces kept;
+    for (Piece& piece : pieces) {
+      if (!geometry_.holdsOn(row, piece, 0.0)) {
+        piece.rows.push_back(row);
+        piece.points.clear();
+        geometry_.describe(piece);
+        if (piece.radius <= kNothing) continue;
+      }
+      kept.push_back(std::move(piece));
+    }
+    pieces = std::move(kept);
+  }
+
+  PieceGeometry& geometry_;
+  ScaledPlanes& planes_;
+  const Piece& domain_;
+  std::size_t limit_;
+  Separator separator_;
+  Separation result_;
+};
+
+}  // namespace
+
+Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box, double slack) {
+  RowList rows = box;
+  for (const Piece& piece : pieces) rows.insert(rows.end(), piece.rows.begin(), piece.rows.end());
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  Piece domain;
+  for (const std::int32_t row : rows) {
+    const auto is_inside = [&](const Piece& piece) {
+      return geometry.planes().value(row, piece.centre.data()) <= slack;
+    };
+    if (!std::all_of(pieces.begin(), pieces.end(), is_inside)) continue;
+    const auto is_held = [&](Piece& piece) { return geometry.holdsOn(row, piece, slack); };
+    if (std::all_of(pieces.begin(), pieces.end(), is_held)) domain.rows.push_back(row);
+  }
+  domain.centre = pieces.front().centre;
+  geometry.describe(domain);
+  domain.rows = geometry.minimal(domain, kSharp);
+  return domain;
+}
+
+Separation separate(PieceGeometry& geometry, ScaledPlanes& planes, const Piece& domain,
+                    const std::vector<Piece>& upper, const std::vector<Piece>& lower, std::size_t limit) {
+  return Divider(geometry, planes, domain, limit).run(upper, lower);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,85 @@
+#include "tree/plane_sides.hpp"
+
+#include <algorithm>
+
+namespace polyfly {
+namespace {
+
+/// The sum of term(kFirst) .. term(kEnd - 1) by halves: the additions do not wait for one another.
+template <std::size_t kFirst, std::size_t kEnd, class Term>
+double sumOf(const Term& term) {
+  if constexpr (kEnd - kFirst > 1) {
+    constexpr std::size_t kMiddle = (kFirst + kEnd + 1) / 2;
+    return sumOf<kFirst, kMiddle>(term) + sumOf<kMiddle, kEnd>(term);
+  } else {
+    return term(kFirst);
+  }
+}
+
+/// kP parameters; 0: any number.
+template <std::size_t kP>
+struct Kernels {
+  template <class Term>
+  static double sum(std::size_t p, const Term& term) {
+    if constexpr (kP != 0) {
+      return sumOf<0, kP>(term);
+    } else {
+      double total = 0.0;
+      for (std::size_t j = 0; j < p; ++j) total += term(j);
+      return total;
+    }
+  }
+
+  static double distance(const double* plane, const double* point, std::size_t p) {
+    return sum(p, [&](std::size_t j) { return plane[j] * point[j]; }) - plane[kP != 0 ? kP : p];
+  }
+
+  static unsigned ofBox(const double* plane, const double* low, const double* high, double tolerance,
+                        std::size_t p) {
+    const double bound = plane[kP != 0 ? kP : p];
+    const double least =
+        sum(p, [&](std::size_t j) { return std::min(plane[j] * low[j], plane[j] * high[j]); });
+    const double greatest =
+        sum(p, [&](std::size_t j) { return std::max(plane[j] * low[j], plane[j] * high[j]); });
+    return (least - bound < -tolerance ? kBelow : 0u) | (greatest - bound > tolerance ? kAbove : 0u);
+  }
+
+  static unsigned ofPoints(const double* plane, const double* points, std::size_t count, double tolerance,
+                           unsigned possible, unsigned sides, std::size_t p) {
+    const std::size_t n = kP != 0 ? kP : p;
+    for (std::size_t i = 0; i < count && sides != possible; ++i) {
+      const double value = distance(plane, points + i * n, p);
+      sides |= (value < -tolerance ? kBelow : 0u) | (value > tolerance ? kAbove : 0u);
+    }
+    return sides;
+  }
+
+  static PlaneSides all() { return {distance, ofBox, ofPoints}; }
+};
+
+}  // namespace
+
+PlaneSides planeSidesFor(std::size_t p) {
+  switch (p) {
+    case 1:
+      return Kernels<1>::all();
+    case 2:
+      return Kernels<2>::all();
+    case 3:
+      return Kernels<3>::all();
+    case 4:
+      return Kernels<4>::all();
+    case 5:
+      return Kernels<5>::all();
+    case 6:
+      return Kernels<6>::all();
+    case 7:
+      return Kernels<7>::all();
+    case 8:
+      return Kernels<8>::all();
+    default:
+      return Kernels<0>::all();
+  }
+}
+
+}  // namespace polyfly

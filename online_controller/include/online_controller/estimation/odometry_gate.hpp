@@ -1,0 +1,56 @@
+#pragma once
+
+#include "online_controller/estimation/repeat_check.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+
+namespace polyfly {
+
+/// Lets through the odometry that one vehicle can have flown. A sample is refused when it
+/// - is not sane (kNotFinite, see isSane);
+/// - repeats itself while the vehicle must be moving (kStale, see RepeatCheck): it counts as silence;
+/// - bears a stamp before that of the last accepted one (kOutOfOrder);
+/// - lies further from the last accepted one than its velocities, 20 m/s^2 and jump_distance explain (kJump);
+/// - is an outlier of the attitude (kJump): turned by more than 20 rad/s^2 and jump_angle explain, from where
+///   the attitude was and from where the body rates have led it since.
+///
+/// Time and place may truly begin anew (another bag, a relocalisation): after hold_periods refused samples in
+/// a row that agree with each other the next one of them is accepted, as a restart. An attitude that is wrong
+/// drives the vehicle away, where being level does not; so another attitude is believed hold_periods and
+/// level_periods after it came, when the SafetyLadder would begin to descend; and not while its velocities
+/// lead elsewhere than its positions go, by 0.2 m/s on the mean, as they do where only the attitude is wrong.
+class OdometryGate {
+ public:
+  struct Verdict {
+    ControlReason refusal = ControlReason::kNone;
+    bool restarted = false;  ///< accepted, and not the continuation of the last accepted one
+  };
+
+  explicit OdometryGate(const MultirotorOptions& options) noexcept : options_(options) {}
+
+  /// Other options from the next sample on.
+  void setOptions(const MultirotorOptions& options) noexcept { options_ = options; }
+
+  Verdict check(const VehicleState& state) noexcept;
+
+  /// See RepeatCheck::commanded.
+  void commanded(const AttitudeCommand& command) noexcept { repeat_.commanded(command, options_); }
+
+ private:
+  ControlReason compare(const VehicleState& before, const VehicleState& state) const noexcept;
+  bool hasTurned(const VehicleState& before, const VehicleState& state) const noexcept;
+  void addCandidate(const VehicleState& state, bool agrees) noexcept;
+  bool isElsewhere() const noexcept;
+
+  MultirotorOptions options_;
+  RepeatCheck repeat_;
+  VehicleState last_;       // accepted
+  VehicleState led_;        // the last one in time, with the attitude to which body rates led where it jumped
+  VehicleState candidate_;  // refused last
+  VehicleState first_candidate_;                             // of those that agree
+  Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();  // that their velocities lead since then [m]
+  bool started_ = false;
+  int agreeing_ = 0;  // refused samples in a row that agree
+};
+
+}  // namespace polyfly

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "online_controller/estimation/force_observer.hpp"
+#include "online_controller/types/moment_model.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+
+namespace polyfly {
+
+/// What the observer makes of a vehicle, in W and in roll, pitch, yaw.
+struct VehicleEstimate {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();          ///< [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< [m/s]
+  Eigen::Vector3d attitude = Eigen::Vector3d::Zero();          ///< yaw of any turn [rad]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of these angles [rad/s]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< external, over mass, less the offset [m/s^2]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< external, over inertia, less the offset [rad/s^2]
+  Eigen::Vector3d force_offset = Eigen::Vector3d::Zero();   ///< found by calibration [m/s^2]
+  Eigen::Vector3d moment_offset = Eigen::Vector3d::Zero();  ///< [rad/s^2]
+};
+
+/// Kalman filters for position, velocity, attitude, rates, external force and external moment: the force by
+/// ForceObserver, the moments about each axis by the attitude's model. Whole periods between samples are
+/// counted from the stamps; a gap or a stamp that goes back starts the state anew and keeps, or forgets, the
+/// rest.
+///
+/// Calibration at hover takes the mean of force and moment for what is the model's fault: a wrong mass, a
+/// thrust curve, a trim. After it they are subtracted.
+///
+/// update() never throws, allocates, locks, logs or reads a clock.
+class VehicleObserver {
+ public:
+  /// `model` gives gravity and drag. Throws Error when an option is out of range.
+  VehicleObserver(const MultirotorModel& model, const MultirotorOptions& vehicle, const MomentModel& moments);
+
+  /// A sane sample, until which `held` was the command.
+  void update(const VehicleState& state, const AttitudeCommand& held) noexcept;
+
+  /// Goes on with what another one knows, a calibration under way included, by its own mass and noise.
+  void takeOver(const VehicleObserver& other) noexcept;
+
+  void restart() noexcept;  ///< the next sample goes on from where it is; what is known of forces is kept
+  void reset() noexcept;    ///< as after construction, but for the offsets
+
+  /// From the next sample on, for calibration_duration.
+  void calibrate() noexcept;
+  bool isCalibrating() const noexcept { return calibrating_; }
+  unsigned calibrations() const noexcept { return calibrations_; }  ///< finished ones
+
+  const VehicleEstimate& estimate() const noexcept { return estimate_; }
+
+ private:
+  void updateMoments(const VehicleState& state, const AttitudeCommand& held, int periods) noexcept;
+  void advanceCalibration(double stamp, const Eigen::Vector3d& force, const Eigen::Vector3d& moment) noexcept;
+
+  double mass_;
+  double period_;
+  double duration_;
+  ForceObserver force_;
+  std::array<DisturbanceObserver, 3> angles_;
+  VehicleEstimate estimate_;
+  double observed_until_ = 0.0;  // [s]
+  bool observing_ = false;
+
+  bool calibrating_ = false;
+  unsigned calibrations_ = 0;
+  double calibration_start_ = 0.0;  // [s]
+  int calibration_samples_ = 0;
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment_sum_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace polyfly

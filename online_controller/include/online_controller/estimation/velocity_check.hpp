@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "online_controller/types/types.hpp"
+
+namespace polyfly {
+
+/// Notices velocities that do not lead from position to position: of another frame, sign or unit. The gate
+/// cannot, because from sample to sample the difference is small. A vehicle at rest tells nothing.
+class VelocityCheck {
+ public:
+  /// Takes a sample in its order of time. True while in each of the last two windows of a second the
+  /// integrated velocity missed the way between the positions by more than 0.2 m and 30 % of the way. A gap
+  /// of half a second or a stamp that goes back begins anew.
+  bool contradicts(const VehicleState& state) noexcept;
+
+  void restart() noexcept { *this = VelocityCheck(); }
+
+ private:
+  void beginWindow(const VehicleState& state) noexcept;
+
+  bool started_ = false;
+  VehicleState last_;
+  double begin_ = 0.0;                               ///< of the window [s]
+  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();   ///< position there [m]
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  ///< integral of the velocity since [m]
+  double way_ = 0.0;                                 ///< integral of its magnitude [m]
+  int missed_ = 0;                                   ///< windows in a row
+};
+
+}  // namespace polyfly

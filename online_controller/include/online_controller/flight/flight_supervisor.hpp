@@ -1,0 +1,159 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "online_controller/estimation/odometry_gate.hpp"
+#include "online_controller/flight/flight_state.hpp"
+#include "online_controller/flight/remote_control.hpp"
+#include "online_controller/laws/control_law.hpp"
+#include "online_controller/reference/reference_schedule.hpp"
+#include "online_controller/reference/vertical_ramp.hpp"
+#include "online_controller/types/flight_options.hpp"
+
+namespace polyfly {
+
+/// Whether a remote control must have handed the vehicle over before anything else may start it: always,
+/// never, or when one was heard of.
+enum class PilotRule { kRequired, kNotRequired, kWhenPresent };
+
+/// One flight: the state machine around a control law. It decides which reference the law tracks, refuses
+/// odometry that cannot be, and says why it does what it does.
+///
+/// onOdometry, onSilence, onTime, onRemoteControl and the requests never throw, allocate, lock, log or read a
+/// clock; onReference allocates and may throw.
+class FlightSupervisor {
+ public:
+  /// Keeps a reference to `law`. Throws Error naming an option out of its range.
+  FlightSupervisor(ControlLaw& law, const MultirotorOptions& vehicle, const FlightOptions& options,
+                   PilotRule pilot = PilotRule::kWhenPresent);
+
+  /// Another law from the next step on, made from other options; it has taken over from the one before, which
+  /// may go then.
+  void setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept;
+
+  /// One control period. `frame_fits`: the odometry's frame is the one agreed.
+  const ControlReport& onOdometry(const VehicleState& state, bool frame_fits = true) noexcept;
+
+  /// Shortly before the next odometry is due: goes the way of onOdometry() for a sample where this one should
+  /// be, so that memory and instructions lie in the caches of this processor. `understudy`, where there is
+  /// one, steps in the law's place: a law of the same making that has taken over from it and is prepared. Of
+  /// nothing that flies or can be asked for does anything change.
+  void rehearse(ControlLaw* understudy) noexcept;
+
+  /// One control period of silence, which has been long enough, at time `now` [s].
+  const ControlReport& onSilence(double now) noexcept;
+
+  /// The time [s], in every control period: a remote control that has gone silent is noticed here.
+  void onTime(double now) noexcept;
+
+  /// The sticks at time `now` [s]. True when the command of report() is to be sent: manual mode.
+  bool onRemoteControl(const RemoteControl& sticks, double now) noexcept;
+
+  /// A new reference; see ReferenceSchedule::set. Answers why it is refused, nullptr when it is taken. Throws
+  /// Error where it asks for more than the limits. What comes before the first odometry is judged by it:
+  /// see earlyExcess().
+  const char* onReference(ReferenceTrajectory trajectory, std::optional<double> start);
+
+  /// What of the references that came before the first odometry was too far from it: all were dropped then.
+  const ReferenceExcess& earlyExcess() const noexcept { return early_excess_; }
+
+  /// No reference is left; nothing has started the flight. For the time before the first odometry.
+  void dropReferences() noexcept;
+
+  /// Whether odometry was ever accepted.
+  bool isLocated() const noexcept { return located_; }
+
+  /// Requests; they answer why they are refused, nullptr when they are granted.
+  const char* takeOff() noexcept;
+  const char* land() noexcept;
+  const char* holdPosition() noexcept;
+
+  /// Why a calibration makes no sense now, nullptr when the vehicle hovers.
+  const char* whyNoHover() const noexcept;
+
+  /// What the law's observer begins a take-off with: found by a calibration at hover [m/s^2].
+  void setRestingDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+    resting_disturbance_ = disturbance;
+  }
+
+  void resetIntegrator() noexcept { law_->resetIntegrator(); }
+
+  /// The law's observer forgets what it knows of the disturbance and goes on from the next sample.
+  void resetObserver() noexcept;
+
+  FlightState state() const noexcept { return state_; }
+  FlightEvent cause() const noexcept { return cause_; }            ///< of the last change of the state
+  unsigned changes() const noexcept { return changes_; }           ///< of the state, so far
+  ControlReason lastRefusal() const noexcept { return refused_; }  ///< of the last odometry
+  bool restarted() const noexcept { return restarted_; }  ///< the last odometry: see OdometryGate::Verdict
+  const ControlReport& report() const noexcept { return *report_; }
+
+  /// Whether the command of report() is to be sent.
+  bool sends() const noexcept { return report_->status != ControlStatus::kStopped; }
+
+  /// What the law tracked in its last step, at the sample's time and at each previewPeriod() after it:
+  /// previewNeeded() of them.
+  const std::vector<Reference>& preview() const noexcept { return preview_; }
+
+  /// The same up to previewLength(), for those who watch; nothing without a reference.
+  const std::vector<Reference>& wholePreview() noexcept {
+    makePreview(last_.stamp, law_->previewLength());
+    return preview_;
+  }
+
+ private:
+  FlightSituation situation() const noexcept;
+  const char* handle(FlightEvent event) noexcept;
+  void enter(FlightState to, FlightEvent cause) noexcept;
+  FlightState task() const noexcept { return state_ == FlightState::kFailsafe ? interrupted_ : state_; }
+  void prepareRecovery() noexcept;
+
+  const ControlReport& refuse(double stamp, ControlReason reason) noexcept;
+  const ControlReport& idle(double stamp) noexcept;
+  const ControlReport& manual(double stamp) noexcept;
+  const ControlReport& fly(const VehicleState& state) noexcept;
+  void watchTask(const VehicleState& state) noexcept;
+  bool makePreview(double time, int count) noexcept;
+  void makeRampPreview(double time, int count, Reference* references) const noexcept;
+  void judgeEarlyReferences() noexcept;
+  Reference stop() const noexcept;
+  void startTask(FlightState task, FlightEvent cause) noexcept;
+
+  ControlLaw* law_;  // not owned
+  MultirotorOptions vehicle_;
+  FlightOptions options_;
+  PilotRule pilot_rule_;
+
+  FlightState state_ = FlightState::kInactive;
+  FlightState interrupted_ = FlightState::kInactive;  // by the failsafe
+  bool holding_here_ = false;                         // since its end came in sight
+  FlightEvent cause_ = FlightEvent::kTouchdown;
+  unsigned changes_ = 0;
+
+  OdometryGate gate_;
+  ControlReason refused_ = ControlReason::kNone;
+  bool restarted_ = false;
+  VehicleState last_;     // accepted
+  bool located_ = false;  // something was accepted
+  bool fresh_ = false;    // the last odometry was accepted, and there was no silence since
+
+  ReferenceSchedule references_;
+  ReferenceExcess early_excess_;
+  std::optional<FlightState> after_takeoff_;  // what came during the take-off
+  VerticalRamp ramp_;
+  Eigen::Vector3d resting_disturbance_ = Eigen::Vector3d::Zero();
+  Reference held_;    // the pose that the sticks move
+  int standing_ = 0;  // control periods in which a landing vehicle seemed to stand
+
+  RemoteControl sticks_;
+  double sticks_time_ = 0.0;  // [s]
+  bool pilot_ = false;        // a remote control is on and heard
+
+  std::vector<Reference> preview_;
+  std::vector<Reference> rehearsed_;
+  ControlReport own_;  // of what is sent without a law
+  const ControlReport* report_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,199 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/observer.hpp"
+#include "online_controller/laws/axis_law.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Signals that a map must have to serve an axis, by name. The map of a minimum-peak robust MPC has the
+/// errors, and may have the references of velocity and input; without that of the input it is for a target
+/// that needs none.
+struct AxisNames {
+  const char* axis;
+  const char* position_error;
+  const char* velocity_error;
+  const char* angle_error;  ///< nullptr: the input is an acceleration, there is no lag state
+  const char* previous_input;
+  const char* input_reference;
+  const char* input;
+  const char* input_unit;
+  const char* velocity_reference;
+};
+
+constexpr std::array<AxisNames, 3> kAxisNames{{
+    {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad",
+     "v_x_ref"},
+    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref"},
+    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref"},
+}};
+
+/// What is measured of one axis, in the world-aligned frame.
+struct AxisSample {
+  double position = 0.0;  ///< [m]
+  double velocity = 0.0;  ///< [m/s]
+  double angle = 0.0;     ///< specific force that accelerates the axis over g [rad]; 0 for the vertical
+};
+
+/// What the axis shall do, with the derivatives that the model needs to follow it without lag.
+struct AxisReference {
+  double position = 0.0;      ///< [m]
+  double velocity = 0.0;      ///< [m/s]
+  double acceleration = 0.0;  ///< [m/s^2]
+  double jerk = 0.0;          ///< [m/s^3]
+  double disturbance = 0.0;   ///< known beside the observer's [m/s^2]
+};
+
+/// What the parameters of an axis' law may be.
+enum class AxisEntry : std::size_t {
+  kPositionError,
+  kVelocityError,
+  kAngleError,
+  kPreviousInput,
+  kInputReference,
+  kVelocityReference,
+};
+
+/// A value for each AxisEntry, from which the parameters are assembled in the law's order.
+class AxisValues {
+ public:
+  double& operator[](AxisEntry entry) noexcept { return values_[static_cast<std::size_t>(entry)]; }
+  double operator[](AxisEntry entry) const noexcept { return values_[static_cast<std::size_t>(entry)]; }
+
+ private:
+  std::array<double, 6> values_{};
+};
+
+/// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
+/// active.
+struct AxisTarget {
+  double angle = 0.0;  ///< [rad]
+  double input = 0.0;  ///< u_ref, not limited [rad or m/s^2]
+};
+
+/// One axis of the linear controllers: signals bound by name, observer, target, law.
+///
+/// The axis is a chain p' = v, v' = -drag v + G s + B_d d, where s is the input itself (vertical) or a tilt
+/// angle that follows the input with a first-order lag, s' = a s + b u. The numbers are read off the law's
+/// problem.
+class Axis {
+ public:
+  /// Throws Error naming the map or problem, the signal or field, and the rule.
+  Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options);
+
+  /// Keeps a reference to `map`. Throws Error.
+  Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options);
+
+  /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
+  /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref, and (s_ref, u_ref) is its steady state. When a_ref
+  /// changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
+  /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit.
+  AxisTarget target(const AxisReference& reference, double disturbance) const noexcept;
+
+  /// Lets the observer take the sample, `periods` control periods after the last one, during which
+  /// `applied_input` was held.
+  void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
+
+  void reset() noexcept;
+  void setDisturbance(double disturbance) noexcept {
+    observer_.setDisturbance(disturbance / disturbance_gain_);
+  }
+
+  /// Goes on with the observer of another axis of the same model; one whose states stand in another order
+  /// is ignored.
+  void takeOver(const Axis& other) noexcept;
+
+  /// The last evaluate() once more, see ControlLaw::rehearse. `report` is what it filled.
+  void rehearse(const AxisReport& report) noexcept;
+
+  /// Of the last evaluate(), see ControlLaw::kktResidual.
+  double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }
+
+  /// The axis in error coordinates, one stage after the other: open loop along the plan of an online law,
+  /// closed loop through the map of an explicit one.
+  struct Prediction {
+    int stage = 0;
+    AxisValues values;    ///< errors and references at its beginning
+    double input = 0.0;   ///< u over the stage [rad or m/s^2]
+    bool beyond = false;  ///< begins outside the map
+  };
+  Prediction beginPrediction(const AxisReport& report) const noexcept;
+  void advance(Prediction& at) const noexcept;
+  double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
+
+  /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
+  /// input is left alone. Where a map has no answer, its problem is solved online, the report says so
+  /// (kOptimal with a look-up that is not kInside), and u is that of the online law; with
+  /// options.solve_outside unset the parameters are clipped to the map's box instead (kClipped). Where a
+  /// minimum-peak robust MPC has no plan that meets all bounds (a disturbance beyond its range has been at
+  /// work), the errors are scaled down until it has one, by 12 halvings: kClipped.
+  ///
+  /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
+  /// nothing else, are then those of the model's input with the offset.
+  ControlStatus evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
+                         double input_offset, AxisReport& report) noexcept;
+
+  /// The input that follows the reference without error, not limited; 0 where the law is not told of it.
+  double inputReference(const AxisReference& reference) const noexcept { return goalOf(reference).input; }
+
+  /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC,
+  /// which answers for the whole disturbance: what an estimate took away would be answered twice.
+  double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
+  const MpcProblem& problem() const noexcept { return law_->problem(); }
+
+  /// Of the lag s' = a s + b u: -b / a [1], -1 / a [s]; not for the vertical axis.
+  double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
+  double lagTime() const noexcept { return -1.0 / lag_pole_; }
+
+  double inputLower() const noexcept { return input_lower_; }
+  double inputUpper() const noexcept { return input_upper_; }
+
+ private:
+  using Parameters = std::array<double, kMaxParameters>;
+
+  AxisTarget goalOf(const AxisReference& reference) const noexcept;
+  void bindSignals(const AxisNames& names);
+  void readModel(const MpcProblem& problem, const AxisNames& names);
+  const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }
+  Parameters parametersAt(const AxisValues& values) const noexcept;
+  Parameters clipped(const Parameters& theta) const noexcept;
+  int firstOutside(const Parameters& theta) const noexcept;
+  ControlStatus answer(AxisReport& report, double& input) noexcept;
+  double nextInput(const Prediction& at) const noexcept;
+  Lookup retreat(const Parameters& theta, double& input) const noexcept;
+
+  std::unique_ptr<AxisLaw> law_;
+  std::unique_ptr<AxisLaw> beyond_;  // where law_, a map, has no answer; nullptr: nothing
+  bool answered_beyond_ = false;     // by the last evaluate()
+  std::array<AxisEntry, kMaxParameters> entries_{};
+  Parameters lower_{};
+  Parameters upper_{};
+  int size_ = 0;
+  double input_lower_ = 0.0;
+  double input_upper_ = 0.0;
+
+  bool has_lag_ = false;
+  bool has_input_reference_ = false;
+  int position_state_ = 0;
+  int velocity_state_ = 1;
+  int angle_state_ = 2;
+  double velocity_gain_ = 0.0;                    // dv'/dv = -drag [1/s]
+  double drive_gain_ = 0.0;                       // dv'/ds
+  double disturbance_gain_ = 0.0;                 // dv'/dd
+  double lag_pole_ = 0.0;                         // ds'/ds [1/s]
+  double lag_gain_ = 0.0;                         // ds'/du
+  double stage_period_ = 0.0;                     // Ts of the problem [s]
+  std::array<std::array<double, 3>, 3> stage_{};  // A over Ts, for predictions
+  std::array<double, 3> stage_input_{};           // B over Ts
+  bool offset_free_ = true;
+  DisturbanceObserver observer_;
+};
+
+}  // namespace polyfly

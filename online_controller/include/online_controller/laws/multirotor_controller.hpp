@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+
+#include "online_controller/estimation/attitude_trim.hpp"
+#include "online_controller/estimation/position_integrator.hpp"
+#include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/safety_ladder.hpp"
+#include "online_controller/realtime/sampling_clock.hpp"
+#include "online_controller/types/attitude.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Linear MPC of a multirotor, a law for each axis (longitudinal, lateral, vertical): looked up in region
+/// maps, or the same problems solved online (Eq. 38). Observer of Eq. 5, targets of Eq. 6 in the frame that
+/// moves with the reference, world-to-body rotation of Eq. 40, compensation of Eq. 41. Used alike by the
+/// nodelet and by the replay of a bag, so that both assemble the same parameters.
+///
+/// Each step answers with a finite command within the limits. Where the laws have no answer:
+/// - a parameter out of its range is clipped to it and the law evaluated there (kClipped);
+/// - no region, or NaN or absurd numbers in odometry or reference: the last command is repeated (kHoldLast)
+/// for at
+///   most options.hold_periods samples, then level attitude and hover thrust (kLevel);
+/// - level at once when there is no command to repeat, and on silence;
+/// - the next sample that has an answer ends it. Bad numbers never reach the observer.
+///
+/// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only: with them the laws
+/// are evaluated that often, and their inputs are held in the world frame in between, where Eq. 40 and 41 are
+/// computed with each sample. The report tells the last evaluation then.
+///
+/// The same calls after construction or reset give the same bits.
+class MultirotorController : public ControlLaw {
+ public:
+  /// Maps in the order longitudinal, lateral, vertical; kept by reference. The model comes from the problem
+  /// text in each map. Throws Error naming map, signal and rule when a map's signals are not those of its
+  /// axis, and when the sampling times of minimum-peak maps differ or are not whole control periods.
+  MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
+
+  /// The same with the problems in the maps, as problemOf() told them: see explicitAxisLaw().
+  MultirotorController(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
+                       const MultirotorOptions& options);
+
+  /// The same problems solved online, in the same order. Throws Error.
+  MultirotorController(const std::array<MpcProblem, 3>& problems, const MultirotorOptions& options);
+
+  /// One control period. Never throws, allocates, locks, logs or reads a clock.
+  const ControlReport& step(const VehicleState& state, const Reference& reference) noexcept;
+
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
+    return step(state, *preview);
+  }
+  void rehearse() noexcept override;
+  const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
+  const ControlReport& onSilence(double now) noexcept override;
+  void restartObserver() noexcept override { observing_ = false; }
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
+  void resetIntegrator() noexcept override { integrator_.reset(); }
+  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void takeOver(const ControlLaw& from) noexcept override;
+  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
+  double stagePeriod() const noexcept override { return axes_[0].stagePeriod(); }
+  double kktResidual() const noexcept override;
+  void reset() noexcept override;
+
+  const ControlReport& report() const noexcept override { return report_; }
+  const MultirotorOptions& options() const noexcept { return options_; }
+
+ private:
+  /// A sample in the world-aligned frame.
+  struct Measured {
+    TiltAngles tilt;  // in the body
+    double yaw = 0.0;
+    std::array<AxisSample, 3> axes;
+  };
+
+  MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
+  Measured measure(const VehicleState& state) const noexcept;
+  void observe(const VehicleState& state, const Measured& measured) noexcept;
+  ControlStatus evaluate(const Measured& measured, const Reference& reference,
+                         ControlReason& reason) noexcept;
+  std::array<double, 3> inputOffsets(const Measured& measured, const Reference& reference,
+                                     const std::array<AxisReference, 3>& wanted) const noexcept;
+  double nearBounds(const std::array<double, 2>& goals) const noexcept;
+  void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
+  TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
+  TiltAngles forceAngles(const AttitudeCommand& command, const TiltAngles& measured_tilt) const noexcept;
+  void withoutAnswer(ControlReason reason) noexcept;
+  void forget() noexcept;
+
+  MultirotorOptions options_;
+  std::array<Axis, 3> axes_;
+  SamplingClock clock_;  // of minimum-peak maps
+  ControlReport report_;
+
+  std::array<double, 3> inputs_{};   // u of each axis' model in the last command: u_{-1} of Eq. 4
+  std::array<double, 3> applied_{};  // the same after the limits on what is sent: what the observer is told
+  double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
+  bool observing_ = false;
+  AttitudeTrim trim_;
+  SafetyLadder ladder_;
+  PositionIntegrator integrator_;
+};
+
+}  // namespace polyfly

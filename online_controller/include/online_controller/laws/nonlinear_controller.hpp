@@ -1,0 +1,92 @@
+#pragma once
+
+#include <vector>
+
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/estimation/attitude_trim.hpp"
+#include "online_controller/estimation/force_observer.hpp"
+#include "online_controller/estimation/position_integrator.hpp"
+#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/safety_ladder.hpp"
+#include "online_controller/types/options.hpp"
+
+namespace polyfly {
+
+/// Nonlinear MPC of a multirotor (Eq. 43): force observer, references made consistent with the model, one
+/// real-time iteration in each step.
+///
+/// Yaw is predicted over the horizon with the rate that the yaw controller will command, and enters the model
+/// as a function of time. The references of attitude, commands and lift are those which follow position,
+/// velocity and acceleration of the preview exactly under the estimated disturbance (the model is flat), so
+/// nothing that is weighted contradicts the path, and no offset is left.
+///
+/// Each step answers with a finite command within the limits. Without an answer the last command is repeated
+/// (kHoldLast) for at most options.hold_periods samples, then level attitude and hover thrust (kLevel); the
+/// next sample that has an answer ends it. A state far from the predicted one starts the iteration anew.
+class NonlinearController : public ControlLaw {
+ public:
+  /// `mpc` without gravity and limits, which come from `options`. Throws Error naming an option.
+  NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc);
+
+  int previewLength() const noexcept override { return mpc_.horizon() + 1; }
+  double previewPeriod() const noexcept override { return mpc_.options().period; }
+
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
+  void prepare() noexcept override;
+  void rehearse() noexcept override;
+  const ControlReport& stepWithoutReference(double stamp) noexcept override;
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
+  const ControlReport& onSilence(double now) noexcept override;
+  void restartObserver() noexcept override { observing_ = false; }
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
+  void resetIntegrator() noexcept override { integrator_.reset(); }
+  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void takeOver(const ControlLaw& from) noexcept override;
+  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
+  double stagePeriod() const noexcept override { return mpc_.options().period; }
+  double kktResidual() const noexcept override { return iterating_ ? mpc_.kktResidual() : -1.0; }
+  void reset() noexcept override;
+  const ControlReport& report() const noexcept override { return report_; }
+
+  const NonlinearMpc& mpc() const noexcept { return mpc_; }
+  const ForceObserver& observer() const noexcept { return observer_; }
+
+ private:
+  int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
+  void predictYaw(double yaw, const Reference* preview) noexcept;
+  StageReference onPath(const Reference& path, double yaw) const noexcept;
+  void lead(StageReference& from, const StageReference& to, const TiltAngles& decay) const noexcept;
+  void makeReferences(const Reference* preview) noexcept;
+  void matchStages() noexcept;
+  TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
+  bool answers(QpStatus status) const noexcept;
+  bool solve(const MultirotorState& x, int periods) noexcept;
+  bool isFar(const MultirotorState& x) const noexcept;
+  void startIteration(const MultirotorState& x) noexcept;
+  void send(const EulerAngles& angles, const Reference& reference) noexcept;
+  void withoutAnswer(ControlReason reason) noexcept;
+  void forget() noexcept;
+
+  MultirotorOptions options_;
+  NonlinearMpc mpc_;
+  ForceObserver observer_;
+  AttitudeTrim trim_;
+  ControlReport report_;
+
+  TiltAngles ahead_;                                       // see matchStages [1]
+  Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();  // of the last step, or what is prepared [m/s^2]
+  std::vector<StageConditions> stages_;                    // N + 1: the last one has the yaw at the end
+  std::vector<StageReference> references_;                 // N + 1
+  std::vector<Reference> preview_;  // of the last step, for the preparation of the next
+  TiltAngles sooner_;               // from a stage's command to one control period's [rad]
+  double yaw_ = 0.0;                // of the last sample [rad]
+  double observed_until_ = 0.0;     // time up to which the observer has advanced [s]
+  bool observing_ = false;
+  bool iterating_ = false;                 // there is a solution to go on from
+  bool prepared_ = false;                  // for the next sample
+  TiltAngles period_decay_, stage_decay_;  // what of an angle is left after a control period, after a stage
+  SafetyLadder ladder_;
+  PositionIntegrator integrator_;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "online_controller/types/attitude.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+
+namespace polyfly {
+
+/// What is sent while a law has no answer, by the control periods since the last one:
+///
+///     hold_periods      the last command again                        kHoldLast
+///     level_periods     level attitude, hover thrust                  kLevel
+///     descend_periods   level attitude, descend_thrust of hover       kDescend
+///     from then on      nothing                                       kStopped
+///
+/// Without a command to hold it starts level. An answer ends it on any rung. `trim` are the commands at which
+/// the vehicle is level, see AttitudeTrim::level.
+class SafetyLadder {
+ public:
+  /// Throws Error when an option is out of range.
+  explicit SafetyLadder(const MultirotorOptions& options);
+
+  /// A law answered, or the command of another one was taken over.
+  void answered() noexcept;
+
+  /// There is no command to hold: the next period without an answer is level.
+  void forget() noexcept;
+
+  /// One more control period without an answer: makes `command`, the last one, what is to be sent. Where it
+  /// is held it is left alone.
+  ControlStatus next(AttitudeCommand& command, const TiltAngles& trim) noexcept;
+
+  /// As next, past the rung that holds: the receiver has held the last command in the silence already.
+  ControlStatus nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept;
+
+  /// Goes on on the rung where `other` is, with options of its own.
+  void takeOver(const SafetyLadder& other) noexcept {
+    has_command_ = other.has_command_;
+    unanswered_ = other.unanswered_;
+  }
+
+  bool canHold() const noexcept { return has_command_; }
+
+  /// Level attitude with this share of the hover thrust, as far as the limits allow.
+  AttitudeCommand level(const TiltAngles& trim, double share = 1.0) const noexcept;
+
+ private:
+  MultirotorOptions options_;
+  bool has_command_ = false;
+  int unanswered_ = 0;  // control periods
+};
+
+}  // namespace polyfly

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "mpc_core/range.hpp"
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/reference_limits.hpp"
+
+namespace polyfly {
+
+/// How take-off, landing and remote control go, and which references are taken. Names and defaults of
+/// mav_control_rw where it has them.
+struct FlightOptions {
+  double takeoff_distance = 1.0;   ///< above the point where it started [m]
+  double takeoff_time = 5.0;       ///< for that [s]
+  double takeoff_tolerance = 0.1;  ///< of the height, for the take-off to be done [m]
+  double landing_speed = 0.5;      ///< [m/s]
+  double touchdown_lag = 0.3;      ///< it stands when this far above its reference [m]
+  double touchdown_speed = 0.15;   ///< and not faster than this [m/s]
+  int touchdown_periods = 50;      ///< for so many control periods
+  double brake = 2.0;              ///< with which a hold stops, it holds where that ends [m/s^2]
+  double rc_teleop_max_carrot_distance_position = 1.0;    ///< full stick [m]
+  double rc_teleop_max_carrot_distance_yaw = 0.78539816;  ///< full stick [rad]
+  double rc_max_roll_pitch_command = 0.78539816;          ///< full stick in manual mode [rad]
+  double rc_max_yaw_rate_command = 0.78539816;            ///< full stick in manual mode [rad/s]
+  double stick_deadzone = 0.1;                            ///< [1]
+  double rc_timeout = 1.0;     ///< without a message the remote control counts as off, 0: never [s]
+  bool resume = true;          ///< after a failsafe go on with what was interrupted, else hold where it is
+  bool idle_publishes = true;  ///< hover thrust before anything has started it, else nothing is sent
+  ReferenceLimits reference_limits;
+};
+
+/// The one list of these options, as visitOptions of MultirotorOptions.
+template <class Options, class Visit>
+void visitFlightOptions(Options& options, Visit&& visit) {
+  visit("control_interface/takeoff_distance", options.takeoff_distance, "m", Range{0.1, 1000.0});
+  visit("control_interface/takeoff_time", options.takeoff_time, "s", Range{0.5, 1000.0});
+  visit("control_interface/takeoff_tolerance", options.takeoff_tolerance, "m", Range{0.01, 10.0});
+  visit("control_interface/landing_speed", options.landing_speed, "m/s", Range{0.05, 5.0});
+  visit("control_interface/touchdown_lag", options.touchdown_lag, "m", Range{0.05, 2.0});
+  visit("control_interface/touchdown_speed", options.touchdown_speed, "m/s", Range{0.01, 1.0});
+  visit("control_interface/touchdown_periods", options.touchdown_periods, "control periods",
+        Range{1.0, 10000.0});
+  visit("control_interface/brake", options.brake, "m/s^2", Range{0.1, 20.0});
+  visit("control_interface/rc_teleop_max_carrot_distance_position",
+        options.rc_teleop_max_carrot_distance_position, "m", Range{0.0, 100.0});
+  visit("control_interface/rc_teleop_max_carrot_distance_yaw", options.rc_teleop_max_carrot_distance_yaw,
+        "rad", Range{0.0, 1.5707964});
+  visit("control_interface/rc_max_roll_pitch_command", options.rc_max_roll_pitch_command, "rad",
+        Range{0.0, 1.0});
+  visit("control_interface/rc_max_yaw_rate_command", options.rc_max_yaw_rate_command, "rad/s",
+        Range{0.0, 20.0});
+  visit("control_interface/stick_deadzone", options.stick_deadzone, "1", Range{0.0, 0.9});
+  visit("control_interface/rc_timeout", options.rc_timeout, "s", Range{0.0, 1000.0});
+  visit("control_interface/resume", options.resume);
+  visit("control_interface/idle_publishes", options.idle_publishes);
+  visitReferenceLimits(options.reference_limits, visit);
+}
+
+/// Throws Error naming the key, its range and its value.
+void checkFlightOptions(const FlightOptions& options);
+
+}  // namespace polyfly

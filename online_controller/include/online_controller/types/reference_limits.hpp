@@ -1,0 +1,22 @@
+#pragma once
+
+#include "mpc_core/range.hpp"
+
+namespace polyfly {
+
+/// Within what a reference is believed. What asks for more is a slip of a digit, of a unit or of a frame.
+struct ReferenceLimits {
+  double distance = 1000.0;  ///< of any point from the vehicle when the reference comes [m]
+  double height = 500.0;     ///< of any point above or below it [m]
+  double speed = 30.0;       ///< of a trajectory, at its points and midway between them [m/s]
+};
+
+/// The one list of these options, as visitOptions of MultirotorOptions.
+template <class Options, class Visit>
+void visitReferenceLimits(Options& options, Visit&& visit) {
+  visit("reference_limits/distance", options.distance, "m", Range{0.1, 1e7});
+  visit("reference_limits/height", options.height, "m", Range{0.1, 1e7});
+  visit("reference_limits/speed", options.speed, "m/s", Range{0.1, 1e7});
+}
+
+}  // namespace polyfly

@@ -1,0 +1,87 @@
+#include "online_controller/estimation/force_observer.hpp"
+
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+/// p' = v, v' = a + d: the acceleration is the input.
+MpcProblem doubleIntegrator() {
+  MpcProblem problem;
+  problem.name = "force observer";
+  problem.A_c = (Eigen::Matrix2d() << 0.0, 1.0, 0.0, 0.0).finished();
+  problem.B_c = Eigen::Vector2d(0.0, 1.0);
+  problem.Bd_c = problem.B_c;
+  problem.C = Eigen::RowVector2d(1.0, 0.0);
+  return problem;
+}
+
+DisturbanceObserver makeAxis(const MultirotorOptions& options) {
+  ObserverOptions observer;
+  observer.period = options.control_period;
+  observer.process = {std::sqrt(options.noise.q_position), std::sqrt(options.noise.q_velocity), 0.0, 0.0};
+  observer.measurement = {std::sqrt(options.noise.r_position), std::sqrt(options.noise.r_velocity), 1.0, 1.0};
+  observer.disturbance = options.disturbance_drift;
+  return {doubleIntegrator(), observer};
+}
+
+}  // namespace
+
+ForceObserver::ForceObserver(const MultirotorModel& model, const MultirotorOptions& options)
+    : model_(model), axes_{makeAxis(options), makeAxis(options), makeAxis(options)} {}
+
+Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eigen::Vector3d& velocity,
+                                            double thrust) const noexcept {
+  const Eigen::Vector3d in_body = R.transpose() * velocity;
+  Eigen::Vector3d result = thrust * R.col(2) - R * model_.drag.cwiseProduct(in_body);
+  result.z() -= model_.gravity;
+  return result;
+}
+
+void ForceObserver::update(const VehicleState& state, double thrust, int periods) noexcept {
+  const Eigen::Matrix3d attitude = state.attitude.normalized().toRotationMatrix();
+  // The mean of the values at both ends of the period.
+  const Eigen::Vector3d now = acceleration(attitude, state.velocity, thrust);
+  const Eigen::Vector3d mean =
+      started_ ? Eigen::Vector3d(0.5 * (acceleration(last_attitude_, last_velocity_, thrust) + now)) : now;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const std::array<double, 2> measured{state.position(axis), state.velocity(axis)};
+    axes_[i].update(measured.data(), mean.data() + axis, periods);
+  }
+  last_attitude_ = attitude;
+  last_velocity_ = state.velocity;
+  started_ = true;
+}
+
+void ForceObserver::takeOver(const ForceObserver& other) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].takeOver(other.axes_[i]);
+  last_attitude_ = other.last_attitude_;
+  last_velocity_ = other.last_velocity_;
+  started_ = other.started_;
+}
+
+void ForceObserver::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
+  }
+}
+
+void ForceObserver::reset() noexcept {
+  for (DisturbanceObserver& axis : axes_) axis.reset();
+  started_ = false;
+}
+
+Eigen::Vector3d ForceObserver::position() const noexcept {
+  return {axes_[0].state()[0], axes_[1].state()[0], axes_[2].state()[0]};
+}
+
+Eigen::Vector3d ForceObserver::velocity() const noexcept {
+  return {axes_[0].state()[1], axes_[1].state()[1], axes_[2].state()[1]};
+}
+
+Eigen::Vector3d ForceObserver::disturbance() const noexcept {
+  return {axes_[0].disturbance(), axes_[1].disturbance(), axes_[2].disturbance()};
+}
+
+}  // namespace polyfly

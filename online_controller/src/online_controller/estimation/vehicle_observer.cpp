@@ -1,0 +1,146 @@
+#include "online_controller/estimation/vehicle_observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online_controller/types/attitude.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kLeastCosine = 0.1;  // of the pitch, for the rate of yaw
+
+/// angle' = rate, rate' = stiffness angle + damping rate + gain u + moment.
+DisturbanceObserver makeLoop(double stiffness, double damping, double gain,
+                             const MultirotorOptions& vehicle) {
+  MpcProblem problem;
+  problem.name = "moment observer";
+  problem.A_c = (Eigen::Matrix2d() << 0.0, 1.0, stiffness, damping).finished();
+  problem.B_c = Eigen::Vector2d(0.0, gain);
+  problem.Bd_c = Eigen::Vector2d(0.0, 1.0);
+  problem.C = Eigen::RowVector2d(1.0, 0.0);
+  ObserverOptions options;
+  const ObserverNoise& noise = vehicle.noise;
+  options.period = vehicle.control_period;
+  options.process = {std::sqrt(noise.q_attitude), std::sqrt(noise.q_angular_velocity), 0.0, 0.0};
+  options.measurement = {std::sqrt(noise.r_attitude), std::sqrt(noise.r_angular_velocity), 1.0, 1.0};
+  options.disturbance = std::sqrt(noise.q_torque);
+  return {problem, options};
+}
+
+DisturbanceObserver makeTilt(double omega, double damping, double gain, const MultirotorOptions& vehicle) {
+  return makeLoop(-omega * omega, -2.0 * damping * omega, gain * omega * omega, vehicle);
+}
+
+const MomentModel& checked(const MomentModel& moments) {
+  checkMomentModel(moments);
+  return moments;
+}
+
+/// The rates of roll, pitch and yaw from those about the body's axes.
+Eigen::Vector3d angleRates(const Eigen::Vector3d& body, const EulerAngles& angles) noexcept {
+  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
+  const double pitch_cosine = std::max(std::cos(angles.pitch), kLeastCosine);
+  const double yaw_rate = (sine * body.y() + cosine * body.z()) / pitch_cosine;
+  return {body.x() + std::sin(angles.pitch) * yaw_rate, cosine * body.y() - sine * body.z(), yaw_rate};
+}
+
+}  // namespace
+
+VehicleObserver::VehicleObserver(const MultirotorModel& model, const MultirotorOptions& vehicle,
+                                 const MomentModel& moments)
+    : mass_(vehicle.mass),
+      period_(vehicle.control_period),
+      duration_(checked(moments).calibration_duration),
+      force_(model, vehicle),
+      angles_{makeTilt(moments.roll_omega, moments.roll_damping, moments.roll_gain, vehicle),
+              makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, vehicle),
+              makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)} {}
+
+void VehicleObserver::takeOver(const VehicleObserver& other) noexcept {
+  force_.takeOver(other.force_);
+  for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].takeOver(other.angles_[i]);
+  estimate_ = other.estimate_;
+  observed_until_ = other.observed_until_;
+  observing_ = other.observing_;
+  calibrating_ = other.calibrating_;
+  calibrations_ = other.calibrations_;
+  calibration_start_ = other.calibration_start_;
+  calibration_samples_ = other.calibration_samples_;
+  force_sum_ = other.force_sum_;
+  moment_sum_ = other.moment_sum_;
+}
+
+void VehicleObserver::restart() noexcept { observing_ = false; }
+
+void VehicleObserver::reset() noexcept {
+  force_.reset();
+  for (DisturbanceObserver& angle : angles_) angle.reset();
+  observing_ = false;
+  calibrating_ = false;
+}
+
+void VehicleObserver::calibrate() noexcept {
+  calibrating_ = true;
+  calibration_samples_ = 0;
+  force_sum_.setZero();
+  moment_sum_.setZero();
+}
+
+void VehicleObserver::update(const VehicleState& state, const AttitudeCommand& held) noexcept {
+  constexpr int kMost = ForceObserver::kMaxPeriods;
+  const double late = (state.stamp - observed_until_) / period_;
+  int periods = kMost + 1;  // starts on the sample
+  if (observing_ && late < -0.5) {
+    reset();  // time went back: another flight
+  } else if (observing_ && late < kMost + 0.5) {
+    periods = static_cast<int>(std::lround(late));
+  }
+  if (periods == 0) return;
+  observed_until_ = periods > kMost ? state.stamp : observed_until_ + periods * period_;
+  observing_ = true;
+  force_.update(state, held.thrust / mass_, periods);
+  updateMoments(state, held, periods);
+
+  estimate_.position = force_.position();
+  estimate_.velocity = force_.velocity();
+  Eigen::Vector3d moment;
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    estimate_.attitude(axis) = angles_[i].state()[0];
+    estimate_.angular_velocity(axis) = angles_[i].state()[1];
+    moment(axis) = angles_[i].disturbance();
+  }
+  if (calibrating_) advanceCalibration(state.stamp, force_.disturbance(), moment);
+  estimate_.force = force_.disturbance() - estimate_.force_offset;
+  estimate_.moment = moment - estimate_.moment_offset;
+}
+
+void VehicleObserver::updateMoments(const VehicleState& state, const AttitudeCommand& held,
+                                    int periods) noexcept {
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  const Eigen::Vector3d rates = angleRates(state.angular_velocity, angles);
+  // Yaw is unwrapped by what is known of it: the filter must not see a turn as a jump.
+  const double yaw = estimate_.attitude.z() + wrapAngle(angles.yaw - estimate_.attitude.z());
+  const std::array<double, 3> measured{angles.roll, angles.pitch, yaw};
+  const std::array<double, 3> commands{held.roll, held.pitch, held.yaw_rate};
+  for (std::size_t i = 0; i < angles_.size(); ++i) {
+    const std::array<double, 2> sample{measured[i], rates(static_cast<Eigen::Index>(i))};
+    angles_[i].update(sample.data(), &commands[i], periods);
+  }
+}
+
+void VehicleObserver::advanceCalibration(double stamp, const Eigen::Vector3d& force,
+                                         const Eigen::Vector3d& moment) noexcept {
+  if (calibration_samples_ == 0) calibration_start_ = stamp;
+  force_sum_ += force;
+  moment_sum_ += moment;
+  ++calibration_samples_;
+  if (stamp - calibration_start_ < duration_) return;
+  estimate_.force_offset = force_sum_ / calibration_samples_;
+  estimate_.moment_offset = moment_sum_ / calibration_samples_;
+  calibrating_ = false;
+  ++calibrations_;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,298 @@
+#include "online_controller/laws/axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+void requireUnit(const AxisLaw& law, const AxisNames& names, const Signal& signal, const std::string& unit) {
+  if (signal.unit == unit) return;
+  throw Error(law.place(names.axis) + "signal " + quoted(signal.name) + ": unit must be " + quoted(unit) +
+              ", got " + quoted(signal.unit));
+}
+
+/// The tilt of an axis keeps the noise of its own; the other states have that of the options, in the places
+/// that the errors' parameters name. What does not fit is refused by readModel().
+ObserverOptions observerOptions(const MpcProblem& problem, const AxisNames& names,
+                                const MultirotorOptions& options) {
+  ObserverOptions result;
+  result.period = options.control_period;
+  result.disturbance = options.disturbance_drift;
+  for (const MpcProblem::Parameter& parameter : problem.parameters) {
+    const bool position = parameter.signal.name == names.position_error;
+    const bool is_state = parameter.role == ParameterRole::kError && parameter.index >= 0 &&
+                          parameter.index < static_cast<int>(result.process.size());
+    if (!is_state || (!position && parameter.signal.name != names.velocity_error)) continue;
+    const auto state = static_cast<std::size_t>(parameter.index);
+    result.process[state] = std::sqrt(position ? options.noise.q_position : options.noise.q_velocity);
+    result.measurement[state] = std::sqrt(position ? options.noise.r_position : options.noise.r_velocity);
+  }
+  return result;
+}
+
+}  // namespace
+
+Axis::Axis(const RegionMap& map, const AxisNames& names, const MultirotorOptions& options)
+    : Axis(explicitAxisLaw(map, problemOf(map, names.axis)), names, options) {}
+
+Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const MultirotorOptions& options)
+    : law_(std::move(law)),
+      has_lag_(names.angle_error != nullptr),
+      offset_free_(options.offset_free && !law_->problem().minimum_peak),
+      observer_(law_->problem(), observerOptions(law_->problem(), names, options)) {
+  bindSignals(names);
+  readModel(law_->problem(), names);
+  if (options.solve_outside) beyond_ = law_->onlineTwin();
+}
+
+void Axis::reset() noexcept {
+  observer_.reset();
+  law_->reset();
+  if (beyond_ != nullptr) beyond_->reset();
+  answered_beyond_ = false;
+}
+
+void Axis::takeOver(const Axis& other) noexcept {
+  if (position_state_ != other.position_state_ || velocity_state_ != other.velocity_state_ ||
+      angle_state_ != other.angle_state_)
+    return;
+  observer_.takeOver(other.observer_);
+}
+
+void Axis::bindSignals(const AxisNames& names) {
+  struct Wanted {
+    const char* name;
+    const char* unit;
+    AxisEntry entry;
+    bool required;
+  };
+  const bool tracking = !law_->problem().minimum_peak;
+  std::vector<Wanted> wanted{{names.position_error, "m", AxisEntry::kPositionError, true},
+                             {names.velocity_error, "m/s", AxisEntry::kVelocityError, true},
+                             {names.input_reference, names.input_unit, AxisEntry::kInputReference, tracking}};
+  if (tracking) wanted.push_back({names.previous_input, names.input_unit, AxisEntry::kPreviousInput, true});
+  if (!tracking) wanted.push_back({names.velocity_reference, "m/s", AxisEntry::kVelocityReference, false});
+  if (has_lag_) wanted.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
+  static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
+
+  std::vector<bool> found(wanted.size(), false);
+  size_ = 0;
+  for (const Signal& signal : law_->parameters()) {
+    const auto match = std::find_if(wanted.begin(), wanted.end(),
+                                    [&](const Wanted& entry) { return signal.name == entry.name; });
+    if (match == wanted.end()) {
+      throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) +
+                  ": not a signal of this axis");
+    }
+    const auto which = static_cast<std::size_t>(match - wanted.begin());
+    if (found[which])
+      throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) + ": listed twice");
+    found[which] = true;
+    requireUnit(*law_, names, signal, match->unit);
+    has_input_reference_ = has_input_reference_ || match->entry == AxisEntry::kInputReference;
+    const auto slot = static_cast<std::size_t>(size_++);
+    entries_[slot] = match->entry;
+    lower_[slot] = signal.lower;
+    upper_[slot] = signal.upper;
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!found[i] && wanted[i].required)
+      throw Error(law_->place(names.axis) + "parameter " + quoted(wanted[i].name) + ": missing");
+  }
+
+  if (law_->inputs().size() != 1 || law_->inputs().front().name != names.input) {
+    std::string got;
+    for (const Signal& signal : law_->inputs()) got += (got.empty() ? "" : ", ") + quoted(signal.name);
+    throw Error(law_->place(names.axis) + "inputs: must be " + quoted(names.input) + " alone, got " + got);
+  }
+  const Signal& input = law_->inputs().front();
+  requireUnit(*law_, names, input, names.input_unit);
+  input_lower_ = input.lower;
+  input_upper_ = input.upper;
+}
+
+void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
+  const int states = has_lag_ ? 3 : 2;
+  const auto require = [&](bool holds, const std::string& rule) {
+    if (!holds) throw Error(law_->place(names.axis) + "model: " + rule);
+  };
+  require(problem.stateCount() == states && problem.inputCount() == 1 && problem.Bd_c.cols() == 1,
+          "must have " + std::to_string(states) + " states, one input and one disturbance");
+
+  // Which state an error parameter belongs to is written in the problem, not in an order of names.
+  const auto state_of = [&](const char* name) {
+    for (const MpcProblem::Parameter& parameter : problem.parameters) {
+      if (parameter.signal.name == name && parameter.role == ParameterRole::kError) return parameter.index;
+    }
+    throw Error(law_->place(names.axis) + "parameter " + quoted(name) + ": must be the error of a state");
+  };
+  const int p = state_of(names.position_error);
+  const int v = state_of(names.velocity_error);
+  const int s = has_lag_ ? state_of(names.angle_error) : v;
+  const auto& A = problem.A_c;
+  const auto& B = problem.B_c;
+  const auto& Bd = problem.Bd_c;
+  require(p != v && (!has_lag_ || (s != p && s != v)),
+          "each error parameter must belong to a state of its own");
+  require(
+      A(p, v) == 1.0 && A(p, p) == 0.0 && (!has_lag_ || A(p, s) == 0.0) && B(p, 0) == 0.0 && Bd(p, 0) == 0.0,
+      "the derivative of the position must be the velocity");
+  require(A(v, p) == 0.0 && Bd(v, 0) != 0.0 && std::isfinite(1.0 / Bd(v, 0)),
+          "the disturbance must act on the velocity, the position must not");
+  if (has_lag_) {
+    require(B(v, 0) == 0.0 && A(v, s) != 0.0, "the velocity must be driven by the angle, not by the input");
+    require(A(s, p) == 0.0 && A(s, v) == 0.0 && Bd(s, 0) == 0.0 && A(s, s) < 0.0 && B(s, 0) != 0.0,
+            "the angle must follow the input with a stable first-order lag");
+  } else {
+    require(B(v, 0) != 0.0, "the velocity must be driven by the input");
+  }
+
+  const DiscreteModel stage = discretise(problem, problem.sampling_time);
+  stage_period_ = stage.period;
+  for (int i = 0; i < states; ++i) {
+    stage_input_[static_cast<std::size_t>(i)] = stage.B(i, 0);
+    for (int j = 0; j < states; ++j)
+      stage_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = stage.A(i, j);
+  }
+
+  position_state_ = p;
+  velocity_state_ = v;
+  angle_state_ = s;
+  velocity_gain_ = A(v, v);
+  disturbance_gain_ = Bd(v, 0);
+  drive_gain_ = has_lag_ ? A(v, s) : B(v, 0);
+  lag_pole_ = has_lag_ ? A(s, s) : 0.0;
+  lag_gain_ = has_lag_ ? B(s, 0) : 0.0;
+}
+
+AxisTarget Axis::target(const AxisReference& reference, double disturbance) const noexcept {
+  // B_d d_eq and its rate, with the disturbance constant.
+  const double equivalent =
+      disturbance_gain_ * disturbance + velocity_gain_ * reference.velocity - reference.acceleration;
+  const double equivalent_rate = velocity_gain_ * reference.acceleration - reference.jerk;
+  const double drive = -equivalent / drive_gain_;
+  if (!has_lag_) return {0.0, drive};
+  const double drive_rate = -equivalent_rate / drive_gain_;
+  return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_};
+}
+
+void Axis::observe(const AxisSample& sample, double applied_input, int periods) noexcept {
+  std::array<double, DisturbanceObserver::kMaxStates> measured{};
+  measured[static_cast<std::size_t>(position_state_)] = sample.position;
+  measured[static_cast<std::size_t>(velocity_state_)] = sample.velocity;
+  if (has_lag_) measured[static_cast<std::size_t>(angle_state_)] = sample.angle;
+  observer_.update(measured.data(), &applied_input, periods);
+}
+
+Axis::Parameters Axis::parametersAt(const AxisValues& values) const noexcept {
+  Parameters theta{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) theta[i] = values[entries_[i]];
+  return theta;
+}
+
+Axis::Parameters Axis::clipped(const Parameters& theta) const noexcept {
+  Parameters result{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+    result[i] = std::clamp(theta[i], lower_[i], upper_[i]);
+  return result;
+}
+
+int Axis::firstOutside(const Parameters& theta) const noexcept {
+  for (int i = 0; i < size_; ++i) {
+    const double value = theta[static_cast<std::size_t>(i)];
+    if (value < lower_[static_cast<std::size_t>(i)] || value > upper_[static_cast<std::size_t>(i)]) return i;
+  }
+  return -1;
+}
+
+AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
+  if (!has_input_reference_) return {};
+  return target(reference, disturbance() + reference.disturbance / disturbance_gain_);
+}
+
+ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
+                             double input_offset, AxisReport& report) noexcept {
+  const AxisTarget goal = goalOf(reference);
+  AxisValues values;
+  values[AxisEntry::kPositionError] = sample.position - reference.position;
+  values[AxisEntry::kVelocityError] = sample.velocity - reference.velocity;
+  values[AxisEntry::kAngleError] = sample.angle - goal.angle;
+  values[AxisEntry::kPreviousInput] = std::clamp(previous_input + input_offset, input_lower_, input_upper_);
+  values[AxisEntry::kInputReference] = goal.input + input_offset;
+  values[AxisEntry::kVelocityReference] = reference.velocity;
+  report.theta = parametersAt(values);
+  report.size = size_;
+  report.disturbance = disturbance();
+  report.outside_parameter = -1;
+  report.region = -1;
+
+  double input = 0.0;
+  const ControlStatus status = answer(report, input);
+  // The law meets the bounds up to rounding; what is applied meets them exactly.
+  if (status != ControlStatus::kHoldLast) report.input = std::clamp(input, input_lower_, input_upper_);
+  return status;
+}
+
+void Axis::rehearse(const AxisReport& report) noexcept {
+  if (report.size != size_) return;  // nothing was evaluated
+  double input = 0.0;
+  (answered_beyond_ ? *beyond_ : *law_).evaluate(report.theta.data(), &input);
+}
+
+ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
+  answered_beyond_ = false;
+  Lookup lookup = law_->evaluate(report.theta.data(), &input);
+  report.lookup = lookup.status;
+  report.iterations = law_->iterations();
+  ControlStatus status = ControlStatus::kOptimal;
+  if (lookup.status == LookupStatus::kOutsideBox) report.outside_parameter = firstOutside(report.theta);
+  if (beyond_ != nullptr &&
+      (lookup.status == LookupStatus::kOutsideBox || lookup.status == LookupStatus::kOutsidePartition)) {
+    lookup = beyond_->evaluate(report.theta.data(), &input);
+    report.iterations = beyond_->iterations();
+    answered_beyond_ = lookup.status == LookupStatus::kInside;
+  } else if (lookup.status == LookupStatus::kOutsideBox) {
+    lookup = law_->evaluate(clipped(report.theta).data(), &input);
+    status = ControlStatus::kClipped;
+  }
+  if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
+    lookup = retreat(report.theta, input);
+    status = ControlStatus::kClipped;
+  }
+  if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
+  if (!answered_beyond_) report.region = lookup.region;
+  return status;
+}
+
+// The feasible parameters are convex and hold the target, so the way to it enters them once.
+Lookup Axis::retreat(const Parameters& theta, double& input) const noexcept {
+  constexpr int kHalvings = 12;
+  double inside = 0.0, outside = 1.0;
+  Lookup found;
+  for (int k = 0; k <= kHalvings; ++k) {
+    const double share = k == 0 ? 0.0 : 0.5 * (inside + outside);
+    Parameters nearer = theta;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+      const bool error = entries_[i] == AxisEntry::kPositionError ||
+                         entries_[i] == AxisEntry::kVelocityError || entries_[i] == AxisEntry::kAngleError;
+      if (error) nearer[i] *= share;
+    }
+    const Lookup lookup = law_->evaluate(clipped(nearer).data(), &input);
+    if (lookup.status == LookupStatus::kInside) {
+      inside = share;
+      found = lookup;
+    } else {
+      if (k == 0) return lookup;
+      outside = share;
+    }
+  }
+  return found;
+}
+
+}  // namespace polyfly

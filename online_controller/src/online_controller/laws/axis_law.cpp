@@ -1,0 +1,123 @@
+#include "online_controller/laws/axis_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mpc_core/online_program.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string mapPlace(const RegionMap& map, const std::string& axis) {
+  return map.path() + ": as the " + axis + " map: ";
+}
+
+class ExplicitAxisLaw final : public AxisLaw {
+ public:
+  ExplicitAxisLaw(const RegionMap& map, MpcProblem problem) : map_(&map), problem_(std::move(problem)) {}
+
+  const MpcProblem& problem() const noexcept override { return problem_; }
+  const std::vector<Signal>& parameters() const noexcept override { return map_->parameters(); }
+  const std::vector<Signal>& inputs() const noexcept override { return map_->inputs(); }
+  std::string place(const std::string& axis) const override { return mapPlace(*map_, axis); }
+  Lookup evaluate(const double* theta, double* input) noexcept override {
+    return map_->evaluate(theta, input);
+  }
+  void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
+  std::unique_ptr<AxisLaw> onlineTwin() const override;
+  void reset() noexcept override {}
+
+ private:
+  const RegionMap* map_;  // not owned
+  MpcProblem problem_;
+};
+
+class OnlineAxisLaw final : public AxisLaw {
+ public:
+  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem)) {}
+
+  const MpcProblem& problem() const noexcept override { return problem_; }
+  const std::vector<Signal>& parameters() const noexcept override { return program_.program().parameters; }
+  const std::vector<Signal>& inputs() const noexcept override { return program_.program().inputs; }
+  std::string place(const std::string& axis) const override {
+    return problem_.source + ": as the " + axis + " problem: ";
+  }
+
+  Lookup evaluate(const double* theta, double* input) noexcept override {
+    Lookup lookup;
+    switch (program_.solve(theta, input)) {
+      case QpStatus::kOptimal:
+        lookup.status = LookupStatus::kInside;
+        break;
+      case QpStatus::kNotFinite:
+        lookup.status = LookupStatus::kNotFinite;
+        break;
+      case QpStatus::kInfeasible:
+      case QpStatus::kIterationLimit:
+      case QpStatus::kNotConvex:
+        lookup.status = LookupStatus::kOutsidePartition;
+        break;
+    }
+    return lookup;
+  }
+  void reset() noexcept override { program_.reset(); }
+  bool planned(int stage, double input_reference, double* input) const noexcept override {
+    const BoundedQp& solver = program_.solver();
+    if (solver.variableCount() != problem_.horizon) return false;
+    *input = input_reference + solver.x()[std::min(stage, problem_.horizon - 1)];
+    return true;
+  }
+  double kktResidual() const noexcept override { return program_.solver().kktResidual(); }
+  int iterations() const noexcept override { return program_.solver().iterations(); }
+
+ private:
+  MpcProblem problem_;
+  OnlineProgram program_;
+};
+
+/// `problem` with its parameters in the order of `signals`.
+MpcProblem inOrder(MpcProblem problem, const std::vector<Signal>& signals) {
+  std::vector<MpcProblem::Parameter> ordered;
+  for (const Signal& signal : signals) {
+    const auto found =
+        std::find_if(problem.parameters.begin(), problem.parameters.end(),
+                     [&](const MpcProblem::Parameter& p) { return p.signal.name == signal.name; });
+    if (found == problem.parameters.end()) {
+      throw Error(problem.source + ": parameter '" + signal.name + "': of the map, but not of its problem");
+    }
+    ordered.push_back(*found);
+  }
+  problem.parameters = std::move(ordered);
+  return problem;
+}
+
+}  // namespace
+
+std::unique_ptr<AxisLaw> ExplicitAxisLaw::onlineTwin() const {
+  if (problem_.minimum_peak) return nullptr;
+  return onlineAxisLaw(inOrder(problem_, parameters()));
+}
+
+MpcProblem problemOf(const RegionMap& map, const std::string& axis) {
+  if (map.solverStatus() != "complete") {
+    throw Error(mapPlace(map, axis) + "solver status: must be 'complete', got '" +
+                std::string(map.solverStatus()) + "'");
+  }
+  if (map.problemKind() != "yaml") {
+    throw Error(mapPlace(map, axis) + "problem: must be a tracking problem (yaml), got '" +
+                std::string(map.problemKind()) + "'");
+  }
+  return parseFlightModel(std::string(map.problemText()), map.path() + ": problem");
+}
+
+std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, MpcProblem problem) {
+  return std::make_unique<ExplicitAxisLaw>(map, std::move(problem));
+}
+
+std::unique_ptr<AxisLaw> onlineAxisLaw(const MpcProblem& problem) {
+  return std::make_unique<OnlineAxisLaw>(problem);
+}
+
+}  // namespace polyfly

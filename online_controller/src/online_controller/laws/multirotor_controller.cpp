@@ -1,0 +1,397 @@
+#include "online_controller/laws/multirotor_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "online_controller/realtime/warm.hpp"
+#include "online_controller/reference/yaw_rate.hpp"
+#include "online_controller/types/sane.hpp"
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+/// A silent exchange of two maps would be noticed by their signals; a missing one here.
+const RegionMap& given(const RegionMap* map, const AxisNames& names) {
+  if (map == nullptr) throw Error(std::string(names.axis) + " map: missing");
+  return *map;
+}
+
+Axis makeAxis(const std::array<const RegionMap*, 3>& maps, std::size_t axis,
+              const MultirotorOptions& options) {
+  return {given(maps[axis], kAxisNames[axis]), kAxisNames[axis], options};
+}
+
+Axis makeAxis(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
+              std::size_t axis, const MultirotorOptions& options) {
+  return {explicitAxisLaw(given(maps[axis], kAxisNames[axis]), problems[axis]), kAxisNames[axis], options};
+}
+
+const MultirotorOptions& checked(const MultirotorOptions& options) {
+  checkOptions(options);
+  return options;
+}
+
+/// Sampling time of the axes' minimum-peak maps, 0 where there are none.
+double decisionPeriod(const std::array<Axis, 3>& axes) {
+  const double first = axes[0].problem().minimum_peak ? axes[0].problem().sampling_time : 0.0;
+  for (const Axis& axis : axes) {
+    const double period = axis.problem().minimum_peak ? axis.problem().sampling_time : 0.0;
+    if (period != first) {
+      throw Error(axis.problem().source +
+                  ": sampling_time: maps of a minimum-peak robust MPC must all have the same, got " +
+                  std::to_string(period) + " s beside " + std::to_string(first) + " s (0: of another type)");
+    }
+  }
+  return first;
+}
+
+SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_period) {
+  constexpr double kWhole = 1e-6;  // how far a ratio of periods may be from a whole number
+  const double period = decisionPeriod(axes);
+  if (period == 0.0) return {};
+  const double samples = period / control_period;
+  if (samples < 1.0 - kWhole || std::abs(samples - std::round(samples)) > kWhole * samples) {
+    throw Error(
+        "controller/control_period: what the maps of a minimum-peak robust MPC promise holds at their "
+        "sampling time of " +
+        std::to_string(period) + " s, which must be a whole number of control periods, got " +
+        std::to_string(control_period) + " s");
+  }
+  return {period, control_period};
+}
+
+/// A minimum-peak robust MPC answers for the whole disturbance: what an estimate took away would be answered
+/// twice.
+MultirotorOptions offsetOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
+  if (!axes[0].problem().minimum_peak) return options;
+  options.integrator = false;
+  options.offset_free = false;
+  return options;
+}
+
+TiltModel tiltModel(const std::array<Axis, 3>& axes) {
+  return {axes[1].lagGain(), axes[1].lagTime(), axes[0].lagGain(), axes[0].lagTime()};
+}
+
+ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
+  if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
+  if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
+  switch (report.lookup) {  // of an axis that has its answer, the map's or else the online law's
+    case LookupStatus::kOutsideBox:
+      return ControlReason::kOutsideBox;
+    case LookupStatus::kOutsidePartition:
+      return ControlReason::kOutsidePartition;
+    case LookupStatus::kInside:
+    case LookupStatus::kNotFinite:
+      break;
+  }
+  return ControlReason::kNone;
+}
+
+AxisReference along(const Reference& reference, const Eigen::Vector3d& disturbance, int axis) noexcept {
+  return {reference.position[axis], reference.velocity[axis], reference.acceleration[axis],
+          reference.jerk[axis], disturbance[axis]};
+}
+
+}  // namespace
+
+MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
+                                           const MultirotorOptions& options)
+    : MultirotorController(
+          {makeAxis(maps, 0, checked(options)), makeAxis(maps, 1, options), makeAxis(maps, 2, options)},
+          options) {}
+
+MultirotorController::MultirotorController(const std::array<const RegionMap*, 3>& maps,
+                                           const std::array<MpcProblem, 3>& problems,
+                                           const MultirotorOptions& options)
+    : MultirotorController({makeAxis(maps, problems, 0, checked(options)),
+                            makeAxis(maps, problems, 1, options), makeAxis(maps, problems, 2, options)},
+                           options) {}
+
+MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& problems,
+                                           const MultirotorOptions& options)
+    : MultirotorController({Axis(onlineAxisLaw(problems[0]), kAxisNames[0], checked(options)),
+                            Axis(onlineAxisLaw(problems[1]), kAxisNames[1], options),
+                            Axis(onlineAxisLaw(problems[2]), kAxisNames[2], options)},
+                           options) {}
+
+MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
+    : options_(options),
+      axes_(std::move(axes)),
+      clock_(decisionClock(axes_, options.control_period)),
+      trim_(tiltModel(axes_), offsetOptions(axes_, options)),
+      ladder_(options),
+      integrator_(offsetOptions(axes_, options)) {
+  reset();
+}
+
+void MultirotorController::reset() noexcept {
+  for (Axis& axis : axes_) axis.reset();
+  trim_.reset();
+  clock_.reset();
+  integrator_.reset();
+  observing_ = false;
+  observed_until_ = 0.0;
+  report_ = ControlReport{};
+  report_.command = ladder_.level(trim_.level());
+  forget();
+}
+
+const ControlReport& MultirotorController::step(const VehicleState& state,
+                                                const Reference& reference) noexcept {
+  if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
+  if (!isSane(state)) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+  const Measured measured = measure(state);
+  observe(state, measured);
+  if (!isSane(reference)) {
+    withoutAnswer(ControlReason::kNotFinite);
+    return report_;
+  }
+
+  if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
+    send(measured.tilt, measured.yaw, reference);
+    return report_;
+  }
+  integrator_.update(state, reference, report_);
+  ControlReason reason = ControlReason::kNone;
+  const ControlStatus worst = evaluate(measured, reference, reason);
+  if (worst == ControlStatus::kHoldLast) {
+    withoutAnswer(reason);
+    return report_;
+  }
+  send(measured.tilt, measured.yaw, reference);
+  clock_.decided(state.stamp);
+  report_.status = worst;
+  report_.reason = reason;
+  ladder_.answered();
+  return report_;
+}
+
+// The worst status of the axes, and its reason. Unless each has an answer the inputs are left alone.
+ControlStatus MultirotorController::evaluate(const Measured& measured, const Reference& reference,
+                                             ControlReason& reason) noexcept {
+  const Eigen::Vector3d integral = integrator_.disturbance();
+  const std::array<AxisReference, 3> wanted{along(reference, integral, 0), along(reference, integral, 1),
+                                            along(reference, integral, 2)};
+  const std::array<double, 3> offsets = inputOffsets(measured, reference, wanted);
+  ControlStatus worst = ControlStatus::kOptimal;
+  report_.iterations = 0;
+  std::array<AxisReport, 3>& reports = report_.axis;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const ControlStatus status =
+        axes_[i].evaluate(measured.axes[i], wanted[i], inputs_[i], offsets[i], reports[i]);
+    report_.iterations += reports[i].iterations;
+    if (status > worst || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
+    worst = std::max(worst, status);
+  }
+  if (worst == ControlStatus::kHoldLast) return worst;
+  for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input - offsets[i];
+  return worst;
+}
+
+// Rises from 0 to 1 while the greater of the goals goes from half to three quarters of its bounds.
+double MultirotorController::nearBounds(const std::array<double, 2>& goals) const noexcept {
+  double share = 0.0;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const double bound = goals[i] < 0.0 ? -axes_[i].inputLower() : axes_[i].inputUpper();
+    if (bound > 0.0) share = std::max(share, std::abs(goals[i]) / bound);
+  }
+  return std::clamp((share - 0.5) / 0.25, 0.0, 1.0);
+}
+
+// The bounds of the laws are those of the model's inputs, but what they are for is the command. Offsets make
+// of the one the other where the reference is: Eq. 41 divides the input by T / g; and while the body yaws
+// along with its tilt, as in a turn, the input leads the tilt, where the vehicle does not need it, or has it
+// about the other axis of the body, with a limit of its own. Of this lead is left out what makes the inputs
+// least. There are none where the goals are within half of the bounds.
+std::array<double, 3> MultirotorController::inputOffsets(
+    const Measured& measured, const Reference& reference,
+    const std::array<AxisReference, 3>& wanted) const noexcept {
+  if (axes_[0].problem().minimum_peak) return {};  // its promise holds for the model's input
+  // On the ground the command may be without thrust.
+  const double thrust =
+      std::clamp(report_.command.thrust / options_.mass, options_.thrust_min, options_.thrust_max);
+  const double scale = thrust / options_.gravity;
+  const std::array<double, 2> goal{axes_[0].inputReference(wanted[0]), axes_[1].inputReference(wanted[1])};
+  const double near = nearBounds(goal);
+  if (near == 0.0) return {};
+  const TiltAngles turn =
+      bodyToWorldTilt(trim_.turn(measured.tilt, yawRate(options_, reference, measured.yaw)), measured.yaw);
+  const std::array<double, 2> turned{scale * turn.pitch, scale * turn.roll};
+  const double lead = -(turned[0] * goal[0] + turned[1] * goal[1]);
+  const double square = turned[0] * turned[0] + turned[1] * turned[1];
+  const double share = lead > 0.0 && square > 0.0 ? std::min(1.0, lead / square) : 0.0;
+  std::array<double, 3> offsets{};
+  for (std::size_t i = 0; i < goal.size(); ++i) {
+    // A goal beyond the limits asks for no more than they allow.
+    const double within =
+        std::clamp(goal[i] + share * turned[i], scale * axes_[i].inputLower(), scale * axes_[i].inputUpper());
+    offsets[i] = near * (share * turned[i] + (1.0 / scale - 1.0) * within);
+  }
+  return offsets;
+}
+
+// The angle of an axis is the specific force of the rotors over g: the tilt times T / g, as Eq. 41 has it.
+// Taken for the tilt itself it would not obey the lag of the model, and one disturbance cannot explain two
+// errors: some centimetres would be left in a wind that changes the thrust.
+MultirotorController::Measured MultirotorController::measure(const VehicleState& state) const noexcept {
+  const double share = report_.command.thrust / (options_.mass * options_.gravity);
+  const EulerAngles angles = eulerAngles(state.attitude.normalized());
+  const TiltAngles tilt{angles.roll, angles.pitch};
+  const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
+  return {tilt,
+          angles.yaw,
+          {{{state.position.x(), state.velocity.x(), share * world.pitch},
+            {state.position.y(), state.velocity.y(), share * world.roll},
+            {state.position.z(), state.velocity.z(), 0.0}}}};
+}
+
+void MultirotorController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  if (!isSane(state)) return;
+  const Measured measured = measure(state);
+  observe(state, measured);
+  clock_.reset();
+  // Eq. 41 and 40 backwards.
+  const double thrust = sent.thrust / options_.mass;
+  const TiltAngles world = bodyToWorldTilt(forceAngles(sent, measured.tilt), measured.yaw);
+  applied_ = {world.pitch, world.roll, thrust * tiltCosine(measured.tilt) - options_.gravity};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
+  }
+  report_.command = sent;
+  ladder_.answered();
+}
+
+void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
+  // Whole periods are counted on a time line of their own, so that jitter of the stamps does not add up.
+  const double late = (state.stamp - observed_until_) / options_.control_period;
+  int periods = DisturbanceObserver::kMaxPeriods + 1;  // starts on the sample
+  if (observing_ && late < -0.5) {
+    for (Axis& axis : axes_) axis.reset();  // time went back: another flight
+    trim_.reset();
+  } else if (observing_ && late < DisturbanceObserver::kMaxPeriods + 0.5) {
+    periods = static_cast<int>(std::lround(late));
+  }
+  if (periods == 0) return;
+  observed_until_ = periods > DisturbanceObserver::kMaxPeriods
+                        ? state.stamp
+                        : observed_until_ + periods * options_.control_period;
+  observing_ = true;
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
+  trim_.update(measured.tilt, report_.command, periods);
+  report_.trim = trim_.angles();
+  report_.coupling = trim_.coupling();
+}
+
+void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
+                                const Reference& reference) noexcept {
+  // The accelerations of Eq. 41 are zero here: they are in the targets already, see Axis::target. The tilt is
+  // divided by the thrust after its limits, because that is the thrust which will act.
+  const double demanded = compensatedThrust(inputs_[2], measured_tilt, options_.gravity, 0.0);
+  const double thrust = std::clamp(demanded, options_.thrust_min, options_.thrust_max);
+  const TiltAngles desired = worldToBodyTilt({inputs_[1], inputs_[0]}, yaw);
+  const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
+  AttitudeCommand& command = report_.command;
+  command.yaw_rate = yawRate(options_, reference, yaw);
+  const TiltAngles by = added(measured_tilt, command.yaw_rate);
+  const TiltAngles trimmed{tilt.roll + by.roll, tilt.pitch + by.pitch};
+  command.roll = std::clamp(trimmed.roll, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(trimmed.pitch, -options_.angle_max, options_.angle_max);
+  command.thrust = options_.mass * thrust;
+
+  // What the limits left of the inputs, Eq. 41 and 40 backwards: the observer must not take a limit for wind.
+  applied_ = inputs_;
+  if (thrust != demanded) applied_[2] = thrust * tiltCosine(measured_tilt) - options_.gravity;
+  if (command.roll != trimmed.roll || command.pitch != trimmed.pitch) {
+    const TiltAngles world = bodyToWorldTilt(forceAngles(command, measured_tilt), yaw);
+    applied_[0] = world.pitch;
+    applied_[1] = world.roll;
+  }
+}
+
+// The tilt stays in the world-aligned frame, in which the axes are modelled, while the body yaws.
+TiltAngles MultirotorController::added(const TiltAngles& tilt, double yaw_rate) const noexcept {
+  return trim_.added(tilt, yaw_rate, 1.0);
+}
+
+// Eq. 41 backwards: the tilt that a command asks for, times T / g.
+TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command,
+                                             const TiltAngles& measured_tilt) const noexcept {
+  const double scale = command.thrust / options_.mass / options_.gravity;
+  const TiltAngles by = added(measured_tilt, command.yaw_rate);
+  return {(command.roll - by.roll) * scale, (command.pitch - by.pitch) * scale};
+}
+
+void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    AxisReport& axis = report_.axis[i];
+    // What is applied is the last command, not what this sample could not answer.
+    axis.input = inputs_[i];
+    axis.disturbance = axes_[i].disturbance();
+    axis.region = -1;
+    if (reason != ControlReason::kOutsidePartition) {  // no parameters were assembled
+      axis.size = 0;
+      axis.theta.fill(0.0);
+      axis.lookup = LookupStatus::kNotFinite;
+      axis.outside_parameter = -1;
+    }
+  }
+  report_.reason = reason;
+  report_.status = ladder_.next(report_.command, trim_.level());
+  if (!ladder_.canHold()) forget();
+}
+
+void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
+  trim_.reset();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
+  }
+}
+
+void MultirotorController::forget() noexcept {
+  for (AxisReport& axis : report_.axis) axis.input = 0.0;
+  inputs_.fill(0.0);
+  applied_.fill(0.0);
+  applied_[2] = report_.command.thrust / options_.mass - options_.gravity;
+}
+
+const ControlReport& MultirotorController::withoutSample(double stamp, ControlReason reason) noexcept {
+  if (std::isfinite(stamp)) report_.stamp = stamp;
+  withoutAnswer(reason);
+  return report_;
+}
+
+void MultirotorController::rehearse() noexcept {
+  warm(this, sizeof *this);
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].rehearse(report_.axis[i]);
+}
+
+const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
+  report_.axis.fill(AxisReport{});
+  ladder_.forget();
+  report_.command = ladder_.level(trim_.level());
+  forget();
+  report_.stamp = stamp;
+  report_.status = ControlStatus::kNoReference;
+  report_.reason = ControlReason::kNoReference;
+  return report_;
+}
+
+const ControlReport& MultirotorController::onSilence(double now) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    report_.axis[i] = AxisReport{};
+    report_.axis[i].disturbance = axes_[i].disturbance();
+  }
+  report_.stamp = now;
+  report_.reason = ControlReason::kStale;
+  report_.status = ladder_.nextInSilence(report_.command, trim_.level());
+  forget();
+  return report_;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,68 @@
+// Where the laws expect the vehicle over their horizon, for people to look at.
+#include <algorithm>
+
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+
+namespace polyfly {
+
+int NonlinearController::predict(const Reference*, int count, Eigen::Vector3d* positions) const noexcept {
+  if (!iterating_) return 0;
+  const int stages = std::min(count, mpc_.horizon() + 1);
+  for (int k = 0; k < stages; ++k) positions[k] = mpc_.state(k).head<3>();
+  return stages;
+}
+
+int MultirotorController::predict(const Reference* preview, int count,
+                                  Eigen::Vector3d* positions) const noexcept {
+  if (!isAnswer(report_.status)) return 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis::Prediction prediction = axes_[i].beginPrediction(report_.axis[i]);
+    for (int k = 0; k < count; ++k) {
+      positions[k](static_cast<Eigen::Index>(i)) =
+          preview[k].position(static_cast<Eigen::Index>(i)) + prediction.values[AxisEntry::kPositionError];
+      axes_[i].advance(prediction);
+    }
+  }
+  return count;
+}
+
+// In error coordinates e = x - x_ref, u~ = u - u_ref, as the problem has them.
+Axis::Prediction Axis::beginPrediction(const AxisReport& report) const noexcept {
+  Prediction prediction;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(report.size, size_)); ++i)
+    prediction.values[entries_[i]] = report.theta[i];
+  prediction.input = report.input;
+  prediction.beyond = answered_beyond_;
+  return prediction;
+}
+
+void Axis::advance(Prediction& at) const noexcept {
+  AxisValues& values = at.values;
+  std::array<double, 3> error{};
+  error[static_cast<std::size_t>(position_state_)] = values[AxisEntry::kPositionError];
+  error[static_cast<std::size_t>(velocity_state_)] = values[AxisEntry::kVelocityError];
+  if (has_lag_) error[static_cast<std::size_t>(angle_state_)] = values[AxisEntry::kAngleError];
+  std::array<double, 3> next{};
+  const std::size_t states = has_lag_ ? 3 : 2;
+  for (std::size_t i = 0; i < states; ++i) {
+    next[i] = stage_input_[i] * (at.input - values[AxisEntry::kInputReference]);
+    for (std::size_t j = 0; j < states; ++j) next[i] += stage_[i][j] * error[j];
+  }
+  values[AxisEntry::kPositionError] = next[static_cast<std::size_t>(position_state_)];
+  values[AxisEntry::kVelocityError] = next[static_cast<std::size_t>(velocity_state_)];
+  if (has_lag_) values[AxisEntry::kAngleError] = next[static_cast<std::size_t>(angle_state_)];
+  values[AxisEntry::kPreviousInput] = at.input;
+  ++at.stage;
+  at.input = nextInput(at);
+}
+
+double Axis::nextInput(const Prediction& at) const noexcept {
+  double input = at.input;
+  if (answering(at.beyond).planned(at.stage, at.values[AxisEntry::kInputReference], &input)) return input;
+  law_->lookUp(clipped(parametersAt(at.values)).data(), &input);
+  return input;
+}
+
+}  // namespace polyfly

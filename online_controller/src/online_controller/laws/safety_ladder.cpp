@@ -1,0 +1,44 @@
+#include "online_controller/laws/safety_ladder.hpp"
+
+#include <algorithm>
+
+namespace polyfly {
+
+SafetyLadder::SafetyLadder(const MultirotorOptions& options) : options_(options) { checkOptions(options); }
+
+void SafetyLadder::answered() noexcept {
+  has_command_ = true;
+  unanswered_ = 0;
+}
+
+void SafetyLadder::forget() noexcept {
+  has_command_ = false;
+  unanswered_ = 0;
+}
+
+ControlStatus SafetyLadder::nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept {
+  unanswered_ = std::max(unanswered_, options_.hold_periods);
+  return next(command, trim);
+}
+
+ControlStatus SafetyLadder::next(AttitudeCommand& command, const TiltAngles& trim) noexcept {
+  if (!has_command_) unanswered_ = std::max(unanswered_, options_.hold_periods);
+  const int level_until = options_.hold_periods + options_.level_periods;
+  const int descend_until = level_until + options_.descend_periods;
+  unanswered_ = std::min(unanswered_ + 1, descend_until + 1);
+  if (unanswered_ <= options_.hold_periods) return ControlStatus::kHoldLast;
+  has_command_ = false;
+  command = level(trim, unanswered_ <= level_until ? 1.0 : options_.descend_thrust);
+  if (unanswered_ <= level_until) return ControlStatus::kLevel;
+  return unanswered_ <= descend_until ? ControlStatus::kDescend : ControlStatus::kStopped;
+}
+
+AttitudeCommand SafetyLadder::level(const TiltAngles& trim, double share) const noexcept {
+  AttitudeCommand command;
+  command.roll = std::clamp(trim.roll, -options_.angle_max, options_.angle_max);
+  command.pitch = std::clamp(trim.pitch, -options_.angle_max, options_.angle_max);
+  command.thrust = options_.mass * std::max(share * options_.gravity, options_.thrust_min);
+  return command;
+}
+
+}  // namespace polyfly

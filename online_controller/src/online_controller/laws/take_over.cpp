@@ -1,0 +1,82 @@
+// How a law made from other options goes on where the one before it is, and what it tells of itself.
+#include <algorithm>
+
+#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "online_controller/laws/nonlinear_controller.hpp"
+
+namespace polyfly {
+namespace {
+
+/// A command to be repeated meets the limits that hold now.
+void limit(const MultirotorOptions& options, AttitudeCommand& command) noexcept {
+  command.roll = std::clamp(command.roll, -options.angle_max, options.angle_max);
+  command.pitch = std::clamp(command.pitch, -options.angle_max, options.angle_max);
+  command.yaw_rate = std::clamp(command.yaw_rate, -options.yaw_rate_max, options.yaw_rate_max);
+  command.thrust =
+      std::clamp(command.thrust, options.mass * options.thrust_min, options.mass * options.thrust_max);
+}
+
+}  // namespace
+
+void MultirotorController::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const MultirotorController*>(&from);
+  if (other == nullptr) return;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].takeOver(other->axes_[i]);
+    inputs_[i] = other->inputs_[i];
+    // Those of a minimum-peak robust MPC are held; for the others see inputOffsets().
+    if (axes_[i].problem().minimum_peak)
+      inputs_[i] = std::clamp(inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
+  }
+  trim_.takeOver(other->trim_);
+  report_ = other->report_;
+  limit(options_, report_.command);
+  applied_ = other->applied_;
+  if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
+  observed_until_ = other->observed_until_;
+  observing_ = other->observing_;
+  ladder_.takeOver(other->ladder_);
+  integrator_.takeOver(other->integrator_);
+}
+
+double MultirotorController::kktResidual() const noexcept {
+  double worst = -1.0;
+  for (const Axis& axis : axes_) worst = std::max(worst, axis.kktResidual());
+  return worst;
+}
+
+void NonlinearController::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const NonlinearController*>(&from);
+  if (other == nullptr) return;
+  observer_.takeOver(other->observer_);
+  trim_.takeOver(other->trim_);
+  report_ = other->report_;
+  limit(options_, report_.command);
+  yaw_ = other->yaw_;
+  observed_until_ = other->observed_until_;
+  observing_ = other->observing_;
+  ladder_.takeOver(other->ladder_);
+  integrator_.takeOver(other->integrator_);
+  prepared_ = false;
+  // One that was prepared is shifted to the next sample already, and begins anew.
+  iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);
+  if (!iterating_) return;
+  std::copy(other->stages_.begin(), other->stages_.end(), stages_.begin());
+  std::copy(other->references_.begin(), other->references_.end(), references_.begin());
+  std::copy(other->preview_.begin(), other->preview_.end(), preview_.begin());
+}
+
+void LawSwitch::takeOver(const ControlLaw& from) noexcept {
+  const auto* other = dynamic_cast<const LawSwitch*>(&from);
+  if (other == nullptr) return;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->takeOver(*other->laws_[i]);
+  }
+  if (has(other->active_)) active_ = other->active_;
+  behind_ = other->behind_;
+  followed_ = other->followed_;
+  sent_ = other->sent_;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,59 @@
+#include "online_controller/types/thrust_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "region_maps/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kProbes = 1000;  // places at which a polynomial is tested
+
+void require(bool holds, const std::string& rule) {
+  if (!holds) throw Error("output/thrust: " + rule);
+}
+
+}  // namespace
+
+ThrustCurve::ThrustCurve(const ThrustCurveOptions& options, double thrust_min, double thrust_max,
+                         double hover)
+    : coefficients_(options.polynomial),
+      begin_(options.polynomial.empty() ? 0.0 : thrust_min),
+      end_(options.polynomial.empty() ? std::numeric_limits<double>::infinity() : thrust_max),
+      least_(options.least),
+      greatest_(options.greatest) {
+  require(least_ >= 0.0 && greatest_ <= 1.0 && least_ < greatest_,
+          "limits must lie in [0, 1] and the lower one below the upper one");
+  if (coefficients_.empty()) coefficients_ = {0.0, options.hover_thrust / hover};
+  for (const double coefficient : coefficients_)
+    require(std::isfinite(coefficient), "coefficients must be finite");
+  for (int i = 0; i < kProbes; ++i) {
+    const double from = thrust_min + (thrust_max - thrust_min) * i / kProbes;
+    const double to = thrust_min + (thrust_max - thrust_min) * (i + 1) / kProbes;
+    require(value(from) < value(to), "must increase from " + std::to_string(thrust_min) + " to " +
+                                         std::to_string(thrust_max) + " N, does not at " +
+                                         std::to_string(from) + " N");
+  }
+  require(value(hover) > least_ && value(hover) < greatest_,
+          "hover must lie within the limits, got " + std::to_string(value(hover)));
+}
+
+// By Horner's rule.
+double ThrustCurve::value(double thrust) const noexcept {
+  double sum = 0.0;
+  for (auto c = coefficients_.rbegin(); c != coefficients_.rend(); ++c) sum = sum * thrust + *c;
+  return sum;
+}
+
+double ThrustCurve::operator()(double thrust) const noexcept {
+  if (!(thrust > 0.0)) return least_;  // NaN too
+  double result = value(std::min(thrust, end_));
+  if (thrust < begin_) result = std::min(result, value(begin_));
+  // Written so that NaN gives the lower limit.
+  return result > least_ ? std::min(result, greatest_) : least_;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Headers are included in one direction only: from a folder to itself and to those before it in the table."""
+
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
+
+# Folders of a package in the order of their dependencies. A folder includes from itself and from those before it.
+OFFLINE_FOLDERS = ["support", "arithmetic", "lp", "program", "exact_kkt", "explore/sets", "explore/region",
+                   "explore/state", "explore/parallel", "explore", "tree", "count", "reduce", "verify", "certify",
+                   "certify/reduction"]
+CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight"]
+
+# The folder that each public header of the offline solver belongs to.
+OFFLINE_HEADERS = {
+    "out_of_memory": "support", "vector_text": "support",
+    "exact_lp": "lp", "polytope": "lp",
+    "partition": "program",
+    "explore_options": "explore/sets", "team": "explore/parallel", "explore": "explore",
+    "encode": "tree", "search_tree": "tree",
+    "count": "count",
+    "reduce": "reduce",
+    "interior_point_qp": "verify", "program_oracle": "verify", "verify": "verify",
+    "certify": "certify", "verify_reduction": "certify/reduction",
+}
+
+# What the production code below a path includes of other packages: prefixes of headers. ROS packages are not listed.
+# A later row holds for what lies deeper.
+PACKAGES = {
+    "region_maps": {"region_maps"},
+    "region_maps/command_line": {"region_maps", "command_line"},
+    "region_maps/plot": {"region_maps", "map_plot"},
+    "online_controller/mpc_core": {"region_maps", "mpc_core"},
+    "online_controller": {"region_maps", "mpc_core", "nonlinear_mpc", "online_controller"},
+    "offline_mpt": {"region_maps", "command_line", "map_plot", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
+    "offline_mpt/src": {"region_maps", "mpc_core", "offline_mpt"},
+    "offline_mpt/sets": {"region_maps", "mpc_core", "offline_mpt", "polytope_sets"},
+    "offline_mpt/robust": {"region_maps", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
+    "fixedwing_lateral": {"region_maps", "command_line", "mpc_core", "online_controller", "fixedwing_lateral", "fixedwing_plant"},
+    "calibration/bags": {"region_maps", "bags"},
+    "calibration/identification": {"region_maps", "bags", "identification"},
+    "calibration/autopilot": {"region_maps", "bags", "identification", "autopilot"},
+    "calibration/excitation": {"region_maps", "mpc_core", "online_controller", "excitation"},
+}
+LIBRARIES = set.union(*PACKAGES.values()) | {"calibration"}
+
+
+def sources(path):
+    """Production code below a path, relative to it."""
+    for file in sorted((ROOT / path).rglob("*.[ch]pp")):
+        relative = file.relative_to(ROOT / path)
+        if not {"test", "fuzz", "bench", "ros", "interfaces"} & set(relative.parts):
+            yield relative.as_posix(), INCLUDE.findall(file.read_text(encoding="utf-8"))
+
+
+def innermost(path, folders):
+    """The deepest of `folders` that holds a path; None where none does."""
+    return max((folder for folder in folders if path.startswith(folder + "/")), key=len, default=None)
+
+
+def against_order(path, folders, folder_of):
+    """What is wrong in the files below `path`; `folder_of` tells the folder of an included header, None: another's."""
+    wrong = []
+    for file, names in sources(path):
+        here = innermost(file, folders)
+        if here is None:
+            wrong.append(f"{path}/{file} lies in no folder of the table")
+            continue
+        for name in names:
+            there = folder_of(name)
+            if there is not None and folders.index(there) > folders.index(here):
+                wrong.append(f"{path}/{file} includes {name} of '{there}', which comes after '{here}'")
+    return wrong
+
+
+class IncludeOrder(unittest.TestCase):
+    def test_folders_of_the_offline_solver(self):
+        def folder_of(name):
+            if name.startswith("offline_mpt/"):
+                return OFFLINE_HEADERS[name.split("/")[1].rsplit(".", 1)[0]]
+            return innermost(name, OFFLINE_FOLDERS)
+
+        self.assertEqual([], against_order("offline_mpt/src", OFFLINE_FOLDERS, folder_of))
+
+    def test_folders_of_the_online_controller(self):
+        def folder_of(name):
+            package, _, rest = name.partition("/")
+            return innermost(rest, CONTROLLER_FOLDERS) if package == "online_controller" else None
+
+        for path in ("online_controller/include/online_controller", "online_controller/src/online_controller"):
+            self.assertEqual([], against_order(path, CONTROLLER_FOLDERS, folder_of))
+
+    def test_packages(self):
+        wrong = []
+        for path in PACKAGES:
+            for file, names in sources(path):
+                allowed = PACKAGES[innermost(f"{path}/{file}", PACKAGES)]
+                wrong += [f"{path}/{file} includes {name}" for name in names
+                          if name.split("/")[0] in LIBRARIES - allowed and "/" in name]
+        self.assertEqual([], wrong)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
