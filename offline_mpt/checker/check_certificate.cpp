@@ -11,14 +11,14 @@
 namespace {
 
 constexpr char kUsage[] =
-    "usage: check_certificate CERTIFICATE --map MAP [--problem FILE]\n"
-    "       check_certificate CERTIFICATE --map REDUCED --reduced-from ORIGINAL\n"
-    "Confirms in rational arithmetic that MAP is the complete solution of its problem, from a certificate "
-    "that\n"
-    "'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.\n"
-    "With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that\n"
-    "'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.\n";
+    R"(usage: check_certificate CERTIFICATE --map MAP [--problem FILE]
+       check_certificate CERTIFICATE --map REDUCED --reduced-from ORIGINAL
+Confirms in rational arithmetic that MAP is the complete solution of its problem, from a certificate that
+'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.
+With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that
+'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.
+Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.
+)";
 
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
   const auto found = arguments.find(option);

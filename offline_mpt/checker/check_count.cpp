@@ -10,13 +10,12 @@
 namespace {
 
 constexpr char kUsage[] =
-    "usage: check_count PROOF [--problem FILE] [--map-limit BYTES] [--threads N]\n"
-    "Confirms that the active sets of PROOF, which 'offline_mpt count --proof' wrote, are critical regions "
-    "with\n"
-    "an interior, all different, and says how many bytes a map of them takes at the least. With --problem, "
-    "the\n"
-    "proof must be of that problem file; with --map-limit, the map must take more than so many bytes.\n"
-    "Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.\n";
+    R"(usage: check_count PROOF [--problem FILE] [--map-limit BYTES] [--threads N]
+Confirms that the active sets of PROOF, which 'offline_mpt count --proof' wrote, are critical regions with
+an interior, all different, and says how many bytes a map of them takes at the least. With --problem, the
+proof must be of that problem file; with --map-limit, the map must take more than so many bytes.
+Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.
+)";
 
 constexpr unsigned long long kMostThreads = 256;
 constexpr unsigned long long kMostBytes = 999999999999999999;

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <set>
 
-#include "count_proof.hpp"
 #include "count_oracle.hpp"
+#include "count_proof.hpp"
 #include "made_program.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <random>
 
-#include "mpc_core/mpc_problem.hpp"
 #include "allocations.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "region_maps/error.hpp"
 
 namespace polyfly {

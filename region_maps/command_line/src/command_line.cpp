@@ -1,10 +1,10 @@
 #include "command_line/command_line.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
