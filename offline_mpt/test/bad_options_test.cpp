@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -36,7 +35,6 @@ class BadOptions : public testing::Test {
 };
 
 TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
-  const std::regex row("^ +(?:-[a-zA-Z],)?(--[a-z-]+) (UINT|INT|FLOAT)");
   int seen = 0;
   for (const Words& command : std::vector<Words>{{"solve"},
                                                  {"count"},
@@ -50,13 +48,16 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
     Words help = command;
     help.emplace_back("--help");
     std::istringstream lines(run(OFFLINE_MPT_PROGRAM, help).out);
-    std::smatch match;
     for (std::string line; std::getline(lines, line);) {
-      if (!std::regex_search(line, match, row)) continue;
+      std::string names, type;
+      std::istringstream(line) >> names >> type;
+      const std::size_t dashes = names.find("--");
+      const bool is_real = type.rfind("FLOAT", 0) == 0;
+      if (dashes == std::string::npos || (!is_real && type.find("INT") > 1)) continue;
       ++seen;
-      const std::string option = match[1];
+      const std::string option = names.substr(dashes);
       Words values{"nan", "-1", "1e999", "x", ""};
-      if (match[2] != "FLOAT") values.insert(values.end(), {"1.5", "999999999999999999999999"});
+      if (!is_real) values.insert(values.end(), {"1.5", "999999999999999999999999"});
       for (const std::string& value : values) {
         Words words = command;
         words.insert(words.end(), {option, value});
