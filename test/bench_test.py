@@ -11,9 +11,9 @@ import sys
 import tempfile
 import unittest
 
-import house_test
+import run_test
 
-BENCH = os.path.join(house_test.ROOT, "test", "bench")
+BENCH = os.path.join(run_test.ROOT, "test", "bench")
 sys.path.insert(0, BENCH)
 import fixedwing  # noqa: E402
 import offline_peer  # noqa: E402
@@ -83,10 +83,10 @@ class Bench(unittest.TestCase):
         environment = {"PATH": "/usr/bin:/bin", "POLYFLY_DATA": self.folder, "POLYFLY_BENCH_TOOL": self.tool,
                        "POLYFLY_BENCH_PARTS": "base", "PYTHONDONTWRITEBYTECODE": "1", **environment}
         result = subprocess.run([sys.executable, os.path.join(BENCH, "offline.py"), output], env=environment,
-                                cwd=house_test.ROOT, capture_output=True, text=True)
+                                cwd=run_test.ROOT, capture_output=True, text=True)
         if result.returncode != 0:
             return result, [], ""
-        shown = subprocess.run([sys.executable, os.path.join(house_test.HOUSE, "show_table.py"), output],
+        shown = subprocess.run([sys.executable, os.path.join(run_test.SCRIPTS, "show_table.py"), output],
                                capture_output=True, text=True)
         self.assertEqual(shown.returncode, 0, shown.stderr)
         with open(output) as file, open(self.path("offline.txt")) as table:
@@ -247,4 +247,4 @@ class FixedWing(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    house_test.main("bench_test")
+    run_test.main("bench_test")

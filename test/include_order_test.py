@@ -16,7 +16,7 @@ CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "f
 
 # The folder that each public header of the offline solver belongs to.
 OFFLINE_HEADERS = {
-    "out_of_memory": "support", "vector_text": "support",
+    "vector_text": "support",
     "exact_lp": "lp", "polytope": "lp",
     "partition": "program",
     "explore_options": "explore/sets", "team": "explore/parallel", "explore": "explore",
@@ -27,32 +27,47 @@ OFFLINE_HEADERS = {
     "certify": "certify", "verify_reduction": "certify/reduction",
 }
 
-# What the production code below a path includes of other packages: prefixes of headers. ROS packages are not listed.
-# A later row holds for what lies deeper.
+# What the production code below a path includes of other packages: prefixes of headers.
+# Packages of ROS are not listed. The row of the deepest folder holds.
 PACKAGES = {
-    "region_maps": {"region_maps"},
-    "region_maps/command_line": {"region_maps", "command_line"},
-    "region_maps/plot": {"region_maps", "map_plot"},
-    "online_controller/mpc_core": {"region_maps", "mpc_core"},
-    "online_controller": {"region_maps", "mpc_core", "nonlinear_mpc", "online_controller"},
-    "offline_mpt": {"region_maps", "command_line", "map_plot", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
-    "offline_mpt/src": {"region_maps", "mpc_core", "offline_mpt"},
-    "offline_mpt/sets": {"region_maps", "mpc_core", "offline_mpt", "polytope_sets"},
-    "offline_mpt/robust": {"region_maps", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
-    "fixedwing_lateral": {"region_maps", "command_line", "mpc_core", "online_controller", "fixedwing_lateral", "fixedwing_plant"},
-    "calibration/bags": {"region_maps", "bags"},
-    "calibration/identification": {"region_maps", "bags", "identification"},
-    "calibration/autopilot": {"region_maps", "bags", "identification", "autopilot"},
-    "calibration/excitation": {"region_maps", "mpc_core", "online_controller", "excitation"},
+    "region_maps": {"polyfly_base", "region_maps"},
+    "region_maps/polyfly_base": {"polyfly_base"},
+    "region_maps/polyfly_base/command_line": {"polyfly_base", "command_line"},
+    "region_maps/plot": {"polyfly_base", "region_maps", "map_plot"},
+    "online_controller/mpc_core": {"polyfly_base", "region_maps", "mpc_core"},
+    "online_controller/polyfly_ros": {"polyfly_base", "polyfly_ros"},
+    "online_controller": {"polyfly_base", "region_maps", "mpc_core", "nonlinear_mpc", "online_controller"},
+    "online_controller/ros": {"polyfly_base", "polyfly_ros", "region_maps", "mpc_core", "nonlinear_mpc",
+                              "online_controller", "online_controller_ros"},
+    "offline_mpt": {"polyfly_base", "region_maps", "command_line", "map_plot", "mpc_core", "offline_mpt",
+                    "polytope_sets", "robust_mpc"},
+    "offline_mpt/src": {"polyfly_base", "region_maps", "mpc_core", "offline_mpt"},
+    "offline_mpt/include": {"region_maps", "mpc_core", "offline_mpt"},
+    "offline_mpt/checker": {"polyfly_base"},
+    "offline_mpt/sets": {"polyfly_base", "region_maps", "mpc_core", "offline_mpt", "polytope_sets"},
+    "offline_mpt/robust": {"polyfly_base", "region_maps", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
+    "fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
+    "fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
+    "calibration/bags": {"polyfly_base", "bags"},
+    "calibration/identification": {"polyfly_base", "bags", "identification"},
+    "calibration/autopilot": {"polyfly_base", "identification", "autopilot"},
+    "calibration/excitation": {"polyfly_base", "online_controller", "excitation"},
+    "calibration/excitation/ros": {"polyfly_base", "polyfly_ros", "online_controller", "online_controller_ros",
+                                   "fixedwing_lateral_ros", "excitation", "excitation_ros"},
+    "calibration/validation": {"polyfly_base", "region_maps", "map_plot", "mpc_core", "online_controller",
+                               "identification", "offline_mpt", "robust_mpc", "validation"},
+    "calibration/validation/ros": {"polyfly_base", "polyfly_ros", "command_line", "online_controller",
+                                   "online_controller_ros", "bags", "robust_mpc", "validation", "validation_ros"},
+    "calibration/app": {"polyfly_base", "command_line", "mpc_core", "identification", "autopilot", "validation"},
 }
-LIBRARIES = set.union(*PACKAGES.values()) | {"calibration"}
+LIBRARIES = set.union(*PACKAGES.values())
 
 
 def sources(path):
     """Production code below a path, relative to it."""
     for file in sorted((ROOT / path).rglob("*.[ch]pp")):
         relative = file.relative_to(ROOT / path)
-        if not {"test", "fuzz", "bench", "ros", "interfaces"} & set(relative.parts):
+        if not {"test", "fuzz", "bench", "interfaces"} & set(relative.parts):
             yield relative.as_posix(), INCLUDE.findall(file.read_text(encoding="utf-8"))
 
 

@@ -7,11 +7,11 @@
 #include "calibrate_commands.hpp"
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/read_text.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/visible.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/read_text.hpp"
+#include "polyfly_base/visible.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
 namespace {

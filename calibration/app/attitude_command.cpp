@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "calibrate_commands.hpp"
-#include "calibration/identification_report.hpp"
 #include "identification/flight_signals.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/visible.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/visible.hpp"
-#include "region_maps/write_map.hpp"
+#include "validation/identification_report.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "calibrate_commands.hpp"
-#include "calibration/motion_report.hpp"
 #include "identification/motion_output.hpp"
+#include "polyfly_base/visible.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
-#include "region_maps/visible.hpp"
-#include "region_maps/write_map.hpp"
+#include "validation/motion_report.hpp"
 
 namespace polyfly {
 namespace {

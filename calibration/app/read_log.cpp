@@ -6,12 +6,12 @@
 #include <cmath>
 #include <map>
 
-#include "ask.hpp"
 #include "autopilot/autopilot_signals.hpp"
+#include "command_line/prompt.hpp"
+#include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
-#include "read_progress.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
 
 namespace polyfly {
 namespace {

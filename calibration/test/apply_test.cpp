@@ -6,7 +6,7 @@
 
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "synthetic_flight.hpp"
 
 namespace polyfly {

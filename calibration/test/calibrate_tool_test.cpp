@@ -15,9 +15,9 @@
 #include <iterator>
 #include <sstream>
 
-#include "../autopilot/test/made_logs.hpp"
 #include "identification/provenance.hpp"
 #include "made_flight.hpp"
+#include "made_logs.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "command_line/command_line.hpp"
 #include "fixedwing_lateral/mission_file.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

@@ -16,11 +16,11 @@
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
 #include "fixedwing_plant/six_dof_aircraft.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/read_line.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "recorded_figures.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/read_line.hpp"
-#include "region_maps/write_map.hpp"
 
 namespace {
 

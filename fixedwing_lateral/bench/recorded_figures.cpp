@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "fixedwing_plant/recorded_flight.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "fixedwing_lateral/spline_path.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/read_line.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_line.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 

@@ -5,7 +5,8 @@
 #include <limits>
 
 #include "fixedwing_lateral/spline_path.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_ros/geometry.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -14,15 +15,7 @@ using fixedwing_lateral::LateralStatus;
 using polyfly::GuidanceMode;
 using polyfly::GuidanceReason;
 
-constexpr double kUnitTolerance = 0.05;  // of a quaternion's length
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// Of unit length, or all NaN.
-Eigen::Quaterniond toAttitude(const geometry_msgs::Quaternion& message) noexcept {
-  const Eigen::Quaterniond raw(message.w, message.x, message.y, message.z);
-  if (std::abs(raw.norm() - 1.0) <= kUnitTolerance) return raw.normalized();
-  return {kNan, kNan, kNan, kNan};
-}
 
 double yawOf(const Eigen::Quaterniond& q) noexcept {
   return std::atan2(2.0 * (q.w() * q.z() + q.x() * q.y()), 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <exception>
 
-#include "online_controller_ros/parameter_reader.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 namespace {

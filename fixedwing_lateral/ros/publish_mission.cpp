@@ -7,8 +7,8 @@
 
 #include "fixedwing_lateral/mission_file.hpp"
 #include "fixedwing_lateral_ros/conversions.hpp"
-#include "online_controller_ros/parameter_reader.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace {
 

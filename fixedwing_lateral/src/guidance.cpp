@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fixedwing_lateral/check_range.hpp"
 #include "fixedwing_lateral/turn_limits.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/range_check.hpp"
 
 namespace polyfly {
 namespace {
@@ -73,7 +73,7 @@ const char* toString(GuidanceReason reason) noexcept {
 }
 
 void checkGuidance(const GuidanceOptions& options, const std::string& where) {
-  visitGuidance(options, RangeCheck(where));
+  visitGuidance(options, RangeCheck{where});
   if (options.delay > 0.0 && options.applied_move != 0)
     throw Error(where +
                 ": guidance/delay: the second move is for a step later already; set applied_move to 0");

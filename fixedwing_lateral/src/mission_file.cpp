@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "fixedwing_lateral/spline_path.hpp"
-#include "mpc_core/read_text.hpp"
-#include "mpc_core/yaml_field.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
+#include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

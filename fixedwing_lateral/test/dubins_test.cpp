@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include "allocations.hpp"
 #include "fixedwing_plant/flight_loop.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "fixedwing_plant/flight_loop.hpp"
+#include "polyfly_base/error.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 

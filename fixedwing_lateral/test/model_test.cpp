@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

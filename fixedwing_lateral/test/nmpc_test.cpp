@@ -10,8 +10,8 @@
 #include "allocations.hpp"
 #include "fixedwing_lateral/lateral_nmpc.hpp"
 #include "fixedwing_lateral/tracking_cost.hpp"
+#include "polyfly_base/error.hpp"
 #include "reference_qps.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 

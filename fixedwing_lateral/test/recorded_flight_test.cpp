@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "polyfly_base/error.hpp"
 #include "reference_data.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 

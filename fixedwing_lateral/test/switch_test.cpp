@@ -5,7 +5,7 @@
 #include <string>
 
 #include "fixedwing_lateral/model.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

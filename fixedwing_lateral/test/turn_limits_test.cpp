@@ -8,7 +8,7 @@
 #include "fixedwing_lateral/mission_file.hpp"
 #include "fixedwing_plant/figures.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "command.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/analyze_map.hpp"
 #include "progress.hpp"
-#include "region_maps/error.hpp"
 #include "signals.hpp"
 
 namespace polyfly {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "mpi_team.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
 

@@ -5,7 +5,7 @@
 
 #include "command_line/command_line.hpp"
 #include "offline_mpt/partition.hpp"
-#include "region_maps/outputs.hpp"
+#include "polyfly_base/outputs.hpp"
 
 namespace polyfly {
 

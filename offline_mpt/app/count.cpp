@@ -8,8 +8,8 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "offline_mpt/vector_text.hpp"
+#include "polyfly_base/error.hpp"
 #include "progress.hpp"
-#include "region_maps/error.hpp"
 #include "signals.hpp"
 
 namespace polyfly {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <optional>
 
-#include "region_maps/error.hpp"
-#include "region_maps/read_line.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_line.hpp"
 
 namespace polyfly {
 namespace {

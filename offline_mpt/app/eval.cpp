@@ -3,7 +3,7 @@
 
 #include "command.hpp"
 #include "csv.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {

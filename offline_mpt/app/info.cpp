@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "polyfly_base/visible.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/visible.hpp"
 
 namespace polyfly {
 namespace {

@@ -1,7 +1,7 @@
 
 #include "command.hpp"
 #include "mpi_team.hpp"
-#include "offline_mpt/out_of_memory.hpp"
+#include "polyfly_base/out_of_memory.hpp"
 
 namespace {
 

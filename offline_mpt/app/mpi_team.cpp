@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 #ifdef POLYFLY_MPI
 #include <mpi.h>

@@ -4,7 +4,7 @@
 
 #include "command.hpp"
 #include "map_plot/slice.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "command.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/write_map.hpp"

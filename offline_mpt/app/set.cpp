@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "command.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 #include "set_output.hpp"
 #include "signals.hpp"
 

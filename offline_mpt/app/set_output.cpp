@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "mpc_core/read_text.hpp"
 #include "offline_mpt/encode.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "robust_mpc/prove_map.hpp"
 
 namespace polyfly {

@@ -5,7 +5,7 @@
 
 #include "arguments.hpp"
 #include "certificate.hpp"
-#include "offline_mpt/out_of_memory.hpp"
+#include "polyfly_base/out_of_memory.hpp"
 #include "reduction.hpp"
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include "arguments.hpp"
 #include "count_proof.hpp"
-#include "offline_mpt/out_of_memory.hpp"
+#include "polyfly_base/out_of_memory.hpp"
 
 namespace {
 

@@ -8,8 +8,8 @@
 
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "polyfly_base/error.hpp"
 #include "random_program.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "same_regions.hpp"
 #include "scratch_folder.hpp"

@@ -12,8 +12,8 @@
 #include "made_program.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
+#include "polyfly_base/error.hpp"
 #include "reference_problems.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
 

@@ -7,7 +7,7 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

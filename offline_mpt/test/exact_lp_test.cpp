@@ -8,7 +8,7 @@
 #include <memory>
 #include <random>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -12,8 +12,8 @@
 #include "glpk_lp.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/encode.hpp"
+#include "polyfly_base/error.hpp"
 #include "random_program.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

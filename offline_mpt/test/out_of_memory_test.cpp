@@ -1,5 +1,5 @@
 // Memory that runs out ends a tool with one line and exit code 2, in GMP and in threads too.
-#include "offline_mpt/out_of_memory.hpp"
+#include "polyfly_base/out_of_memory.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lp/rational_polytope.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -18,11 +18,11 @@
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/verify.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "polyfly_base/error.hpp"
 #include "random.hpp"
 #include "reduce/minimum_cover.hpp"
 #include "reduction_mutation.hpp"
 #include "reference_problems.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

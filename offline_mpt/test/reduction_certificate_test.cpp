@@ -11,9 +11,9 @@
 #include "mutation.hpp"
 #include "offline_mpt/reduce.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "polyfly_base/error.hpp"
 #include "reduction.hpp"
 #include "reduction_mutation.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

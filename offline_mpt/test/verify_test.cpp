@@ -13,10 +13,10 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/program_oracle.hpp"
+#include "polyfly_base/error.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
 #include "reference_problems.hpp"
-#include "region_maps/error.hpp"
 #include "verify/exact_arbiter.hpp"
 
 namespace polyfly {

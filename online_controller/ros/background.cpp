@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "online_controller_ros/map_swap.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

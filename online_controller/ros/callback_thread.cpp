@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "online_controller_ros/conversions.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

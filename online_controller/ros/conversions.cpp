@@ -4,7 +4,8 @@
 #include <limits>
 
 #include "online_controller/types/attitude.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_ros/geometry.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -13,21 +14,9 @@ using polyfly::ControlReason;
 using polyfly::ControlStatus;
 using polyfly::LookupStatus;
 
-/// A quaternion whose length differs from 1 by more than this is no attitude.
-constexpr double kUnitTolerance = 0.05;
-
 template <class Vector>
 Eigen::Vector3d toEigen(const Vector& message) {
   return {message.x, message.y, message.z};
-}
-
-/// Of unit length, or all NaN.
-Eigen::Quaterniond toAttitude(const geometry_msgs::Quaternion& message) {
-  const Eigen::Quaterniond raw(message.w, message.x, message.y, message.z);
-  const double norm = raw.norm();
-  if (std::abs(norm - 1.0) <= kUnitTolerance) return raw.normalized();
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  return {kNan, kNan, kNan, kNan};
 }
 
 double toYaw(const geometry_msgs::Quaternion& message, const std::string& place) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "online_controller_ros/conversions.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "online_controller/types/options.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

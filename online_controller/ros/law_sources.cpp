@@ -2,7 +2,7 @@
 
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

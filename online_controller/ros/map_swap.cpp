@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "allocations.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

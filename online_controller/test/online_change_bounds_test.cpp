@@ -1,4 +1,6 @@
 // How far options may be changed while commands are sent.
+#include "polyfly_base/change_bounds.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,9 +9,8 @@
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
-#include "online_controller/types/change_bounds.hpp"
 #include "online_controller/types/options.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

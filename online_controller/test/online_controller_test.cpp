@@ -10,8 +10,8 @@
 
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_support.hpp"
+#include "polyfly_base/error.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 

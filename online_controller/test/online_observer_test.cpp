@@ -14,8 +14,8 @@
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/types/flight_options.hpp"
 #include "online_support.hpp"
+#include "polyfly_base/error.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 
 namespace {
 

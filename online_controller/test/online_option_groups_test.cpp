@@ -9,6 +9,7 @@
 #include "online_controller/types/flight_options.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "online_controller/types/options.hpp"
+#include "polyfly_base/meant_name.hpp"
 
 namespace {
 

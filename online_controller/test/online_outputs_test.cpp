@@ -12,7 +12,7 @@
 #include "online_controller/realtime/poll_window.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "online_support.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

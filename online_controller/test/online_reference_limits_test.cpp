@@ -10,7 +10,7 @@
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller/reference/reference_excess.hpp"
 #include "online_support.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "allocations.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_support.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

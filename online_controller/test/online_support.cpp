@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly_test {

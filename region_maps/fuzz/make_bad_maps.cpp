@@ -6,7 +6,7 @@
 
 #include "bad_maps.hpp"
 #include "made_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace {

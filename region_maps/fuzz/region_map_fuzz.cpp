@@ -8,7 +8,7 @@
 #include "../src/check_map.hpp"
 #include "bad_maps.hpp"
 #include "made_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <sstream>
 
-#include "region_maps/error.hpp"
-#include "utf8.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/utf8.hpp"
 
 namespace polyfly {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -1,7 +1,7 @@
 #include "region_maps/region_map.hpp"
 
 #include "check_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

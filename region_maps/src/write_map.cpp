@@ -3,7 +3,8 @@
 #include <cstring>
 
 #include "check_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bad_maps.hpp"
 #include "made_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"

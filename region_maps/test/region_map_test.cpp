@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "made_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
 

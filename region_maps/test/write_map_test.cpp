@@ -14,7 +14,8 @@
 #include <limits>
 
 #include "made_map.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "scratch_folder.hpp"
 
 namespace polyfly {

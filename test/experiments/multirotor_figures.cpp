@@ -14,10 +14,10 @@
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/types/attitude.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "polyfly_test/law_flight.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/write_map.hpp"
 
 namespace {
 

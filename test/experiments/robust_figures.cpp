@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "command_line/command_line.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/write_map.hpp"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "command_line/command_line.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
 #include "read_options.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "region_maps/error.hpp"
-#include "region_maps/outputs.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/write_file.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -7,7 +7,7 @@
 #include "flight_recorder.hpp"
 #include "latency_probe.hpp"
 #include "plant_node.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_test {
 

@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "conversions.hpp"
+#include "polyfly_base/error.hpp"
 #include "read_options.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly_ros {
 namespace {

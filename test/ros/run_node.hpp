@@ -2,7 +2,7 @@
 
 #include <ros/ros.h>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 

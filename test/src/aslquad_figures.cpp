@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/yaml_field.hpp"
 #include "offline_mpt/encode.hpp"
+#include "polyfly_base/yaml_field.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 

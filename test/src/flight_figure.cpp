@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/range_check.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -75,7 +75,7 @@ Motion scaled(const Motion& motion, double factor) {
 }  // namespace
 
 FlightFigure::FlightFigure(const FigureOptions& options) : options_(options) {
-  visitFigureOptions(options, RangeCheck{"figure"});
+  visitFigureOptions(options, VectorRangeCheck{{"figure"}});
   // Each blend covers half of the phase that the full rate would cover in its time.
   cruise_time_ = kTwoPi * options.laps / options.rate - options.blend_time;
   if (cruise_time_ < 0.0) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/range_check.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -122,7 +122,7 @@ std::int64_t wholeSteps(double whole, double part, const char* name) {
 }  // namespace
 
 void checkPlantOptions(const PlantOptions& options) {
-  visitPlantOptions(options, RangeCheck{"vehicle"});
+  visitPlantOptions(options, VectorRangeCheck{{"vehicle"}});
   if (options.thrust_min > options.thrust_max) {
     throw Error("vehicle: thrust_min: must not exceed thrust_max");
   }

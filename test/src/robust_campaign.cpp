@@ -7,9 +7,9 @@
 #include <random>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/read_text.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 

@@ -15,9 +15,9 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

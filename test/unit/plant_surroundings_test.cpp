@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,10 +7,10 @@
 #include "offline_mpt/encode.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/types/attitude.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 

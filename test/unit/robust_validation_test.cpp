@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "calibration/validation.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 #include "robust_mpc/online_law.hpp"
+#include "validation/validation.hpp"
 
 namespace polyfly_test {
 namespace {

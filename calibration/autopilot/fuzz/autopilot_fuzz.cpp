@@ -8,7 +8,7 @@
 #include <string>
 
 #include "autopilot/autopilot_log.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,7 +9,7 @@
 
 #include "autopilot/autopilot_log.hpp"
 #include "ground_time.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -12,7 +12,7 @@
 #include "autopilot/autopilot_signals.hpp"
 #include "identification/identify_axis.hpp"
 #include "made_logs.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

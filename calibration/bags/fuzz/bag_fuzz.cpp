@@ -8,7 +8,7 @@
 
 #include "bags/message_layout.hpp"
 #include "bags/scan_bag.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

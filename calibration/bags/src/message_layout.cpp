@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "bag_record.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "bag_record.hpp"
 #include "byte_source.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "unpack_chunk.hpp"
 
 namespace polyfly {

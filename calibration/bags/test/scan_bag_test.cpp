@@ -9,8 +9,8 @@
 #include <random>
 
 #include "bags/message_layout.hpp"
+#include "polyfly_base/error.hpp"
 #include "reference_data.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

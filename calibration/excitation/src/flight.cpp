@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "online_controller/types/attitude.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/range_check.hpp"
 
 namespace polyfly {
 namespace {
@@ -18,17 +18,6 @@ bool finite(const VehicleState& state) {
   return std::isfinite(state.stamp) && state.position.allFinite() && state.velocity.allFinite() &&
          state.attitude.coeffs().allFinite();
 }
-
-struct RangeCheck {
-  void operator()(const char* key, double value, const char* unit, const Range& range) const {
-    if (value >= range.least && value <= range.greatest) return;
-    std::ostringstream rule;
-    rule << "excitation: " << key << ": must lie in [" << range.least << ", " << range.greatest << "] "
-         << unit << ", got " << value;
-    throw Error(rule.str());
-  }
-  void operator()(const char*, bool) const {}
-};
 
 bool pulsed(const Manoeuvre& manoeuvre) {
   return manoeuvre.shape == ExcitationShape::kTwoOneOne || manoeuvre.shape == ExcitationShape::kDoublet;
@@ -54,7 +43,7 @@ const char* nameOf(ExcitationState state) {
 
 ExcitationFlight::ExcitationFlight(ExcitationPlan plan, const ExcitationOptions& options)
     : plan_(std::move(plan)), options_(options) {
-  visitExcitation(options_, RangeCheck{});
+  visitExcitation(options_, RangeCheck{"excitation"});
   if (!(options_.thrust_min < options_.gravity && options_.gravity < options_.thrust_max)) {
     throw Error(
         "excitation: command/thrust_min and thrust_max: hover thrust per mass, gravity, must lie between");

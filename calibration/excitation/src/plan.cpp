@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "mpc_core/read_text.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {

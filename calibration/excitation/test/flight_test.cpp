@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "polyfly_base/error.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <set>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "topic_signals.hpp"
 
 namespace polyfly {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <string_view>
 
-#include "region_maps/error.hpp"
-#include "region_maps/read_line.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_line.hpp"
 
 namespace polyfly {
 namespace {

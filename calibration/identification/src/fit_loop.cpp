@@ -7,7 +7,7 @@
 #include "command_quantum.hpp"
 #include "fit_uncertainty.hpp"
 #include "linear_part.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "shape_search.hpp"
 
 namespace polyfly {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "identification/excitation.hpp"
 #include "interpolate.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

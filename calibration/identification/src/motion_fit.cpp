@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "identification/motion.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "regression.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "identification/motion.hpp"
 #include "interpolate.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "regression.hpp"
 
 namespace polyfly {

@@ -10,8 +10,8 @@
 #include "identification/identify_axis.hpp"
 #include "made_bag.hpp"
 #include "made_flight.hpp"
+#include "polyfly_base/error.hpp"
 #include "reference_data.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

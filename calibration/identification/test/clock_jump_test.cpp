@@ -8,7 +8,7 @@
 #include "identification/identify_axis.hpp"
 #include "identification/motion.hpp"
 #include "made_flight.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

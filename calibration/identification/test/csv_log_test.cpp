@@ -9,7 +9,7 @@
 
 #include "identification/flight_signals.hpp"
 #include "identification/provenance.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "identification/excitation.hpp"
 #include "made_flight.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "identification/attitude_output.hpp"
 #include "made_flight.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

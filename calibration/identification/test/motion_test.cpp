@@ -7,7 +7,7 @@
 #include <random>
 
 #include "identification/motion_output.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

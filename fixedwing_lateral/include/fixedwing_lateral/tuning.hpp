@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "online_controller/types/options.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 
@@ -36,7 +36,7 @@ struct HorizonOptions {
   double step = 0.1;  ///< of the prediction [s]
 };
 
-/// The one list of these options, see online_controller/options.hpp.
+/// The one list of these options, see online_controller/types/options.hpp.
 template <class Options, class Visit>
 void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/track", weights.track, "1/m^2", Range{0.0, 1e3, 10.0, 1.0});

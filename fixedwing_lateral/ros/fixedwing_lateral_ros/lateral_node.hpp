@@ -21,9 +21,9 @@
 #include "fixedwing_lateral/guidance.hpp"
 #include "fixedwing_lateral_ros/autopilot_watch.hpp"
 #include "fixedwing_lateral_ros/conversions.hpp"
-#include "online_controller/realtime/time_source.hpp"
-#include "online_controller/types/change_bounds.hpp"
-#include "online_controller_ros/option_table.hpp"
+#include "polyfly_base/change_bounds.hpp"
+#include "polyfly_base/time_source.hpp"
+#include "polyfly_ros/option_table.hpp"
 
 namespace polyfly_ros {
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "fixedwing_lateral/mission_file.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace {
 

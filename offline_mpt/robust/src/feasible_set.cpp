@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "support/in_parallel.hpp"
 #include "whole_program.hpp"
 

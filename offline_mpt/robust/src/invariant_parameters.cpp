@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <set>
 
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/invariant_set.hpp"
-#include "region_maps/error.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "offline_mpt/exact_lp.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "whole_program.hpp"
 
 namespace polyfly {

@@ -7,8 +7,8 @@
 #include "cited_ranges.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpc_core/yaml_field.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/yaml_field.hpp"
 #include "robust_fields.hpp"
 #include "robust_mpc/robust_problem.hpp"
 

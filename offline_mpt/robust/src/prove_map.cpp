@@ -5,8 +5,8 @@
 #include <map>
 #include <random>
 
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 #include "robust_mpc/online_lp.hpp"
 
 namespace polyfly {

@@ -2,8 +2,8 @@
 #include <limits>
 #include <utility>
 
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 #include "robust_mpc/robust_law.hpp"
 
 namespace polyfly {

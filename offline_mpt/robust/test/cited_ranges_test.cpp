@@ -7,7 +7,7 @@
 #include <string>
 
 #include "made_robust.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

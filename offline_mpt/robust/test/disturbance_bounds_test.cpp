@@ -7,7 +7,7 @@
 
 #include "../../test/random.hpp"
 #include "made_robust.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

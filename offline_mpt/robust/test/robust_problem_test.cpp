@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "made_robust.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include "../../test/random.hpp"
 #include "made_robust.hpp"
 #include "offline_mpt/encode.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "robust_mpc/prove_map.hpp"
 #include "solved_robust.hpp"
 

@@ -15,8 +15,8 @@
 #include "../../test/glpk_lp.hpp"
 #include "../../test/map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
+#include "polyfly_base/error.hpp"
 #include "random_robust.hpp"
-#include "region_maps/error.hpp"
 #include "robust_mpc/full_program.hpp"
 #include "robust_mpc/prove_map.hpp"
 

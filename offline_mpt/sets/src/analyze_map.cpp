@@ -8,8 +8,8 @@
 
 #include "cone.hpp"
 #include "map_domain.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_cover.hpp"
-#include "region_maps/error.hpp"
 #include "support/in_parallel.hpp"
 #include "vertex_tests.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/analyze_map.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cone.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

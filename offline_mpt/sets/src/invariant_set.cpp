@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "cone.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

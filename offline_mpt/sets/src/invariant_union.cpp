@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/invariant_set.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

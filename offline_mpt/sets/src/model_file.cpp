@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/read_text.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polytope_sets/set_model.hpp"
 #include "set_fields.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "offline_mpt/polytope.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpc_core/yaml_field.hpp"
+#include "polyfly_base/yaml_field.hpp"
 #include "polytope_sets/exact_polytope.hpp"
 
 namespace polyfly {

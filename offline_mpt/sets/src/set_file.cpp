@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "mpc_core/read_text.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polytope_sets/set_model.hpp"
 #include "set_fields.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "cone.hpp"
 #include "offline_mpt/exact_lp.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/exact_polytope.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

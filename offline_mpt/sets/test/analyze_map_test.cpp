@@ -17,9 +17,9 @@
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/invariant_set.hpp"
 #include "project_root.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

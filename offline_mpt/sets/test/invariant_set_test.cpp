@@ -9,8 +9,8 @@
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
 #include "../../test/reference_problems.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
+#include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
 #include "polytope_sets/set_model.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,9 +4,9 @@
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/exact_implied.hpp"
 #include "exact_kkt/exact_equalities.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/margin.hpp"
 #include "program/program_rows.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

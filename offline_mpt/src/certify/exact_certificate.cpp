@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "region_maps/error.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "support/certificate_text.hpp"
 
 namespace polyfly {

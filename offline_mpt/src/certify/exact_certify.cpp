@@ -8,7 +8,7 @@
 #include "certify/exact_slivers.hpp"
 #include "certify/exact_unbounded.hpp"
 #include "offline_mpt/certify.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

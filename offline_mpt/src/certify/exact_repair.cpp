@@ -7,7 +7,7 @@
 #include "certify/exact_survey.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

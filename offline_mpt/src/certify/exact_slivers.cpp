@@ -9,7 +9,7 @@
 
 #include "certify/exact_cover.hpp"
 #include "mpc_core/dense_qp.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

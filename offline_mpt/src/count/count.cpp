@@ -8,9 +8,9 @@
 #include "count/count_state.hpp"
 #include "explore/parallel/dispatcher.hpp"
 #include "explore/region/describe.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/feasible_slack.hpp"
 #include "program/margin.hpp"
-#include "region_maps/error.hpp"
 #include "region_maps/format.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include "count/law_gap.hpp"
 #include "explore/sets/active_set_pool.hpp"
 #include "mpc_core/parametric_program.hpp"
-#include "region_maps/file_draft.hpp"
+#include "polyfly_base/file_draft.hpp"
 
 namespace polyfly {
 

@@ -15,10 +15,10 @@
 #include "explore/region/describe.hpp"
 #include "explore/state/checkpoint.hpp"
 #include "explore/state/exploration_state.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/least_distance.hpp"
 #include "program/margin.hpp"
 #include "program/unbounded_cost.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

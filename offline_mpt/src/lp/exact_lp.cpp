@@ -7,7 +7,7 @@
 
 #include <cassert>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

@@ -6,7 +6,7 @@
 
 #include "lp/dictionary.hpp"
 #include "lp/rational_polytope.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

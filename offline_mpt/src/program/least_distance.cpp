@@ -5,8 +5,8 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

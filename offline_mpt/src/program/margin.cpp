@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mpc_core/dense_qp.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "offline_mpt/polytope.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/margin.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

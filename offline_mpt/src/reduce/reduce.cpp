@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "offline_mpt/partition.hpp"
+#include "polyfly_base/error.hpp"
 #include "reduce/law_classes.hpp"
 #include "reduce/merge.hpp"
 #include "reduce/reduced_map.hpp"
 #include "reduce/separate.hpp"
-#include "region_maps/error.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "offline_mpt/vector_text.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 
 namespace polyfly {

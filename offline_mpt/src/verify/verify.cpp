@@ -8,7 +8,7 @@
 
 #include "offline_mpt/partition.hpp"
 #include "offline_mpt/program_oracle.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 #include "support/in_parallel.hpp"
 #include "verify/exact_arbiter.hpp"
 #include "verify/parameter_sampler.hpp"

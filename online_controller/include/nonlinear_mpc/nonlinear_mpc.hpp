@@ -5,8 +5,8 @@
 
 #include "mpc_core/aligned_array.hpp"
 #include "mpc_core/bounded_qp.hpp"
-#include "mpc_core/range.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 

@@ -8,7 +8,7 @@
 #include <locale>
 #include <sstream>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "mpc_core/qp_kernels.hpp"
+#include "polyfly_base/error.hpp"
 #include "qp_tolerances.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

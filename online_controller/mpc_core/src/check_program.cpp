@@ -3,7 +3,7 @@
 #include <string>
 
 #include "mpc_core/parametric_program.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

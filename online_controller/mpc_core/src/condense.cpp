@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

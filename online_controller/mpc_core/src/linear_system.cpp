@@ -4,7 +4,7 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpc_core/read_text.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 ParametricProgram loadProgram(const std::string& path) {

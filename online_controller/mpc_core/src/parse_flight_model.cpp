@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/yaml_field.hpp"
+#include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpc_core/yaml_field.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "mpc_core/parametric_program.hpp"
-#include "mpc_core/read_text.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <string>
 
+#include "polyfly_base/error.hpp"
 #include "reference_data.hpp"
-#include "region_maps/error.hpp"
 #include "spectrum.hpp"
 
 namespace polyfly_test {

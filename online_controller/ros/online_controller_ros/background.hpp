@@ -6,15 +6,15 @@
 
 #include <string>
 
-#include "online_controller/types/change_bounds.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/flight_diagnostics.hpp"
 #include "online_controller_ros/flight_display.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "online_controller_ros/law_keeper.hpp"
-#include "online_controller_ros/option_table.hpp"
-#include "online_controller_ros/reconfigure_server.hpp"
 #include "online_controller_ros/workshop.hpp"
+#include "polyfly_base/change_bounds.hpp"
+#include "polyfly_ros/option_table.hpp"
+#include "polyfly_ros/reconfigure_server.hpp"
 
 namespace polyfly_ros {
 

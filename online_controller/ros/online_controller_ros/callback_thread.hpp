@@ -14,8 +14,8 @@
 #include <string>
 #include <thread>
 
-#include "mpc_core/range.hpp"
 #include "online_controller/realtime/baton.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly_ros {
 

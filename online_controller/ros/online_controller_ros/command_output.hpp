@@ -12,7 +12,7 @@
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "online_controller/types/types.hpp"
-#include "online_controller_ros/parameter_reader.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "online_controller/realtime/poll_window.hpp"
-#include "online_controller/realtime/time_source.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller_ros/background.hpp"
 #include "online_controller_ros/callback_thread.hpp"
@@ -23,9 +22,10 @@
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "online_controller_ros/law_keeper.hpp"
 #include "online_controller_ros/law_setup.hpp"
-#include "online_controller_ros/parameter_reader.hpp"
 #include "online_controller_ros/topic_rehearsal.hpp"
 #include "online_controller_ros/vigil.hpp"
+#include "polyfly_base/time_source.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 

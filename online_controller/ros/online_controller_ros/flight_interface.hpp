@@ -12,10 +12,10 @@
 #include "online_controller/estimation/vehicle_observer.hpp"
 #include "online_controller/estimation/velocity_check.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
-#include "online_controller/realtime/time_source.hpp"
 #include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/law_setup.hpp"
-#include "online_controller_ros/parameter_reader.hpp"
+#include "polyfly_base/time_source.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 
 namespace polyfly_ros {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "online_controller_ros/option_table.hpp"
+#include "polyfly_ros/option_table.hpp"
 
 namespace polyfly_ros {
 

@@ -11,7 +11,7 @@
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller_ros/law_sources.hpp"
-#include "online_controller_ros/parameter_reader.hpp"
+#include "polyfly_ros/parameter_reader.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/signal.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/qp_kernels.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -25,7 +25,7 @@
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/controller_node.hpp"
 #include "online_controller_ros/direct_queue.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

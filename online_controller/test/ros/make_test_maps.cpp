@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../online_support.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "region_maps/write_map.hpp"
 
 int main(int argc, char** argv) try {

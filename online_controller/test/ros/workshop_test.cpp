@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "named_thread.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "region_maps/map_content.hpp"
@@ -15,13 +14,5 @@ std::vector<std::byte> layOut(const MapContent& content);
 
 /// Lays out `content` and writes it with writeFileAtomically. Throws Error.
 void writeMap(const MapContent& content, const std::string& path);
-
-/// Replaces the file at `path`, or makes it: readers see the old bytes or the new ones, also after a loss of
-/// power. Writes beside it (FileDraft), syncs, renames, syncs the folder. The first 64 bytes are written last
-/// and are zero until then, so a left-over of a killed writer (`path`.tmp-*) is recognisable. Throws Error;
-/// the old file is untouched then and nothing is left behind. A text goes into a device, a FIFO or the
-/// standard output as it comes (isStream); bytes need a file.
-void writeFileAtomically(const std::string& path, const std::vector<std::byte>& bytes);
-void writeFileAtomically(const std::string& path, std::string_view text);
 
 }  // namespace polyfly

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "map_plot/figure.hpp"
-#include "region_maps/error.hpp"
-#include "region_maps/write_map.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "run_gnuplot.hpp"
 
 namespace polyfly {

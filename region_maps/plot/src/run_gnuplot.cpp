@@ -9,7 +9,7 @@
 #include <cstring>
 #include <memory>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 extern char** environ;
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "error_of.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "excitation/plan.hpp"
-#include "mpc_core/range.hpp"
 #include "online_controller/types/types.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 

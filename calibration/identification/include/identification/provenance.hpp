@@ -1,6 +1,6 @@
 #pragma once
 
-#include "region_maps/provenance.hpp"
+#include "polyfly_base/provenance.hpp"
 
 namespace polyfly {
 

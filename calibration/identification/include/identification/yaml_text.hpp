@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "region_maps/provenance.hpp"  // yamlString
+#include "polyfly_base/provenance.hpp"  // yamlString
 
 namespace polyfly {
 

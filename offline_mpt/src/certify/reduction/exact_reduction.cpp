@@ -8,8 +8,8 @@
 #include "certify/reduction/exact_dissection.hpp"
 #include "certify/reduction/reduction_certificate.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "polyfly_base/error.hpp"
 #include "reduce/law_classes.hpp"
-#include "region_maps/error.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

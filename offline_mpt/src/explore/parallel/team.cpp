@@ -9,8 +9,8 @@
 #include "explore/parallel/crew.hpp"
 #include "explore/parallel/team_message.hpp"
 #include "explore/state/checkpoint.hpp"
+#include "polyfly_base/error.hpp"
 #include "program/margin.hpp"
-#include "region_maps/error.hpp"
 
 namespace polyfly {
 namespace {

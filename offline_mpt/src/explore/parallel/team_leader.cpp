@@ -4,7 +4,7 @@
 #include <string>
 
 #include "explore/parallel/team_message.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <vector>
 
-#include "region_maps/error.hpp"
-#include "region_maps/file_draft.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/file_draft.hpp"
 #include "region_maps/mapped_file.hpp"
 
 // Compiles XXH64 into this file; nothing to link.

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "mpc_core/range.hpp"
 #include "nonlinear_mpc/multirotor_model.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "mpc_core/range.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/reference_limits.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpc_core/range.hpp"
+#include "polyfly_base/range.hpp"
 
 namespace polyfly {
 

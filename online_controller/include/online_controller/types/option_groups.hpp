@@ -1,9 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace polyfly {
 
@@ -18,9 +15,5 @@ constexpr std::array<const char*, 13> kOptionGroups{
 
 /// Its options without a group.
 constexpr std::array<const char*, 3> kSingleOptions{"law", "odometry_frame", "use_rc_teleop"};
-
-/// Which of the known names is meant by one that is none of them, but a slip away: apart from case, at most
-/// two letters wrong, missing or too many where it has six or more, else one. Nothing where none is near.
-std::optional<std::string> meantName(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace polyfly

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "region_maps/provenance.hpp"
+#include "polyfly_base/provenance.hpp"
 
 namespace polyfly {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "online_controller/realtime/warm.hpp"
 #include "online_controller/types/attitude.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

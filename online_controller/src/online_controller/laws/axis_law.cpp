@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "mpc_core/online_program.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

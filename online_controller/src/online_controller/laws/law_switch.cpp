@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

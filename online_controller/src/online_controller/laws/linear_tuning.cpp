@@ -4,7 +4,7 @@
 #include <string>
 
 #include "online_controller/laws/axis.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,7 +7,7 @@
 #include "online_controller/realtime/warm.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/sane.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 

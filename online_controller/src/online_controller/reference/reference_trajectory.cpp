@@ -7,7 +7,7 @@
 
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/spline.hpp"
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "region_maps/error.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/attitude_output.hpp"
+#include "validation/report.hpp"
+
+namespace polyfly {
+
+/// The pictures of one axis: what was used, measured against model with residuals, the same of the
+/// validation, frequency response with coherence.
+std::vector<ReportFigure> identificationFigures(const AxisModel& axis);
+
+/// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
+std::string toHtml(const AttitudeCalibration& calibration);
+
+/// Writes `index.html` and `calibration.yaml` into the folder, which is made where it is missing. Throws
+/// Error naming the file.
+void writeReport(const AttitudeCalibration& calibration, const std::string& folder);
+
+}  // namespace polyfly

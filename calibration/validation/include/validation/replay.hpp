@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "online_controller/types/options.hpp"
+#include "online_controller/types/types.hpp"
+#include "region_maps/region_map.hpp"
+#include "validation/flight_log.hpp"
+
+namespace polyfly {
+
+/// Maps of the three axes: longitudinal, lateral, vertical. Not owned.
+using AxisMaps = std::array<const RegionMap*, 3>;
+
+/// The axis that a map serves, by its signals: 0 longitudinal, 1 lateral, 2 vertical. Throws Error naming the
+/// map when it serves none.
+std::size_t axisOf(const RegionMap& map);
+
+/// Puts maps in the order of their axes by their signals. Throws Error naming the map or the axis when a map
+/// fits no axis, two fit the same, or an axis has none.
+AxisMaps assignAxes(const std::vector<const RegionMap*>& maps);
+
+/// One control step of the replay.
+struct ReplaySample {
+  VehicleState state;
+  bool has_reference = false;
+  Reference reference;   ///< with has_reference, at the time of the odometry
+  ControlReport report;  ///< what the controller computed again
+};
+
+/// Runs the controller of the nodelet over the log once more. One sample for each odometry message that the
+/// recorded commands answer, in order: what the node never saw would spoil its observer here. Where no
+/// command bears the stamp of any odometry, one for each. Throws Error when a map does not fit or an option
+/// is out of range.
+std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
+                                 const MultirotorOptions& options);
+
+}  // namespace polyfly

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "map_plot/figure.hpp"
+#include "validation/flight_log.hpp"
+#include "validation/replay.hpp"
+#include "validation/validation.hpp"
+
+namespace polyfly {
+
+/// All that a report tells of. Views; the report is made while they live.
+struct ReportContent {
+  const FlightLog& log;
+  const std::vector<ReplaySample>& samples;
+  const AxisMaps& maps;
+  const MultirotorOptions& options;
+  const ValidationReport& validation;
+  const std::vector<std::string>& broken;  ///< sentences of brokenThresholds
+};
+
+/// A picture with the sentence under it.
+struct ReportFigure {
+  std::string heading;
+  std::string caption;
+  Figure figure;
+};
+
+/// The pictures of a flight, in the order of the page; what the log does not hold is left out.
+std::vector<ReportFigure> reportFigures(const ReportContent& content);
+
+/// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.
+std::string toHtml(const ReportContent& content);
+
+/// Writes `index.html` and `summary.json` into the folder, which is made where it is missing. Throws Error
+/// naming the file.
+void writeReport(const ReportContent& content, const std::string& folder);
+
+/// One of several flights, for the page of all.
+struct FlightSummary {
+  ValidationReport validation;
+  std::vector<std::string> broken;  ///< sentences of brokenThresholds
+};
+
+/// The page of several flights, with `summary.json` of all together. Their own pages are expected in
+/// `flight_1`, `flight_2` and so on of the same folder. `flights` must not be empty. Throws Error.
+void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
+                   const std::string& folder);
+
+}  // namespace polyfly

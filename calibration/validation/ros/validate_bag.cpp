@@ -1,0 +1,264 @@
+#include <unistd.h>
+
+#include <cstdint>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command_line/command_line.hpp"
+#include "command_line/prompt.hpp"
+#include "command_line/read_progress.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/out_of_memory.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/visible.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "robust_mpc/online_law.hpp"
+#include "validation/controller_options.hpp"
+#include "validation/map_comparison.hpp"
+#include "validation/map_proposal.hpp"
+#include "validation/report.hpp"
+#include "validation/validation.hpp"
+#include "validation_ros/bag_reader.hpp"
+#include "validation_ros/validation_topics.hpp"
+
+namespace {
+
+constexpr int kPassed = 0;
+constexpr int kThresholdBroken = 1;
+
+struct Arguments {
+  std::vector<std::string> bags;
+  std::vector<std::string> maps;
+  std::string options;
+  polyfly_ros::BagTopics topics;
+  polyfly::Thresholds thresholds;
+  std::string json;
+  std::string report;
+  std::string propose;
+  std::uint64_t propose_limit = 20000;
+  std::string topics_bag;
+  bool quiet = false;
+  bool strict = false;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("--bag", arguments.bags, "Recorded flights, one or several")->required()->type_name("FILE");
+  app.add_option("--map", arguments.maps,
+                 "Region maps of the three axes, in any order; further maps of an axis are compared with its "
+                 "first, which flew")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--options", arguments.options,
+                 "YAML file of the controller that flew (vehicle, controller); its defaults if not given")
+      ->type_name("FILE");
+  app.add_option("--json", arguments.json, "Write the numbers here")->type_name("FILE");
+  app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder")
+      ->type_name("DIR");
+  app.add_option(
+         "--propose", arguments.propose,
+         "Where the flights left a map: write the problems that would have covered them into this folder")
+      ->type_name("DIR");
+  app.add_option("--propose-limit", arguments.propose_limit,
+                 "Regions to count at most of such a problem; 0: do not count nor propose")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
+      ->capture_default_str();
+  app.add_option("--topics-bag", arguments.topics_bag,
+                 "Write a bag with the validation as topics, for rviz and rqt")
+      ->type_name("FILE");
+  app.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
+  app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds");
+
+  auto& topics = arguments.topics;
+  const std::string group = "Topics (without a leading slash: in the namespace)";
+  app.add_option("--namespace", topics.name_space,
+                 "Namespace of the vehicle; found from the commands if not given")
+      ->group(group);
+  app.add_option("--odometry", topics.odometry, "nav_msgs/Odometry")->capture_default_str()->group(group);
+  app.add_option("--trajectory", topics.trajectory, "trajectory_msgs/MultiDOFJointTrajectory")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--pose", topics.pose, "geometry_msgs/PoseStamped")->capture_default_str()->group(group);
+  app.add_option("--command", topics.command, "mav_msgs/RollPitchYawrateThrust")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--status", topics.status, "online_controller/ControllerStatus, may be missing")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--disturbance", topics.disturbance,
+                 "geometry_msgs/Vector3Stamped, the true one; may be missing")
+      ->capture_default_str()
+      ->group(group);
+
+  auto& limits = arguments.thresholds;
+  const std::string thresholds = "Thresholds";
+  app.add_option("--min-coverage", limits.min_coverage, "Least share of samples that all maps hold")
+      ->check(polyfly::numberFrom(0.0, 1.0))
+      ->capture_default_str()
+      ->group(thresholds);
+  app.add_option("--max-qp-difference", limits.max_qp_difference,
+                 "Greatest difference between map and online QP [rad or m/s^2]")
+      ->check(polyfly::numberFrom(0.0))
+      ->capture_default_str()
+      ->group(thresholds);
+  app.add_option("--max-command-difference", limits.max_command_difference,
+                 "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2]")
+      ->check(polyfly::numberFrom(0.0))
+      ->capture_default_str()
+      ->group(thresholds);
+  app.add_option("--max-violations", limits.max_violations, "Most recorded commands out of their bounds")
+      ->check(polyfly::wholeNumber<std::uint64_t>())
+      ->capture_default_str()
+      ->group(thresholds);
+  app.footer(
+      "Exit code: 0 all thresholds hold, 1 one is broken (or a warning with --strict), 2 bad input or "
+      "option.");
+}
+
+std::string proposalFile(const std::string& folder, const polyfly::RegionMap& map) {
+  return folder + "/" + std::string(map.name()) + "." + std::string(map.problemKind());
+}
+
+std::string reportFolder(const Arguments& arguments, std::size_t number) {
+  if (arguments.bags.size() == 1) return arguments.report;
+  return arguments.report + "/flight_" + std::to_string(number);
+}
+
+// Before the work: whether all results can be written, and none over a file that is read.
+void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
+  using polyfly::Output;
+  std::vector<std::string> inputs = arguments.bags;
+  inputs.insert(inputs.end(), arguments.maps.begin(), arguments.maps.end());
+  inputs.push_back(arguments.options);
+  std::vector<Output> outputs = {{arguments.topics_bag, Output::Kind::kFile}};
+  const auto addPage = [&outputs](const std::string& folder) {
+    for (const char* name : {"/index.html", "/summary.json"})
+      outputs.push_back({folder + name, Output::Kind::kText, Output::Folder::kIsMade});
+  };
+  if (!arguments.report.empty()) {
+    for (std::size_t number = 1; number <= arguments.bags.size(); ++number)
+      addPage(reportFolder(arguments, number));
+    if (arguments.bags.size() > 1) addPage(arguments.report);
+  }
+  if (!arguments.propose.empty()) {
+    for (const polyfly::RegionMap* map : maps.flown) {
+      outputs.push_back(
+          {proposalFile(arguments.propose, *map), Output::Kind::kText, Output::Folder::kIsMade});
+    }
+  }
+  outputs.push_back({arguments.json});
+  polyfly::checkOutputs(outputs, inputs);
+}
+
+// Fills the report's proposals, and writes their problems where that is asked for.
+void propose(const polyfly::MapChoice& maps, const Arguments& arguments, polyfly::ValidationReport* report) {
+  if (arguments.propose_limit == 0) return;
+  polyfly::ProposalLimits limits;
+  limits.regions = arguments.propose_limit;
+  for (std::size_t axis = 0; axis < maps.flown.size(); ++axis) {
+    const polyfly::AxisValidation& use = report->axes[axis];
+    const auto proposal = polyfly::proposeMap(*maps.flown[axis], use, use.axis, limits);
+    if (!proposal) continue;
+    report->proposals.push_back(*proposal);
+    if (arguments.propose.empty() || proposal->problem.empty()) continue;
+    polyfly::makeFolder(arguments.propose);
+    polyfly::writeFileAtomically(proposalFile(arguments.propose, *maps.flown[axis]), proposal->problem);
+  }
+}
+
+// What the map of a minimum-peak robust MPC must equal.
+polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
+  return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
+}
+
+// Reads, replays, judges; writes what belongs to this flight alone.
+polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
+                             const polyfly::MultirotorOptions& options, const Arguments& arguments,
+                             polyfly_ros::ValidationTopics* topics) {
+  polyfly_ros::BagProgress progress;
+  if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
+  const polyfly::FlightLog log =
+      polyfly_ros::readBag(bag, arguments.topics, progress,
+                           arguments.quiet ? polyfly::Ask() : polyfly::askWhereThereIsATerminal());
+  for (const std::string& remark : log.remarks)
+    std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
+  const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
+  polyfly::FlightSummary flight;
+  flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
+  for (const polyfly::OtherMap& other : maps.others) {
+    flight.validation.comparisons.push_back(
+        polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
+  }
+  if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
+  flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(flight.validation));
+  if (topics != nullptr) topics->write(samples, flight.validation);
+  if (!arguments.report.empty()) {
+    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken},
+                         reportFolder(arguments, number));
+  }
+  return flight;
+}
+
+// What concerns all flights together, where there are several.
+std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const polyfly::MapChoice& maps,
+                      const Arguments& arguments) {
+  std::vector<polyfly::ValidationReport> reports;
+  for (const polyfly::FlightSummary& flight : flights) reports.push_back(flight.validation);
+  if (flights.size() == 1) return polyfly::toJson(reports.front());
+  polyfly::ValidationReport all = polyfly::together(reports);
+  propose(maps, arguments, &all);
+  if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
+  if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
+  return polyfly::toJson(all, reports);
+}
+
+int run(const Arguments& arguments) {
+  std::vector<polyfly::RegionMap> maps;
+  std::vector<const polyfly::RegionMap*> views;
+  for (const std::string& path : arguments.maps) maps.push_back(polyfly::RegionMap::open(path));
+  for (const polyfly::RegionMap& map : maps) views.push_back(&map);
+  const polyfly::MapChoice choice = polyfly::chooseMaps(views);
+  checkResults(arguments, choice);
+  const polyfly::MultirotorOptions options = arguments.options.empty()
+                                                 ? polyfly::MultirotorOptions{}
+                                                 : polyfly::loadControllerOptions(arguments.options);
+  std::unique_ptr<polyfly_ros::ValidationTopics> topics;
+  if (!arguments.topics_bag.empty()) {
+    topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
+  }
+  std::vector<polyfly::FlightSummary> flights;
+  for (const std::string& bag : arguments.bags) {
+    flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
+  }
+  if (topics) topics->close();
+  const std::string json = summarise(flights, choice, arguments);
+  if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, json);
+  bool broken = false;
+  for (const polyfly::FlightSummary& flight : flights) {
+    broken = broken || (arguments.strict && !flight.validation.warnings.empty());
+    for (const std::string& sentence : flight.validation.warnings) {
+      if (arguments.quiet)
+        std::cerr << polyfly::visible("warning: " + flight.validation.source + ": " + sentence) << "\n";
+    }
+    for (const std::string& sentence : flight.broken) {
+      broken = true;
+      std::cerr << "broken: "
+                << polyfly::visible((flights.size() > 1 ? flight.validation.source + ": " : "") + sentence)
+                << "\n";
+    }
+  }
+  return broken ? kThresholdBroken : kPassed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  polyfly::endInWordsWithoutMemory("validate_bag");  // proposals are counted with GMP
+  CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
+               "validate_bag");
+  Arguments arguments;
+  declare(app, arguments);
+  return polyfly::runTool(app, argc, argv, [&] { return run(arguments); });
+}

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "validation/flight_log.hpp"
+
+namespace polyfly_ros {
+
+/// Topics of a flight; a name without a leading slash lies in the vehicle's namespace.
+struct BagTopics {
+  std::string name_space;  ///< empty: found from the one topic of commands in the bag
+  std::string odometry = "odometry";
+  std::string trajectory = "command/trajectory";
+  std::string pose = "command/pose";
+  std::string command = "command/roll_pitch_yawrate_thrust";
+  std::string status = "controller_status";              ///< may be missing
+  std::string disturbance = "ground_truth/disturbance";  ///< may be missing
+};
+
+/// Asked which topic is meant where none bears the name: the index of one of `choices`, or none.
+using BagQuestion = std::function<std::optional<std::size_t>(const std::string& question,
+                                                             const std::vector<std::string>& choices)>;
+
+/// Told the share of the file that was read, 0..1.
+using BagProgress = std::function<void(double)>;
+
+/// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left
+/// out and told in the log's remarks: a bag that was cut off or has no index gives its whole chunks
+/// (bags/scan_bag.hpp). Throws polyfly::Error naming file, topic and rule when the file is missing, empty or
+/// no bag, when a topic is missing or of another type, or when a message breaks the rules of
+/// online_controller_ros/conversions.hpp.
+/// `ask` may say which topic of the right type is meant where odometry, commands or references are not found
+/// by their names.
+polyfly::FlightLog readBag(const std::string& path, const BagTopics& topics, const BagProgress& progress = {},
+                           const BagQuestion& ask = {});
+
+}  // namespace polyfly_ros

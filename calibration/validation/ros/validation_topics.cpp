@@ -1,0 +1,131 @@
+#include "validation_ros/validation_topics.hpp"
+
+#include <std_msgs/Float64.h>
+#include <visualization_msgs/Marker.h>
+
+#include <algorithm>
+
+#include "polyfly_base/error.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr double kLineWidth = 0.03;  // of the path in rviz [m]
+
+bool insideAll(const polyfly::ReplaySample& sample) {
+  return std::all_of(
+      sample.report.axis.begin(), sample.report.axis.end(),
+      [](const polyfly::AxisReport& axis) { return axis.lookup == polyfly::LookupStatus::kInside; });
+}
+
+// A bag has no time 0.
+ros::Time timeOf(double stamp) { return std::max(ros::TIME_MIN, ros::Time(std::max(0.0, stamp))); }
+
+}  // namespace
+
+ValidationTopics::ValidationTopics(const std::string& path) : path_(path), draft_(path) {
+  try {
+    bag_->open(draft_.path(), rosbag::bagmode::Write);
+  } catch (const rosbag::BagException& failure) {
+    bag_.release();  // see closeBag
+    fail(failure);
+  }
+}
+
+ValidationTopics::~ValidationTopics() {
+  try {
+    closeBag();
+  } catch (const rosbag::BagException&) {  // the draft is removed
+  }
+}
+
+// The destructor of a bag tries again to close what could not be closed, and throws: such a bag is left
+// alone.
+void ValidationTopics::closeBag() {
+  if (!bag_) return;
+  try {
+    bag_->close();
+  } catch (const rosbag::BagException&) {
+    bag_.release();
+    throw;
+  }
+  bag_.reset();
+}
+
+void ValidationTopics::fail(const rosbag::BagException& failure) const {
+  throw polyfly::Error(path_ + ": cannot be written: " + failure.what());
+}
+
+void ValidationTopics::number(const std::string& topic, double stamp, double value) {
+  std_msgs::Float64 message;
+  message.data = value;
+  bag_->write("/validation/" + topic, timeOf(stamp), message);
+}
+
+void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
+                             const polyfly::ValidationReport& report) try {
+  for (std::size_t axis = 0; axis < report.axes.size(); ++axis) writeAxis(samples, report.axes[axis], axis);
+  for (const polyfly::ReplaySample& sample : samples) {
+    if (!sample.has_reference) continue;
+    number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
+  }
+  writePath(samples);
+} catch (const rosbag::BagException& failure) {
+  fail(failure);
+}
+
+void ValidationTopics::writeAxis(const std::vector<polyfly::ReplaySample>& samples,
+                                 const polyfly::AxisValidation& axis, std::size_t index) {
+  for (const polyfly::ReplaySample& sample : samples) {
+    if (!sample.has_reference) continue;
+    const polyfly::AxisReport& report = sample.report.axis[index];
+    const bool inside = report.lookup == polyfly::LookupStatus::kInside;
+    number(axis.axis + "/inside", sample.state.stamp, inside ? 1.0 : 0.0);
+    number(axis.axis + "/region", sample.state.stamp, inside ? static_cast<double>(report.region) : -1.0);
+  }
+  for (const auto& [stamp, face, edge] : axis.edge_series) {
+    number(axis.axis + "/face_distance", stamp, face);
+    number(axis.axis + "/edge_distance", stamp, edge);
+  }
+  for (const auto& [stamp, difference] : axis.qp_series)
+    number(axis.axis + "/qp_difference", stamp, difference);
+}
+
+void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& samples) {
+  if (samples.empty()) return;
+  visualization_msgs::Marker path;
+  path.header.stamp = timeOf(samples.back().state.stamp);
+  path.header.frame_id = "world";
+  path.ns = "flown";
+  path.type = visualization_msgs::Marker::LINE_STRIP;
+  path.action = visualization_msgs::Marker::ADD;
+  path.pose.orientation.w = 1.0;
+  path.scale.x = kLineWidth;
+  for (const polyfly::ReplaySample& sample : samples) {
+    if (!sample.state.position.allFinite()) continue;
+    geometry_msgs::Point point;
+    point.x = sample.state.position.x();
+    point.y = sample.state.position.y();
+    point.z = sample.state.position.z();
+    std_msgs::ColorRGBA color;
+    const bool inside = insideAll(sample);
+    color.r = inside ? 0.0F : 0.84F;
+    color.g = inside ? 0.62F : 0.0F;
+    color.b = inside ? 0.45F : 0.0F;
+    color.a = 1.0F;
+    path.points.push_back(point);
+    path.colors.push_back(color);
+  }
+  bag_->write("/validation/markers", path.header.stamp, path);
+}
+
+void ValidationTopics::close() {
+  try {
+    closeBag();
+  } catch (const rosbag::BagException& failure) {
+    fail(failure);
+  }
+  draft_.commit();
+}
+
+}  // namespace polyfly_ros

@@ -1,0 +1,249 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <locale>
+#include <map>
+#include <sstream>
+
+#include "identification/identify_axis.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "online_controller/types/attitude.hpp"
+#include "polyfly_base/error.hpp"
+#include "validation_parts.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kFrameError = 0.5;         // of positions that may be in another frame, root mean square [m]
+constexpr double kFrameShare = 0.5;         // of that error, left over in the frame that is meant
+constexpr double kLeastAngle = 2e-3;        // of a difference of commands that is worth a sentence, rms [rad]
+constexpr double kLeastShare = 0.2;         // of the same against the commands themselves
+constexpr double kExplains = 0.5;           // of that difference, left over when sign or clock are put right
+constexpr double kLongestShift = 1.5;       // of the clocks that is looked for [s]
+constexpr double kAtLimit = 0.1;            // of the samples, at one and the same greatest command
+constexpr double kSame = 1e-6;              // of two commands at one limit [rad]
+constexpr double kGainFactor = 1.25;        // between flight and map that no fit explains away
+constexpr double kLagFactor = 1.5;          // the same for the lag
+constexpr std::size_t kMostFitted = 20000;  // samples of odometry that a loop is identified from
+constexpr std::array<const char*, 2> kAngles = {"roll", "pitch"};
+
+using Angles = std::vector<double>;
+
+double rms(const Angles& values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return values.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+// Of a[i + shift] - sign b[i], without its mean.
+double spread(const Angles& a, const Angles& b, std::ptrdiff_t shift, double sign) {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  const auto size = static_cast<std::ptrdiff_t>(a.size());
+  for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -shift); i < std::min(size, size - shift); ++i) {
+    const double difference = a[static_cast<std::size_t>(i + shift)] - sign * b[static_cast<std::size_t>(i)];
+    sum += difference;
+    squares += difference * difference;
+    count += 1.0;
+  }
+  return std::sqrt(std::max(squares - sum * sum / count, 0.0) / count);
+}
+
+struct Pairs {
+  std::vector<double> stamps;
+  std::array<Angles, 2> recorded;  // by kAngles
+  std::array<Angles, 2> replayed;
+};
+
+Pairs pairsOf(const FlightLog& log, const std::vector<ReplaySample>& samples) {
+  std::map<double, const AttitudeCommand*> recorded;
+  for (const FlightLog::Command& command : log.commands) recorded[command.stamp] = &command.command;
+  Pairs pairs;
+  for (const ReplaySample& sample : samples) {
+    const auto match = recorded.find(sample.state.stamp);
+    if (match == recorded.end()) continue;
+    const AttitudeCommand& was = *match->second;
+    const AttitudeCommand& is = sample.report.command;
+    if (!std::isfinite(was.roll + was.pitch + is.roll + is.pitch)) continue;
+    pairs.stamps.push_back(sample.state.stamp);
+    pairs.recorded[0].push_back(was.roll);
+    pairs.recorded[1].push_back(was.pitch);
+    pairs.replayed[0].push_back(is.roll);
+    pairs.replayed[1].push_back(is.pitch);
+  }
+  return pairs;
+}
+
+// Shift of the recorded commands against the replay's at which they agree best, in samples; 0 where none
+// agrees much better.
+std::ptrdiff_t clockShift(const Angles& recorded, const Angles& replayed, double period) {
+  const double now = spread(recorded, replayed, 0, 1.0);
+  const auto longest = std::min(static_cast<std::ptrdiff_t>(kLongestShift / period),
+                                static_cast<std::ptrdiff_t>(recorded.size() / 4));
+  std::ptrdiff_t best = 0;
+  double least = kExplains * now;
+  for (std::ptrdiff_t shift = -longest; shift <= longest; ++shift) {
+    const double left = spread(recorded, replayed, shift, 1.0);
+    if (left < least) {
+      least = left;
+      best = shift;
+    }
+  }
+  return best;
+}
+
+std::string commandWarning(const Pairs& pairs, std::size_t angle, double angle_max) {
+  const Angles& recorded = pairs.recorded[angle];
+  const Angles& replayed = pairs.replayed[angle];
+  Angles difference = recorded;
+  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= replayed[i];
+  if (rms(difference) < std::max(kLeastAngle, kLeastShare * rms(replayed))) return "";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << "The recorded " << kAngles[angle] << " commands ";
+  if (spread(recorded, replayed, 0, -1.0) < kExplains * spread(recorded, replayed, 0, 1.0)) {
+    text << "are those of the replay with the other sign: sign or frame (y left or right) of commands or "
+            "odometry is "
+            "wrong.";
+    return text.str();
+  }
+  const double period = durationOf(pairs.stamps) / static_cast<double>(pairs.stamps.size() - 1);
+  const std::ptrdiff_t shift = clockShift(recorded, replayed, period);
+  if (shift != 0) {
+    text << "come " << std::abs(static_cast<double>(shift)) * period << " s "
+         << (shift > 0 ? "after" : "before")
+         << " those of the replay: the stamps of commands and odometry are of different clocks.";
+    return text.str();
+  }
+  double greatest = 0.0;
+  for (const double value : recorded) greatest = std::max(greatest, std::abs(value));
+  const auto at_limit = std::count_if(recorded.begin(), recorded.end(),
+                                      [&](double value) { return std::abs(value) > greatest - kSame; });
+  const double share = static_cast<double>(at_limit) / static_cast<double>(recorded.size());
+  if (share > kAtLimit && greatest < angle_max - kSame) {
+    text << "stop at " << greatest << " rad (" << 100.0 * share
+         << " % of the samples), where the controller may give " << angle_max
+         << ": something limits them, or they were given with other options.";
+    return text.str();
+  }
+  text << "are not those that these maps give with these options: are --map and --options what flew?";
+  return text.str();
+}
+
+void warnOfCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                    const MultirotorOptions& options, std::vector<std::string>* warnings) {
+  const Pairs pairs = pairsOf(log, samples);
+  if (pairs.stamps.size() < 2 || !(durationOf(pairs.stamps) > 0.0)) return;
+  for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
+    const std::string sentence = commandWarning(pairs, angle, options.angle_max);
+    if (!sentence.empty()) warnings->push_back(sentence);
+  }
+}
+
+void warnOfClock(const FlightLog& log, std::vector<std::string>* warnings) {
+  std::vector<double> stamps;
+  for (const VehicleState& state : log.odometry) stamps.push_back(state.stamp);
+  for (const std::string& sentence : sentencesOn(farSteps(stamps))) {
+    warnings->push_back("Odometry: " + sentence + "; the flight is judged in pieces.");
+  }
+}
+
+void warnOfFrames(const std::vector<ReplaySample>& samples, std::vector<std::string>* warnings) {
+  double as_is = 0.0, turned = 0.0, count = 0.0;
+  for (const ReplaySample& sample : samples) {
+    if (!sample.has_reference || !sample.state.position.allFinite()) continue;
+    const Eigen::Vector3d& p = sample.state.position;
+    as_is += (p - sample.reference.position).squaredNorm();
+    turned += (Eigen::Vector3d(p.y(), p.x(), -p.z()) - sample.reference.position).squaredNorm();
+    count += 1.0;
+  }
+  if (count == 0.0 || std::sqrt(as_is / count) < kFrameError) return;
+  if (std::sqrt(turned) > kFrameShare * std::sqrt(as_is)) return;
+  warnings->push_back(
+      "The odometry follows its reference with x and y exchanged and z turned: one of them is "
+      "north-east-down, "
+      "where east-north-up is meant. Nothing else here can be relied on.");
+}
+
+// Gain and mean lag (with the delay) of the way from a command to an angle.
+struct Loop {
+  double gain = 0.0;
+  double lag = 0.0;  // [s]
+};
+
+// Of a map's model, behind position and velocity: H(0), and -H'(0) / H(0).
+std::optional<Loop> loopOf(const RegionMap& map) {
+  if (map.problemKind() != "yaml") return std::nullopt;
+  const MpcProblem problem = parseFlightModel(std::string(map.problemText()), map.path());
+  const Eigen::Index size = problem.A_c.rows() - 2;
+  if (size < 1) return std::nullopt;
+  const auto inverse = Eigen::FullPivLU<Eigen::MatrixXd>(problem.A_c.bottomRightCorner(size, size));
+  if (!inverse.isInvertible()) return std::nullopt;
+  const Eigen::VectorXd once = inverse.solve(problem.B_c.col(0).tail(size));
+  const Eigen::VectorXd twice = inverse.solve(once);
+  return Loop{-once[0], -twice[0] / once[0]};
+}
+
+AxisRecords recordsOf(const FlightLog& log, std::size_t angle) {
+  AxisRecords records;
+  records.axis = kAngles[angle];
+  records.unit = records.command_unit = "rad";
+  records.training.source = log.source;
+  for (const FlightLog::Command& command : log.commands) {
+    records.training.command.time.push_back(command.stamp);
+    records.training.command.value.push_back(angle == 0 ? command.command.roll : command.command.pitch);
+  }
+  const std::size_t size = std::min(log.odometry.size(), kMostFitted);
+  const std::size_t first = (log.odometry.size() - size) / 2;
+  for (std::size_t index = first; index < first + size; ++index) {
+    const EulerAngles angles = eulerAngles(log.odometry[index].attitude);
+    records.training.response.time.push_back(log.odometry[index].stamp);
+    records.training.response.value.push_back(angle == 0 ? angles.roll : angles.pitch);
+  }
+  return records;
+}
+
+std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t angle) {
+  const std::optional<Loop> model = loopOf(map);
+  if (!model || !(model->gain > 0.0) || !(model->lag > 0.0)) return "";
+  const AxisModel flown = identifyAxis(recordsOf(log, angle), {});
+  if (!flown.supported) return "";
+  const Loop loop{flown.with_delay.find("gain")->value,
+                  flown.with_delay.find("tau")->value + flown.with_delay.find("delay")->value};
+  const auto near = [](double a, double b, double factor) { return a < factor * b && b < factor * a; };
+  if (near(loop.gain, model->gain, kGainFactor) && near(loop.lag, model->lag, kLagFactor)) return "";
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(2);
+  text << "The vehicle answers its " << kAngles[angle] << " command with gain " << loop.gain
+       << " and a lag of " << loop.lag << " s, delay included; the model of its map has " << model->gain
+       << " and " << model->lag
+       << " s. The map is made for another vehicle: what it promises does not hold for this one (calibrate "
+          "attitude).";
+  return text.str();
+}
+
+void warnOfModels(const FlightLog& log, const AxisMaps& maps, std::vector<std::string>* warnings) {
+  for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
+    try {
+      const std::string sentence = modelWarning(log, *maps[1 - angle], angle);  // the lateral map rolls
+      if (!sentence.empty()) warnings->push_back(sentence);
+    } catch (const Error&) {  // too little moved for a fit: nothing to say about the model
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                                        const AxisMaps& maps, const MultirotorOptions& options) {
+  std::vector<std::string> warnings;
+  warnOfClock(log, &warnings);
+  warnOfFrames(samples, &warnings);
+  warnOfCommands(log, samples, options, &warnings);
+  warnOfModels(log, maps, &warnings);
+  return warnings;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report_parts.hpp"
+#include "validation/identification_report.hpp"
+
+namespace polyfly {
+namespace {
+
+using Style = Series::Style;
+
+constexpr double kDegree = 57.29577951308232;
+constexpr const char* kMeasuredColor = "#9aa4ae";
+constexpr const char* kRejectedColor = "#f6dcd3";
+constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
+
+// Curves of all segments with a gap between them.
+Series ofSegments(const std::vector<LoopSegment>& segments, const std::string& label,
+                  const std::string& color) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  for (const LoopSegment& segment : segments) {
+    if (!series.x.empty()) {
+      series.x.push_back(segment.time.front());
+      series.y.push_back(kNothing);
+    }
+    series.x.insert(series.x.end(), segment.time.begin(), segment.time.end());
+    series.y.insert(series.y.end(), segment.response.begin(), segment.response.end());
+  }
+  return series;
+}
+
+Series ofPrediction(const std::vector<LoopSegment>& segments,
+                    const std::vector<std::vector<double>>& prediction, const std::string& label,
+                    const std::string& color) {
+  std::vector<LoopSegment> predicted;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    predicted.push_back({segments[i].time, prediction[i], {}, 0.0});
+  }
+  return ofSegments(predicted, label, color);
+}
+
+std::string withUnit(const std::string& name, const std::string& unit) { return name + " [" + unit + "]"; }
+
+ReportFigure selectionFigure(const AxisModel& axis) {
+  ReportFigure result;
+  result.heading = axis.axis + ": what was used";
+  result.caption =
+      "The whole record; shaded yellow: used; shaded red: the command moves, but it was left out.";
+  for (const RejectedWindow& rejected : axis.choice.rejected) {
+    if (rejected.reason.find("short") == std::string::npos) {
+      result.caption += " Left out at " + std::to_string(std::lround(rejected.window.from)) + ".." +
+                        std::to_string(std::lround(rejected.window.to)) + " s: " + rejected.reason + ".";
+    }
+  }
+  Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
+  for (const RejectedWindow& rejected : axis.choice.rejected) {
+    panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
+  }
+  Series response;
+  response.x = axis.record.response.time;
+  response.y = axis.record.response.value;
+  response.label = "measured";
+  response.color = kMeasuredColor;
+  panel.series = {thinned(response, kCurvePoints)};
+  if (axis.command_unit == axis.unit) {
+    Series command;
+    command.x = axis.record.command.time;
+    command.y = axis.record.command.value;
+    command.label = "command";
+    command.color = palette::kVermilion;
+    command.style = Style::kSteps;
+    panel.series.push_back(thinned(command, kCurvePoints));
+  }
+  Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
+  Series curve;
+  curve.x = axis.choice.activity.time;
+  curve.y = axis.choice.activity.value;
+  curve.label = "deviation of the command over 2 s";
+  if (!curve.x.empty()) {
+    activity.series = {thinned(curve, kCurvePoints)};
+    activity.bounds = {{axis.choice.threshold, "threshold"}};
+  }
+  std::vector<Panel> panels = {panel};
+  if (!activity.series.empty()) panels.push_back(activity);
+  result.figure = pageFigure(std::move(panels), row_height::kPaired);
+  return result;
+}
+
+ReportFigure comparisonFigure(
+    const std::string& heading, const std::string& caption, const AxisModel& axis,
+    const std::vector<LoopSegment>& segments,
+    const std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>>& models) {
+  constexpr const char* kColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen};
+  ReportFigure result;
+  result.heading = heading;
+  result.caption = caption;
+  Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  Panel residuals = timePanel("", withUnit("measured − model", axis.unit));
+  Series measured = ofSegments(segments, "measured", kMeasuredColor);
+  measured.width = 3.5;
+  panel.series = {thinned(measured, 2 * kCurvePoints)};
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Series model = ofPrediction(segments, *models[i].second, models[i].first, kColors[i]);
+    Series residual = model;
+    for (std::size_t k = 0; k < residual.y.size(); ++k) residual.y[k] = measured.y[k] - model.y[k];
+    panel.series.push_back(thinned(model, 2 * kCurvePoints));
+    residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
+  }
+  result.figure = pageFigure({panel, residuals}, row_height::kPaired);
+  return result;
+}
+
+ReportFigure frequencyFigure(const AxisModel& axis) {
+  ReportFigure result;
+  result.heading = axis.axis + ": frequency response";
+  result.caption =
+      "Measured (dots, where at least a tenth of the response is linear in the command) and modelled gain "
+      "and phase; "
+      "coherence is the share of the response that is linear in the command.";
+  std::vector<Panel> panels(3);
+  constexpr const char* kLabels[] = {"gain", "phase [°]", "coherence"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    panels[i].x_label = "frequency [Hz]";
+    panels[i].y_label = kLabels[i];
+    panels[i].log_x = true;
+    panels[i].legend_below = true;
+  }
+  Series gain;
+  gain.style = Style::kPoints;
+  gain.width = 4.0;
+  gain.label = "measured";
+  gain.color = kMeasuredColor;
+  Series phase = gain;
+  Series coherence;
+  coherence.color = palette::kPurple;
+  for (const FrequencyPoint& point : axis.frequency_response) {
+    coherence.x.push_back(point.frequency);
+    coherence.y.push_back(point.coherence);
+    if (point.coherence < kLeastCoherence) continue;
+    gain.x.push_back(point.frequency);
+    gain.y.push_back(point.gain);
+    phase.x.push_back(point.frequency);
+    phase.y.push_back(point.phase * kDegree);
+  }
+  panels[0].series = {gain};
+  panels[1].series = {phase};
+  panels[2].series = {coherence};
+  panels[2].y_range = {{0.0, 1.05}};
+  const auto add_model = [&](const LoopFit& fit, const char* label, const char* color) {
+    Series model_gain;
+    model_gain.label = label;
+    model_gain.color = color;
+    Series model_phase = model_gain;
+    for (const FrequencyPoint& point : axis.frequency_response) {
+      const FrequencyPoint model = modelFrequencyResponse(fit, point.frequency);
+      model_gain.x.push_back(point.frequency);
+      model_gain.y.push_back(model.gain);
+      model_phase.x.push_back(point.frequency);
+      model_phase.y.push_back(model.phase * kDegree);
+    }
+    panels[0].series.push_back(model_gain);
+    panels[1].series.push_back(model_phase);
+  };
+  add_model(axis.with_delay, "lag and delay", palette::kBlue);
+  add_model(axis.without_delay, "lag alone", palette::kVermilion);
+  if (axis.second_order) add_model(*axis.second_order, "second order", palette::kGreen);
+  result.figure = pageFigure(std::move(panels), row_height::kView, 3);
+  return result;
+}
+
+}  // namespace
+
+std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
+  std::vector<ReportFigure> figures;
+  figures.push_back(selectionFigure(axis));
+  std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>> models = {
+      {"lag and delay", &axis.with_delay.prediction}, {"lag alone", &axis.without_delay.prediction}};
+  if (axis.second_order) models.emplace_back("second order", &axis.second_order->prediction);
+  figures.push_back(comparisonFigure(axis.axis + ": measured and modelled",
+                                     "On the data that the models were made from; below, what they leave.",
+                                     axis, axis.segments, models));
+  if (axis.validation) {
+    figures.push_back(comparisonFigure(
+        axis.axis + ": validation",
+        axis.validation->by_halves
+            ? "The model of the first half of the data on the second half, which it has not seen."
+            : "The model on " + axis.validation->source + ", which it has not seen.",
+        axis, axis.validation->segments, {{"lag and delay", &axis.validation->prediction}}));
+  }
+  if (!axis.frequency_response.empty()) figures.push_back(frequencyFigure(axis));
+  return figures;
+}
+
+}  // namespace polyfly

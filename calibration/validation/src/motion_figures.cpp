@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report_parts.hpp"
+#include "validation/motion_report.hpp"
+
+namespace polyfly {
+namespace {
+
+using Style = Series::Style;
+
+constexpr const char* kMeasuredColor = "#9aa4ae";
+constexpr std::size_t kDots = 3000;  // of a scatter, at most
+constexpr std::size_t kCirclePoints = 180;
+constexpr std::size_t kQuantilePoints = 400;
+
+std::string withUnit(const std::string& name, const std::string& unit) {
+  return unit == "1" || unit.empty() ? name : name + " [" + unit + "]";
+}
+
+std::vector<double> residualOf(const MotionTrace& trace) {
+  std::vector<double> residual(trace.measured.size());
+  std::transform(trace.measured.begin(), trace.measured.end(), trace.modelled.begin(), residual.begin(),
+                 std::minus<>());
+  return residual;
+}
+
+// A curve over time with a gap between stretches.
+Series curve(const MotionTrace& trace, const std::vector<double>& value, const std::string& label,
+             const std::string& color) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (i > 0 && std::find(trace.starts.begin(), trace.starts.end(), i) != trace.starts.end()) {
+      series.x.push_back(trace.time[i]);
+      series.y.push_back(kNothing);
+    }
+    series.x.push_back(trace.time[i]);
+    series.y.push_back(value[i]);
+  }
+  return thinned(series, 2 * kCurvePoints);
+}
+
+// What was used of the flight: the whole record of velocities, with the stretches shaded.
+ReportFigure selectionFigure(const MotionCalibration& calibration) {
+  ReportFigure result;
+  result.heading = "What was used";
+  result.caption =
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from. Times "
+      "in the log's own seconds.";
+  Panel panel = timePanel("", "velocity [m/s]");
+  const MotionTrace& trace = calibration.traces.front();
+  for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
+    if (trace.starts[i + 1] > trace.starts[i])
+      panel.bands.push_back({trace.time[trace.starts[i]], trace.time[trace.starts[i + 1] - 1]});
+  }
+  for (std::size_t i = 0; i < calibration.record.size(); ++i) {
+    Series series;
+    series.x = calibration.record[i].second.time;
+    series.y = calibration.record[i].second.value;
+    series.label = calibration.record[i].first;
+    series.color = kAxisColors[i % 3];
+    panel.series.push_back(thinned(series, kCurvePoints));
+  }
+  result.figure = pageFigure({panel}, row_height::kAlone);
+  return result;
+}
+
+ReportFigure timeFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
+  ReportFigure result;
+  result.heading = trace.name + ": measured and modelled";
+  result.caption =
+      bound != nullptr
+          ? "Above, what was measured and what thrust, attitude, gravity and drag explain; below, "
+            "what is left, which is the disturbance, with its bounds."
+          : "On the data that the model was made from; below, what it leaves.";
+  Panel panel = timePanel("", withUnit("measured, modelled", trace.unit));
+  Series measured = curve(trace, trace.measured, "measured", kMeasuredColor);
+  measured.width = 3.0;
+  panel.series = {measured, curve(trace, trace.modelled, "modelled", palette::kBlue)};
+  Panel left = timePanel("", withUnit("measured − modelled", trace.unit));
+  left.series = {curve(trace, residualOf(trace), "", palette::kBlue)};
+  if (bound != nullptr) left.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
+  result.figure = pageFigure({panel, left}, row_height::kPaired);
+  return result;
+}
+
+// Quantiles of the residual.
+Panel quantilePanel(const MotionTrace& trace, const DisturbanceBound* bound) {
+  std::vector<double> sorted = residualOf(trace);
+  std::sort(sorted.begin(), sorted.end());
+  Panel panel;
+  panel.x_label = "share of the time below [%]";
+  panel.y_label = withUnit("measured − modelled", trace.unit);
+  Series series;
+  series.style = Style::kLine;
+  series.color = palette::kBlue;
+  const std::size_t points = std::min(kQuantilePoints, sorted.size());
+  for (std::size_t i = 0; i < points; ++i) {
+    const double share = points > 1 ? static_cast<double>(i) / static_cast<double>(points - 1) : 0.5;
+    series.x.push_back(100.0 * share);
+    series.y.push_back(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+  }
+  panel.series = {series};
+  if (bound != nullptr) panel.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
+  return panel;
+}
+
+Panel scatterPanel(const MotionTrace& trace) {
+  Panel panel;
+  panel.legend_below = true;
+  panel.x_label = trace.against;
+  panel.y_label = withUnit("measured, modelled", trace.unit);
+  Series dots;
+  dots.style = Style::kPoints;
+  dots.label = "measured";
+  dots.color = kMeasuredColor;
+  dots.width = 3.0;
+  Series line;
+  line.label = "model";
+  line.color = palette::kVermilion;
+  const std::size_t stride = trace.depends.size() / kDots + 1;
+  std::size_t least = 0;
+  std::size_t greatest = 0;
+  for (std::size_t i = 0; i < trace.depends.size(); ++i) {
+    if (trace.depends[i] < trace.depends[least]) least = i;
+    if (trace.depends[i] > trace.depends[greatest]) greatest = i;
+    if (i % stride != 0) continue;
+    dots.x.push_back(trace.depends[i]);
+    dots.y.push_back(trace.measured[i]);
+  }
+  // Every model here is a straight line in what it depends on.
+  for (const std::size_t end : {least, greatest}) {
+    line.x.push_back(trace.depends[end]);
+    line.y.push_back(trace.modelled[end]);
+  }
+  panel.series = {dots, line};
+  return panel;
+}
+
+ReportFigure distributionFigure(const MotionTrace& trace, const DisturbanceBound* bound) {
+  ReportFigure result;
+  result.heading = trace.name + ": distribution";
+  result.caption =
+      trace.against.empty()
+          ? "Quantiles: how much of the time the disturbance lies below a value."
+          : "Left, quantiles: how much of the time the residual lies below a value; right, each sample and "
+            "the model against what it depends on.";
+  std::vector<Panel> panels = {quantilePanel(trace, bound)};
+  if (!trace.against.empty()) panels.push_back(scatterPanel(trace));
+  const auto columns = static_cast<int>(panels.size());
+  result.figure = pageFigure(std::move(panels), row_height::kView, columns);
+  return result;
+}
+
+// Velocities over ground lie on a circle about the wind, as wide as the airspeed.
+ReportFigure circleFigure(const MotionCalibration& calibration) {
+  ReportFigure result;
+  result.heading = "The wind triangle";
+  result.caption =
+      "Velocity over ground (dots), and the circle of the mean airspeed, scaled, about the wind that was "
+      "found (cross of the dashed lines). Dots on one side only: wind and scale cannot be told apart.";
+  Series dots;
+  dots.style = Style::kPoints;
+  dots.label = "velocity over ground";
+  dots.color = kMeasuredColor;
+  dots.width = 3.0;
+  const std::size_t stride = calibration.north.size() / kDots + 1;
+  for (std::size_t i = 0; i < calibration.north.size(); i += stride) {
+    dots.x.push_back(calibration.east[i]);
+    dots.y.push_back(calibration.north[i]);
+  }
+  const std::vector<double>& speed = calibration.traces.front().modelled;
+  double radius = 0.0;
+  for (const double one : speed) radius += one / static_cast<double>(speed.size());
+  const double north = calibration.parameters[0].value;
+  const double east = calibration.parameters[1].value;
+  Series circle;
+  circle.label = "airspeed about the wind";
+  circle.color = palette::kVermilion;
+  for (std::size_t i = 0; i <= kCirclePoints; ++i) {
+    const double angle = 6.283185307179586 * static_cast<double>(i) / kCirclePoints;
+    circle.x.push_back(east + radius * std::sin(angle));
+    circle.y.push_back(north + radius * std::cos(angle));
+  }
+  Panel panel;
+  panel.x_label = "east [m/s]";
+  panel.y_label = "north [m/s]";
+  panel.equal_axes = true;
+  panel.series = {dots, circle};
+  panel.bounds = {{north, "wind", palette::kGreen}};
+  panel.marks = {{east, "", palette::kGreen}};
+  result.figure = pageFigure({panel}, row_height::kSquare);
+  return result;
+}
+
+}  // namespace
+
+std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration) {
+  std::vector<ReportFigure> figures;
+  if (calibration.traces.empty()) return figures;
+  figures.push_back(selectionFigure(calibration));
+  if (!calibration.north.empty() && calibration.parameters.size() >= 2)
+    figures.push_back(circleFigure(calibration));
+  for (std::size_t i = 0; i < calibration.traces.size(); ++i) {
+    const DisturbanceBound* bound = i < calibration.bounds.size() ? &calibration.bounds[i] : nullptr;
+    figures.push_back(timeFigure(calibration.traces[i], bound));
+    figures.push_back(distributionFigure(calibration.traces[i], bound));
+  }
+  return figures;
+}
+
+}  // namespace polyfly

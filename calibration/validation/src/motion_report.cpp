@@ -1,0 +1,70 @@
+#include "validation/motion_report.hpp"
+
+#include <sstream>
+
+#include "report_page.hpp"
+
+namespace polyfly {
+namespace {
+
+std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
+  std::vector<std::string> sentences = calibration.remarks;
+  sentences.insert(sentences.end(), calibration.warnings.begin(), calibration.warnings.end());
+  for (const DisturbanceBound& bound : calibration.bounds) {
+    for (const std::string& warning : bound.warnings) sentences.push_back("d_" + bound.axis + ": " + warning);
+  }
+  return sentences;
+}
+
+void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
+  out << "<section><h2>" << escaped(calibration.kind)
+      << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>standard "
+         "error</th><th>95 % interval</th></tr>\n";
+  for (const FittedParameter& parameter : calibration.parameters) {
+    out << "<tr><td>" << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
+        << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
+        << number(parameter.standard_error, 2) << "</td><td>" << number(parameter.least(), 4) << " .. "
+        << number(parameter.greatest(), 4) << "</td></tr>\n";
+  }
+  out << "</table></div></section>\n";
+}
+
+void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
+  out << "<section><h2>disturbance: bounds</h2><p>" << number(100.0 * calibration.limits.share, 4)
+      << " % of the time within, asked for with a confidence of " << number(calibration.limits.confidence)
+      << "; all in m/s². Quantiles are those of this flight.</p><div "
+         "class='scroll'><table><tr><th>axis</th><th>bound</th><th>confidence "
+         "reached</th><th>independent samples</th><th>mean</th><th>deviation</th>";
+  if (!calibration.bounds.empty()) {
+    for (const auto& [share, value] : calibration.bounds.front().quantiles)
+      out << "<th>" << number(100.0 * share) << " %</th>";
+  }
+  out << "</tr>\n";
+  for (const DisturbanceBound& bound : calibration.bounds) {
+    out << (bound.confidence < calibration.limits.confidence ? "<tr class='bad'>" : "<tr>") << "<td>"
+        << escaped(bound.axis) << "</td><td>" << number(bound.least) << " .. " << number(bound.greatest)
+        << "</td><td>" << number(bound.confidence) << "</td><td>" << number(bound.independent_samples, 4)
+        << "</td><td>" << number(bound.mean) << "</td><td>" << number(bound.deviation) << "</td>";
+    for (const auto& [share, value] : bound.quantiles) out << "<td>" << number(value) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div></section>\n";
+}
+
+}  // namespace
+
+std::string toHtml(const MotionCalibration& calibration) {
+  std::ostringstream out;
+  writeCalibrationHead(calibration.data, sentencesOf(calibration), out);
+  if (!calibration.bounds.empty()) writeBounds(calibration, out);
+  if (!calibration.parameters.empty()) writeParameters(calibration, out);
+  for (const ReportFigure& figure : motionFigures(calibration)) writeFigureSection(figure, out);
+  out << kPageEnd;
+  return out.str();
+}
+
+void writeReport(const MotionCalibration& calibration, const std::string& folder) {
+  writePage(folder, toHtml(calibration), "calibration.yaml", toYaml(calibration));
+}
+
+}  // namespace polyfly

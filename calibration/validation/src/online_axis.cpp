@@ -1,0 +1,75 @@
+#include "online_axis.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "mpc_core/dense_qp.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/parametric_program.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string problemPlace(const RegionMap& map) { return map.path() + " (its problem)"; }
+
+ParametricProgram programOf(const RegionMap& map) {
+  ParametricProgram program =
+      parseProgram(std::string(map.problemText()), std::string(map.problemKind()), problemPlace(map));
+  if (program.parameterCount() != static_cast<int>(map.parameters().size()) || program.inputCount() < 1) {
+    throw Error(map.path() + ": its problem has other parameters or inputs than the map");
+  }
+  return program;
+}
+
+/// The quadratic program of a tracking problem.
+class QpOracle {
+ public:
+  explicit QpOracle(const RegionMap& map)
+      : program_(programOf(map)), solver_(program_.H, program_.A, program_.equalities) {}
+
+  std::optional<double> input(const double* theta) {
+    const Eigen::Map<const Eigen::VectorXd> parameters(theta, program_.parameterCount());
+    gradient_ = program_.f + program_.F * parameters;
+    bounds_ = program_.b + program_.S * parameters;
+    if (solver_.solve(gradient_.data(), bounds_.data()) != QpStatus::kOptimal) return std::nullopt;
+    return program_.E.row(0).dot(solver_.z()) + program_.C.row(0).dot(parameters) + program_.c(0);
+  }
+
+ private:
+  ParametricProgram program_;
+  DenseQp solver_;
+  Eigen::VectorXd gradient_;
+  Eigen::VectorXd bounds_;
+};
+
+bool isMinimumPeak(const RegionMap& map) {
+  return map.problemKind() == "yaml" &&
+         parseFlightModel(std::string(map.problemText()), problemPlace(map)).minimum_peak;
+}
+
+OnlineOracle oracleOf(const RegionMap& map, const OracleMaker& maker) {
+  if (isMinimumPeak(map)) {
+    if (!maker)
+      throw Error(map.path() + ": is of a minimum-peak robust MPC, whose online solution is not at hand");
+    return maker(map);
+  }
+  return [oracle = std::make_shared<QpOracle>(map)](const double* theta) { return oracle->input(theta); };
+}
+
+}  // namespace
+
+OnlineAxis::OnlineAxis(const RegionMap& map, const OracleMaker& maker)
+    : size_(map.parameters().size()), oracle_(oracleOf(map, maker)) {}
+
+std::optional<double> OnlineAxis::input(const double* theta) {
+  if (last_theta_.empty() || !std::equal(theta, theta + size_, last_theta_.begin())) {
+    last_ = oracle_(theta);
+    last_theta_.assign(theta, theta + size_);
+  }
+  return last_;
+}
+
+}  // namespace polyfly

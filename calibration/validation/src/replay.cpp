@@ -1,0 +1,107 @@
+#include "validation/replay.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "online_controller/estimation/odometry_gate.hpp"
+#include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/multirotor_controller.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+bool hasParameter(const RegionMap& map, const char* name) {
+  return std::any_of(map.parameters().begin(), map.parameters().end(),
+                     [name](const Signal& signal) { return signal.name == name; });
+}
+
+// Stamps of the odometry that the node answered; empty if the commands bear none of them.
+std::set<double> answeredStamps(const FlightLog& log) {
+  std::set<double> commanded;
+  for (const FlightLog::Command& command : log.commands) commanded.insert(command.stamp);
+  std::set<double> answered;
+  for (const VehicleState& state : log.odometry) {
+    if (commanded.count(state.stamp) > 0) answered.insert(state.stamp);
+  }
+  return answered;
+}
+
+}  // namespace
+
+std::size_t axisOf(const RegionMap& map) {
+  const auto fits = std::find_if(kAxisNames.begin(), kAxisNames.end(), [&map](const AxisNames& names) {
+    return hasParameter(map, names.position_error);
+  });
+  if (fits == kAxisNames.end()) {
+    throw Error(map.path() +
+                ": parameters: none is e_p_x, e_p_y or e_p_z, so it serves no axis of a multirotor");
+  }
+  return static_cast<std::size_t>(fits - kAxisNames.begin());
+}
+
+AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
+  AxisMaps assigned{};
+  for (const RegionMap* map : maps) {
+    const std::size_t axis = axisOf(*map);
+    if (assigned[axis] != nullptr) {
+      throw Error(map->path() + ": parameters: " + kAxisNames[axis].axis + " axis already has the map " +
+                  assigned[axis]->path());
+    }
+    assigned[axis] = map;
+  }
+  for (std::size_t axis = 0; axis < assigned.size(); ++axis) {
+    if (assigned[axis] == nullptr) {
+      throw Error(std::string("maps: none for the ") + kAxisNames[axis].axis + " axis (parameter " +
+                  kAxisNames[axis].position_error + ")");
+    }
+  }
+  return assigned;
+}
+
+std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
+                                 const MultirotorOptions& options) {
+  const std::set<double> answered = answeredStamps(log);
+  MultirotorController controller(maps, options);
+  ReferenceSchedule schedule;
+  OdometryGate gate(options);
+  std::vector<ReplaySample> samples;
+  samples.reserve(log.odometry.size());
+  for (const FlightLog::Event& event : log.events) {
+    switch (event.kind) {
+      case FlightLog::EventKind::kReference: {
+        const FlightLog::TimedReference& reference = log.references.at(event.index);
+        schedule.set(reference.trajectory, reference.start);
+        break;
+      }
+      case FlightLog::EventKind::kSilence:
+        controller.onSilence(log.silences.at(event.index));
+        break;
+      case FlightLog::EventKind::kOdometry: {
+        const VehicleState& state = log.odometry.at(event.index);
+        if (!answered.empty() && answered.count(state.stamp) == 0) break;
+        const std::optional<Reference> reference = schedule.sample(state.stamp);
+        ReplaySample sample;
+        sample.state = state;
+        sample.has_reference = reference.has_value();
+        sample.reference = reference.value_or(Reference{});
+        const OdometryGate::Verdict verdict = gate.check(state);
+        if (verdict.restarted) controller.restartObserver();
+        if (verdict.refusal == ControlReason::kStale) {
+          sample.report = controller.onSilence(state.stamp);
+        } else if (!reference) {
+          sample.report = controller.stepWithoutReference(state.stamp);
+        } else if (verdict.refusal != ControlReason::kNone) {
+          sample.report = controller.withoutSample(state.stamp, verdict.refusal);
+        } else {
+          sample.report = controller.step(state, *reference);
+        }
+        samples.push_back(sample);
+        break;
+      }
+    }
+  }
+  return samples;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "identification/provenance.hpp"
+#include "map_plot/figure.hpp"
+#include "validation/report.hpp"
+
+namespace polyfly {
+
+/// Style of the report page; no font, script or image comes from elsewhere.
+extern const char* const kReportStyle;
+
+/// Closes what the head of a page has opened.
+constexpr const char* kPageEnd = "</main></body></html>\n";
+
+/// The text with the characters replaced that mean something in HTML.
+std::string escaped(const std::string& text);
+
+/// Head of a calibration's page: title, source with its checksum, and what speaks against the numbers.
+void writeCalibrationHead(const Provenance& data, const std::vector<std::string>& sentences,
+                          std::ostream& out);
+
+/// A section with one picture.
+void writeFigureSection(const ReportFigure& figure, std::ostream& out);
+
+/// A number with so many significant digits, a dash where there is none.
+std::string number(double value, int digits = 3);
+
+/// The picture as an element of the page. Runs gnuplot. Throws Error.
+std::string inlineSvg(const Figure& figure);
+
+/// Writes the page as `index.html` and its numbers as `data_name` into the folder, which is made where it is
+/// missing. No half a file is left. Throws Error naming the folder or the file.
+void writePage(const std::string& folder, const std::string& html, const std::string& data_name,
+               const std::string& data);
+
+}  // namespace polyfly

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <iosfwd>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "map_plot/figure.hpp"
+#include "validation/report.hpp"
+
+namespace polyfly {
+
+// What the pictures of a report have in common.
+
+constexpr std::size_t kCurvePoints = 1200;  ///< of a curve that is drawn
+constexpr const char* kAxisColors[3] = {palette::kBlue, palette::kVermilion, palette::kGreen};
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  ///< a gap in a curve
+
+/// A curve over the samples, against seconds since the first; `value` gives kNothing where there is nothing
+/// to draw.
+template <class Value>
+Series overTime(const ReportContent& content, const std::string& label, const std::string& color,
+                Value value) {
+  Series series;
+  series.label = label;
+  series.color = color;
+  const double start = content.samples.front().state.stamp;
+  for (const ReplaySample& sample : content.samples) {
+    series.x.push_back(sample.state.stamp - start);
+    series.y.push_back(value(sample));
+  }
+  return thinned(series, kCurvePoints);
+}
+
+/// Heights of a row of panels [px].
+namespace row_height {
+constexpr int kStacked = 220;  ///< of three and more rows over time
+constexpr int kPaired = 280;   ///< of two rows over time
+constexpr int kAlone = 330;    ///< the only row
+constexpr int kView = 420;     ///< slices, views from above, what is not over time
+constexpr int kSquare = 620;   ///< equal axes over the whole width
+}  // namespace row_height
+
+/// A panel over time, empty.
+Panel timePanel(const std::string& title, const std::string& y_label);
+
+/// A picture as wide as the page.
+Figure pageFigure(std::vector<Panel> panels, int row_height, int columns = 1);
+
+/// The range of values with a margin of a tenth on each side, at least `least_width` before.
+Panel::Range padded(double least, double greatest, double least_width);
+
+ReportFigure regionFigure(const ReportContent& content);
+ReportFigure sliceFigure(const ReportContent& content, std::size_t axis);
+ReportFigure agreementFigure(const ReportContent& content);
+ReportFigure latencyFigure(const ReportContent& content);
+ReportFigure heatFigure(const ReportContent& content);
+ReportFigure distanceFigure(const ReportContent& content);
+
+/// Sections of the page; nothing where there is nothing to tell.
+void writeExcursions(const ValidationReport& report, std::ostream& out);
+void writeProposals(const ValidationReport& report, std::ostream& out);
+void writeComparisons(const ValidationReport& report, std::ostream& out);
+
+}  // namespace polyfly

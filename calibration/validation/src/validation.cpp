@@ -1,0 +1,124 @@
+#include "validation/validation.hpp"
+
+#include <algorithm>
+
+#include "identification/loop_record.hpp"
+#include "validation_parts.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kRestTolerance = 1e-6;  // velocity and acceleration of a reference that rests [m/s, m/s^2]
+constexpr double kLeastHold = 2.0;       // shorter rests say nothing about the steady state [s]
+constexpr double kSettlingShare = 0.5;   // of the hold, left out for the transient to die
+
+bool rests(const ReplaySample& sample) {
+  return sample.has_reference && sample.reference.velocity.norm() <= kRestTolerance &&
+         sample.reference.acceleration.norm() <= kRestTolerance;
+}
+
+std::vector<double> stampsOf(const std::vector<ReplaySample>& samples) {
+  std::vector<double> stamps;
+  for (const ReplaySample& sample : samples) stamps.push_back(sample.state.stamp);
+  return stamps;
+}
+
+std::optional<HoldOffset> holdOffset(const FlightLog& log, const std::vector<ReplaySample>& samples) {
+  std::size_t first = samples.size();
+  while (
+      first > 0 && rests(samples[first - 1]) &&
+      (first == samples.size() || !isFarStep(samples[first - 1].state.stamp, samples[first].state.stamp))) {
+    --first;
+  }
+  if (first == samples.size() || samples.back().state.stamp - samples[first].state.stamp < kLeastHold) {
+    return std::nullopt;
+  }
+  HoldOffset hold;
+  hold.to = samples.back().state.stamp;
+  hold.from = samples[first].state.stamp + kSettlingShare * (hold.to - samples[first].state.stamp);
+  double count = 0.0;
+  for (std::size_t index = first; index < samples.size(); ++index) {
+    const ReplaySample& sample = samples[index];
+    if (sample.state.stamp < hold.from) continue;
+    hold.offset += sample.state.position - sample.reference.position;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      hold.estimate[static_cast<Eigen::Index>(axis)] += sample.report.axis[axis].disturbance;
+    }
+    count += 1.0;
+  }
+  hold.offset /= count;
+  hold.estimate /= count;
+  Eigen::Vector3d disturbance = Eigen::Vector3d::Zero();
+  double disturbances = 0.0;
+  for (const FlightLog::Disturbance& sample : log.disturbances) {
+    if (sample.stamp < hold.from || sample.stamp > hold.to) continue;
+    disturbance += sample.acceleration;
+    disturbances += 1.0;
+  }
+  if (disturbances > 0.0) hold.disturbance = disturbance / disturbances;
+  return hold;
+}
+
+void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport* report) {
+  DifferenceCollector tracking;
+  for (const ReplaySample& sample : samples) {
+    report->top_speed = std::max(report->top_speed, sample.state.velocity.norm());
+    if (!sample.has_reference) continue;
+    ++report->tracked_samples;
+    tracking.add((sample.state.position - sample.reference.position).norm(), sample.state.stamp);
+    const auto outside = [](const AxisReport& axis) { return axis.lookup != LookupStatus::kInside; };
+    if (std::any_of(sample.report.axis.begin(), sample.report.axis.end(), outside))
+      ++report->outside_map_samples;
+  }
+  report->tracking = tracking.result();
+  if (report->tracked_samples > 0) {
+    report->coverage =
+        1.0 - static_cast<double>(report->outside_map_samples) / static_cast<double>(report->tracked_samples);
+  }
+}
+
+}  // namespace
+
+std::size_t ValidationReport::regionCount() const {
+  return axes[0].regions() + axes[1].regions() + axes[2].regions();
+}
+
+std::size_t ValidationReport::visitedCount() const {
+  return axes[0].visited() + axes[1].visited() + axes[2].visited();
+}
+
+double ValidationReport::maxQpDifference() const {
+  double greatest = 0.0;
+  for (const AxisValidation& axis : axes) {
+    greatest = worse(greatest, axis.qp.max);
+  }
+  return greatest;
+}
+
+std::size_t ValidationReport::violationCount() const {
+  return commands.angle_violations + commands.thrust_violations + commands.yaw_rate_violations +
+         commands.not_finite;
+}
+
+ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>& samples,
+                          const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
+  ValidationReport report;
+  report.source = log.source;
+  report.samples = samples.size();
+  report.duration = durationOf(stampsOf(samples));
+  validateTracking(samples, &report);
+  std::vector<double> lookups;
+  for (std::size_t axis = 0; axis < maps.size(); ++axis) {
+    report.axes[axis] = validateAxis(log, samples, *maps[axis], axis, maker);
+    const std::vector<double>& times = report.axes[axis].lookups.in_order;
+    lookups.insert(lookups.end(), times.begin(), times.end());
+  }
+  report.lookup_ns = percentiles(lookups);
+  report.commands = validateCommands(log, samples, options);
+  report.statuses = validateStatuses(log, samples);
+  report.warnings = flightWarnings(log, samples, maps, options);
+  report.hold = holdOffset(log, samples);
+  return report;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,125 @@
+#include "validation/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "error_of.hpp"
+#include "region_maps/write_map.hpp"
+#include "synthetic_flight.hpp"
+#include "validation/validation.hpp"
+
+namespace polyfly {
+namespace {
+
+class Replay : public testing::Test {
+ protected:
+  // Every command and every status of the log comes out of the replay again, bit for bit.
+  void expectSame(const FlightLog& log) {
+    const std::vector<ReplaySample> samples = replay(log, maps_.axes(), options_);
+    const ValidationReport report = validate(log, samples, maps_.axes(), options_);
+    EXPECT_EQ(report.commands.max_difference, 0.0);
+    EXPECT_EQ(report.commands.compared, samples.size());
+    EXPECT_EQ(report.statuses.compared, samples.size());
+    EXPECT_EQ(report.statuses.differing, 0u);
+    EXPECT_EQ(report.statuses.max_theta_difference, 0.0);
+  }
+
+  static void flySome(FlightRecorder& recorder, std::size_t from, std::size_t to) {
+    for (std::size_t sample = from; sample < to; ++sample) recorder.fly(SyntheticFlight::state(sample));
+  }
+
+  ScratchFolder folder_;
+  HandMadeMaps maps_{folder_};
+  MultirotorOptions options_;
+};
+
+TEST_F(Replay, repeatsAFlightBitForBit) {
+  const FlightLog log = syntheticFlight(maps_.axes());
+  EXPECT_EQ(replay(log, maps_.axes(), options_).size(), SyntheticFlight::kSamples);
+  expectSame(log);
+}
+
+TEST_F(Replay, withOtherOptionsGivesOtherCommands) {
+  const FlightLog log = syntheticFlight(maps_.axes());
+  options_.mass = 2.0;
+  const auto samples = replay(log, maps_.axes(), options_);
+  EXPECT_GT(validate(log, samples, maps_.axes(), options_).commands.difference[3].max, 1.0);
+}
+
+TEST_F(Replay, samplesBeforeTheFirstReferenceHaveNone) {
+  FlightRecorder recorder(maps_.axes(), options_);
+  flySome(recorder, 0, 10);
+  recorder.hold(SyntheticFlight::home());
+  flySome(recorder, 10, 30);
+  const auto samples = replay(recorder.log(), maps_.axes(), options_);
+  ASSERT_EQ(samples.size(), 30u);
+  EXPECT_FALSE(samples[9].has_reference);
+  EXPECT_EQ(samples[9].report.status, ControlStatus::kNoReference);
+  EXPECT_TRUE(samples[10].has_reference);
+  expectSame(recorder.log());
+}
+
+TEST_F(Replay, followsSilenceAndANewReference) {
+  FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  flySome(recorder, 0, 100);
+  recorder.beSilent(SyntheticFlight::state(111).stamp);
+  recorder.beSilent(SyntheticFlight::state(112).stamp);
+  flySome(recorder, 130, 200);
+  recorder.hold(SyntheticFlight::home() + Eigen::Vector3d(0.1, 0.0, -0.1));
+  flySome(recorder, 200, 300);
+  expectSame(recorder.log());
+}
+
+TEST_F(Replay, leavesOutWhatTheNodeNeverSaw) {
+  FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  flySome(recorder, 0, 100);
+  recorder.miss(SyntheticFlight::state(100, {0.3, 0.3, 0.3}));
+  flySome(recorder, 101, 200);
+  EXPECT_EQ(replay(recorder.log(), maps_.axes(), options_).size(), 199u);
+  expectSame(recorder.log());
+  const auto samples = replay(recorder.log(), maps_.axes(), options_);
+  EXPECT_EQ(validate(recorder.log(), samples, maps_.axes(), options_).commands.unanswered, 1u);
+}
+
+TEST_F(Replay, usesAllOdometryWhereNoCommandBearsItsStamp) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  for (FlightLog::Command& command : log.commands) command.stamp = 0.0;
+  const auto samples = replay(log, maps_.axes(), options_);
+  EXPECT_EQ(samples.size(), SyntheticFlight::kSamples);
+  const ValidationReport report = validate(log, samples, maps_.axes(), options_);
+  EXPECT_EQ(report.commands.compared, 0u);
+  EXPECT_EQ(report.commands.unmatched, SyntheticFlight::kSamples);
+  EXPECT_FALSE(brokenThresholds(report, {}).empty());
+}
+
+TEST_F(Replay, assignsMapsByTheirSignalsInAnyOrder) {
+  const AxisMaps axes = maps_.axes();
+  EXPECT_EQ(assignAxes({axes[2], axes[0], axes[1]}), axes);
+  EXPECT_EQ(assignAxes({axes[1], axes[2], axes[0]}), axes);
+}
+
+TEST_F(Replay, refusesMapsThatDoNotMakeThreeAxes) {
+  const AxisMaps axes = maps_.axes();
+  EXPECT_EQ(errorOf([&] {
+              assignAxes({axes[0], axes[2]});
+            }),
+            "maps: none for the lateral axis (parameter e_p_y)");
+  EXPECT_NE(errorOf([&] {
+              assignAxes({axes[0], axes[0], axes[1], axes[2]});
+            }).find("already has the map"),
+            std::string::npos);
+  MapContent content = handMadeMap(0);
+  content.parameters[0].name = "something";
+  writeMap(content, folder_ / "foreign.map");
+  const RegionMap foreign = RegionMap::open(folder_ / "foreign.map");
+  EXPECT_NE(errorOf([&] {
+              assignAxes({&foreign, axes[1], axes[2]});
+            }).find("foreign.map: parameters: none is e_p_x"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly

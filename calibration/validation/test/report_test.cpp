@@ -1,0 +1,150 @@
+#include "validation/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "polyfly_base/error.hpp"
+#include "synthetic_flight.hpp"
+#include "validation/controller_options.hpp"
+
+namespace polyfly {
+namespace {
+
+std::string contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::size_t countOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t place = text.find(part); place != std::string::npos; place = text.find(part, place + 1))
+    ++count;
+  return count;
+}
+
+class Report : public testing::Test {
+ protected:
+  // Writes the report of a log into the scratch folder and returns the page.
+  std::string page(const FlightLog& log) {
+    const auto samples = replay(log, maps_.axes(), options_);
+    const ValidationReport validation = validate(log, samples, maps_.axes(), options_);
+    const std::vector<std::string> broken = brokenThresholds(validation, {});
+    writeReport({log, samples, maps_.axes(), options_, validation, broken}, folder_ / "a/report");
+    return contents(folder_ / "a/report/index.html");
+  }
+
+  ScratchFolder folder_;
+  HandMadeMaps maps_{folder_};
+  MultirotorOptions options_;
+};
+
+TEST_F(Report, isOnePageWithAllPicturesInside) {
+  const std::string text = page(syntheticFlight(maps_.axes()));
+  EXPECT_EQ(countOf(text, "<svg"), countOf(text, "</svg>"));
+  EXPECT_GE(countOf(text, "<svg"), 10u);
+  for (const char* heading :
+       {"The flight from above", "Tracking error", "Commands and their bounds", "Active region over time",
+        "Partition, lateral axis", "Look-up time", "Disturbance estimate", "Coverage", "Passed"}) {
+    EXPECT_NE(text.find(heading), std::string::npos) << heading;
+  }
+  for (const char* foreign : {"src=", "<script", "<link", "@import", "url(http"}) {
+    EXPECT_EQ(text.find(foreign), std::string::npos) << foreign;
+  }
+  const auto json = nlohmann::json::parse(contents(folder_ / "a/report/summary.json"));
+  EXPECT_EQ(json["regions"], 6);
+}
+
+TEST_F(Report, saysWhatFailed) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  log.commands[3].command.roll = 1.0;
+  log.source = "a/folder/<b>flight.bag";
+  const std::string text = page(log);
+  EXPECT_NE(text.find("Failed"), std::string::npos);
+  EXPECT_NE(text.find("number of commands out of bounds is 1"), std::string::npos);
+  EXPECT_NE(text.find("&lt;b&gt;flight.bag"), std::string::npos);
+  EXPECT_EQ(text.find("<b>flight"), std::string::npos);
+  EXPECT_EQ(text.find("a/folder"), std::string::npos);
+}
+
+TEST_F(Report, copesWithFlightsThatLackSomething) {
+  EXPECT_NE(page(FlightLog{}).find("Failed"), std::string::npos);
+
+  FlightRecorder without_reference(maps_.axes(), options_);
+  for (std::size_t sample = 0; sample < 20; ++sample) without_reference.fly(SyntheticFlight::state(sample));
+  EXPECT_NE(page(without_reference.log()).find("Failed"), std::string::npos);
+
+  FlightRecorder outside(maps_.axes(), options_);
+  outside.hold(SyntheticFlight::home());
+  for (std::size_t sample = 0; sample < 20; ++sample)
+    outside.fly(SyntheticFlight::state(sample, {9.0, 9.0, 9.0}));
+  EXPECT_NE(page(outside.log()).find("coverage is 0"), std::string::npos);
+
+  FlightRecorder single(maps_.axes(), options_);
+  single.hold(SyntheticFlight::home());
+  single.fly(SyntheticFlight::state(0));
+  EXPECT_NE(page(single.log()).find("Passed"), std::string::npos);
+}
+
+TEST_F(Report, namesTheFolderThatCannotBeMade) {
+  std::ofstream(folder_ / "file") << "in the way";
+  const FlightLog log;
+  const std::vector<ReplaySample> samples;
+  const ValidationReport validation;
+  const std::vector<std::string> broken;
+  try {
+    writeReport({log, samples, maps_.axes(), options_, validation, broken}, folder_ / "file/report");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("file/report: cannot be made"), std::string::npos)
+        << error.what();
+  }
+}
+
+std::string optionsError(const ScratchFolder& folder, const std::string& text) {
+  std::ofstream(folder / "options.yaml") << text;
+  try {
+    loadControllerOptions(folder / "options.yaml");
+  } catch (const Error& error) {
+    return std::string(error.what()).substr((folder / "").size());
+  }
+  return "no error";
+}
+
+TEST(ControllerOptions, areReadFromTheNodesFile) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "options.yaml")
+      << "vehicle: {mass: 2.5}\ncontroller: {hold_periods: 3, offset_free: false, "
+         "stale_periods: 4}\nmaps: {lateral: a.map}\n";
+  const MultirotorOptions options = loadControllerOptions(folder / "options.yaml");
+  EXPECT_EQ(options.mass, 2.5);
+  EXPECT_EQ(options.hold_periods, 3);
+  EXPECT_FALSE(options.offset_free);
+  EXPECT_EQ(options.yaw_gain, MultirotorOptions{}.yaw_gain);
+}
+
+TEST(ControllerOptions, refusesBadFilesByLineAndKey) {
+  const ScratchFolder folder;
+  EXPECT_EQ(optionsError(folder, "vehicle:\n  mas: 2\n"), "options.yaml:2: vehicle/mas: unknown key");
+  EXPECT_EQ(optionsError(folder, "vehicle: {mass: heavy}\n"),
+            "options.yaml:1: vehicle/mass: is not a value of the right kind");
+  EXPECT_EQ(optionsError(folder, "vehicl: {mass: 2.5}\n"),
+            "options.yaml:1: vehicl: unknown group; is 'vehicle' meant?");
+  EXPECT_EQ(optionsError(folder, "controller: {hold_periods: 3}\nplant: {mass: 2.5}\n"),
+            "options.yaml:2: plant: unknown group");
+  EXPECT_EQ(optionsError(folder, "mass: 2.5\n"), "options.yaml:1: mass: unknown group");
+  EXPECT_EQ(optionsError(folder, "law: linear\nKF_observer: {P0_force: 0.1}\nreference_limits: {speed: 5}\n"),
+            "no error");
+  EXPECT_NE(optionsError(folder, "vehicle: {mass: -1}\n").find("vehicle/mass"), std::string::npos);
+  EXPECT_NE(optionsError(folder, "vehicle: [\n").find("is not YAML"), std::string::npos);
+  EXPECT_NE(optionsError(folder, "vehicle: 3\n").find("must be a map"), std::string::npos);
+  EXPECT_NE(optionsError(folder, "7\n").find("must be a map"), std::string::npos);
+  EXPECT_THROW(loadControllerOptions(folder / "missing.yaml"), Error);
+}
+
+}  // namespace
+}  // namespace polyfly

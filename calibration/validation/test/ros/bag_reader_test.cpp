@@ -1,0 +1,343 @@
+#include "validation_ros/bag_reader.hpp"
+
+#include <gtest/gtest.h>
+#include <std_msgs/String.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
+
+#include <boost/make_shared.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "flight_bag.hpp"
+#include "polyfly_base/error.hpp"
+#include "synthetic_flight.hpp"
+#include "validation/validation.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+using polyfly::FlightLog;
+using polyfly::SyntheticFlight;
+
+std::string contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class BagReader : public testing::Test {
+ protected:
+  BagReader() {
+    polyfly::FlightRecorder recorder(maps_.axes(), options_);
+    recorder.hold(SyntheticFlight::home());
+    for (std::size_t sample = 0; sample < 200; ++sample) recorder.fly(stamped(sample));
+    log_ = recorder.log();
+  }
+
+  // With a stamp that survives the way through a message: whole nanoseconds.
+  static polyfly::VehicleState stamped(std::size_t sample) {
+    polyfly::VehicleState state = SyntheticFlight::state(sample);
+    state.stamp = ros::Time(state.stamp).toSec();
+    return state;
+  }
+
+  std::string path() const { return folder_ / "flight.bag"; }
+
+  std::string errorOf(const BagTopics& topics = {}) const { return errorOf(path(), topics); }
+
+  // The error of reading, without the path in front.
+  static std::string errorOf(const std::string& path, const BagTopics& topics) {
+    try {
+      readBag(path, topics);
+    } catch (const polyfly::Error& error) {
+      const std::string text = error.what();
+      EXPECT_EQ(text.substr(0, path.size() + 2), path + ": ");
+      return text.substr(std::min(text.size(), path.size() + 2));
+    }
+    return "no error";
+  }
+
+  void expectExactReplay(const FlightLog& log, std::size_t samples) {
+    const auto replayed = polyfly::replay(log, maps_.axes(), options_);
+    EXPECT_EQ(replayed.size(), samples);
+    const polyfly::ValidationReport report = polyfly::validate(log, replayed, maps_.axes(), options_);
+    EXPECT_EQ(report.commands.compared, samples);
+    EXPECT_EQ(report.commands.max_difference, 0.0);
+    EXPECT_EQ(report.statuses.compared, samples);
+    EXPECT_EQ(report.statuses.differing, 0u);
+  }
+
+  polyfly::ScratchFolder folder_;
+  polyfly::HandMadeMaps maps_{folder_};
+  polyfly::MultirotorOptions options_;
+  FlightLog log_;
+};
+
+TEST_F(BagReader, givesBackWhatWasWrittenWithEachCompression) {
+  log_.disturbances.push_back({SyntheticFlight::kStart, {0.1, 0.2, 0.3}});
+  for (const auto compression :
+       {rosbag::compression::Uncompressed, rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    FlightBagOptions options;
+    options.compression = compression;
+    writeFlightBag(log_, path(), options);
+    const FlightLog read = readBag(path(), {});
+    EXPECT_EQ(read.source, path());
+    ASSERT_EQ(read.odometry.size(), 200u);
+    EXPECT_EQ(read.odometry[7].position, log_.odometry[7].position);
+    EXPECT_EQ(read.odometry[7].stamp, log_.odometry[7].stamp);
+    ASSERT_EQ(read.disturbances.size(), 1u);
+    EXPECT_EQ(read.disturbances[0].acceleration, Eigen::Vector3d(0.1, 0.2, 0.3));
+    EXPECT_EQ(read.statuses[7].theta, log_.statuses[7].theta);
+    EXPECT_NEAR(read.statuses[7].step_time, 1e-6, 1e-15);
+    expectExactReplay(read, 200);
+  }
+}
+
+TEST_F(BagReader, doesNotDependOnWhenAnswersReachedTheRecorder) {
+  FlightBagOptions options;
+  options.arrival_shift = 0.035;
+  writeFlightBag(log_, path(), options);
+  expectExactReplay(readBag(path(), {}), 200);
+}
+
+TEST_F(BagReader, placesTheFirstReferenceByTheNodesAccount) {
+  polyfly::FlightRecorder recorder(maps_.axes(), options_);
+  for (std::size_t sample = 0; sample < 5; ++sample) recorder.fly(stamped(sample));
+  recorder.hold(SyntheticFlight::home());
+  for (std::size_t sample = 5; sample < 50; ++sample) recorder.fly(stamped(sample));
+  FlightLog& log = recorder.log();
+  for (const std::size_t wrong_place : {0, 2, 20}) {  // of the reference in the record
+    FlightLog shuffled = log;
+    const FlightLog::Event reference = shuffled.events[5];
+    ASSERT_EQ(reference.kind, FlightLog::EventKind::kReference);
+    shuffled.events.erase(shuffled.events.begin() + 5);
+    shuffled.events.insert(shuffled.events.begin() + static_cast<std::ptrdiff_t>(wrong_place), reference);
+    writeFlightBag(shuffled, path());
+    expectExactReplay(readBag(path(), {}), 50);
+  }
+}
+
+TEST_F(BagReader, putsSilenceWhereTheNodeNoticedIt) {
+  polyfly::FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  for (std::size_t sample = 0; sample < 50; ++sample) recorder.fly(stamped(sample));
+  recorder.beSilent(stamped(60).stamp);
+  recorder.beSilent(stamped(61).stamp);
+  for (std::size_t sample = 80; sample < 150; ++sample) recorder.fly(stamped(sample));
+  writeFlightBag(recorder.log(), path());
+  const FlightLog read = readBag(path(), {});
+  EXPECT_EQ(read.silences.size(), 2u);
+  expectExactReplay(read, 120);
+}
+
+TEST_F(BagReader, findsTheNamespaceOrAsksForIt) {
+  {
+    rosbag::Bag bag(path(), rosbag::bagmode::Write);
+    for (const char* name : {"/one", "/two"}) {
+      FlightBagOptions options;
+      options.name_space = name;
+      writeFlight(log_, options, &bag);
+    }
+  }
+  EXPECT_EQ(errorOf(),
+            "holds commands of several vehicles, in the namespaces /one/ /two/: choose one with --namespace");
+  BagTopics topics;
+  for (const char* name : {"two", "/two", "/two/"}) {
+    topics.name_space = name;
+    EXPECT_EQ(readBag(path(), topics).odometry.size(), 200u) << name;
+  }
+  topics.name_space = "three";
+  EXPECT_EQ(errorOf(topics).substr(0, 34), "no message on /three/odometry; the");
+  FlightBagOptions root;
+  root.name_space = "";
+  writeFlightBag(log_, path(), root);
+  EXPECT_EQ(readBag(path(), {}).odometry.size(), 200u);
+}
+
+TEST_F(BagReader, readsTrajectoriesFromTheirStamp) {
+  FlightBagOptions options;
+  options.references = false;
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  writeFlight(log_, options, &bag);
+  trajectory_msgs::MultiDOFJointTrajectory message;
+  message.header.stamp = ros::Time(SyntheticFlight::kStart + 0.5);
+  for (int index = 0; index < 3; ++index) {
+    trajectory_msgs::MultiDOFJointTrajectoryPoint point;
+    point.time_from_start = ros::Duration(index);
+    point.transforms.resize(1);
+    point.transforms[0].translation.x = index;
+    point.transforms[0].rotation.w = 1.0;
+    message.points.push_back(point);
+  }
+  bag.write("/firefly/command/trajectory", ros::Time(SyntheticFlight::kStart), message);
+  bag.close();
+  const FlightLog read = readBag(path(), {});
+  ASSERT_EQ(read.references.size(), 1u);
+  ASSERT_TRUE(read.references[0].start.has_value());
+  EXPECT_EQ(*read.references[0].start, SyntheticFlight::kStart + 0.5);
+  EXPECT_EQ(read.references[0].trajectory.samples().size(), 3u);
+  EXPECT_EQ(read.events[0].kind, FlightLog::EventKind::kReference);
+}
+
+TEST_F(BagReader, namesTheTopicThatIsMissing) {
+  FlightBagOptions options;
+  options.odometry = false;
+  writeFlightBag(log_, path(), options);
+  EXPECT_EQ(errorOf(),
+            "no message on /firefly/odometry; the bag has /firefly/command/pose, "
+            "/firefly/command/roll_pitch_yawrate_thrust, /firefly/controller_status");
+  options = {};
+  options.references = false;
+  writeFlightBag(log_, path(), options);
+  EXPECT_EQ(errorOf().substr(0, 76),
+            "no message on /firefly/command/trajectory nor on /firefly/command/pose; the ");
+  options = {};
+  options.commands = false;
+  writeFlightBag(log_, path(), options);
+  BagTopics topics;
+  topics.name_space = "firefly";
+  EXPECT_EQ(errorOf(topics).substr(0, 56), "no message on /firefly/command/roll_pitch_yawrate_thrust");
+  options = {};
+  options.statuses = false;  // the only one that may be missing
+  writeFlightBag(log_, path(), options);
+  EXPECT_EQ(errorOf(), "no error");
+}
+
+TEST_F(BagReader, refusesTopicsOfAnotherType) {
+  FlightBagOptions options;
+  options.odometry = false;
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  writeFlight(log_, options, &bag);
+  bag.write("/firefly/odometry", ros::Time(SyntheticFlight::kStart), std_msgs::String());
+  bag.close();
+  EXPECT_EQ(errorOf(), "topic /firefly/odometry: must be nav_msgs/Odometry, is std_msgs/String");
+}
+
+TEST_F(BagReader, refusesAnotherDefinitionOfTheSameType) {
+  FlightBagOptions options;
+  options.odometry = false;
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  writeFlight(log_, options, &bag);
+  const auto connection = boost::make_shared<ros::M_string>();
+  (*connection)["type"] = "nav_msgs/Odometry";
+  (*connection)["md5sum"] = "0123456789abcdef0123456789abcdef";
+  (*connection)["message_definition"] = "string data\n";
+  bag.write("/firefly/odometry", ros::Time(SyntheticFlight::kStart), std_msgs::String(), connection);
+  bag.close();
+  EXPECT_EQ(errorOf(), "topic /firefly/odometry: recorded with another definition of nav_msgs/Odometry");
+}
+
+TEST_F(BagReader, saysWhyNoReferenceIsUsable) {
+  FlightBagOptions options;
+  options.references = false;
+  rosbag::Bag bag(path(), rosbag::bagmode::Write);
+  writeFlight(log_, options, &bag);
+  bag.write("/firefly/command/trajectory", ros::Time(SyntheticFlight::kStart),
+            trajectory_msgs::MultiDOFJointTrajectory());
+  bag.close();
+  EXPECT_EQ(errorOf().substr(0, 38), "no usable reference, the last one: com");
+}
+
+TEST_F(BagReader, refusesWhatIsNoBag) {
+  EXPECT_EQ(errorOf(), "no such file");
+  EXPECT_EQ(errorOf(folder_.path(), {}), "not a file");
+  std::ofstream(path()).close();
+  EXPECT_EQ(errorOf(), "is empty (0 bytes), not a bag");
+  std::ofstream(path()) << "This is some text that goes on for a while and is certainly not a bag at all.\n";
+  EXPECT_EQ(errorOf().substr(0, 13), "is not a bag:");
+  rosbag::Bag(path(), rosbag::bagmode::Write).close();
+  EXPECT_EQ(errorOf(), "holds no message");
+}
+
+// A bag that is cut anywhere gives the chunks before the cut, and says so; or what is missing in them.
+TEST_F(BagReader, readsWhatABagHeldBeforeItWasCutOff) {
+  FlightBagOptions options;
+  options.chunk_threshold = 4096;
+  writeFlightBag(log_, path(), options);
+  const std::string whole = contents(path());
+  constexpr std::size_t kCuts = 40;
+  std::size_t before = 0;
+  std::size_t read = 0;
+  for (std::size_t cut = 1; cut < kCuts; ++cut) {
+    const std::string part = whole.substr(0, whole.size() * cut / kCuts);
+    std::ofstream(path(), std::ios::binary | std::ios::trunc) << part;
+    try {
+      const FlightLog log = readBag(path(), {});
+      EXPECT_FALSE(log.remarks.empty()) << part.size();
+      EXPECT_GE(log.odometry.size(), before);
+      before = log.odometry.size();
+      ++read;
+    } catch (const polyfly::Error&) {
+      EXPECT_EQ(before, 0u) << part.size() << ": a longer part was refused, a shorter one was not";
+    }
+    EXPECT_EQ(contents(path()), part);
+  }
+  EXPECT_GT(read, kCuts / 4);
+  EXPECT_GT(before, 150u);
+}
+
+TEST_F(BagReader, readsABagWhoseRecorderWasKilled) {
+  writeFlightBag(log_, path());
+  const FlightLog closed = readBag(path(), {});
+  EXPECT_TRUE(closed.remarks.empty());
+  // The place of the index is written when a bag is closed.
+  std::string bytes = contents(path());
+  const std::size_t place = bytes.find("index_pos=");
+  bytes.replace(place + 10, 8, 8, '\0');
+  std::ofstream(path(), std::ios::binary | std::ios::trunc) << bytes;
+  const FlightLog open = readBag(path(), {});
+  ASSERT_EQ(open.remarks.size(), 1u);
+  EXPECT_NE(open.remarks[0].find("has no index"), std::string::npos);
+  EXPECT_EQ(open.odometry.size(), closed.odometry.size());
+  EXPECT_EQ(open.commands.size(), closed.commands.size());
+}
+
+// Bags have no checksum, so a changed byte may pass; but it never ends the program.
+TEST_F(BagReader, survivesChangedBytes) {
+  FlightBagOptions options;
+  std::mt19937 random(11);
+  int refused = 0;
+  for (const auto compression : {rosbag::compression::Uncompressed, rosbag::compression::LZ4}) {
+    options.compression = compression;
+    writeFlightBag(log_, path(), options);
+    const std::string whole = contents(path());
+    for (int trial = 0; trial < 100; ++trial) {
+      std::string damaged = whole;
+      damaged[random() % damaged.size()] ^= static_cast<char>(1u << random() % 8u);
+      std::ofstream(path(), std::ios::binary | std::ios::trunc) << damaged;
+      if (errorOf() != "no error") ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST_F(BagReader, refusesDamagedBagsFromElsewhere) {
+  const char* data = std::getenv("POLYFLY_DATA");
+  const char* root = std::getenv("POLYFLY_ROOT");
+  const std::filesystem::path folder =
+      std::filesystem::path(data != nullptr ? data
+                                            : std::string(root != nullptr ? root : ".") + "/../shared/data") /
+      "bags";
+  if (!std::filesystem::is_directory(folder)) {
+    GTEST_SKIP() << "the reference data are absent: " << folder << " (set POLYFLY_DATA)";
+  }
+  int bags = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".bag") continue;
+    EXPECT_NE(errorOf(entry.path().string(), {}), "no error");
+    ++bags;
+  }
+  EXPECT_GT(bags, 10);
+}
+
+}  // namespace
+}  // namespace polyfly_ros
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,145 @@
+// Warnings of a validation: records that were falsified on purpose, and a vehicle that is not the map's.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+
+#include "synthetic_flight.hpp"
+#include "validation/validation.hpp"
+
+namespace polyfly {
+namespace {
+
+class Warnings : public testing::Test {
+ protected:
+  ValidationReport validated(const FlightLog& log) {
+    return validate(log, replay(log, maps_.axes(), options_), maps_.axes(), options_);
+  }
+  static bool has(const ValidationReport& report, const std::string& words) {
+    for (const std::string& sentence : report.warnings) {
+      if (sentence.find(words) != std::string::npos) return true;
+    }
+    return false;
+  }
+  // A flight of 60 s on which roll answers with this gain and lag; the maps' models have 0.9 and 0.25 s.
+  static FlightLog rolling(double gain, double lag) {
+    constexpr double kStep = 0.01;
+    FlightLog log;
+    log.source = "rolling.bag";
+    double roll = 0.0;
+    for (int k = 0; k < 6000; ++k) {
+      const double time = kStep * k;
+      const int pulse = static_cast<int>(time / 0.4) % 16;  // 2-1-1 with both signs, and rests
+      const double pattern[] = {1, 1, -1, 1, 0, 0, 0, 0, -1, -1, 1, -1, 0, 0, 0, 0};
+      const double command = 0.2 * pattern[pulse];
+      VehicleState state;
+      state.stamp = time;
+      state.attitude = Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+      log.add(state);
+      FlightLog::Command answer;
+      answer.stamp = time;
+      answer.command.roll = command;
+      log.commands.push_back(answer);
+      roll += (gain * command - roll) * (1.0 - std::exp(-kStep / lag));
+    }
+    return log;
+  }
+
+  ScratchFolder folder_;
+  HandMadeMaps maps_{folder_};
+  MultirotorOptions options_;
+};
+
+TEST_F(Warnings, NoneForAFlightThatFits) {
+  EXPECT_TRUE(validated(syntheticFlight(maps_.axes())).warnings.empty());
+}
+
+TEST_F(Warnings, TellAWrongSign) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  for (FlightLog::Command& command : log.commands) command.command.roll *= -1.0;
+  const ValidationReport report = validated(log);
+  EXPECT_TRUE(has(report, "roll commands are those of the replay with the other sign"));
+  EXPECT_FALSE(has(report, "pitch commands"));
+}
+
+TEST_F(Warnings, TellClocksThatDisagree) {
+  for (const std::size_t samples : {20u, 100u}) {
+    FlightLog log = syntheticFlight(maps_.axes());
+    // what was answered so many samples earlier bears this stamp
+    for (std::size_t k = log.commands.size(); k-- > samples;)
+      log.commands[k].command = log.commands[k - samples].command;
+    const std::string seconds = samples == 20 ? "0.2" : "1";
+    EXPECT_TRUE(has(validated(log), "roll commands come " + seconds + " s after those of the replay"));
+  }
+}
+
+TEST_F(Warnings, TellCommandsThatSomethingLimits) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  double greatest = 0.0;
+  for (const FlightLog::Command& command : log.commands)
+    greatest = std::max(greatest, std::abs(command.command.roll));
+  for (FlightLog::Command& command : log.commands)
+    command.command.roll = std::min(std::max(command.command.roll, -0.2 * greatest), 0.2 * greatest);
+  EXPECT_TRUE(has(validated(log), "something limits them"));
+}
+
+TEST_F(Warnings, TellCommandsOfSomethingElse) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  for (std::size_t k = 0; k < log.commands.size(); ++k)
+    log.commands[k].command.pitch = 0.3 * std::sin(0.37 * static_cast<double>(k));
+  EXPECT_TRUE(has(validated(log), "are not those that these maps give"));
+}
+
+TEST_F(Warnings, TellNorthEastDown) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  for (VehicleState& state : log.odometry)
+    state.position = Eigen::Vector3d(state.position.y(), state.position.x(), -state.position.z());
+  const ValidationReport report = validated(log);
+  EXPECT_TRUE(has(report, "north-east-down"));
+  EXPECT_FALSE(brokenThresholds(report, {}).empty());
+}
+
+// The clock of all stamps is set after three of the ten seconds.
+TEST_F(Warnings, TellAClockThatWasSet) {
+  const ValidationReport whole = validated(syntheticFlight(maps_.axes()));
+  for (const double jump : {1.7e9, 3600.0, -50000.0}) {
+    FlightLog log = syntheticFlight(maps_.axes());
+    const auto set = [jump](double* stamp) { *stamp += *stamp < SyntheticFlight::kStart + 3.0 ? 0.0 : jump; };
+    for (VehicleState& state : log.odometry) set(&state.stamp);
+    for (FlightLog::Command& command : log.commands) set(&command.stamp);
+    for (FlightLog::Status& status : log.statuses) set(&status.stamp);
+    const ValidationReport report = validated(log);
+    EXPECT_TRUE(has(report, "Odometry: after 102.99 s the times jump by ")) << jump;
+    EXPECT_NEAR(report.duration, whole.duration, 0.02) << jump;
+    EXPECT_EQ(report.samples, whole.samples);
+    EXPECT_GT(report.axes[0].windows.size(), 9u);
+    EXPECT_LT(report.axes[0].windows.size(), 13u);
+  }
+}
+
+// The vehicle's loops are identified from the flight, in pieces as long as the flight.
+TEST_F(Warnings, TellAVehicleThatIsNotTheMapsThoughTheClockWasSet) {
+  for (const double jump : {1.7e9, -50000.0}) {
+    FlightLog log = rolling(0.6, 0.25);
+    for (VehicleState& state : log.odometry) state.stamp += state.stamp < 5.0 ? 0.0 : jump;
+    for (FlightLog::Command& command : log.commands) command.stamp += command.stamp < 5.0 ? 0.0 : jump;
+    const ValidationReport report = validate(log, {}, maps_.axes(), options_);
+    EXPECT_TRUE(has(report, "answers its roll command with gain 0.6")) << jump;
+    EXPECT_TRUE(has(report, "the flight is judged in pieces"));
+  }
+}
+
+TEST_F(Warnings, TellAVehicleThatIsNotTheMaps) {
+  const auto of = [&](double gain, double lag) {
+    const FlightLog log = rolling(gain, lag);
+    return validate(log, {}, maps_.axes(), options_);
+  };
+  EXPECT_FALSE(has(of(0.9, 0.25), "another vehicle"));
+  EXPECT_FALSE(has(of(0.95, 0.3), "another vehicle"));
+  EXPECT_TRUE(has(of(0.9, 0.5), "The map is made for another vehicle"));
+  EXPECT_TRUE(has(of(0.6, 0.25), "answers its roll command with gain 0.6"));
+}
+
+}  // namespace
+}  // namespace polyfly

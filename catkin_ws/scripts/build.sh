@@ -1,0 +1,97 @@
+# shellcheck shell=bash
+# The two builds: plain CMake for the tools and the tests without ROS, catkin for everything.
+
+planBuild() {
+  plan configure 5
+  planBuilding "$1" "$2" release
+  planBuilding catkin 120 catkin/build
+}
+
+configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }
+buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
+
+# catkinMake FOLDER ARGUMENT...: the workspace of catkin_ws/src, built under FOLDER so that catkin_ws stays clean.
+catkinMake() {
+  local folder=$1
+  shift
+  # the tests' environment is written on the first configuration, and leaves out what does not exist by then
+  mkdir -p "$folder/src" "$folder/devel/lib/python3/dist-packages"
+  ln -sfn /usr/share/catkin/cmake/toplevel.cmake "$folder/src/CMakeLists.txt"
+  ln -sfn ../../../catkin_ws/src "$folder/src/polyfly"
+  catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
+    -DCMAKE_BUILD_TYPE=Release -DPOLYFLY_WERROR=ON "-j$(jobs_at_once)" -l1000 "$@"
+}
+
+# catkinBuild TARGET...: with the libraries and tools that the plain build has made.
+catkinBuild() {
+  catkinMake build/catkin "-DPOLYFLY_BUILT=$root/build/release" "-DPOLYFLY_BIN_DIR=$root/build/bin" "$@"
+}
+
+# linkRosTools: the tools that need ROS libraries are built by catkin; build/bin points to them.
+linkRosTools() {
+  local tool
+  for tool in build/catkin/devel/lib/calibration/*; do
+    if [ -f "$tool" ] && [ -x "$tool" ] && { [ ! -e "build/bin/${tool##*/}" ] || [ -L "build/bin/${tool##*/}" ]; }; then
+      ln -sfn "../catkin/devel/lib/calibration/${tool##*/}" "build/bin/${tool##*/}"
+    fi
+  done
+}
+
+# buildAll TARGET STEP: the plain target (tools or all) and the workspace.
+buildAll() {
+  own bin
+  own release
+  own catkin
+  step configure "configuring the plain build" configurePreset release
+  step "$2" "building the ROS-free libraries and tools" buildPreset release "$1"
+  step catkin "building the ROS packages" catkinBuild
+  linkRosTools
+}
+
+# inWorkspace COMMAND...: with the environment of the built workspace.
+inWorkspace() {
+  (
+    set +u
+    # shellcheck source=/dev/null
+    . "$root/build/catkin/devel/setup.bash"
+    set -u
+    "$@"
+  )
+}
+
+buildCommand() {
+  planInstall run
+  planBuild tools 60
+  requirePackages run
+  buildAll tools tools
+  say "Built. The tools are in build/bin: $(ls build/bin | tr '\n' ' ')"
+  say "For ROS: source build/catkin/devel/setup.bash"
+}
+
+# catkinIsolated FOLDER: the packages one after the other, each by itself, as `catkin build` does. What is to be seen is
+# that each finds its siblings' headers, messages and libraries, so files are preprocessed only.
+catkinIsolated() {
+  mkdir -p "$1/src"
+  ln -sfn ../../../catkin_ws/src "$1/src/polyfly"
+  (
+    cd "$1"
+    [ -d .catkin_tools ] || catkin init
+    catkin build --no-status --no-color --summary -p 1 "-j$(jobs_at_once)" --cmake-args \
+      -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=Debug \
+      "-DCMAKE_CXX_COMPILER_LAUNCHER=$root/catkin_ws/scripts/preprocess_only.sh" \
+      -DCMAKE_EXE_LINKER_FLAGS=-Wl,--unresolved-symbols=ignore-all
+  )
+}
+
+# The workspace as in a user's own: everything from source, libraries shared.
+workspaceCommand() {
+  planInstall run workspace
+  planBuilding workspace 300 workspace/build
+  plan isolated 120
+  requirePackages run workspace
+  own workspace
+  own isolated
+  step workspace "building the catkin workspace from source alone" catkinMake build/workspace
+  step isolated "seeing that each package finds its siblings in a build of its own" catkinIsolated build/isolated
+  say "2 passed, 0 failed"
+}

@@ -1,0 +1,23 @@
+# shellcheck shell=bash
+# ./run lint: what a reviewer should not have to look for.
+
+# Our C++ files, from git, so that nothing that was built is looked at.
+cppFiles() { git ls-files --cached --others --exclude-standard "$@" | awk '/\.(cpp|hpp)$/'; }
+checkFormat() { cppFiles "$@" | xargs -r clang-format --dry-run --Werror; }
+clangBuild() { configurePreset clang && buildPreset clang all; }
+clangTidy() { configurePreset clang && python3 catkin_ws/scripts/tidy.py build/clang build/tidy "$@"; }
+
+# lintCommand [PATH...]: all, or the format and clang-tidy's findings below these.
+lintCommand() {
+  planInstall run lint
+  plan format 5
+  [ $# -gt 0 ] || planBuilding clang 120 clang
+  plan tidy 30
+  requirePackages run lint
+  own clang
+  own tidy
+  step format "checking the formatting" checkFormat "$@"
+  [ $# -gt 0 ] || step clang "building with clang, every warning an error" clangBuild
+  step tidy "looking with clang-tidy at what changed since it was found clean" clangTidy "$@"
+  say "Nothing found."
+}

@@ -1,0 +1,72 @@
+# shellcheck shell=bash
+# ./run test: unit tests, rostests, the README's commands. ./run sanitize: unit tests under the sanitizers.
+
+# runCtest PRESET [ctest option...]: leaves JUnit and GoogleTest results in build/.run/results/PRESET.
+runCtest() {
+  local preset=$1 results="$root/build/.run/results/$1"
+  shift
+  rm -rf "$results"
+  mkdir -p "$results/gtest"
+  GTEST_OUTPUT="xml:$results/gtest/" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error \
+    --output-junit "$results/ctest.xml" "$@"
+}
+
+# A failing test is counted, not fatal, as long as it left its results.
+runTests() { runCtest "$@" || [ -f "build/.run/results/$1/ctest.xml" ]; }
+
+runRostests() {
+  rm -rf build/catkin/build/test_results
+  catkinBuild tests
+  solveAxes || return
+  solveAxes region_maps/problems/robust build/demo/maps aslquad || return
+  export POLYFLY_MAPS=$root/build/demo/maps
+  # Two at a time: each has a master on a port of its own, and most of them wait for wall time.
+  inWorkspace catkinBuild -j2 run_tests || true
+  [ -d build/catkin/build/test_results ]
+}
+
+# runCheck NAME COMMAND...: leaves the exit status for the count.
+runCheck() {
+  local name=$1 status=0
+  shift
+  mkdir -p build/.run/results
+  "$@" || status=$?
+  echo "$status" > "build/.run/results/$name.status"
+}
+
+testCommand() {
+  planInstall run
+  planBuild all 150
+  plan tests 60
+  plan rostests 170
+  plan readme 60
+  requirePackages run
+  buildAll all all
+  own demo
+  step tests "running the tests" runTests release
+  step rostests "running the tests with ROS nodes" runRostests
+  step readme "running the README's commands" runCheck README test/readme_test.sh
+  python3 catkin_ws/scripts/count_tests.py --ctest build/.run/results/release/ctest.xml build/.run/results/release/gtest \
+    --catkin build/catkin/build/test_results --check README build/.run/results/README.status
+}
+
+sanitizeCommand() {
+  planInstall run
+  planBuilding asan_build 300 asan
+  planBuilding tsan_build 60 tsan
+  plan asan_tests 90
+  plan tsan_tests 30
+  requirePackages run
+  own asan
+  own tsan
+  step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
+  step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests
+  # not again under the sanitizer: the test of ./run, and the reference problems, whose subject is numbers
+  step asan_tests "running the tests under the address and undefined-behaviour sanitizers" \
+    runTests asan -E '^(run_test|reference_problems_test)$'
+  step tsan_tests "running the threaded tests under the thread sanitizer" runTests tsan -L threads
+  python3 catkin_ws/scripts/count_tests.py --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
+    --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest
+}
+
+buildSanitized() { configurePreset "$1" && buildPreset "$@"; }

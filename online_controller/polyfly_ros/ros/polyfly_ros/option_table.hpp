@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "polyfly_base/change_bounds.hpp"
+#include "polyfly_base/range.hpp"
+
+namespace polyfly_ros {
+
+/// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1, or the root
+/// of theirs: a standard deviation where they have a variance.
+struct ForeignName {
+  std::string theirs;
+  std::string ours;
+  double sign = 1.0;
+  double offset = 0.0;
+  bool raises = false;  ///< ours is raised to it, and never lowered
+  bool root = false;
+
+  double toOurs(double value) const { return root ? std::sqrt(std::max(value, 0.0)) : sign * value + offset; }
+  double toTheirs(double value) const { return root ? value * value : (value - offset) * sign; }
+};
+using ForeignNames = std::vector<ForeignName>;
+
+/// Options by name, for dynamic_reconfigure. It is the visitor of the options' lists, so that names, units
+/// and ranges stand in one place. Keeps pointers to the fields.
+class OptionTable {
+ public:
+  struct Option {
+    std::string name;   ///< as of the parameter, below the node's private namespace
+    std::string group;  ///< what comes before the slash
+    std::string unit;
+    polyfly::Range range;
+    std::variant<double*, int*, bool*> field;
+  };
+
+  /// What another program calls an option, or several at once. Its value is that of the first link.
+  struct Alias {
+    struct Link {
+      std::size_t option;  ///< its place in options()
+      ForeignName name;
+    };
+    std::string name;
+    std::vector<Link> links;
+  };
+
+  /// Leaves out the options of these names: they cannot change while the node runs.
+  explicit OptionTable(std::set<std::string> fixed) : fixed_(std::move(fixed)) {}
+
+  void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range) {
+    add(key, &field, unit, range);
+  }
+  void operator()(const char* key, int& field, const char* unit, const polyfly::Range& range) {
+    add(key, &field, unit, range);
+  }
+  void operator()(const char* key, bool& field) { add(key, &field, "", polyfly::anyChange(0.0, 1.0)); }
+
+  const std::vector<Option>& options() const noexcept { return options_; }
+  std::vector<std::string> groups() const;  ///< in the order of the options
+
+  /// nullptr when there is none.
+  const Option* find(const std::string& name) const;
+
+  /// `theirs` stands for `ours` too; nothing without such an option.
+  void alias(const ForeignName& name);
+  const std::vector<Alias>& aliases() const noexcept { return aliases_; }
+  const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }
+  /// How far they may be changed in flight, from the present values.
+  polyfly::ChangeBounds bounds() const;
+
+  /// All values, and putting them back.
+  std::vector<double> values() const;
+  void restore(const std::vector<double>& values);
+
+  /// Clamped to the range. Whether the option has another value now.
+  static bool set(const Option& option, double value);
+  static double get(const Option& option);
+
+ private:
+  void add(const std::string& name, std::variant<double*, int*, bool*> field, const char* unit,
+           const polyfly::Range& range);
+
+  std::set<std::string> fixed_;
+  std::vector<Option> options_;
+  std::vector<Alias> aliases_;
+};
+
+}  // namespace polyfly_ros

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "polyfly_base/range.hpp"
+
+namespace polyfly {
+
+/// The visitor of an option list that throws Error `where: key: rule` on a number that is not finite or out of
+/// its range; without `where: ` where that is empty.
+struct RangeCheck {
+  std::string where;
+
+  void operator()(const char* key, double value, const char* unit, const Range& range) const;
+  void operator()(const char* /*key*/, bool /*value*/) const {}
+};
+
+}  // namespace polyfly

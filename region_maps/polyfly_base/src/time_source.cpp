@@ -1,0 +1,42 @@
+#include "polyfly_base/time_source.hpp"
+
+#include <algorithm>
+
+namespace polyfly {
+
+void TimeSource::advance(double ros, double wall) noexcept {
+  if (ros != ros_) {
+    // The silence so far stays where ROS time begins, begins anew or moves again: what is sent in it goes on.
+    if (by_wall_ || ros_ == 0.0 || ros < ros_) since_ = ros - silence_;
+    since_ = std::min(since_, ros + kStandstill);
+    silence_ = std::max(ros - since_, 0.0);
+    ros_ = ros;
+    heard_ = false;
+    by_wall_ = false;
+    ahead_ = 0.0;
+    return;
+  }
+  if (!simulated_ || !heard_) return;
+  const bool never_came = ros == 0.0;
+  const bool odometry_goes_on = greatest_stamp_ - first_stamp_ >= kStandstill;
+  by_wall_ = wall - first_wall_ >= kStandstill && (never_came || odometry_goes_on);
+  if (!by_wall_) return;
+  silence_ = wall - last_wall_;
+  ahead_ = wall - first_wall_;
+}
+
+void TimeSource::onOdometry(double ros, double wall, double stamp) noexcept {
+  advance(ros, wall);
+  if (!heard_) {
+    heard_ = true;
+    first_wall_ = wall;
+    first_stamp_ = greatest_stamp_ = stamp;
+  }
+  greatest_stamp_ = std::max(greatest_stamp_, stamp);
+  last_wall_ = wall;
+  // The clock that came with this odometry may be on its way still.
+  since_ = simulated_ ? std::clamp(stamp, ros, ros + kStandstill) : ros;
+  silence_ = 0.0;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,335 @@
+#!/usr/bin/env python3
+"""Tests ./run's promises that need no build: usage, what it installs and removes, how it counts.
+
+Commands that it may call (dpkg-query, id, apt-get) are replaced by exported bash functions, so nothing is
+installed. With GTEST_OUTPUT=xml:FOLDER/ the cases are left in FOLDER/run_test.xml.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as xml
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+SCRIPTS = os.path.join(ROOT, "catkin_ws", "scripts")
+
+
+def run(folder, *arguments, functions=None):
+    environment = {"HOME": folder, "PATH": "/usr/bin:/bin"}
+    for name, body in (functions or {}).items():
+        environment[f"BASH_FUNC_{name}%%"] = "() { " + body + " }"
+    return subprocess.run([os.path.join(folder, "run"), *arguments], env=environment, capture_output=True, text=True,
+                          stdin=subprocess.DEVNULL)
+
+
+class TreeCase(unittest.TestCase):
+    """A copy of what ./run needs, in a folder of its own."""
+
+    def setUp(self):
+        self.tree = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.tree)
+        shutil.copy(os.path.join(ROOT, "run"), self.tree)
+        shutil.copytree(SCRIPTS, os.path.join(self.tree, "catkin_ws", "scripts"))
+        for kind in ("bench", "experiments"):
+            shutil.copytree(os.path.join(ROOT, "test", kind), os.path.join(self.tree, "test", kind))
+
+    def path(self, *parts):
+        return os.path.join(self.tree, *parts)
+
+
+class Usage(TreeCase):
+    def test_wrong_command_lines_give_usage_and_2(self):
+        for arguments in ([], ["fly"], ["demo", "twice"], ["clean", "-f"], ["bench", "nosuch"], ["bench", "lookup", "solve"],
+                          ["bench", "../run"], ["experiments", "nosuch"], ["experiments", ""], ["lint", "nosuch"]):
+            result = run(self.tree, *arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn("usage: ./run COMMAND", result.stderr, arguments)
+            self.assertTrue(result.stderr.startswith("run: "), arguments)
+        self.assertFalse(os.path.exists(self.path("build")), "a refused command line leaves nothing behind")
+
+    def test_help_names_every_command(self):
+        result = run(self.tree, "help")
+        self.assertEqual(result.returncode, 0)
+        for command in ("demo", "build", "test", "sanitize", "bench", "experiments", "workspace", "lint", "install", "clean"):
+            self.assertIn(f"\n  {command} ", result.stdout)
+
+
+class Install(TreeCase):
+    def test_installs_nothing_where_nothing_is_missing(self):
+        with open(self.path("catkin_ws", "scripts", "packages.txt")) as file:
+            names = [line.split()[1] for line in file if line.strip() and not line.startswith("#")]
+        installed = "printf '%s\\n' " + " ".join(f"'installed {name}'" for name in names) + ";"
+        result = run(self.tree, "install", functions={"dpkg-query": installed, "apt-get": "touch called; return 1;"})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(os.path.exists(self.path("called")))
+
+    def test_installs_only_what_is_missing(self):
+        with open(self.path("catkin_ws", "scripts", "packages.txt"), "w") as file:
+            file.write("run g++\nrun cmake\nlint clang\n")
+        functions = {"dpkg-query": "echo 'installed g++';", "id": "echo 0;", "apt-get": 'echo "$*" >> called;'}
+        self.assertEqual(run(self.tree, "install", functions=functions).returncode, 0)
+        with open(self.path("called")) as file:
+            self.assertEqual(file.read().split(), "update -q install -q -y --no-install-recommends cmake".split())
+
+    def test_says_what_is_missing_without_root_and_sudo(self):
+        with open(self.path("catkin_ws", "scripts", "packages.txt"), "w") as file:
+            file.write("run cmake\n")
+        functions = {"dpkg-query": ":;", "id": "echo 1000;", "command": '[ "$2" != sudo ];', "apt-get": "touch called;"}
+        result = run(self.tree, "install", functions=functions)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("installing them needs root or sudo: cmake", result.stderr)
+        self.assertFalse(os.path.exists(self.path("called")))
+
+
+class Clean(TreeCase):
+    def test_removes_what_it_made_and_nothing_else(self):
+        for folder in ("build/demo", "build/mine", "build/.run"):
+            os.makedirs(self.path(folder))
+        with open(self.path("build", ".run", "made"), "w") as file:
+            file.write("demo\ndemo\nrelease\n")
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        self.assertEqual(os.listdir(self.path("build")), ["mine"])
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        os.rmdir(self.path("build", "mine"))
+        self.assertEqual(run(self.tree, "clean").returncode, 0)
+        self.assertFalse(os.path.exists(self.path("build")))
+
+
+class Count(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w") as file:
+            file.write(text)
+        return path
+
+    def count(self, *arguments):
+        result = subprocess.run([sys.executable, os.path.join(SCRIPTS, "count_tests.py"), *arguments], capture_output=True,
+                                text=True)
+        self.printed = result.stdout
+        return result.returncode, result.stdout.splitlines()[-1]
+
+    def test_cases_of_programs_are_summed(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="run"/>'
+                           '<testcase name="script" status="run"/></testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testsuite><testcase name="x" status="run"/><testcase name="y" '
+                   'status="run"/><testcase name="z" status="run"><skipped/></testcase></testsuite></testsuites>')
+        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (0, "3 passed, 0 failed, 1 skipped"))
+
+    def test_a_crash_and_a_failed_case_are_failures(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
+                           '<testcase name="b_test" status="fail"><failure/></testcase>'
+                           '<testcase name="c_test" status="fail"><failure/></testcase></testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testcase name="x" status="run"/><testcase name="y"><failure/></testcase>'
+                   '</testsuites>')
+        self.write("g/b_test.xml", '<testsuites><testcase name="x" status="run"/></testsuites>')
+        self.assertEqual(self.count("--ctest", junit, self.folder + "/g"), (1, "2 passed, 3 failed"))
+
+    def test_nothing_run_is_no_success(self):
+        junit = self.write("r/ctest.xml", "<testsuite/>")
+        self.assertEqual(self.count("--ctest", junit, self.folder), (1, "0 passed, 0 failed"))
+
+    def test_a_rostest_is_counted_by_its_programs_cases(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"/></testsuites>')
+        self.write("results/pkg/rosunit-program.xml", '<testsuites><testcase name="x"/><testcase name="y"/></testsuites>')
+        self.write("results/other/gtest-b.xml", '<testsuites><testcase name="z"/></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (0, "3 passed, 0 failed"))
+
+    def test_a_failed_case_of_a_rostest_is_one_failure(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
+        self.write("results/pkg/rosunit-program.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure/>'
+                   '</testcase></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+
+    def test_what_failed_is_named_with_what_it_said(self):
+        junit = self.write("r/ctest.xml", '<testsuite><testcase name="a_test" status="fail"><failure/></testcase>'
+                           '</testsuite>')
+        self.write("g/a_test.xml", '<testsuites><testcase classname="A" name="b" status="run">'
+                   '<failure message="a.cpp:3&#x0A;1 is not 2"/></testcase></testsuites>')
+        self.write("results/pkg/rosunit-p.xml", '<testsuites><testcase name="q"><error>gone</error></testcase></testsuites>')
+        self.count("--ctest", junit, self.folder + "/g", "--catkin", self.folder + "/results")
+        for said in ("  failed: a_test.xml: A b", "  failed:     a.cpp:3", "  failed:     1 is not 2", "rosunit-p.xml:  q",
+                     "  failed:     gone"):
+            self.assertIn(said, self.printed)
+
+    def test_a_rostest_that_crashed_is_a_failure(self):
+        self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results")[0], 1)
+
+    def test_a_single_check_counts_by_its_status(self):
+        good, bad = self.write("good", "0\n"), self.write("bad", "1\n")
+        self.assertEqual(self.count("--check", "a", good), (0, "1 passed, 0 failed"))
+        self.assertEqual(self.count("--check", "a", good, "--check", "b", bad), (1, "1 passed, 1 failed"))
+
+
+class Table(unittest.TestCase):
+    def show(self, rows):
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump(rows, file)
+            file.flush()
+            return subprocess.run([sys.executable, os.path.join(SCRIPTS, "show_table.py"), file.name], capture_output=True,
+                                  text=True)
+
+    def test_rows_are_shown_with_their_peer(self):
+        shown = self.show([{"name": "solve", "value": 1.5, "unit": "s", "peer": "other", "peer_value": 3}])
+        self.assertEqual(shown.returncode, 0)
+        self.assertIn("1.5 s   other: 3", shown.stdout)
+
+    def test_bad_rows_are_refused(self):
+        for rows in ([], {}, [{"name": "a", "value": "1", "unit": "s"}], [{"name": "", "value": 1, "unit": "s"}],
+                     [{"name": "a", "value": 1}], [{"name": "a", "value": 1, "unit": "s", "peer": "b"}]):
+            self.assertNotEqual(self.show(rows).returncode, 0, rows)
+
+
+class Workspace(unittest.TestCase):
+    def test_catkin_ws_holds_relative_links_to_packages_only(self):
+        source = os.path.join(ROOT, "catkin_ws", "src")
+        names = {name for name in os.listdir(source) if name != "CMakeLists.txt"}  # that one is catkin_make's
+        self.assertGreaterEqual(names, {"region_maps", "online_controller", "offline_mpt", "fixedwing_lateral", "calibration",
+                                        "polyfly_launch", "polyfly_test", "mav_msgs"})
+        for name in names:
+            link = os.path.join(source, name)
+            self.assertTrue(os.path.islink(link), name)
+            self.assertTrue(os.readlink(link).startswith("../../"), name)
+            package = xml.parse(os.path.join(link, "package.xml")).getroot()
+            self.assertEqual(package.findtext("name"), name)
+            self.assertEqual(package.findtext("license"), "BSD-3-Clause")
+
+
+class Tidy(TreeCase):
+    """tidy.py with a clang-tidy that notes what it is asked, and complains of a file that says so."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("bin/clang-tidy", "#!/bin/bash\n[ \"$1\" = --version ] && exec echo 14\n"
+                   "echo \"${@: -1}\" >> \"$ASKED\"\n! grep complain \"${@: -1}\"\n")
+        os.chmod(self.path("bin", "clang-tidy"), 0o755)
+        self.write(".clang-tidy", "Checks: all\n")
+        self.write("include/one.hpp", '#include "two.hpp"\n')
+        self.write("include/two.hpp", "")
+        self.write("with.cpp", '#include <vector>\n#include "one.hpp"\n')
+        self.write("without.cpp", "")
+        commands = [{"directory": self.tree, "file": self.path(name), "command": f"c++ -I{self.path('include')} -c {name}"}
+                    for name in ("with.cpp", "without.cpp", "with.cpp")]
+        self.write("build/compile_commands.json", json.dumps(commands))
+
+    def write(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def look(self, *paths):
+        """The status, and the files that were looked at."""
+        asked = self.path("asked")
+        open(asked, "w").close()
+        environment = {"PATH": self.path("bin") + ":/usr/bin:/bin", "ASKED": asked}
+        result = subprocess.run(["/usr/bin/python3", self.path("catkin_ws", "scripts", "tidy.py"), self.path("build"),
+                                 self.path("notes"), *map(self.path, paths)], env=environment, capture_output=True, text=True)
+        with open(asked) as file:
+            return result.returncode, sorted(os.path.basename(line.strip()) for line in file)
+
+    def test_a_clean_file_is_looked_at_once(self):
+        self.assertEqual(self.look(), (0, ["with.cpp", "without.cpp"]))
+        self.assertEqual(self.look(), (0, []))
+        self.write("include/two.hpp", "// changed\n")
+        self.assertEqual(self.look(), (0, ["with.cpp"]))
+        self.write(".clang-tidy", "Checks: more\n")
+        self.assertEqual(self.look("without.cpp"), (0, ["without.cpp"]))
+        self.assertEqual(self.look(), (0, ["with.cpp"]))
+
+    def test_a_finding_fails_until_it_is_mended(self):
+        self.write("without.cpp", "// complain\n")
+        self.assertEqual(self.look(), (1, ["with.cpp", "without.cpp"]))
+        self.assertEqual(self.look(), (1, ["without.cpp"]))
+        self.write("without.cpp", "// mended\n")
+        self.assertEqual(self.look(), (0, ["without.cpp"]))
+
+
+class Pictures(TreeCase):
+    def take(self, headings):
+        line = "M0.004,0.004 L1.004,0.004 L9.004,0.004 L9.504,0.004 "
+        with open(self.path("index.html"), "w") as file:
+            for heading in headings:
+                file.write(f"<section><h2>{heading}</h2><p>caption</p>\n<svg><g a='b'>\n<g></g></g>"
+                           f"<path d='{line}'/><path d='m1,1 L2,2'/></svg></section>\n")
+        return subprocess.run(["/usr/bin/python3", self.path("catkin_ws", "scripts", "pictures.py"), self.path("index.html"),
+                               self.path("pictures")], capture_output=True, text=True)
+
+    def test_pictures_are_taken_without_what_nobody_sees(self):
+        result = self.take(["The flight from above", "Where the flight spent its time", "Look-up time"])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.path("pictures"))), ["coverage.svg", "flight.svg", "latency.svg"])
+        with open(self.path("pictures", "flight.svg")) as file:
+            self.assertEqual(file.read(), "<svg>\n<path d='M0.0,0.0 L9.0,0.0 L9.5,0.0'/>\n<path d='m1,1 L2,2'/>\n</svg>\n")
+
+    def test_a_report_without_a_picture_is_refused(self):
+        result = self.take(["The flight from above"])
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("there is no picture 'Where the flight spent its time'", result.stderr)
+
+
+class Pages(unittest.TestCase):
+    ENDINGS = ("md", "cpp", "hpp", "py", "sh", "launch", "cmake", "msg", "srv", "cfg", "test", "rviz", "svg")
+
+    def test_files_that_the_pages_name_exist(self):
+        files = set()
+        for folder, below, names in os.walk(ROOT):
+            below[:] = [name for name in below if name not in ("build", "devel", "install", "logs", ".git")]
+            files.update(os.path.relpath(os.path.join(folder, name), ROOT) for name in names)
+        checked = 0
+        for page in sorted(name for name in files if name.endswith(".md")):
+            with open(os.path.join(ROOT, page)) as file:
+                text = file.read()
+            for link in re.findall(r"\]\(([^)#:\s]+)\)", text):
+                self.assertTrue(os.path.exists(os.path.join(ROOT, os.path.dirname(page), link)), f"{page}: {link}")
+            for name in re.findall(r"`([\w./-]+\.(?:%s))`" % "|".join(self.ENDINGS), text):
+                if "NAME" in name:
+                    continue
+                end = os.path.normpath(name).lstrip("./")
+                self.assertTrue(any(("/" + file).endswith("/" + end) for file in files), f"{page}: there is no {name}")
+                checked += 1
+        self.assertGreater(checked, 100)
+
+
+class Recorder(unittest.TextTestResult):
+    """Remembers the cases for the result file."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.cases = []
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        self.cases.append(test)
+
+
+def write_results(result, target):
+    bad = {str(test) for test, _ in result.failures + result.errors}
+    suites = xml.Element("testsuites")
+    for test in result.cases:
+        case = xml.SubElement(suites, "testcase", name=str(test), status="run")
+        if str(test) in bad:
+            xml.SubElement(case, "failure")
+    xml.ElementTree(suites).write(target)
+
+
+def main(name):
+    """Runs the cases of the program; also leaves them in a result file where one is asked for."""
+    suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])
+    outcome = unittest.TextTestRunner(resultclass=Recorder).run(suite)
+    place = os.environ.get("GTEST_OUTPUT", "")
+    if place.startswith("xml:"):
+        write_results(outcome, os.path.join(place[4:], name + ".xml"))
+    sys.exit(0 if outcome.wasSuccessful() else 1)
+
+
+if __name__ == "__main__":
+    main("run_test")
