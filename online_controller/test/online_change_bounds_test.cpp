@@ -1,6 +1,4 @@
 // How far options may be changed while commands are sent.
-#include "polyfly_base/change_bounds.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/options.hpp"
+#include "polyfly_base/change_bounds.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace {
