@@ -11,7 +11,6 @@
 namespace polyfly_ros {
 namespace {
 
-using fixedwing_lateral::LateralNmpcConfig;
 using polyfly::Range;
 
 constexpr std::uint32_t kQueue = 10;
@@ -29,38 +28,11 @@ double secondsSince(Clock::time_point start) {
 double wallTime() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
 OptionTable tableOf(polyfly::GuidanceOptions& options) {
-  OptionTable table({});
+  OptionTable table({}, '_');
   polyfly::visitTuning(options.weights, table);
   polyfly::visitLimits(options.limits, table);
   polyfly::visitSafety(options.safety, table);
   return table;
-}
-
-/// Pairs each option with the member of the reconfigurable parameters that has its name.
-template <class Options, class Config, class Pair>
-void pairOptions(Options& options, Config& config, Pair&& pair) {
-  pair(options.weights.track, config.weights_track);
-  pair(options.weights.course, config.weights_course);
-  pair(options.weights.roll, config.weights_roll);
-  pair(options.weights.roll_rate, config.weights_roll_rate);
-  pair(options.weights.roll_reference, config.weights_roll_reference);
-  pair(options.weights.slew, config.weights_slew);
-  pair(options.weights.feedforward, config.weights_feedforward);
-  pair(options.weights.curvature, config.weights_curvature);
-  pair(options.limits.roll_reference, config.limits_roll_reference);
-  pair(options.limits.roll, config.limits_roll);
-  pair(options.limits.roll_penalty, config.limits_roll_penalty);
-  pair(options.safety.state_timeout, config.safety_state_timeout);
-  pair(options.safety.airspeed_timeout, config.safety_airspeed_timeout);
-  pair(options.safety.wind_timeout, config.safety_wind_timeout);
-  pair(options.safety.airspeed_min, config.safety_airspeed_min);
-  pair(options.safety.wind_share_max, config.safety_wind_share_max);
-  pair(options.safety.hysteresis, config.safety_hysteresis);
-  pair(options.safety.jump_distance, config.safety_jump_distance);
-  pair(options.safety.jump_angle, config.safety_jump_angle);
-  pair(options.safety.jump_patience, config.safety_jump_patience);
-  pair(options.safety.hold_time, config.safety_hold_time);
-  pair(options.safety.upwind_gain, config.safety_upwind_gain);
 }
 
 }  // namespace
@@ -105,6 +77,7 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
     : setup_(setup),
       table_(tableOf(setup_.guidance)),
       bounds_(table_.bounds()),
+      reconfigure_(private_handle, table_, [this] { onReconfigure(); }),
       guidance_(setup.guidance, private_handle.getNamespace()),
       diagnostics_(handle, private_handle, private_handle.getNamespace()),
       autopilot_(setup.engaged_modes, setup.autopilot_timeout,
@@ -112,7 +85,6 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
       engaged_(!setup.require_engaged),
       time_(ros::Time::isSimTime()) {
   shown_.reason = polyfly::GuidanceReason::kNone;
-  startReconfigure(private_handle);
   diagnostics_.setHardwareID("none");
   diagnostics_.add("lateral guidance", this, &LateralNode::diagnose);
   connect(handle);
@@ -143,30 +115,12 @@ void LateralNode::connect(ros::NodeHandle& handle) {
                                          [this](const ros::SteadyTimerEvent&) { onTimer(); });
 }
 
-void LateralNode::startReconfigure(const ros::NodeHandle& private_handle) {
-  reconfigure_ =
-      std::make_unique<dynamic_reconfigure::Server<LateralNmpcConfig>>(reconfigure_mutex_, private_handle);
-  LateralNmpcConfig config;
-  pairOptions(setup_.guidance, config, [](double option, double& parameter) { parameter = option; });
-  reconfigure_->updateConfig(config);
-  reconfigure_->setCallback([this](LateralNmpcConfig& changed, std::uint32_t) { onReconfigure(changed); });
-}
-
-// The server has clamped each parameter to its range, unless it is not a number.
-void LateralNode::onReconfigure(LateralNmpcConfig& config) {
-  const polyfly::GuidanceOptions before = setup_.guidance;
+// The table holds the new values, each within its range; where this throws, the server puts the old ones back.
+void LateralNode::onReconfigure() {
   const double now = wallTime();
-  pairOptions(setup_.guidance, config, [](double& option, double parameter) { option = parameter; });
-  try {
-    polyfly::checkGuidance(setup_.guidance, "reconfigure");
-    if (commands_) bounds_.check(table_.values(), now);
-  } catch (const polyfly::Error& error) {
-    setup_.guidance = before;
-    pairOptions(setup_.guidance, config, [](double option, double& parameter) { parameter = option; });
-    ROS_ERROR("reconfigure refused, the values in force stay: %s", error.what());
-    return;
-  }
+  polyfly::checkGuidance(setup_.guidance, "reconfigure");
   if (commands_) {
+    bounds_.check(table_.values(), now);
     bounds_.change(table_.values(), now);
   } else {
     bounds_.settle(table_.values());
@@ -205,6 +159,8 @@ void LateralNode::onTimer() {
     step(now);
   }
   diagnostics_.update();
+  reconfigure_.publish();
+  reconfigure_.writeParameters();
 }
 
 void LateralNode::tellOfClock() {

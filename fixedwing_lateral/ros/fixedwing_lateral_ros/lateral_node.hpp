@@ -1,8 +1,6 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/server.h>
-#include <fixedwing_lateral/LateralNmpcConfig.h>
 #include <fixedwing_lateral/Mission.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <mavros_msgs/State.h>
@@ -12,10 +10,8 @@
 #include <sensor_msgs/Imu.h>
 #include <std_msgs/Bool.h>
 
-#include <boost/thread/recursive_mutex.hpp>
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "fixedwing_lateral/guidance.hpp"
@@ -24,6 +20,7 @@
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_base/time_source.hpp"
 #include "polyfly_ros/option_table.hpp"
+#include "polyfly_ros/reconfigure_server.hpp"
 
 namespace polyfly_ros {
 
@@ -54,7 +51,6 @@ class LateralNode {
   static Setup readSetup(const ros::NodeHandle& private_handle);
   LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup);
   void connect(ros::NodeHandle& handle);
-  void startReconfigure(const ros::NodeHandle& private_handle);
 
   void onOdometry(const nav_msgs::Odometry::ConstPtr& message);
   void onImu(const sensor_msgs::Imu::ConstPtr& message);
@@ -65,7 +61,7 @@ class LateralNode {
   polyfly::TurnPlan turnPlan() const;
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
-  void onReconfigure(fixedwing_lateral::LateralNmpcConfig& config);
+  void onReconfigure();
   void requireFrame(const std::string& frame) const;
   void judgeEarlyMission();
   void tellOfClock();
@@ -80,6 +76,7 @@ class LateralNode {
   Setup setup_;
   OptionTable table_;             // what of setup_ may change
   polyfly::ChangeBounds bounds_;  // of its values
+  ReconfigureServer reconfigure_;
   polyfly::LateralGuidance guidance_;
   ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
   ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
@@ -87,8 +84,6 @@ class LateralNode {
   ros::Timer timer_;
   ros::SteadyTimer wall_timer_;  // where time is simulated, which may stand still
   diagnostic_updater::Updater diagnostics_;
-  boost::recursive_mutex reconfigure_mutex_;
-  std::unique_ptr<dynamic_reconfigure::Server<fixedwing_lateral::LateralNmpcConfig>> reconfigure_;
 
   polyfly::GuidanceInput input_;
   AutopilotWatch autopilot_;

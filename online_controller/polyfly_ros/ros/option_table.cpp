@@ -6,10 +6,12 @@
 
 namespace polyfly_ros {
 
-void OptionTable::add(const std::string& name, std::variant<double*, int*, bool*> field, const char* unit,
-                      const polyfly::Range& range) {
-  if (fixed_.count(name) != 0) return;
-  options_.push_back({name, name.substr(0, name.find('/')), unit, range, field});
+void OptionTable::add(const std::string& parameter, std::variant<double*, int*, bool*> field,
+                      const char* unit, const polyfly::Range& range) {
+  if (fixed_.count(parameter) != 0) return;
+  std::string name = parameter;
+  std::replace(name.begin(), name.end(), '/', separator_);
+  options_.push_back({name, parameter, parameter.substr(0, parameter.find('/')), unit, range, field});
 }
 
 std::vector<std::string> OptionTable::groups() const {
@@ -57,7 +59,7 @@ std::vector<double> OptionTable::values() const {
 
 polyfly::ChangeBounds OptionTable::bounds() const {
   std::vector<polyfly::ChangeBounds::Option> options;
-  for (const Option& option : options_) options.push_back({option.name, option.unit, option.range});
+  for (const Option& option : options_) options.push_back({option.parameter, option.unit, option.range});
   return {std::move(options), values()};
 }
 

@@ -2,7 +2,7 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "polyfly_base/error.hpp"
 
@@ -105,22 +105,24 @@ void ReconfigureServer::take(const OptionTable::Alias& alias, double value) {
 }
 
 void ReconfigureServer::change(const Option& option, double value) {
+  if (std::isnan(value)) throw polyfly::Error(option.parameter + ": must be a number");
   if (OptionTable::set(option, value)) changed_.insert(option.name);
 }
 
 void ReconfigureServer::writeParameters() {
   for (const std::string& name : changed_) {
     const Option* option = table_.find(name);
-    if (auto* const* number = std::get_if<double*>(&option->field)) handle_.setParam(name, **number);
-    if (auto* const* whole = std::get_if<int*>(&option->field)) handle_.setParam(name, **whole);
-    if (auto* const* flag = std::get_if<bool*>(&option->field)) handle_.setParam(name, **flag);
+    if (auto* const* number = std::get_if<double*>(&option->field))
+      handle_.setParam(option->parameter, **number);
+    if (auto* const* whole = std::get_if<int*>(&option->field)) handle_.setParam(option->parameter, **whole);
+    if (auto* const* flag = std::get_if<bool*>(&option->field)) handle_.setParam(option->parameter, **flag);
   }
   changed_.clear();
 }
 
 Config ReconfigureServer::current() const {
   Config all = config(OptionTable::get);
-  all.strs.front().value = note_();
+  if (note_) all.strs.front().value = note_();
   return all;
 }
 
@@ -141,8 +143,10 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
       all.bools.back().value = static_cast<unsigned char>(shown != 0.0);
     }
   };
-  all.strs.emplace_back();
-  all.strs.front().name = note_name_;
+  if (note_) {
+    all.strs.emplace_back();
+    all.strs.front().name = note_name_;
+  }
   for (const Option& option : table_.options()) add(option, option.name, value(option));
   for (const OptionTable::Alias& alias : table_.aliases()) {
     const Option& option = table_.first(alias);
@@ -165,8 +169,9 @@ Config ReconfigureServer::config(const std::function<double(const Option&)>& val
 dynamic_reconfigure::ConfigDescription ReconfigureServer::description() const {
   dynamic_reconfigure::ConfigDescription all;
   all.groups.push_back(makeGroup("Default", 0));
-  all.groups.front().parameters.push_back(
-      describe(note_name_, "str", "what the region maps hold; cannot be changed here"));
+  if (note_)
+    all.groups.front().parameters.push_back(
+        describe(note_name_, "str", "what the region maps hold; cannot be changed here"));
   for (const std::string& name : table_.groups()) {
     Group group = makeGroup(name, static_cast<int>(all.groups.size()));
     for (const Option& option : table_.options()) {

@@ -32,8 +32,9 @@ using ForeignNames = std::vector<ForeignName>;
 class OptionTable {
  public:
   struct Option {
-    std::string name;   ///< as of the parameter, below the node's private namespace
-    std::string group;  ///< what comes before the slash
+    std::string name;       ///< in dynamic_reconfigure
+    std::string parameter;  ///< below the node's private namespace, as `group/name`
+    std::string group;
     std::string unit;
     polyfly::Range range;
     std::variant<double*, int*, bool*> field;
@@ -49,8 +50,10 @@ class OptionTable {
     std::vector<Link> links;
   };
 
-  /// Leaves out the options of these names: they cannot change while the node runs.
-  explicit OptionTable(std::set<std::string> fixed) : fixed_(std::move(fixed)) {}
+  /// Leaves out the options of these parameters: they cannot change while the node runs. In
+  /// dynamic_reconfigure the slash of a parameter is replaced by `separator`.
+  explicit OptionTable(std::set<std::string> fixed, char separator = '/')
+      : fixed_(std::move(fixed)), separator_(separator) {}
 
   void operator()(const char* key, double& field, const char* unit, const polyfly::Range& range) {
     add(key, &field, unit, range);
@@ -82,10 +85,11 @@ class OptionTable {
   static double get(const Option& option);
 
  private:
-  void add(const std::string& name, std::variant<double*, int*, bool*> field, const char* unit,
+  void add(const std::string& parameter, std::variant<double*, int*, bool*> field, const char* unit,
            const polyfly::Range& range);
 
   std::set<std::string> fixed_;
+  char separator_;
   std::vector<Option> options_;
   std::vector<Alias> aliases_;
 };

@@ -27,9 +27,9 @@ class ReconfigureServer {
   /// A text that goes with every answer.
   using Note = std::function<std::string()>;
 
-  /// Serves on the queue of `private_handle`. `note_name`: under which the note is shown.
+  /// Serves on the queue of `private_handle`. `note_name`: under which the note is shown, if there is one.
   ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
-                    std::string note_name, Note note);
+                    std::string note_name = "", Note note = {});
 
   void hasChanged() noexcept { told_ = false; }  ///< values, from elsewhere
   void publish();                                ///< the values, if they changed since the last call
