@@ -21,6 +21,7 @@ foreach(node multirotor_plant figure_player flight_recorder latency_probe reconf
   install(TARGETS ${node}_node DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endforeach()
 install(TARGETS polyfly_test_ros LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
+catkin_install_python(PROGRAMS ros/end_of_flight.py DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
 # End to end, over real topics; POLYFLY_MAPS must name the folder of the solved maps, aslquad_*.map among them.

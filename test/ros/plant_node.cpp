@@ -73,7 +73,6 @@ void PlantNode::readSettings(const ros::NodeHandle& private_nh) {
       static_cast<int>(readNumber(private_nh, "odometry_subscribers", s.odometry_subscribers, 0.0, 100.0));
   s.status_lag = static_cast<int>(readNumber(private_nh, "status_lag", s.status_lag, 0.0, 1000.0));
   private_nh.param("recorder", s.recorder, s.recorder);
-  private_nh.param("shutdown_when_done", s.shutdown_when_done, s.shutdown_when_done);
   private_nh.param("frame", s.frame, s.frame);
   private_nh.param("body_frame", s.body_frame, s.body_frame);
 }
@@ -151,8 +150,6 @@ void PlantNode::run() {
     }
   } catch (const polyfly::Error& error) {
     ROS_FATAL_STREAM("plant: " << error.what());
-  }
-  if (settings_.shutdown_when_done) {
     ros::requestShutdown();
   }
 }
@@ -188,6 +185,7 @@ bool PlantNode::waitForStart() {
     if (secondsSince(begin) > settings_.start_timeout) {
       ROS_FATAL_STREAM("plant: no flight, after " << settings_.start_timeout
                                                   << " s there is still missing: " << missing);
+      ros::requestShutdown();
       return false;
     }
     pause(kPollTime);

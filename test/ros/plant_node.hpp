@@ -43,7 +43,6 @@ class PlantNode {
     int odometry_subscribers = 1;           // needed for the start
     int status_lag = 0;                     // samples that the statuses may be behind; 0: not listened to
     bool recorder = false;                  // wait for recorder/ready and recorder/closed
-    bool shutdown_when_done = false;
     std::string frame = "world";
     std::string body_frame = "base_link";
   };
