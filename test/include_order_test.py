@@ -19,7 +19,7 @@ OFFLINE_HEADERS = {
     "vector_text": "support",
     "exact_lp": "lp", "polytope": "lp",
     "partition": "program",
-    "explore_options": "explore/sets", "team": "explore/parallel", "explore": "explore",
+    "explore_options": "explore/sets", "process_group": "explore/parallel", "explore": "explore",
     "encode": "tree", "search_tree": "tree",
     "count": "count",
     "reduce": "reduce",

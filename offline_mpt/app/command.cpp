@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "mpi_team.hpp"
+#include "mpi_group.hpp"
 #include "polyfly_base/write_file.hpp"
 
 namespace polyfly {

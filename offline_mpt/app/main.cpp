@@ -1,6 +1,6 @@
 
 #include "command.hpp"
-#include "mpi_team.hpp"
+#include "mpi_group.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 
 namespace {

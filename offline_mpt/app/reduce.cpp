@@ -102,7 +102,7 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
       attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
                                       options.quiet, !options.certificate.empty());
       if (attempt.report.passed()) return attempt;
-      if (!mendLeaves(result.content, attempt.report)) break;
+      if (!repairLeaves(result.content, attempt.report)) break;
     }
   }
   return attempt;

@@ -9,10 +9,10 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpi_team.hpp"
+#include "mpi_group.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "offline_mpt/team.hpp"
+#include "offline_mpt/process_group.hpp"
 #include "offline_mpt/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
@@ -73,38 +73,38 @@ bool exists(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0;
 }
 
-/// The other processes of an MPI launcher, if any. Whatever happens, they are dismissed and waited for.
+/// The other processes of an MPI launcher, if any. Whatever happens, they are shut_down and waited for.
 class Session {
  public:
-  Session() : team_(joinTeam()) {}
+  Session() : group_(joinGroup()) {}
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session() { leave(); }
 
-  MpiTeam* team() const { return team_.get(); }
-  int processes() const { return team_ ? team_->size() : 1; }
+  MpiGroup* group() const { return group_.get(); }
+  int processes() const { return group_ ? group_->size() : 1; }
   void leave() {
-    if (!team_ || left_) return;
+    if (!group_ || left_) return;
     left_ = true;
-    if (team_->rank() == 0) team_->dismiss();
-    team_->leave();
+    if (group_->rank() == 0) group_->shutDown();
+    group_->leave();
   }
   /// One of them is lost: there is nothing to wait for.
   void abort() {
     left_ = true;
-    team_->abort(static_cast<int>(ExitCode::kStopped));
+    group_->abort(static_cast<int>(ExitCode::kStopped));
   }
 
  private:
-  std::unique_ptr<MpiTeam> team_;
+  std::unique_ptr<MpiGroup> group_;
   bool left_ = false;
 };
 
-Partition exploreWithProgress(const ParametricProgram& program, const Options& options, Team* team) {
+Partition exploreWithProgress(const ParametricProgram& program, const Options& options, ProcessGroup* group) {
   ExploreOptions explore_options = options.explore;
   explore_options.stop = &stopOnSignal(NextSignal::kIsTaken, options.time_limit);
   explore_options.checkpoint = checkpointOf(options);
-  explore_options.team = team;
+  explore_options.group = group;
   Progress progress(options.quiet);
   Forecast forecast;
   explore_options.progress = [&](const ExploreProgress& state) {
@@ -302,7 +302,7 @@ ExitCode lead(const Options& options, Session& session) {
   Seconds seconds;
   const ParametricProgram program = loadProgram(options.problem);
   seconds.load = watch.lap();
-  const Partition partition = exploreWithProgress(program, options, session.team());
+  const Partition partition = exploreWithProgress(program, options, session.group());
   seconds.explore = watch.lap();
   reportStop(options, partition);
   reportUnbounded(options, partition);
@@ -340,23 +340,23 @@ ExitCode lead(const Options& options, Session& session) {
 
 // A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
 // signal to all of them must leave process 0 the time to save.
-ExitCode assist(const Options& options, MpiTeam& team) {
+ExitCode assist(const Options& options, MpiGroup& group) {
   ignoreSignals();
   ParametricProgram program;
   try {
     if (isRobustFile(options.problem)) return ExitCode::kDone;  // process 0 solves it alone
     program = loadProgram(options.problem);
   } catch (const Error& error) {
-    declineExploration(error.what(), team);
+    reportFailure(error.what(), group);
     return ExitCode::kBadInput;
   }
-  assistExploration(program, options.explore, team);
+  runWorkerProcess(program, options.explore, group);
   return ExitCode::kDone;
 }
 
 ExitCode solve(const Options& options) {
   Session session;
-  if (session.team() != nullptr && session.team()->rank() > 0) return assist(options, *session.team());
+  if (session.group() != nullptr && session.group()->rank() > 0) return assist(options, *session.group());
   return lead(options, session);
 }
 

@@ -84,7 +84,7 @@ class Certificate {
   std::vector<Row> coveringRows(const Region& region, bool of_sliver) const;
   const Region& checkedRegion(std::size_t index) const;
   void checkPoint(const Claim& claim, const Region& region) const;
-  void checkClosing(std::size_t index, const Region& region, std::size_t facet) const;
+  void checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const;
   void checkSliver(std::size_t index, const Region& region) const;
   void checkEdge(Line& line, const Row& plane) const;
   void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;

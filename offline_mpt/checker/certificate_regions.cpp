@@ -131,7 +131,7 @@ const Region& Certificate::checkedRegion(std::size_t index) const {
 }
 
 /// What lies behind a facet: the domain's edge, the edge of the feasible set, one region, or several.
-void Certificate::checkClosing(std::size_t index, const Region& region, std::size_t facet) const {
+void Certificate::checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const {
   Line line(claims_[index].closings[facet]);
   const Row& plane = region.listed[facet];
   const std::string kind = line.word();
@@ -249,7 +249,8 @@ void Certificate::check() const {
     try {
       const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
-      for (std::size_t facet = 0; facet < region.listed.size(); ++facet) checkClosing(index, region, facet);
+      for (std::size_t facet = 0; facet < region.listed.size(); ++facet)
+        checkFacetCover(index, region, facet);
       if (claims_[index].is_sliver) {
         checkSliver(index, region);
       } else {

@@ -104,7 +104,8 @@ class BruteForce {
     for (int row = 0; row < program_.rowCount(); ++row) {
       const Eigen::VectorXd slope = (program_.A.row(row) * region.K - program_.S.row(row)).transpose();
       const double bound = program_.b[row] - program_.A.row(row).dot(region.k);
-      if (slope.cwiseProduct(half_).norm() < kFlat && std::abs(bound - slope.dot(middle_)) < kFlat) {
+      if (slope.cwiseProduct(half_).norm() < kLowerDimensional &&
+          std::abs(bound - slope.dot(middle_)) < kLowerDimensional) {
         region.rows.push_back(row);
       } else {
         rows.push_back(slope);
@@ -131,8 +132,8 @@ class BruteForce {
       const Eigen::VectorXd scaled = row.cwiseProduct(half_);
       const double bound = bounds[static_cast<std::size_t>(i)] - row.dot(middle_);
       const double norm = scaled.norm();
-      if (norm < kFlat) {  // does not depend on theta
-        if (bound < -kFlat) return false;
+      if (norm < kLowerDimensional) {  // does not depend on theta
+        if (bound < -kLowerDimensional) return false;
         A.row(i).setZero();
         continue;
       }
@@ -150,7 +151,7 @@ class BruteForce {
     return true;
   }
 
-  static constexpr double kFlat = 1e-10;  // numbers below this are zero
+  static constexpr double kLowerDimensional = 1e-10;  // numbers below this are zero
 
   const ParametricProgram& program_;
   const double least_radius_;

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "arithmetic/exact_numbers.hpp"
-#include "certify/exact_proof.hpp"
-#include "certify/exact_weights.hpp"
+#include "certify/farkas_proof.hpp"
+#include "certify/multipliers.hpp"
 #include "map_in_memory.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mutation.hpp"
@@ -77,7 +77,7 @@ TEST(LongRows, ConstantsBeyondDoublesAreDecidedWithoutRounding) {
   const Interior none = findInterior({&broken, &side}, nullptr, 2);
   EXPECT_FALSE(none.exists);
   EXPECT_TRUE(provesEmpty(none.proof, {&broken, &side}, nullptr));
-  ExactGuess solver(2);
+  FloatLp solver(2);
   EXPECT_TRUE(implies({&side}, slack, solver).holds);
   EXPECT_FALSE(implies({&side}, broken, solver).holds);
 }

@@ -57,7 +57,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kPerRegion = 2000.0;                     // [bytes] promised at 4 parameters
-constexpr std::int64_t kBesides = std::int64_t{1} << 20;  // workers, chunks, the scaled program
+constexpr std::int64_t kBesides = std::int64_t{1} << 20;  // workers, batches, the scaled program
 
 TEST(ExploreMemory, IsWhatTheHeapHolds) {
   const ParametricProgram program = randomProgram(12, 40, 4, 2);

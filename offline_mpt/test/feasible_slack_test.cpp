@@ -13,7 +13,7 @@ namespace polyfly {
 namespace {
 
 // max s: a_i z / |a_i| + s <= (S (t, 1))_i / |a_i|
-double slackByGlpk(const LeastDistance& program, const Eigen::VectorXd& t) {
+double slackByGlpk(const NormalisedProgram& program, const Eigen::VectorXd& t) {
   Eigen::VectorXd t1(t.size() + 1);
   t1 << t, 1.0;
   const Eigen::VectorXd length = program.A.rowwise().norm();
@@ -32,7 +32,7 @@ TEST(FeasibleSlack, IsThatOfGlpk) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     ParametricProgram program = randomProgram(2 + static_cast<int>(seed % 4), 14, 3, seed);
     program.S *= 4.0;  // so that the box reaches beyond the feasible set
-    const LeastDistance scaled = toLeastDistance(program);
+    const NormalisedProgram scaled = normalise(program);
     const Eigen::VectorXd t = Eigen::VectorXd::Random(3);
     const std::optional<double> slack = feasibleSlack(scaled, t);
     ASSERT_TRUE(slack.has_value());
@@ -49,7 +49,7 @@ TEST(FeasibleSlack, IsThatOfGlpk) {
 }
 
 TEST(FeasibleSlack, SaysWhenItCannotTell) {
-  const LeastDistance scaled = toLeastDistance(randomProgram(13, 20, 2, 1));
+  const NormalisedProgram scaled = normalise(randomProgram(13, 20, 2, 1));
   EXPECT_FALSE(feasibleSlack(scaled, Eigen::VectorXd::Zero(2)).has_value());
 }
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "explore/region/describe.hpp"
+#include "explore/region/compute_region.hpp"
 #include "made_program.hpp"
 
 namespace polyfly {
@@ -16,7 +16,7 @@ using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 /// Just behind where the way from the centre to the point beyond crosses the facet.
-LongVector behindCrossing(const LeastDistance& program, const RegionData& region, const Facet& facet) {
+LongVector behindCrossing(const NormalisedProgram& program, const Region& region, const Facet& facet) {
   constexpr long double kStep = 1e-7L;
   LongVector probe(program.p + 1), way(program.p);
   for (int j = 0; j < program.p; ++j) way(j) = facet.beyond[j] - region.centre[j];
@@ -27,7 +27,7 @@ LongVector behindCrossing(const LeastDistance& program, const RegionData& region
 }
 
 /// The Karush-Kuhn-Tucker conditions at t = `probe`, (t, 1): solved for the active rows, none violated.
-bool isOptimal(const LeastDistance& program, const ActiveSet& active, const LongVector& probe) {
+bool isOptimal(const NormalisedProgram& program, const ActiveSet& active, const LongVector& probe) {
   const auto k = static_cast<Eigen::Index>(active.size());
   const LongMatrix A = program.A.cast<long double>();
   const LongVector bound = program.S.cast<long double>() * probe;
@@ -52,14 +52,14 @@ struct Crossed {
 };
 
 /// Walks over all regions and looks behind each facet.
-Crossed crossAll(const LeastDistance& program) {
-  Worker worker(program, ExploreOptions{});
+Crossed crossAll(const NormalisedProgram& program) {
+  RegionSolver worker(program, ExploreOptions{});
   Crossed crossed;
   ActiveSet first;
   if (!findStart(program, Eigen::VectorXd::Zero(program.p), worker, first)) return crossed;
   std::set<ActiveSet> found{first};
   std::vector<ActiveSet> open{first};
-  RegionData region;
+  Region region;
   while (!open.empty()) {
     const ActiveSet active = open.back();
     open.pop_back();
@@ -87,7 +87,7 @@ TEST(Neighbours, TheLikeliestBeginsBehindTheCrossing) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const ProgramSize size{2 + static_cast<int>(seed % 2), 10 + static_cast<int>(seed % 5),
                            2 + static_cast<int>(seed % 3)};
-    const Crossed crossed = crossAll(toLeastDistance(madeProgram(seed, size)));
+    const Crossed crossed = crossAll(normalise(madeProgram(seed, size)));
     all.exchanges += crossed.exchanges;
     all.degenerate += crossed.degenerate;
   }
@@ -104,7 +104,7 @@ TEST(Neighbours, NearTiesAreLeftInDoubtOrRight) {
     program.A.row(1) = program.A.row(0) + distance * program.A.row(2);
     program.b(1) = program.b(0) + 0.3 * distance;
     program.S.row(1) = program.S.row(0);
-    exchanges += crossAll(toLeastDistance(program)).exchanges;
+    exchanges += crossAll(normalise(program)).exchanges;
   }
   EXPECT_GT(exchanges, 300);
 }

@@ -17,7 +17,7 @@
 #include "random.hpp"
 #include "random_program.hpp"
 #include "reference_problems.hpp"
-#include "verify/exact_arbiter.hpp"
+#include "verify/exact_optimality_check.hpp"
 
 namespace polyfly {
 namespace {
@@ -354,7 +354,7 @@ INSTANTIATE_TEST_SUITE_P(All, VerifyReference,
 
 // The last word where oracle and map differ: only the active set that is optimal at a parameter convinces it.
 TEST_F(Verify, ArbiterIsConvincedByTheOptimalActiveSetOnly) {
-  ExactArbiter arbiter(program);
+  ExactOptimalityCheck arbiter(program);
   for (const CriticalRegion& region : partition.regions) {
     Eigen::VectorXd u;
     ASSERT_TRUE(arbiter.optimal(region.centre, region.active, u));

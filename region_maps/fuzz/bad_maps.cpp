@@ -4,9 +4,9 @@
 #include <functional>
 #include <limits>
 
-#include "made_map.hpp"
 #include "region_maps/format.hpp"
 #include "region_maps/write_map.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -28,7 +28,7 @@ Header headerOf(const Bytes& bytes) {
 void setHeader(Bytes& bytes, const Header& header) { std::memcpy(bytes.data(), &header, sizeof(header)); }
 
 /// The small map under change. Numbers are put `index` numbers of their own size after the section's start.
-struct Patient {
+struct MapMutation {
   Bytes bytes = layOut(makeSmallMap());
   Header header = headerOf(bytes);
 
@@ -44,16 +44,16 @@ struct Patient {
   }
 };
 
-using Change = std::function<void(Patient&)>;
+using Change = std::function<void(MapMutation&)>;
 
 /// A change of the header alone.
 Change inHeader(const std::function<void(Header&)>& change) {
-  return [change](Patient& patient) { change(patient.header); };
+  return [change](MapMutation& patient) { change(patient.header); };
 }
 
 template <typename T>
 Change put(Section section, std::size_t index, T value) {
-  return [=](Patient& patient) { patient.put(section, index, value); };
+  return [=](MapMutation& patient) { patient.put(section, index, value); };
 }
 
 struct Rule {
@@ -65,7 +65,7 @@ struct Rule {
 std::vector<BadMap> apply(const std::vector<Rule>& rules) {
   std::vector<BadMap> maps;
   for (const Rule& rule : rules) {
-    Patient patient;
+    MapMutation patient;
     rule.change(patient);
     setHeader(patient.bytes, patient.header);
     repairFrame(patient.bytes);
@@ -126,31 +126,31 @@ std::vector<Rule> sectionRules() {
       {"text_vast", "section text: reaches beyond the end", count(format::kText, kVast)},
       {"section_short", "must start at byte", count(format::kPlanes, 0)},
       {"bounds_count", "section bounds: must have one element for each",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          // One fewer, and the following section stays where it is.
          patient.header.sections[format::kBounds].count = 2;
          patient.put(format::kBounds, 4, 0.0);
          patient.put(format::kBounds, 5, 0.0);
        }},
       {"early_end", "the sections end at byte",
-       [](Patient& patient) { patient.bytes.resize(patient.bytes.size() + 64); }},
+       [](MapMutation& patient) { patient.bytes.resize(patient.bytes.size() + 64); }},
       {"padding_between", "the bytes before section bounds must be zero",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          patient.bytes[patient.header.sections[format::kBounds].offset - 1] = std::byte{1};
        }},
       {"padding_after", "the bytes after the last section must be zero",
-       [](Patient& patient) { patient.bytes.back() = std::byte{0x80}; }},
+       [](MapMutation& patient) { patient.bytes.back() = std::byte{0x80}; }},
   };
 }
 
 std::vector<Rule> textRules() {
   const auto text = [](const std::string& before, const std::string& after) {
-    return [=](Patient& patient) { patient.putText(before, after); };
+    return [=](MapMutation& patient) { patient.putText(before, after); };
   };
   const std::string zero(1, '\0');
   return {
       {"text_open", "the last string has no end",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          patient.put(format::kText, patient.header.sections[format::kText].count - 1, 'x');
        }},
       {"text_more", "section text: more strings than 11", text("horizon", zero)},
@@ -165,7 +165,7 @@ std::vector<Rule> textRules() {
             "theta\x7f"
             "0")},
       {"signal_nameless", "parameter 0: has no name",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          // Its unit grows by what the name loses, so that the number of strings stays.
          patient.putText("theta_0" + std::string(1, '\0') + "m", std::string(1, '\0') + "heta_0mm");
        }},
@@ -179,13 +179,13 @@ std::vector<Rule> numberRules() {
       {"bound_swapped", "parameter 1: lower must not exceed upper", put(format::kBounds, 2, 3.0)},
       {"bound_infinite", "parameter 1: bounds must be finite", put(format::kBounds, 3, kInfinity)},
       {"bound_huge", "parameter 0: bounds must be finite",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          patient.put(format::kBounds, 0, -kHuge);
          patient.put(format::kBounds, 1, kHuge);
        }},
       {"input_bound_nan", "input 0: lower must not exceed upper", put(format::kBounds, 5, kNan)},
       {"input_bound_void", "input 0: no value lies between its bounds",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          patient.put(format::kBounds, 4, kInfinity);
          patient.put(format::kBounds, 5, kInfinity);
        }},
@@ -213,7 +213,7 @@ std::vector<Rule> regionRules() {
        inHeader([](Header& h) { h.first_fallback = 4; })},
       {"active_negative", "active row 1: must not be negative", put(format::kActive, 1, -1)},
       {"no_region", "section regions: must not be empty",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          MapContent map = makeSmallMap();
          patient.bytes = layOut(map);
          // Zero the section and move what follows up: only the header can say "none".
@@ -250,7 +250,7 @@ std::vector<Rule> treeRules() {
       {"leaf_first", "leaf 0: reaches beyond section candidates", put(format::kLeaves, 0, 0xffffffffu)},
       {"leaf_count", "leaf 3: reaches beyond section candidates", put(format::kLeaves, 7, 2u)},
       {"fallback_first", "leaf 0: a fallback region comes before an ordinary one",
-       [](Patient& patient) {
+       [](MapMutation& patient) {
          patient.header.first_fallback = 2;
          patient.put(format::kLeaves, 1, 2u);
          patient.put(format::kCandidates, 0, 3u);

@@ -5,9 +5,9 @@
 #include <iostream>
 
 #include "bad_maps.hpp"
-#include "made_map.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
+#include "synthetic_map.hpp"
 
 namespace {
 

@@ -7,9 +7,9 @@
 
 #include "../src/check_map.hpp"
 #include "bad_maps.hpp"
-#include "made_map.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

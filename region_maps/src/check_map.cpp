@@ -46,9 +46,9 @@ bool hasControl(std::string_view text) noexcept {
 }
 
 /// One map under examination, with its sections as pointers.
-class Examiner {
+class MapValidator {
  public:
-  Examiner(const void* data, std::size_t size, const std::string& name)
+  MapValidator(const void* data, std::size_t size, const std::string& name)
       : bytes_(static_cast<const unsigned char*>(data)),
         size_(size),
         header_(*static_cast<const Header*>(data)),
@@ -85,7 +85,7 @@ class Examiner {
   const std::string& name_;
 };
 
-void Examiner::checkHeader() const {
+void MapValidator::checkHeader() const {
   if (header_.parameters < 1 || header_.parameters > format::kMaxSignals) {
     fail("header: parameters must be 1 to 256, got " + std::to_string(header_.parameters));
   }
@@ -106,7 +106,7 @@ void Examiner::checkHeader() const {
   checkZero(offsetof(Header, reserved), offsetof(Header, sections), "the reserved bytes of the header");
 }
 
-void Examiner::checkSections() const {
+void MapValidator::checkSections() const {
   // The place of every section follows from the counts, so overlaps and gaps need no test of their own.
   std::uint64_t end = sizeof(Header);
   for (std::size_t i = 0; i < format::kSectionCount; ++i) {
@@ -133,13 +133,13 @@ void Examiner::checkSections() const {
   }
 }
 
-void Examiner::checkZero(std::uint64_t first, std::uint64_t end, const std::string& where) const {
+void MapValidator::checkZero(std::uint64_t first, std::uint64_t end, const std::string& where) const {
   if (std::any_of(bytes_ + first, bytes_ + end, [](unsigned char byte) { return byte != 0; })) {
     fail(where + " must be zero");
   }
 }
 
-std::vector<std::string_view> Examiner::checkText() const {
+std::vector<std::string_view> MapValidator::checkText() const {
   const std::size_t expected = format::kTextCount + 2 * (std::size_t{header_.parameters} + header_.inputs);
   std::string_view rest(start<char>(format::kText), count(format::kText));
   std::vector<std::string_view> texts;
@@ -164,7 +164,7 @@ std::vector<std::string_view> Examiner::checkText() const {
   return texts;
 }
 
-void Examiner::checkSignalNames(const std::vector<std::string_view>& texts) const {
+void MapValidator::checkSignalNames(const std::vector<std::string_view>& texts) const {
   const auto check = [&](const char* kind, std::size_t first, std::size_t amount) {
     for (std::size_t i = 0; i < amount; ++i) {
       const std::string_view name = texts[first + 2 * i];
@@ -178,7 +178,7 @@ void Examiner::checkSignalNames(const std::vector<std::string_view>& texts) cons
   check("input", format::kTextCount + 2 * std::size_t{header_.parameters}, header_.inputs);
 }
 
-void Examiner::checkNumbers() const {
+void MapValidator::checkNumbers() const {
   const std::uint64_t p = header_.parameters;
   const Bounds* const bounds = start<Bounds>(format::kBounds);
   for (std::uint64_t i = 0; i < count(format::kBounds); ++i) {
@@ -197,7 +197,7 @@ void Examiner::checkNumbers() const {
   if (count(format::kLaws) == 0) fail("section laws: must not be empty");
 }
 
-void Examiner::checkFinite(Section section, std::uint64_t numbers) const {
+void MapValidator::checkFinite(Section section, std::uint64_t numbers) const {
   const double* const values = start<double>(section);
   for (std::uint64_t i = 0; i < count(section) * numbers; ++i) {
     if (!std::isfinite(values[i])) {
@@ -207,13 +207,13 @@ void Examiner::checkFinite(Section section, std::uint64_t numbers) const {
   }
 }
 
-void Examiner::checkRange(const Owner& owner, std::uint64_t first, std::uint64_t amount,
-                          Section section) const {
+void MapValidator::checkRange(const Owner& owner, std::uint64_t first, std::uint64_t amount,
+                              Section section) const {
   if (first + amount > count(section))
     fail(owner + (std::string(": reaches beyond section ") + kSectionNames[section]));
 }
 
-void Examiner::checkRegions() const {
+void MapValidator::checkRegions() const {
   if (count(format::kRegions) == 0) fail("section regions: must not be empty");
   const Region* const regions = start<Region>(format::kRegions);
   for (std::uint64_t i = 0; i < count(format::kRegions); ++i) {
@@ -240,7 +240,7 @@ void Examiner::checkRegions() const {
   }
 }
 
-void Examiner::checkLeaves() const {
+void MapValidator::checkLeaves() const {
   if (count(format::kLeaves) == 0) fail("section leaves: must not be empty");
   const Leaf* const leaves = start<Leaf>(format::kLeaves);
   for (std::uint64_t i = 0; i < count(format::kLeaves); ++i) {
@@ -254,7 +254,7 @@ void Examiner::checkLeaves() const {
 }
 
 /// Within a leaf ordinary regions come first.
-void Examiner::checkPriority() const {
+void MapValidator::checkPriority() const {
   const Leaf* const leaves = start<Leaf>(format::kLeaves);
   const std::uint32_t* const candidates = start<std::uint32_t>(format::kCandidates);
   // Leaves may overlap: running counts keep the time linear in the size of the file.
@@ -271,7 +271,7 @@ void Examiner::checkPriority() const {
 }
 
 /// Half-spaces tested at each leaf if no candidate but the last holds theta.
-std::vector<std::uint64_t> Examiner::leafRowCounts() const {
+std::vector<std::uint64_t> MapValidator::leafRowCounts() const {
   const Region* const regions = start<Region>(format::kRegions);
   const Leaf* const leaves = start<Leaf>(format::kLeaves);
   const std::uint32_t* const candidates = start<std::uint32_t>(format::kCandidates);
@@ -287,7 +287,7 @@ std::vector<std::uint64_t> Examiner::leafRowCounts() const {
   return rows;
 }
 
-void Examiner::checkChild(const Owner& owner, std::uint32_t child, std::uint64_t least_node) const {
+void MapValidator::checkChild(const Owner& owner, std::uint32_t child, std::uint64_t least_node) const {
   const std::uint32_t index = child & ~MapContent::kLeaf;
   if ((child & MapContent::kLeaf) != 0) {
     if (index >= count(format::kLeaves)) fail(owner + ": leaf " + std::to_string(index) + " does not exist");
@@ -298,7 +298,7 @@ void Examiner::checkChild(const Owner& owner, std::uint32_t child, std::uint64_t
 }
 
 /// The greatest cost of the paths seen so far. [nodes, half-spaces]
-struct Examiner::Path {
+struct MapValidator::Path {
   std::uint64_t depth = 0;
   std::uint64_t checks = 0;
   std::uint64_t both = 0;
@@ -310,7 +310,7 @@ struct Examiner::Path {
   }
 };
 
-LookupCost Examiner::checkTree() const {
+LookupCost MapValidator::checkTree() const {
   constexpr std::uint32_t kUnreached = 0;
   const std::vector<std::uint64_t> leaf_rows = leafRowCounts();
   const Node* const nodes = start<Node>(format::kNodes);
@@ -375,7 +375,7 @@ void checkFrame(const void* data, std::size_t size, const std::string& name) {
 }
 
 MapFacts checkStructure(const void* data, std::size_t size, const std::string& name) {
-  const Examiner examiner(data, size, name);
+  const MapValidator examiner(data, size, name);
   MapFacts facts;
   examiner.checkHeader();
   examiner.checkSections();

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "bad_maps.hpp"
-#include "made_map.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

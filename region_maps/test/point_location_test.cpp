@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "allocations.hpp"
-#include "made_map.hpp"
 #include "region_maps/region_map.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "made_map.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

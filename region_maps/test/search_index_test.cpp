@@ -9,7 +9,7 @@
 
 #include "../src/index_kernel.hpp"
 #include "../src/lanes.hpp"
-#include "made_map.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

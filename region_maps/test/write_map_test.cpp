@@ -13,10 +13,10 @@
 #include <functional>
 #include <limits>
 
-#include "made_map.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "scratch_folder.hpp"
+#include "synthetic_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -118,7 +118,7 @@ class Scan {
   void take(const FileRecord& record) {
     if (record.fields.is(BagOp::kBagHeader)) {
       takeBagHeader(record.fields);
-    } else if (record.fields.is(BagOp::kChunk)) {
+    } else if (record.fields.is(BagOp::kBatch)) {
       takeChunk(record);
     } else if (record.fields.is(BagOp::kConnection)) {
       // The same as in the chunks, at the end of a bag that was closed: for topics without a chunk of their

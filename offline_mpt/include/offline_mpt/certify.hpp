@@ -29,17 +29,18 @@ struct Defect {
     kActiveSet,  ///< the set names no row, or repeats one; its rows are dependent; or it does not fit the
                  ///< equalities
     kRepeated,   ///< another region has the same active set
-    kFlat,       ///< the region has no interior
-    kPlane,      ///< a plane of the region bounds nothing: no condition of optimality is near it
-    kUnlisted,   ///< a condition of optimality fails at `witness`, which the region claims
-    kLaw,        ///< u is wrong by `size`
+    kLowerDimensional,  ///< the region has no interior
+    kPlane,             ///< a plane of the region bounds nothing: no condition of optimality is near it
+    kUnlisted,          ///< a condition of optimality fails at `witness`, which the region claims
+    kLaw,               ///< u is wrong by `size`
     kGap,  ///< behind a facet there is a feasible parameter that no region holds: `witness`, if one was found
     kUnbounded,  ///< the same, and proven that no optimum is finite at `witness`: the map cannot go on there
   };
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;
-  int row = -1;       ///< of the region, in map order; -1: the region as a whole
-  double size = 0.0;  ///< kLaw, kPlane: the difference; kFlat: about the radius; kUnlisted: distance [scaled]
+  int row = -1;  ///< of the region, in map order; -1: the region as a whole
+  double size =
+      0.0;  ///< kLaw, kPlane: the difference; kLowerDimensional: about the radius; kUnlisted: distance [scaled]
   Eigen::VectorXd witness;   ///< parameter, empty if there is none
   std::vector<int> missing;  ///< kGap: an active set that should be in the map; may be empty even so
   std::string text;          ///< a sentence

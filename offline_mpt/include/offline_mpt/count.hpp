@@ -49,14 +49,13 @@ struct CountResult {
   Eigen::VectorXd witness;  ///< p, with kIncomplete
 };
 
-/// Explores as `explore` does, but keeps only which active sets there are, some tens of bytes each, and
-/// counts those that it proves to be critical regions: before they are described when they are optimal,
-/// strictly, somewhere on the ray behind a facet through which they are found, otherwise at their centres.
+/// Explores as `explore` does, but stores only the active sets, some tens of bytes each. A set is counted once
+/// a parameter with strict complementarity is found for it: first on the ray across the facet that led to it,
+/// else at its Chebyshev centre.
 ///
-/// Sets are described in the order in which they are found, and count in that of the described ones that
-/// prove them, so results and proofs do not depend on threads, and limits on regions, memory and the map stop
-/// at the same set each time. Throws Error as explore does, when H
-/// is not positive definite, and when the proof cannot be written.
+/// The counting order is the processing order. So results, proofs and the set at which a limit stops do not
+/// depend on threads. Throws Error as explore does, when H is not positive definite, and when the proof cannot
+/// be written.
 CountResult countRegions(const ParametricProgram& program, const CountOptions& options = {});
 
 }  // namespace polyfly

@@ -19,8 +19,8 @@ namespace polyfly {
 /// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the
 /// regions of one that was not. A limit on regions cuts at the same region each time. Throws Error when the
 /// checkpoint is damaged, belongs to another problem or other tolerances, or comes from another build of the
-/// solver; when that of a stopped exploration cannot be written at the end; and when a process of the team
-/// cannot assist. A process of the team that is lost interrupts (ExploreStats::lost_process).
+/// solver; when that of a stopped exploration cannot be written at the end; and when a process of the group
+/// cannot assist. A process of the group that is lost interrupts (ExploreStats::lost_process).
 Partition explore(const ParametricProgram& program, const ExploreOptions& options = {});
 
 }  // namespace polyfly

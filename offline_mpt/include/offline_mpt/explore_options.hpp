@@ -7,12 +7,12 @@
 
 namespace polyfly {
 
-class Team;
+class ProcessGroup;
 
 struct ExploreProgress {
   std::uint64_t regions = 0;    ///< finished, those of a checkpoint among them
-  std::uint64_t open = 0;       ///< active sets found, not yet described
-  std::uint64_t described = 0;  ///< active sets described, of which some are regions
+  std::uint64_t open = 0;       ///< active sets found, not yet processed
+  std::uint64_t described = 0;  ///< active sets processed, of which some are regions
   std::uint64_t memory = 0;     ///< accounted [bytes], see memory_limit
   bool unsaved = false;         ///< the checkpoint could not be written when it was last due
 };
@@ -31,12 +31,14 @@ struct ExploreOptions {
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 
-  /// File to go on from; empty: none. It is written at the end, also of a complete exploration, for what is
-  /// made of the regions may be stopped, too. The caller removes it.
+  /// File to resume from; empty: none. It is written at the end of every exploration, since the steps that follow
+  /// can be stopped too. The caller removes it.
   std::string checkpoint;
-  double checkpoint_period = 300.0;  ///< it is also written every so often, at least [s]; 0: at the end only
-  bool resume = false;               ///< go on from `checkpoint`
-  Team* team = nullptr;              ///< other processes that describe active sets, see team.hpp
+  /// Least time between two checkpoints [s]; 0: at the end only.
+  double checkpoint_period = 300.0;
+  bool resume = false;  ///< go on from `checkpoint`
+  /// Other processes that process active sets, see process_group.hpp.
+  ProcessGroup* group = nullptr;
 };
 
 }  // namespace polyfly

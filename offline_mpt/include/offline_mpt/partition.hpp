@@ -44,7 +44,7 @@ struct ExploreStats {
   std::uint64_t memory_bytes = 0;     ///< greatest that was accounted, see ExploreOptions::memory_limit
   /// The checkpoint of an exploration that reached its end could not be written.
   bool unsaved = false;
-  int lost_process = 0;      ///< number of a process of the team that was lost; 0: none
+  int lost_process = 0;      ///< number of a process of the group that was lost; 0: none
   double cpu_seconds = 0.0;  ///< not written to maps
 };
 

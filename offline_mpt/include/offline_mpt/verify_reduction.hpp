@@ -76,7 +76,7 @@ ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& origi
 /// Adds to the leaves of a reduced map the regions that its tree left out and that hold what was lost there:
 /// in slivers a tree may leave to a neighbour what none holds. False where there is nothing to add. The
 /// result is to be verified as the map was.
-bool mendLeaves(MapContent& content, const ReductionReport& report);
+bool repairLeaves(MapContent& content, const ReductionReport& report);
 
 /// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.
 void writeCertificate(const ReductionReport& report, const std::string& path);

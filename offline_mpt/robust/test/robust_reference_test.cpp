@@ -127,7 +127,7 @@ class RoundedReference {
  public:
   explicit RoundedReference(const json& law) {
     for (const json& region : law["regions"]) {
-      Piece piece;
+      ConvexCell piece;
       for (const json& half_space : region["H"]) piece.H.push_back(rounded(half_space, true));
       for (const char* gain : {"F", "tauF"}) piece.laws.push_back(rounded(region[gain], false));
       piece.offsets = {number(region["Z"]).get_d(), number(region["tauZ"]).get_d()};
@@ -138,7 +138,7 @@ class RoundedReference {
   /// Greatest violation at theta (below 0: inside), and the law there.
   double evaluate(const std::vector<double>& theta, double* output) const {
     double least = INFINITY;
-    for (const Piece& piece : pieces_) {
+    for (const ConvexCell& piece : pieces_) {
       double violation = -INFINITY;
       for (const std::vector<double>& row : piece.H)
         violation = std::max(violation, dotWith(row, theta) - row.back());
@@ -150,7 +150,7 @@ class RoundedReference {
   }
 
  private:
-  struct Piece {
+  struct ConvexCell {
     std::vector<std::vector<double>> H;
     std::vector<std::vector<double>> laws;
     std::vector<double> offsets;
@@ -176,7 +176,7 @@ class RoundedReference {
     return result;
   }
 
-  std::vector<Piece> pieces_;
+  std::vector<ConvexCell> pieces_;
 };
 
 TEST_P(RobustReference, MapIsWithinANanoradianAtVerticesAndRandomStates) {

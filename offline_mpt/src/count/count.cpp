@@ -6,17 +6,17 @@
 
 #include "count/count_proof.hpp"
 #include "count/count_state.hpp"
-#include "explore/parallel/dispatcher.hpp"
-#include "explore/region/describe.hpp"
+#include "explore/parallel/scheduler.hpp"
+#include "explore/region/compute_region.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/feasible_slack.hpp"
-#include "program/margin.hpp"
+#include "program/slater_point.hpp"
 #include "region_maps/format.hpp"
 
 namespace polyfly {
 namespace {
 
-/// What a dispatcher and its crew go by.
+/// What a scheduler and its pool go by.
 ExploreOptions exploreOptions(const CountOptions& options) {
   ExploreOptions explore;
   explore.threads = options.threads;
@@ -30,7 +30,7 @@ ExploreOptions exploreOptions(const CountOptions& options) {
 }
 
 /// Of each row of the reduced program, the first row of the program that says the same.
-std::vector<int> rowNames(const LeastDistance& reduced, const StrictSystem& system) {
+std::vector<int> rowNames(const NormalisedProgram& reduced, const StrictComplementaritySystem& system) {
   std::vector<int> names;
   for (const int row : reduced.row_ids) names.push_back(system.first_of[static_cast<std::size_t>(row)]);
   std::vector<int> sorted = names;
@@ -41,12 +41,12 @@ std::vector<int> rowNames(const LeastDistance& reduced, const StrictSystem& syst
 }
 
 // Whether all probes that no candidate of their facet holds lie in some region, or where nothing is feasible.
-bool settled(const LeastDistance& program, Worker& worker, const CountState& state,
+bool settled(const NormalisedProgram& program, RegionSolver& worker, const CountState& state,
              Eigen::VectorXd& witness) {
   const auto p = static_cast<std::size_t>(program.p);
-  RegionData region;
-  for (std::size_t i = 0; i + p <= state.unsettled.size(); i += p) {
-    const double* const t = state.unsettled.data() + i;
+  Region region;
+  for (std::size_t i = 0; i + p <= state.unresolved.size(); i += p) {
+    const double* const t = state.unresolved.data() + i;
     bool held = false;
     for (std::uint32_t k = 0; k < state.found.size() && !held; ++k) {
       const ActiveSet set(state.found[k].begin(), state.found[k].end());
@@ -63,20 +63,20 @@ bool settled(const LeastDistance& program, Worker& worker, const CountState& sta
 /// Counts the regions of one program.
 class Counting {
  public:
-  Counting(const ParametricProgram& program, const LeastDistance& reduced, const StrictSystem& system,
-           const CountOptions& options)
+  Counting(const ParametricProgram& program, const NormalisedProgram& reduced,
+           const StrictComplementaritySystem& system, const CountOptions& options)
       : program_(program),
         reduced_(reduced),
         system_(system),
         options_(options),
         names_(rowNames(reduced, system)),
-        gap_(findLawGap(program)) {
+        gap_(findLawSeparation(program)) {
     if (!options.proof.empty()) proof_.emplace(options.proof, program, gap_.weights);
   }
 
   CountResult from(const Eigen::VectorXd& feasible) {
     ExploreOptions plain;
-    Worker worker(reduced_, plain);
+    RegionSolver worker(reduced_, plain);
     ActiveSet first;
     if (!findStart(reduced_, feasible, worker, first)) {
       result_.status = ExploreStatus::kIncomplete;
@@ -98,13 +98,14 @@ class Counting {
     };
   }
 
-  void count(const ActiveSet& first, Worker& worker) {
+  void count(const ActiveSet& first, RegionSolver& worker) {
     CountState state(program_, options_.map_limit, record());
     state.found.insert({first.data(), first.size()});
     const ExploreOptions explore = exploreOptions(options_);
-    Dispatcher dispatcher(state, explore, {});
-    runCrew(countDescribers(reduced_, explore, system_, gap_, names_, state), crewSize(explore), dispatcher);
-    result_.status = dispatcher.result();
+    Scheduler scheduler(state, explore, {});
+    runWorkers(countWorkers(reduced_, explore, system_, gap_, names_, state), workerCount(explore),
+               scheduler);
+    result_.status = scheduler.result();
     if (result_.status == ExploreStatus::kComplete &&
         (state.failed || !settled(reduced_, worker, state, result_.witness)))
       result_.status = ExploreStatus::kIncomplete;
@@ -120,11 +121,11 @@ class Counting {
   }
 
   const ParametricProgram& program_;
-  const LeastDistance& reduced_;
-  const StrictSystem& system_;
+  const NormalisedProgram& reduced_;
+  const StrictComplementaritySystem& system_;
   const CountOptions& options_;
   const std::vector<int> names_;
-  const LawGap gap_;
+  const LawSeparation gap_;
   std::vector<int> rows_;
   std::optional<CountProof> proof_;
   CountResult result_;
@@ -146,11 +147,11 @@ std::uint64_t leastMapBytes(const ParametricProgram& program, const MapCount& co
 CountResult countRegions(const ParametricProgram& program, const CountOptions& options) {
   const std::clock_t cpu_start = std::clock();
   checkProgram(program);
-  const StrictSystem system(program);
+  const StrictComplementaritySystem system(program);
   ParametricProgram explicit_equalities = program;
-  const Margin margin = findMargin(explicit_equalities);
+  const SlaterPoint margin = findSlaterPoint(explicit_equalities);
   if (!margin.feasible) return {};
-  const LeastDistance reduced = toLeastDistance(explicit_equalities);
+  const NormalisedProgram reduced = normalise(explicit_equalities);
   if (reduced.domain_empty) return {};
   if (reduced.linear || reduced.semidefinite)
     throw Error(program.name + ": H: must be positive definite to count");

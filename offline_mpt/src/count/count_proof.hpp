@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "count/law_gap.hpp"
+#include "count/law_separation.hpp"
 #include "explore/sets/active_set_pool.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "polyfly_base/file_draft.hpp"
@@ -15,7 +15,7 @@ namespace polyfly {
 /// they are counted, and in its place when it is whole. Throws Error where it cannot be written.
 class CountProof {
  public:
-  /// Proves for `program`; `weights`: see LawGap.
+  /// Proves for `program`; `weights`: see LawSeparation.
   CountProof(const std::string& path, const ParametricProgram& program, const Eigen::MatrixXd& weights);
 
   /// `rows`: of the program, without equalities.

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <utility>
 
-#include "count/strict_exact.hpp"
-#include "explore/region/describe.hpp"
+#include "count/exact_strict_complementarity.hpp"
+#include "explore/region/compute_region.hpp"
 
 namespace polyfly {
 namespace {
@@ -19,10 +19,11 @@ constexpr std::uint8_t kLawApart = 2;  // beside kProven
 
 constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
 
-class CountDescriber : public Describer {
+class CountWorker : public Worker {
  public:
-  CountDescriber(const LeastDistance& program, const ExploreOptions& options, const StrictSystem& system,
-                 const LawGap& gap, const std::vector<int>& names, const CountState& state)
+  CountWorker(const NormalisedProgram& program, const ExploreOptions& options,
+              const StrictComplementaritySystem& system, const LawSeparation& gap,
+              const std::vector<int>& names, const CountState& state)
       : program_(program),
         names_(names),
         state_(state),
@@ -34,8 +35,8 @@ class CountDescriber : public Describer {
 
   void answer(RowSpan set, ByteWriter& out) override {
     active_.assign(set.begin(), set.end());
-    describe(program_, worker_, active_, described_);
-    const Described& described = described_;
+    computeRegion(program_, worker_, active_, described_);
+    const RegionResult& described = described_;
     out.put(described.status);
     out.put(static_cast<std::uint32_t>(described.neighbours.size()));
     state_.findProven(described.neighbours, proven_);
@@ -57,8 +58,8 @@ class CountDescriber : public Describer {
   }
 
   // The way from the centre to a point beyond the facet: where it crosses it, and on.
-  void crossFacet(const Described& described, std::uint32_t f) {
-    const RegionData& region = described.region;
+  void crossFacet(const RegionResult& described, std::uint32_t f) {
+    const Region& region = described.region;
     const Facet& facet = region.facets[f];
     const double fraction = crossingFraction(region, facet);
     double squared = 0.0;
@@ -70,13 +71,13 @@ class CountDescriber : public Describer {
     for (double& entry : direction_) entry /= std::sqrt(squared);
     leaving_ = facet.origin.kind == RowOrigin::Kind::kSlack
                    ? test_.leaving(named(active()), names_[facet.origin.index], from_.data())
-                   : StrictTest::kNone;
+                   : StrictComplementarityTest::kNone;
     facet_ = f;
   }
 
   // Looks behind the facet. Of sets that have another row for one of this one, those that keep the row which
   // leaves at the crossing begin elsewhere.
-  bool provenBehind(const Described& described, std::size_t k) {
+  bool provenBehind(const RegionResult& described, std::size_t k) {
     if (facet_ != described.behind[k]) crossFacet(described, described.behind[k]);
     const std::vector<int>& rows = named(described.neighbours[k]);
     if (std::find(rows.begin(), rows.end(), leaving_) != rows.end()) return false;
@@ -88,32 +89,32 @@ class CountDescriber : public Describer {
     if (proven) out.putArray(witness_.t.data(), witness_.t.size());
   }
 
-  void writeRegion(const Described& described, ByteWriter& out) {
-    const RegionData& region = described.region;
+  void writeRegion(const RegionResult& described, ByteWriter& out) {
+    const Region& region = described.region;
     // as ExplorationState: bounded by slacks alone, a region is known by its tight rows
     const bool by_tight = region.by_slack && region.tight.size() > active_.size();
     writeSet({region.tight.data(), by_tight ? region.tight.size() : 0}, out);
     out.put(static_cast<std::uint32_t>(region.facets.size()));
-    out.put(static_cast<std::uint32_t>(described.unsettled.size()));
-    out.putArray(described.unsettled.data(), described.unsettled.size());
+    out.put(static_cast<std::uint32_t>(described.unresolved.size()));
+    out.putArray(described.unresolved.data(), described.unresolved.size());
     const bool proven = test_.at(named(active()), region.centre.data(), region.radius, witness_) ||
                         exact_.at(active_, region.centre.data(), region.radius, witness_);
     writeProof(proven, out);
   }
 
-  const LeastDistance& program_;
+  const NormalisedProgram& program_;
   const std::vector<int>& names_;
   const CountState& state_;
-  Worker worker_;
-  StrictTest test_;
-  StrictExact exact_;
+  RegionSolver worker_;
+  StrictComplementarityTest test_;
+  ExactStrictComplementarity exact_;
   ActiveSet active_;
-  Described described_;
+  RegionResult described_;
   std::vector<int> rows_;
-  std::vector<char> proven_;              // of the neighbours
-  std::uint32_t facet_ = kNoFacet;        // which the next three are of
-  std::vector<double> from_, direction_;  // of the ray behind it
-  int leaving_ = StrictTest::kNone;       // row of the set that a new one replaces there
+  std::vector<char> proven_;                        // of the neighbours
+  std::uint32_t facet_ = kNoFacet;                  // which the next three are of
+  std::vector<double> from_, direction_;            // of the ray behind it
+  int leaving_ = StrictComplementarityTest::kNone;  // row of the set that a new one replaces there
   Witness witness_;
 };
 
@@ -123,7 +124,7 @@ CountState::CountState(const ParametricProgram& program, std::uint64_t map_limit
     : tight(memory),
       is_proven(&memory),
       is_region(&memory),
-      unsettled(&memory),
+      unresolved(&memory),
       program_(program),
       map_limit_(map_limit),
       record_(std::move(record)),
@@ -187,12 +188,12 @@ bool CountState::mergeRegion(ByteReader& answer) {
   const auto facet_count = answer.get<std::uint32_t>();
   const auto probes = answer.get<std::uint32_t>();
   answer.need(probes, sizeof(double));
-  const std::size_t before = unsettled.size();
-  unsettled.resize(before + probes);
-  answer.getArray(unsettled.data() + before, probes);
+  const std::size_t before = unresolved.size();
+  unresolved.resize(before + probes);
+  answer.getArray(unresolved.data() + before, probes);
   const std::uint8_t proof = readProof(answer);
   if (known) {
-    unsettled.resize(before);
+    unresolved.resize(before);
     return false;
   }
   ++regions;
@@ -202,10 +203,10 @@ bool CountState::mergeRegion(ByteReader& answer) {
   return true;
 }
 
-MakeDescriber countDescribers(const LeastDistance& program, const ExploreOptions& options,
-                              const StrictSystem& system, const LawGap& gap, const std::vector<int>& names,
-                              const CountState& state) {
-  return [&] { return std::make_unique<CountDescriber>(program, options, system, gap, names, state); };
+MakeWorker countWorkers(const NormalisedProgram& program, const ExploreOptions& options,
+                        const StrictComplementaritySystem& system, const LawSeparation& gap,
+                        const std::vector<int>& names, const CountState& state) {
+  return [&] { return std::make_unique<CountWorker>(program, options, system, gap, names, state); };
 }
 
 }  // namespace polyfly

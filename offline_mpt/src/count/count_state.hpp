@@ -6,9 +6,9 @@
 #include <shared_mutex>
 #include <vector>
 
-#include "count/law_gap.hpp"
-#include "count/strict_test.hpp"
-#include "explore/parallel/crew.hpp"
+#include "count/law_separation.hpp"
+#include "count/strict_complementarity_test.hpp"
+#include "explore/parallel/worker_pool.hpp"
 #include "explore/region/region_builder.hpp"
 #include "explore/state/set_queue.hpp"
 #include "offline_mpt/count.hpp"
@@ -32,10 +32,10 @@ struct CountState : SetQueue {
   void findProven(const ActiveSetList& sets, std::vector<char>& proven) const;
 
   MapCount count;
-  ActiveSetPool tight;                 // rows tight in a region that only slacks bound, to know it again
-  std::pmr::vector<bool> is_proven;    // of each set of `found`
-  std::pmr::vector<bool> is_region;    // of each set described: one of `regions`
-  std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
+  ActiveSetPool tight;                  // rows tight in a region that only slacks bound, to know it again
+  std::pmr::vector<bool> is_proven;     // of each set of `found`
+  std::pmr::vector<bool> is_region;     // of each set described: one of `regions`
+  std::pmr::vector<double> unresolved;  // probes, p numbers each, that must lie in some region
   std::uint64_t regions = 0;
   std::uint64_t unproven = 0;
   std::uint64_t facets = 0;
@@ -55,10 +55,10 @@ struct CountState : SetQueue {
   std::vector<std::int64_t> witness_;
 };
 
-/// Makes describers that answer in the form that CountState::merge reads, and leave out proofs of what
+/// Makes workers that answer in the form that CountState::merge reads, and leave out proofs of what
 /// `state` says is proven. `names`: of each row of the reduced program, the row of `system`.
-MakeDescriber countDescribers(const LeastDistance& program, const ExploreOptions& options,
-                              const StrictSystem& system, const LawGap& gap, const std::vector<int>& names,
-                              const CountState& state);
+MakeWorker countWorkers(const NormalisedProgram& program, const ExploreOptions& options,
+                        const StrictComplementaritySystem& system, const LawSeparation& gap,
+                        const std::vector<int>& names, const CountState& state);
 
 }  // namespace polyfly

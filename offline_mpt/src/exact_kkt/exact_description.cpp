@@ -8,8 +8,8 @@
 namespace polyfly {
 namespace {
 
-Adjustment adjustmentOf(const ParametricProgram& program) {
-  Adjustment adjustment;
+ProgramPerturbation adjustmentOf(const ParametricProgram& program) {
+  ProgramPerturbation adjustment;
   chooseBasis(program, program.equalities, adjustment);
   adjustment.singular = program.H.cwiseAbs().maxCoeff() > 0.0 && isSingular(program, adjustment.basis);
   if (adjustment.singular)
@@ -29,11 +29,11 @@ double quotient(const Integer& numerator, const Integer& denominator, long expon
 
 }  // namespace
 
-ExactDescription::Source::Source(const LeastDistance& reduced)
+ExactDescription::Source::Source(const NormalisedProgram& reduced)
     : program(reduced.source, adjustmentOf(reduced.source)),
       usable(program.n - static_cast<int>(program.basis.size()) == reduced.n) {}
 
-bool ExactDescription::describe(const std::vector<std::uint16_t>& active) {
+bool ExactDescription::computeRegion(const std::vector<std::uint16_t>& active) {
   if (!source_) source_.emplace(reduced_);
   if (!source_->usable) return false;
   active_ = active;

@@ -5,20 +5,20 @@
 #include <vector>
 
 #include "exact_kkt/exact_region.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
 /// Describes active sets of a reduced program in rational arithmetic, for those whose rows depend on each
-/// other so nearly that doubles mislead. What it gives is in the units of LeastDistance and rounded once. The
+/// other so nearly that doubles mislead. What it gives is in the units of NormalisedProgram and rounded once. The
 /// program without rounding is made when first needed. One object, one thread.
 class ExactDescription {
  public:
-  explicit ExactDescription(const LeastDistance& reduced) : reduced_(reduced) {}
+  explicit ExactDescription(const NormalisedProgram& reduced) : reduced_(reduced) {}
 
   /// False where the set cannot be described: its rows are dependent, or the program's equalities hold up to
   /// rounding only.
-  bool describe(const std::vector<std::uint16_t>& active);
+  bool computeRegion(const std::vector<std::uint16_t>& active);
 
   /// Of the program, once a set was described: the program without rounding leaves as many variables free.
   bool usable() const { return source_ && source_->usable; }
@@ -39,12 +39,12 @@ class ExactDescription {
                double* affine) const;
 
   struct Source {
-    explicit Source(const LeastDistance& reduced);
+    explicit Source(const NormalisedProgram& reduced);
     ExactProgram program;
     bool usable = false;  ///< leaves as many variables free as the reduced program does
   };
 
-  const LeastDistance& reduced_;
+  const NormalisedProgram& reduced_;
   std::optional<Source> source_;
   std::vector<std::uint16_t> active_;
   ExactSolution solution_;

@@ -78,7 +78,8 @@ bool followNearly(const ParametricProgram& program, const std::vector<int>& basi
 
 }  // namespace
 
-void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows, Adjustment& adjustment) {
+void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows,
+                 ProgramPerturbation& adjustment) {
   adjustment.dropped.clear();
   adjustment.basis.clear();
   if (rows.empty()) return;

@@ -10,6 +10,7 @@ namespace polyfly {
 /// `basis`. Where rows depend on each other up to rounding, taken as they are they would fix z by what was
 /// rounded, or contradict each other: such equalities are `dropped`, if their right-hand sides agree as well.
 /// Replaces both.
-void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows, Adjustment& adjustment);
+void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows,
+                 ProgramPerturbation& adjustment);
 
 }  // namespace polyfly

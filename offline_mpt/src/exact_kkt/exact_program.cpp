@@ -17,7 +17,7 @@ std::vector<Rational> exactly(const Eigen::MatrixXd& M) {
 
 /// The matrix with its replaced entries, by rows.
 std::vector<Rational> counted(const Eigen::MatrixXd& M, ReplacedEntry::Matrix matrix,
-                              const Adjustment& adjustment) {
+                              const ProgramPerturbation& adjustment) {
   std::vector<Rational> values = exactly(M);
   for (const ReplacedEntry& entry : adjustment.replaced) {
     if (entry.matrix == matrix)
@@ -51,7 +51,7 @@ Rational rowSum(const ParametricProgram& program, int row) {
   return sum;
 }
 
-std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment,
+std::vector<Rational> hessian(const ParametricProgram& program, const ProgramPerturbation& adjustment,
                               double penalty) {
   const int n = program.variableCount();
   std::vector<Rational> H;
@@ -72,7 +72,7 @@ std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment
   return H;
 }
 
-ExactProgram::ExactProgram(const ParametricProgram& program, const Adjustment& adjustment)
+ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment)
     : n(program.variableCount()),
       m(program.rowCount()),
       p(program.parameterCount()),

@@ -14,7 +14,7 @@ namespace polyfly {
 using ZeroCombination = std::vector<std::pair<int, Integer>>;
 
 /// What is certified in place of the program as it was given; nothing, where all fields are empty.
-struct Adjustment {
+struct ProgramPerturbation {
   bool singular = false;                         ///< H is, and not zero: of several optima the shortest
   std::vector<ReplacedEntry> replaced;           ///< of H, f, F and A; with H, all its entries
   std::vector<std::pair<int, Rational>> bounds;  ///< rows, and what counts instead of their entries of b
@@ -33,7 +33,7 @@ struct Adjustment {
 /// in z and t multiplied by 2^shift, each row by a power of two of its own, H and cost by another: signs are
 /// those of the program.
 struct ExactProgram {
-  ExactProgram(const ParametricProgram& program, const Adjustment& adjustment);
+  ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment);
 
   int n = 0;
   int m = 0;
@@ -54,7 +54,7 @@ struct ExactProgram {
   IntegerMatrix domain;           ///< rows >= 0 from A_theta
   std::vector<Rational> E;        ///< q x n, u = E z + offset (t, 1), z not shifted
   std::vector<Rational> offset;   ///< q x (p + 1)
-  std::vector<int> basis;         ///< Adjustment::basis
+  std::vector<int> basis;         ///< ProgramPerturbation::basis
   std::vector<char> in_basis;     ///< m
   std::vector<char> is_equality;  ///< m, of the program
   std::vector<char> is_dropped;   ///< m
@@ -77,15 +77,16 @@ constexpr int kNarrowBits = 29;
 Rational rowSum(const ParametricProgram& program, int row);
 
 /// H, symmetric, with the penalty unless it is zero, or as it is replaced, by rows.
-std::vector<Rational> hessian(const ParametricProgram& program, const Adjustment& adjustment, double penalty);
+std::vector<Rational> hessian(const ParametricProgram& program, const ProgramPerturbation& adjustment,
+                              double penalty);
 
 /// Greatest difference of a replaced entry from the one given, relative to the greatest of H (with the
 /// penalty), F, f, or the row of A.
-double greatestReplacement(const ParametricProgram& program, const Adjustment& adjustment);
+double greatestReplacement(const ParametricProgram& program, const ProgramPerturbation& adjustment);
 
 /// Finds what has to be adjusted. `may_drop` tells which rows no region of the map counts as active. Throws
 /// Error when the equalities contradict each other, or H is not positive semidefinite where they leave z
 /// free.
-Adjustment adjust(const ParametricProgram& program, const std::vector<char>& may_drop);
+ProgramPerturbation adjust(const ParametricProgram& program, const std::vector<char>& may_drop);
 
 }  // namespace polyfly

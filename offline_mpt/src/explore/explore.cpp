@@ -9,15 +9,15 @@
 #include <ctime>
 #include <functional>
 
-#include "explore/parallel/crew.hpp"
-#include "explore/parallel/dispatcher.hpp"
-#include "explore/parallel/team_leader.hpp"
-#include "explore/region/describe.hpp"
+#include "explore/parallel/coordinator.hpp"
+#include "explore/parallel/scheduler.hpp"
+#include "explore/parallel/worker_pool.hpp"
+#include "explore/region/compute_region.hpp"
 #include "explore/state/checkpoint.hpp"
 #include "explore/state/exploration_state.hpp"
 #include "polyfly_base/error.hpp"
-#include "program/least_distance.hpp"
-#include "program/margin.hpp"
+#include "program/normalised_program.hpp"
+#include "program/slater_point.hpp"
 #include "program/unbounded_cost.hpp"
 
 namespace polyfly {
@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kReturnedAtOnce = 50'000;  // regions whose first form is given back to the system
 constexpr std::size_t kDescribedAgain = 32;  // regions of a checkpoint that are compared with this solver's
 
-Eigen::VectorXd unscaled(const LeastDistance& program, const Eigen::VectorXd& t) {
+Eigen::VectorXd unscaled(const NormalisedProgram& program, const Eigen::VectorXd& t) {
   return program.centre + program.half.cwiseProduct(t);
 }
 
@@ -42,15 +42,16 @@ bool contains(const CriticalRegion& region, const Eigen::VectorXd& theta, double
 
 // A probe that none of its facet's own candidates holds must lie in some other region, or where the cost has
 // no end.
-void settleProbes(const LeastDistance& program, const ExploreOptions& options,
-                  const std::pmr::vector<double>& unsettled, UnboundedCost& unbounded, Partition& partition) {
+void checkUnresolved(const NormalisedProgram& program, const ExploreOptions& options,
+                     const std::pmr::vector<double>& unresolved, UnboundedCost& unbounded,
+                     Partition& partition) {
   const auto p = static_cast<std::size_t>(program.p);
-  for (std::size_t i = 0; i + p <= unsettled.size(); i += p) {
+  for (std::size_t i = 0; i + p <= unresolved.size(); i += p) {
     if (stopped(options)) {
       partition.status = ExploreStatus::kInterrupted;
       return;
     }
-    const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unsettled.data() + i, program.p);
+    const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unresolved.data() + i, program.p);
     const Eigen::VectorXd theta = unscaled(program, t);
     const bool held =
         std::any_of(partition.regions.begin(), partition.regions.end(),
@@ -72,7 +73,7 @@ void returnFreedMemory() {
 
 // Regions sorted by active set, whatever the order in which they were found. Their numbers are freed on the
 // way: both forms side by side would be the most memory that an exploration ever takes.
-void convertRegions(const LeastDistance& program, ExplorationState& state, Partition& partition) {
+void convertRegions(const NormalisedProgram& program, ExplorationState& state, Partition& partition) {
   partition.regions.reserve(state.regions.size());
   for (std::size_t k = 0; k < state.regions.size(); ++k) {
     partition.regions.push_back(state.regions.region(k, program, state.found[state.regions[k].set]));
@@ -85,17 +86,17 @@ void convertRegions(const LeastDistance& program, ExplorationState& state, Parti
 
 // Goes on from a checkpoint. Some of its regions are described again: other bits tell of another solver,
 // whose regions would not go together with these.
-void resume(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
-            const ActiveSet& first, Worker& worker, ExplorationState& state) {
+void resume(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
+            const ActiveSet& first, RegionSolver& worker, ExplorationState& state) {
   loadCheckpoint(options.checkpoint, key, program, state);
   const RowSpan start = state.found[0];
-  Described again;
+  RegionResult again;
   bool same = std::equal(start.begin(), start.end(), first.begin(), first.end());
   const std::size_t step = std::max<std::size_t>(1, state.regions.size() / kDescribedAgain);
   for (std::size_t k = 0; same && k < state.regions.size(); k += step) {
     const RegionStore::Region& region = state.regions[k];
     const RowSpan set = state.found[region.set];
-    describe(program, worker, ActiveSet(set.begin(), set.end()), again);
+    computeRegion(program, worker, ActiveSet(set.begin(), set.end()), again);
     std::vector<std::byte> numbers;
     ByteWriter out(numbers);
     if (again.status == BuildStatus::kRegion) writeNumbers(again.region, out);
@@ -120,28 +121,28 @@ bool savedAtEnd(const std::function<void()>& save, ExploreStatus status) {
   return true;
 }
 
-// Describes all open sets, alone or with the team's other processes, until there are none or a limit is
+// Describes all open sets, alone or with the group's other processes, until there are none or a limit is
 // reached.
-ExploreStatus describeAll(const LeastDistance& program, const ExploreOptions& options, std::uint64_t key,
+ExploreStatus describeAll(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
                           ExplorationState& state, ExploreStats& stats) {
   std::function<void()> save;
   if (!options.checkpoint.empty()) save = [&] { saveCheckpoint(options.checkpoint, key, state); };
-  Dispatcher dispatcher(state, options, save);
-  if (options.team != nullptr && options.team->size() > 1) {
-    TeamLeader leader(*options.team, dispatcher, key);
-    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
+  Scheduler scheduler(state, options, save);
+  if (options.group != nullptr && options.group->size() > 1) {
+    Coordinator leader(*options.group, scheduler, key);
+    runWorkers(regionWorkers(program, options), workerCount(options), scheduler);
     stats.lost_process = leader.finish();
   } else {
-    runCrew(regionDescribers(program, options), crewSize(options), dispatcher);
+    runWorkers(regionWorkers(program, options), workerCount(options), scheduler);
   }
-  const ExploreStatus status = dispatcher.result();
+  const ExploreStatus status = scheduler.result();
   if (save && state.regions.size() > 0) stats.unsaved = !savedAtEnd(save, status);
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
 
 // Where the regions leave out parameters that have solutions: the cost falls without end there. Of an
 // exploration that was stopped, to look behind all facets could take as long as it was given.
-void noteUnbounded(const LeastDistance& program, const ExploreOptions& options, UnboundedCost& unbounded,
+void noteUnbounded(const NormalisedProgram& program, const ExploreOptions& options, UnboundedCost& unbounded,
                    Partition& partition) {
   const bool complete = partition.status == ExploreStatus::kComplete;
   const std::optional<Eigen::VectorXd> t =
@@ -152,12 +153,12 @@ void noteUnbounded(const LeastDistance& program, const ExploreOptions& options, 
   partition.unbounded_at = unscaled(program, *t);
 }
 
-Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasible, UnboundedCost& unbounded,
-                      std::uint64_t key, const ExploreOptions& options) {
+Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& feasible,
+                      UnboundedCost& unbounded, std::uint64_t key, const ExploreOptions& options) {
   const std::clock_t cpu_start = std::clock();
   Partition partition;
   ExplorationState state(program);
-  Worker worker(program, options);
+  RegionSolver worker(program, options);
   ActiveSet first;
   const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
   if (!start) {  // without a region, all is found
@@ -180,7 +181,7 @@ Partition exploreFrom(const LeastDistance& program, const Eigen::VectorXd& feasi
   partition.status = describeAll(program, options, key, state, partition.stats);
   convertRegions(program, state, partition);
   if (partition.status == ExploreStatus::kComplete)
-    settleProbes(program, options, state.unsettled, unbounded, partition);
+    checkUnresolved(program, options, state.unresolved, unbounded, partition);
   noteUnbounded(program, options, unbounded, partition);
   partition.stats.regions = partition.regions.size();
   partition.stats.candidate_sets = state.found.size();
@@ -215,9 +216,9 @@ const char* toString(ExploreStatus status) {
 Partition explore(const ParametricProgram& program, const ExploreOptions& options) {
   checkProgram(program);
   ParametricProgram explicit_equalities = program;
-  const Margin margin = findMargin(explicit_equalities);
+  const SlaterPoint margin = findSlaterPoint(explicit_equalities);
   if (!margin.feasible) return {};
-  const LeastDistance scaled = toLeastDistance(explicit_equalities);
+  const NormalisedProgram scaled = normalise(explicit_equalities);
   if (scaled.domain_empty) return {};
   UnboundedCost unbounded(explicit_equalities, scaled);
   return exploreFrom(scaled, margin.t, unbounded, fingerprint(program, options), options);

@@ -9,7 +9,7 @@ namespace polyfly {
 
 /// Small linear programs without rounding, max c . x over a . x <= b and |x_j| <= 1, in whole numbers: the
 /// dual simplex on the inverse of the basis (Edmonds' integral pivoting). Made for few variables and for a
-/// start near the end, such as the basis where ExactGuess stopped.
+/// start near the end, such as the basis where FloatLp stopped.
 class ExactSimplex {
  public:
   explicit ExactSimplex(int dimension) : dimension_(dimension), inverse_(dimension, dimension) {}
@@ -19,7 +19,7 @@ class ExactSimplex {
 
   enum class Status { kOptimal, kInfeasible };
 
-  /// `start` names as many rows as dimensions, the box's sides after the rows as in ExactGuess; it is taken
+  /// `start` names as many rows as dimensions, the box's sides after the rows as in FloatLp; it is taken
   /// where its weights are not negative. kInfeasible: weights() combine rows and box to 0 . x <= negative.
   Status maximise(const std::vector<Integer>& c, const std::vector<int>& start);
 

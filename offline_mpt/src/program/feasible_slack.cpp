@@ -11,7 +11,7 @@ constexpr double kFarAway = 1e4;  // a box around z that bounds the search, in u
 
 }  // namespace
 
-std::optional<double> feasibleSlack(const LeastDistance& program, const Eigen::VectorXd& t) {
+std::optional<double> feasibleSlack(const NormalisedProgram& program, const Eigen::VectorXd& t) {
   if (program.n < 1 || program.n > PolytopeSolver::kMaxDimension) return std::nullopt;
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;

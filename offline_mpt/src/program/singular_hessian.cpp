@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "arithmetic/exact_numbers.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "offline_mpt/polytope.hpp"
 #include "polyfly_base/error.hpp"
-#include "program/margin.hpp"
+#include "program/slater_point.hpp"
 
 namespace polyfly {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kSteps[] = {1e-2, 1e-4};              // across a facet [scaled
 constexpr double kEdge = 1e-9;  // planes nearer to one of the domain's are its edge [scaled]
 
 /// `program` for those t alone where sign * affine(t) >= 0.
-void restrictParameters(ParametricProgram& program, const LeastDistance& reduced,
+void restrictParameters(ParametricProgram& program, const NormalisedProgram& reduced,
                         const Eigen::RowVectorXd& affine, double sign) {
   const Eigen::Index k = program.A_theta.rows(), p = reduced.p;
   const Eigen::RowVectorXd slope = sign * affine.head(p).cwiseQuotient(reduced.half.transpose());
@@ -36,7 +36,7 @@ void restrictParameters(ParametricProgram& program, const LeastDistance& reduced
 /// A parameter inside, if there is an interior.
 std::optional<Eigen::VectorXd> inside(ParametricProgram program) {
   try {
-    const Margin margin = findMargin(program);
+    const SlaterPoint margin = findSlaterPoint(program);
     if (margin.feasible) return margin.t;
   } catch (const Error&) {  // a lower-dimensional set
   }
@@ -45,7 +45,7 @@ std::optional<Eigen::VectorXd> inside(ParametricProgram program) {
 
 }  // namespace
 
-UnboundedCost::UnboundedCost(const ParametricProgram& program, const LeastDistance& reduced)
+UnboundedCost::UnboundedCost(const ParametricProgram& program, const NormalisedProgram& reduced)
     : program_(program), reduced_(reduced) {
   if (!reduced.linear && !reduced.semidefinite) return;
   const Eigen::Index n = reduced.n;

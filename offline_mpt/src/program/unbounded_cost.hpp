@@ -8,7 +8,7 @@
 
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/partition.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
@@ -18,8 +18,8 @@ namespace polyfly {
 /// that it shares with the regions' union is unbounded as far as it is feasible. One object, one thread.
 class UnboundedCost {
  public:
-  /// `program` has its implied equalities made explicit (findMargin); `reduced` is what became of it.
-  UnboundedCost(const ParametricProgram& program, const LeastDistance& reduced);
+  /// `program` has its implied equalities made explicit (findSlaterPoint); `reduced` is what became of it.
+  UnboundedCost(const ParametricProgram& program, const NormalisedProgram& reduced);
 
   /// The steepest direction, of length 1, at the scaled parameter t; none where the optimum is finite.
   std::optional<Eigen::VectorXd> direction(const Eigen::VectorXd& t);
@@ -49,7 +49,7 @@ class UnboundedCost {
   std::optional<Eigen::VectorXd> test(const Eigen::VectorXd& t);
 
   const ParametricProgram& program_;
-  const LeastDistance& reduced_;
+  const NormalisedProgram& reduced_;
   Eigen::MatrixXd null_;       // n x r, what H leaves free
   std::optional<DenseQp> qp_;  // the shortest way from -cost to the open directions; none where r = 0
   double size_ = 0.0;          // of the cost

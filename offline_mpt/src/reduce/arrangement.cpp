@@ -10,7 +10,7 @@ namespace {
 
 class Arranger {
  public:
-  Arranger(PieceGeometry& geometry, Arrangement& result)
+  Arranger(CellGeometry& geometry, Arrangement& result)
       : geometry_(geometry), result_(result), p_(static_cast<std::size_t>(geometry.planes().p)) {}
 
   /// Divides every cell that the last plane cuts.
@@ -48,7 +48,7 @@ class Arranger {
     return cell.radius > least_radius;
   }
 
-  PieceGeometry& geometry_;
+  CellGeometry& geometry_;
   Arrangement& result_;
   std::size_t p_;
   std::vector<double> rows_;
@@ -72,15 +72,15 @@ bool repeats(const ScaledPlanes& planes, const RowList& known, std::int32_t row,
 
 }  // namespace
 
-std::optional<Arrangement> arrange(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box,
-                                   double slack, const MergeLimits& limits) {
+std::optional<Arrangement> arrange(CellGeometry& geometry, std::vector<ConvexCell>& pieces,
+                                   const RowList& box, double slack, const MergeLimits& limits) {
   Arrangement result;
   std::vector<std::size_t> all(pieces.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  Piece hull = Envelopes(geometry, pieces, box, slack).of(all);
+  ConvexCell hull = Envelopes(geometry, pieces, box, slack).of(all);
   result.hull = hull.rows;
   RowList rows;
-  for (const Piece& piece : pieces) {
+  for (const ConvexCell& piece : pieces) {
     for (const std::int32_t row : piece.rows) rows.push_back(std::abs(row));
   }
   std::sort(rows.begin(), rows.end());
@@ -99,7 +99,7 @@ std::optional<Arrangement> arrange(PieceGeometry& geometry, std::vector<Piece>& 
     if (result.cells.size() > limits.cells) return std::nullopt;
   }
   for (ArrangementCell& cell : result.cells) {
-    cell.inside = std::any_of(pieces.begin(), pieces.end(), [&](const Piece& piece) {
+    cell.inside = std::any_of(pieces.begin(), pieces.end(), [&](const ConvexCell& piece) {
       return geometry.holds(piece.rows, cell.centre.data(), 0.0);
     });
   }

@@ -27,7 +27,7 @@ struct Arrangement {
 
 /// Empty where there are more planes or cells than the limits allow. Cells thinner than `least_radius` are
 /// left out: they may count as inside or not.
-std::optional<Arrangement> arrange(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box,
-                                   double slack, const MergeLimits& limits);
+std::optional<Arrangement> arrange(CellGeometry& geometry, std::vector<ConvexCell>& pieces,
+                                   const RowList& box, double slack, const MergeLimits& limits);
 
 }  // namespace polyfly

@@ -10,7 +10,7 @@ namespace {
 
 /// A union of pieces that is convex, by number.
 struct Union {
-  Piece piece;
+  ConvexCell piece;
   std::vector<std::size_t> members;
   std::size_t id = 0;
 };
@@ -23,7 +23,7 @@ std::vector<std::size_t> joined(const std::vector<std::size_t>& a, const std::ve
 
 class GreedyMerger {
  public:
-  GreedyMerger(PieceGeometry& geometry, const MergeTask& task)
+  GreedyMerger(CellGeometry& geometry, const MergeTask& task)
       : geometry_(geometry),
         task_(task),
         p_(static_cast<std::size_t>(geometry.planes().p)),
@@ -62,7 +62,7 @@ class GreedyMerger {
     return true;
   }
 
-  bool inUnion(const Piece& piece) {
+  bool inUnion(const ConvexCell& piece) {
     if (piece.radius <= 0.0) return false;
     for (std::size_t k = 0; k < task_.laws->size(); ++k) {
       const bool is_foreign = (*task_.laws)[k] != task_.law;
@@ -70,7 +70,7 @@ class GreedyMerger {
         return false;
     }
     std::vector<const RowList*> cover;
-    for (const Piece& other : pieces_) cover.push_back(&other.rows);
+    for (const ConvexCell& other : pieces_) cover.push_back(&other.rows);
     return geometry_.covered(piece, cover, task_.slack);
   }
 
@@ -96,7 +96,7 @@ class GreedyMerger {
 
   void findRanges() {
     std::vector<double> direction(p_), point(p_);
-    for (Piece& piece : pieces_) {
+    for (ConvexCell& piece : pieces_) {
       for (std::size_t axis = 0; axis < p_; ++axis) {
         std::fill(direction.begin(), direction.end(), 0.0);
         direction[axis] = 1.0;
@@ -119,10 +119,10 @@ class GreedyMerger {
     }
   }
 
-  PieceGeometry& geometry_;
+  CellGeometry& geometry_;
   const MergeTask& task_;
   std::size_t p_;
-  std::vector<Piece> pieces_;  // as the task has them, with points that were found
+  std::vector<ConvexCell> pieces_;  // as the task has them, with points that were found
   Envelopes envelopes_;
   std::vector<Union> unions_;
   std::size_t next_id_ = 0;
@@ -132,10 +132,11 @@ class GreedyMerger {
 
 }  // namespace
 
-Envelopes::Envelopes(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box, double slack)
+Envelopes::Envelopes(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box,
+                     double slack)
     : geometry_(geometry), pieces_(pieces), box_(box), slack_(slack), known_(pieces.size()) {
   RowList all;
-  for (const Piece& piece : pieces) all.insert(all.end(), piece.rows.begin(), piece.rows.end());
+  for (const ConvexCell& piece : pieces) all.insert(all.end(), piece.rows.begin(), piece.rows.end());
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   rows_ = std::move(all);
@@ -149,7 +150,7 @@ bool Envelopes::holdsOn(std::size_t row, std::size_t piece) {
   return known[row] == kYes;
 }
 
-Piece Envelopes::of(const std::vector<std::size_t>& members) {
+ConvexCell Envelopes::of(const std::vector<std::size_t>& members) {
   std::vector<std::size_t> pool;
   for (const std::size_t member : members) {
     for (const std::int32_t row : pieces_[member].rows)
@@ -158,7 +159,7 @@ Piece Envelopes::of(const std::vector<std::size_t>& members) {
   }
   std::sort(pool.begin(), pool.end());
   pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
-  Piece result;
+  ConvexCell result;
   for (const std::size_t row : pool) {
     const bool holds =
         std::all_of(members.begin(), members.end(), [&](std::size_t member) { return holdsOn(row, member); });
@@ -174,7 +175,7 @@ Piece Envelopes::of(const std::vector<std::size_t>& members) {
   return result;
 }
 
-Merged mergeGreedily(PieceGeometry& geometry, const MergeTask& task) {
+Merged mergeGreedily(CellGeometry& geometry, const MergeTask& task) {
   return GreedyMerger(geometry, task).run();
 }
 

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "reduce/piece_geometry.hpp"
+#include "reduce/cell_geometry.hpp"
 
 namespace polyfly {
 
 /// Regions of one law that are to be described by fewer.
 struct MergeTask {
-  std::vector<Piece> pieces;  ///< with interiors
+  std::vector<ConvexCell> pieces;  ///< with interiors
   // All regions of the map: a union holds the centre of none with another law.
   const std::vector<double>* centres = nullptr;      ///< p numbers each
   const std::vector<std::uint32_t>* laws = nullptr;  ///< one each
@@ -27,31 +27,31 @@ struct MergeLimits {
 };
 
 struct Merged {
-  std::vector<Piece> pieces;  ///< their union is that of the task's; they may overlap
-  bool optimal = false;       ///< no smaller number of convex unions bounded by the regions' own planes
+  std::vector<ConvexCell> pieces;  ///< their union is that of the task's; they may overlap
+  bool optimal = false;            ///< no smaller number of convex unions bounded by the regions' own planes
 };
 
 /// Joins pairs whose envelope, the half-spaces of both that hold on both, lies in the union of all (Bemporad,
 /// Fukuda and Torrisi, 2001, with help from regions beside the pair), until none is left; then leaves out
 /// those that the others cover.
-Merged mergeGreedily(PieceGeometry& geometry, const MergeTask& task);
+Merged mergeGreedily(CellGeometry& geometry, const MergeTask& task);
 
 /// The fewest convex unions, which may overlap (after Geyer, Torrisi and Morari, 2008): cells of the
 /// arrangement of all the regions' planes, all maximal convex unions of cells, and a minimum cover by these,
 /// for each connected part. Where a limit is reached, what mergeGreedily finds.
-Merged mergeOptimally(PieceGeometry& geometry, const MergeTask& task, const MergeLimits& limits);
+Merged mergeOptimally(CellGeometry& geometry, const MergeTask& task, const MergeLimits& limits);
 
 /// The half-spaces of some pieces that hold on all of them, with the box, without redundant ones.
 class Envelopes {
  public:
-  Envelopes(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box, double slack);
-  Piece of(const std::vector<std::size_t>& members);
+  Envelopes(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box, double slack);
+  ConvexCell of(const std::vector<std::size_t>& members);
 
  private:
   bool holdsOn(std::size_t row, std::size_t piece);
 
-  PieceGeometry& geometry_;
-  std::vector<Piece>& pieces_;
+  CellGeometry& geometry_;
+  std::vector<ConvexCell>& pieces_;
   const RowList& box_;
   double slack_;
   RowList rows_;                          // of all pieces, sorted

@@ -12,7 +12,7 @@ constexpr double kNear =
     1e-4;  // thickness of the slab about a plane in which neighbours are looked for [scaled]
 
 /// Whether two pieces share more than an edge of a facet; a wrong "yes" costs time only.
-bool areNeighbours(PieceGeometry& geometry, const Piece& a, const Piece& b, double slack) {
+bool areNeighbours(CellGeometry& geometry, const ConvexCell& a, const ConvexCell& b, double slack) {
   const ScaledPlanes& planes = geometry.planes();
   const auto p = static_cast<std::size_t>(planes.p);
   std::vector<double> first, second, rows;
@@ -36,7 +36,7 @@ bool areNeighbours(PieceGeometry& geometry, const Piece& a, const Piece& b, doub
 }
 
 /// Connected parts: only these can have convex unions.
-std::vector<std::vector<std::size_t>> parts(PieceGeometry& geometry, const MergeTask& task) {
+std::vector<std::vector<std::size_t>> parts(CellGeometry& geometry, const MergeTask& task) {
   std::vector<std::size_t> part(task.pieces.size());
   for (std::size_t i = 0; i < part.size(); ++i) part[i] = i;
   for (std::size_t i = 0; i < part.size(); ++i) {
@@ -171,8 +171,9 @@ bool findCubes(const Arrangement& arrangement, const MergeLimits& limits, std::v
   return true;
 }
 
-Piece pieceOf(PieceGeometry& geometry, const Arrangement& arrangement, const Cube& cube, const RowList& box) {
-  Piece piece;
+ConvexCell pieceOf(CellGeometry& geometry, const Arrangement& arrangement, const Cube& cube,
+                   const RowList& box) {
+  ConvexCell piece;
   piece.rows = arrangement.hull;
   for (std::size_t i = 0; i < arrangement.planes.size(); ++i) {
     if ((cube.mask >> i & 1) == 0) continue;
@@ -187,10 +188,10 @@ Piece pieceOf(PieceGeometry& geometry, const Arrangement& arrangement, const Cub
   return piece;
 }
 
-Merged mergePart(PieceGeometry& geometry, const MergeTask& task, const MergeLimits& limits) {
+Merged mergePart(CellGeometry& geometry, const MergeTask& task, const MergeLimits& limits) {
   Merged greedy = mergeGreedily(geometry, task);
   if (greedy.optimal) return greedy;
-  std::vector<Piece> pieces = task.pieces;
+  std::vector<ConvexCell> pieces = task.pieces;
   const auto arrangement = arrange(geometry, pieces, task.box, task.slack, limits);
   std::vector<Cube> cubes;
   std::size_t cells = 0;
@@ -211,7 +212,7 @@ Merged mergePart(PieceGeometry& geometry, const MergeTask& task, const MergeLimi
 
 }  // namespace
 
-Merged mergeOptimally(PieceGeometry& geometry, const MergeTask& task, const MergeLimits& limits) {
+Merged mergeOptimally(CellGeometry& geometry, const MergeTask& task, const MergeLimits& limits) {
   Merged result;
   result.optimal = true;
   for (const std::vector<std::size_t>& members : parts(geometry, task)) {
@@ -220,7 +221,7 @@ Merged mergeOptimally(PieceGeometry& geometry, const MergeTask& task, const Merg
     for (const std::size_t member : members) part.pieces.push_back(task.pieces[member]);
     Merged merged = mergePart(geometry, part, limits);
     result.optimal = result.optimal && merged.optimal;
-    for (Piece& piece : merged.pieces) result.pieces.push_back(std::move(piece));
+    for (ConvexCell& piece : merged.pieces) result.pieces.push_back(std::move(piece));
   }
   return result;
 }

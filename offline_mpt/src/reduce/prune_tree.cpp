@@ -11,7 +11,7 @@ using Candidates = std::vector<std::uint32_t>;  // ascending
 
 class Pruner {
  public:
-  Pruner(PieceGeometry& geometry, const PruneRegions& regions, double slack, const SearchTree& tree)
+  Pruner(CellGeometry& geometry, const PruneRegions& regions, double slack, const SearchTree& tree)
       : geometry_(geometry), regions_(regions), slack_(slack), tree_(tree) {}
 
   SearchTree run() {
@@ -93,7 +93,7 @@ class Pruner {
   }
 
   bool isCovered(std::uint32_t region, const std::vector<const RowList*>& cover) {
-    Piece part;
+    ConvexCell part;
     part.rows = regions_.rows[region];
     part.rows.insert(part.rows.end(), path_.begin(), path_.end());
     geometry_.describe(part);
@@ -106,7 +106,7 @@ class Pruner {
     return found->second | MapContent::kLeaf;
   }
 
-  PieceGeometry& geometry_;
+  CellGeometry& geometry_;
   const PruneRegions& regions_;
   double slack_;
   const SearchTree& tree_;
@@ -119,7 +119,7 @@ class Pruner {
 
 }  // namespace
 
-SearchTree pruneTree(PieceGeometry& geometry, const PruneRegions& regions, double slack,
+SearchTree pruneTree(CellGeometry& geometry, const PruneRegions& regions, double slack,
                      const SearchTree& tree) {
   return Pruner(geometry, regions, slack, tree).run();
 }

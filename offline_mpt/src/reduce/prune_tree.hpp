@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "offline_mpt/search_tree.hpp"
-#include "reduce/piece_geometry.hpp"
+#include "reduce/cell_geometry.hpp"
 
 namespace polyfly {
 
@@ -19,7 +19,7 @@ struct PruneRegions {
 /// part there lies, within `slack`, in other candidates of its law, or in ordinary ones if it is a fallback
 /// region. A node whose children are leaves, one with all candidates of the other, becomes that leaf. Equal
 /// leaves are written once.
-SearchTree pruneTree(PieceGeometry& geometry, const PruneRegions& regions, double slack,
+SearchTree pruneTree(CellGeometry& geometry, const PruneRegions& regions, double slack,
                      const SearchTree& tree);
 
 }  // namespace polyfly

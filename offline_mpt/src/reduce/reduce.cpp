@@ -21,8 +21,9 @@ namespace polyfly {
 namespace {
 
 constexpr double kSlackShare =
-    0.125;                          // of the map's tolerance: how far regions may be off when they are joined
-constexpr double kThin = 1e-11;     // regions with a smaller inscribed ball are left as they are [scaled]
+    0.125;  // of the map's tolerance: how far regions may be off when they are joined
+constexpr double kEmptyInterior =
+    1e-11;                          // regions with a smaller inscribed ball are left as they are [scaled]
 constexpr double kConstant = 1e-6;  // greatest change of a constant input over the box, relative as laws
 constexpr std::size_t kMostFallbacks = 64;
 
@@ -61,10 +62,10 @@ class Reducer {
 
  private:
   void describeRegions() {
-    PieceGeometry geometry(planes_);
+    CellGeometry geometry(planes_);
     for (std::size_t r = 0; r < map_.regionCount(); ++r) {
       const RegionView region = map_.region(r);
-      Piece piece;
+      ConvexCell piece;
       piece.rows.assign(region.rows, region.rows + region.row_count);
       geometry.describe(piece);
       pieces_.push_back(std::move(piece));
@@ -78,7 +79,7 @@ class Reducer {
       const std::uint32_t law = class_of_[map_.region(r).law];
       const auto [found, is_new] = number.emplace(law, groups_.size());
       if (is_new) groups_.push_back({law, {}, {}});
-      if (pieces_[r].radius > kThin) groups_[found->second].regions.push_back(r);
+      if (pieces_[r].radius > kEmptyInterior) groups_[found->second].regions.push_back(r);
       centres_.insert(centres_.end(), pieces_[r].centre.begin(), pieces_[r].centre.end());
       laws_.push_back(law);
     }
@@ -87,8 +88,8 @@ class Reducer {
 
   void mergeAll() {
     const auto threads = static_cast<std::size_t>(std::clamp(options_.threads, 1, 256));
-    std::vector<std::unique_ptr<PieceGeometry>> geometries;
-    for (std::size_t i = 0; i < threads; ++i) geometries.push_back(std::make_unique<PieceGeometry>(planes_));
+    std::vector<std::unique_ptr<CellGeometry>> geometries;
+    for (std::size_t i = 0; i < threads; ++i) geometries.push_back(std::make_unique<CellGeometry>(planes_));
     const bool finished = inParallel(groups_.size(), static_cast<int>(threads), options_.stop,
                                      options_.progress, [&](std::size_t thread, std::uint64_t i) {
                                        groups_[i].merged = merge(*geometries[thread], groups_[i]);
@@ -101,7 +102,7 @@ class Reducer {
     }
   }
 
-  Merged merge(PieceGeometry& geometry, const LawGroup& group) const {
+  Merged merge(CellGeometry& geometry, const LawGroup& group) const {
     MergeTask task;
     for (const std::uint32_t r : group.regions) task.pieces.push_back(pieces_[r]);
     task.centres = &centres_;
@@ -147,8 +148,8 @@ class Reducer {
     return best;
   }
 
-  std::vector<Piece> piecesOf(const LawGroup* group) const {
-    std::vector<Piece> result;
+  std::vector<ConvexCell> piecesOf(const LawGroup* group) const {
+    std::vector<ConvexCell> result;
     if (group == nullptr) return result;
     for (const std::uint32_t r : group->regions) result.push_back(pieces_[r]);
     return result;
@@ -164,8 +165,8 @@ class Reducer {
       stats_.saturated_regions += group->regions.size();
     }
     if (stats_.saturated_regions <= kinds_) return;
-    PieceGeometry geometry(planes_);
-    const Piece domain = domainOf(geometry, pieces_, box_, slack_);
+    CellGeometry geometry(planes_);
+    const ConvexCell domain = domainOf(geometry, pieces_, box_, slack_);
     separation_ = separate(geometry, planes_, domain, piecesOf(upper_), piecesOf(lower_),
                            std::min(kMostFallbacks, stats_.saturated_regions - 1));
     // Nothing can be fewer than one for each kind: no need to join what gives way.
@@ -211,13 +212,14 @@ class Reducer {
 
   void collect() {
     for (const LawGroup& group : groups_) {
-      for (const Piece& piece : group.merged.pieces)
+      for (const ConvexCell& piece : group.merged.pieces)
         entries_.push_back({piece, group.law, sourceOf(group, piece)});
     }
     // Regions too thin to be joined stay as they are.
     for (std::uint32_t r = 0; r < pieces_.size(); ++r) {
       const std::uint32_t law = class_of_[map_.region(r).law];
-      if (pieces_[r].radius > kThin || std::find(replaced_.begin(), replaced_.end(), law) != replaced_.end())
+      if (pieces_[r].radius > kEmptyInterior ||
+          std::find(replaced_.begin(), replaced_.end(), law) != replaced_.end())
         continue;
       entries_.push_back({pieces_[r], law, static_cast<int>(r)});
     }
@@ -226,7 +228,7 @@ class Reducer {
   }
 
   /// The region of the map that has exactly these rows.
-  int sourceOf(const LawGroup& group, const Piece& piece) const {
+  int sourceOf(const LawGroup& group, const ConvexCell& piece) const {
     RowList wanted = piece.rows;
     std::sort(wanted.begin(), wanted.end());
     for (const std::uint32_t r : group.regions) {
@@ -254,7 +256,7 @@ class Reducer {
   double slack_;
   ScaledPlanes planes_;  // those of the map, then those that were added
   RowList box_;
-  std::vector<Piece> pieces_;            // per region
+  std::vector<ConvexCell> pieces_;       // per region
   std::vector<std::uint32_t> class_of_;  // of the map's laws
   std::vector<std::uint32_t> laws_;      // per region
   std::vector<double> centres_;          // of the regions

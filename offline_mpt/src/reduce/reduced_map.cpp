@@ -51,7 +51,7 @@ class Encoder {
       regions.first_fallback = reduced_.first_fallback;
     }
     const ScaledPlanes planes{tree.p, tree.planes};
-    PieceGeometry geometry(planes);
+    CellGeometry geometry(planes);
     SearchTree found = pruneTree(geometry, regions, reduced_.slack, buildTree(tree, options));
     content.solver_notes = "tree_depth: " + std::to_string(found.depth) + "\n";
     content.root = found.root;

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "reduce/piece_geometry.hpp"
+#include "reduce/cell_geometry.hpp"
 #include "region_maps/map_content.hpp"
 
 namespace polyfly {
 
 /// A region of a reduced map.
 struct ReducedRegion {
-  Piece piece;            ///< described, and bounded by its own rows
+  ConvexCell piece;       ///< described, and bounded by its own rows
   std::uint32_t law = 0;  ///< of the original
   int source = -1;        ///< the region of the original that it is, unchanged; -1: a union
 };

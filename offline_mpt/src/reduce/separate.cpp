@@ -13,13 +13,13 @@ constexpr double kSharp =
     1e-12;                    // fallback regions must not reach beyond the domain, even by little [scaled]
 constexpr int kRounds = 400;  // of finding points that a plane must respect
 
-using Pieces = std::vector<Piece>;
+using Pieces = std::vector<ConvexCell>;
 
 /// A plane between two sets of polytopes with the greatest margin, by the points of theirs that come nearest:
 /// max m  s.t.  a . v - c >= m on the first, <= -m on the second, |a_j| <= 1.
 class Separator {
  public:
-  explicit Separator(PieceGeometry& geometry)
+  explicit Separator(CellGeometry& geometry)
       : geometry_(geometry),
         p_(static_cast<std::size_t>(geometry.planes().p)),
         solver_(geometry.planes().p + 2) {}
@@ -28,8 +28,8 @@ class Separator {
   bool find(Pieces& above, Pieces& below, std::vector<double>& plane) {
     rows_.clear();
     addBounds();
-    for (const Piece& piece : above) addPoint(piece.centre.data(), -1.0);
-    for (const Piece& piece : below) addPoint(piece.centre.data(), 1.0);
+    for (const ConvexCell& piece : above) addPoint(piece.centre.data(), -1.0);
+    for (const ConvexCell& piece : below) addPoint(piece.centre.data(), 1.0);
     for (int round = 0; round < kRounds; ++round) {
       double margin = 0.0;
       if (!solve(plane, margin) || margin < kMargin) return false;
@@ -89,7 +89,7 @@ class Separator {
     bool kept = true;
     std::vector<double> direction(plane.begin(), plane.end() - 1), point(p_);
     for (double& value : direction) value *= side;
-    for (Piece& piece : pieces) {
+    for (ConvexCell& piece : pieces) {
       if (!geometry_.support(piece, direction.data(), point.data())) return false;
       double distance = -plane[p_];
       for (std::size_t j = 0; j < p_; ++j) distance += plane[j] * point[j];
@@ -100,15 +100,15 @@ class Separator {
     return kept;
   }
 
-  PieceGeometry& geometry_;
+  CellGeometry& geometry_;
   std::size_t p_;
   PolytopeSolver solver_;
   std::vector<double> rows_;
 };
 
-class Divider {
+class CellSplitter {
  public:
-  Divider(PieceGeometry& geometry, ScaledPlanes& planes, const Piece& domain, std::size_t limit)
+  CellSplitter(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain, std::size_t limit)
       : geometry_(geometry), planes_(planes), domain_(domain), limit_(limit), separator_(geometry) {}
 
   Separation run(Pieces upper, Pieces lower) {
@@ -151,7 +151,7 @@ class Divider {
   std::size_t growSide(const Pieces& pieces, Pieces& others, std::vector<double>& plane) {
     Pieces side;
     std::vector<double> attempt;
-    for (const Piece& piece : pieces) {
+    for (const ConvexCell& piece : pieces) {
       side.push_back(piece);
       if (separator_.find(side, others, attempt)) {
         plane = attempt;
@@ -183,7 +183,7 @@ class Divider {
 
   void clip(Pieces& pieces, std::int32_t row) {
     Pieces kept;
-    for (Piece& piece : pieces) {
+    for (ConvexCell& piece : pieces) {
       if (!geometry_.holdsOn(row, piece, 0.0)) {
         piece.rows.push_back(row);
         piece.points.clear();
@@ -195,9 +195,9 @@ class Divider {
     pieces = std::move(kept);
   }
 
-  PieceGeometry& geometry_;
+  CellGeometry& geometry_;
   ScaledPlanes& planes_;
-  const Piece& domain_;
+  const ConvexCell& domain_;
   std::size_t limit_;
   Separator separator_;
   Separation result_;
@@ -205,18 +205,19 @@ class Divider {
 
 }  // namespace
 
-Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box, double slack) {
+ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box,
+                    double slack) {
   RowList rows = box;
-  for (const Piece& piece : pieces) rows.insert(rows.end(), piece.rows.begin(), piece.rows.end());
+  for (const ConvexCell& piece : pieces) rows.insert(rows.end(), piece.rows.begin(), piece.rows.end());
   std::sort(rows.begin(), rows.end());
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  Piece domain;
+  ConvexCell domain;
   for (const std::int32_t row : rows) {
-    const auto is_inside = [&](const Piece& piece) {
+    const auto is_inside = [&](const ConvexCell& piece) {
       return geometry.planes().value(row, piece.centre.data()) <= slack;
     };
     if (!std::all_of(pieces.begin(), pieces.end(), is_inside)) continue;
-    const auto is_held = [&](Piece& piece) { return geometry.holdsOn(row, piece, slack); };
+    const auto is_held = [&](ConvexCell& piece) { return geometry.holdsOn(row, piece, slack); };
     if (std::all_of(pieces.begin(), pieces.end(), is_held)) domain.rows.push_back(row);
   }
   domain.centre = pieces.front().centre;
@@ -225,9 +226,10 @@ Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowLis
   return domain;
 }
 
-Separation separate(PieceGeometry& geometry, ScaledPlanes& planes, const Piece& domain,
-                    const std::vector<Piece>& upper, const std::vector<Piece>& lower, std::size_t limit) {
-  return Divider(geometry, planes, domain, limit).run(upper, lower);
+Separation separate(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain,
+                    const std::vector<ConvexCell>& upper, const std::vector<ConvexCell>& lower,
+                    std::size_t limit) {
+  return CellSplitter(geometry, planes, domain, limit).run(upper, lower);
 }
 
 }  // namespace polyfly

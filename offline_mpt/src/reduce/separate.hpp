@@ -3,16 +3,17 @@
 #include <string>
 #include <vector>
 
-#include "reduce/piece_geometry.hpp"
+#include "reduce/cell_geometry.hpp"
 
 namespace polyfly {
 
 /// Rows of the pieces that hold on all of them, without redundant ones: the set that a complete map answers,
 /// which is convex.
-Piece domainOf(PieceGeometry& geometry, std::vector<Piece>& pieces, const RowList& box, double slack);
+ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, const RowList& box,
+                    double slack);
 
 struct Fallback {
-  Piece piece;
+  ConvexCell piece;
   bool upper = false;  ///< which kind of saturation
 };
 
@@ -24,7 +25,8 @@ struct Separation {
 
 /// Divides the domain by planes, which are added to `planes` (those of the geometry), so that each part meets
 /// the interior of upper or of lower pieces only. At most `limit` parts.
-Separation separate(PieceGeometry& geometry, ScaledPlanes& planes, const Piece& domain,
-                    const std::vector<Piece>& upper, const std::vector<Piece>& lower, std::size_t limit);
+Separation separate(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain,
+                    const std::vector<ConvexCell>& upper, const std::vector<ConvexCell>& lower,
+                    std::size_t limit);
 
 }  // namespace polyfly

@@ -17,9 +17,9 @@ constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes 
 constexpr double kMembership = format::kMaxTolerance;
 
 /// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
-class Sharing {
+class Deduplicator {
  public:
-  Sharing(const std::vector<double>& vectors, std::size_t width, double tolerance)
+  Deduplicator(const std::vector<double>& vectors, std::size_t width, double tolerance)
       : index_(vectors.size() / width) {
     const std::size_t count = index_.size();
     std::vector<double> key(count, 0.0);
@@ -121,7 +121,7 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
 void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& content, TreeRegions& tree) {
   const std::size_t p = scaling.half.size();
   const Planes all = collectPlanes(partition, scaling);
-  const Sharing sharing(all.planes, p + 1, kSamePlane);
+  const Deduplicator sharing(all.planes, p + 1, kSamePlane);
   for (const std::size_t i : sharing.representatives()) {
     double bound = all.planes[i * (p + 1) + p];
     for (std::size_t j = 0; j < p; ++j) {
@@ -187,7 +187,7 @@ void addLaws(const Partition& partition, const Scaling& scaling, MapContent& con
   const std::size_t width = content.inputs.size() * (scaling.half.size() + 1);
   const Laws laws = collectLaws(partition, scaling, static_cast<Eigen::Index>(content.inputs.size()));
   // not relative to the laws: beside the steepest of them, a saturated one would pass for constant
-  const Sharing sharing(laws.scaled, width, kSameLaw * laws.output);
+  const Deduplicator sharing(laws.scaled, width, kSameLaw * laws.output);
   for (const std::size_t i : sharing.representatives()) {
     const auto first = laws.written.begin() + static_cast<std::ptrdiff_t>(i * width);
     content.laws.insert(content.laws.end(), first, first + static_cast<std::ptrdiff_t>(width));

@@ -81,7 +81,7 @@ class TreeGrower {
         splitter_(geometry) {}
 
   /// Cells with at most `size` members are put off, to be grown apart.
-  void putOff(std::size_t size, std::vector<Task>& tasks) {
+  void defer(std::size_t size, std::vector<Task>& tasks) {
     task_size_ = size;
     tasks_ = &tasks;
   }
@@ -150,7 +150,7 @@ class TreeGrower {
 
   /// Regions that no plane keeps apart: slivers along a common edge, which splitting only repeats on both
   /// sides. Only below the depth at which a balanced tree would have ended.
-  bool entangled(const Estimate& split, std::size_t members) const {
+  bool unsplittable(const Estimate& split, std::size_t members) const {
     return static_cast<double>(path_.size()) > balanced_depth_ + kLateDepth && members <= kEntangled &&
            static_cast<double>(split.total()) > kRepeated * static_cast<double>(members);
   }
@@ -175,7 +175,7 @@ class TreeGrower {
         found = true;
       }
     }
-    if (!found || entangled(best, members.size())) return false;
+    if (!found || unsplittable(best, members.size())) return false;
     plane = best.plane;
     splitter_.divide(members, plane, path_, best_sides, below, above);
     return true;
@@ -310,7 +310,7 @@ SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   std::vector<Task> tasks;
   TreeGrower top(geometry, choices);
   const std::size_t size = std::max(kManyMembers, regions.rows.size() / kTasks);
-  top.putOff(size, tasks);
+  top.defer(size, tasks);
   SearchTree tree =
       top.run({geometry.takeMembers(), {}, {static_cast<double>(choices.node_limit), choices.fine_nodes}});
   join(growAll(geometry, choices, tasks), tree);

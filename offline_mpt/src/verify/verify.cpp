@@ -10,7 +10,7 @@
 #include "offline_mpt/program_oracle.hpp"
 #include "polyfly_base/error.hpp"
 #include "support/in_parallel.hpp"
-#include "verify/exact_arbiter.hpp"
+#include "verify/exact_optimality_check.hpp"
 #include "verify/parameter_sampler.hpp"
 
 namespace polyfly {
@@ -282,7 +282,7 @@ class Checker {
   const RegionMap& map_;
   const VerifyOptions& options_;
   ProgramOracle oracle_;
-  ExactArbiter arbiter_;
+  ExactOptimalityCheck arbiter_;
   Eigen::VectorXd u_;
   std::vector<char> hit_;  // per region
 };

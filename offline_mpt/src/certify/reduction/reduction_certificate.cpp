@@ -1,6 +1,6 @@
 #include "certify/reduction/reduction_certificate.hpp"
 
-#include "certify/exact_certificate.hpp"
+#include "certify/certificate.hpp"
 #include "support/certificate_text.hpp"
 
 namespace polyfly {

@@ -23,7 +23,7 @@ constexpr std::size_t kMostPieces = 20'000;
 
 }  // namespace
 
-FacetNeighbours::FacetNeighbours(const LeastDistance& program, double facet_tolerance,
+FacetNeighbours::FacetNeighbours(const NormalisedProgram& program, double facet_tolerance,
                                  double radius_tolerance)
     : program_(program), builder_(program, facet_tolerance, radius_tolerance) {
   if (program.p > 1) solver_.emplace(program.p - 1);
@@ -47,7 +47,7 @@ void FacetNeighbours::lay(const Facet& facet) {
 }
 
 // Adds sign * (a . t <= b) to the piece. False where nothing of the plane is left.
-bool FacetNeighbours::restrict(const Facet& facet, int sign, Piece& piece) const {
+bool FacetNeighbours::restrict(const Facet& facet, int sign, ConvexCell& piece) const {
   const Eigen::Map<const Eigen::VectorXd> a(facet.row.data(), program_.p);
   const Eigen::VectorXd along = sign * (basis_.transpose() * a);
   const double bound = sign * (facet.row[program_.p] - a.dot(foot_));
@@ -58,7 +58,7 @@ bool FacetNeighbours::restrict(const Facet& facet, int sign, Piece& piece) const
   return true;
 }
 
-double FacetNeighbours::radius(const Piece& piece, Eigen::VectorXd& centre) {
+double FacetNeighbours::radius(const ConvexCell& piece, Eigen::VectorXd& centre) {
   centre = Eigen::VectorXd::Zero(program_.p - 1);
   if (!solver_) return 1.0;
   double value = 0.0;
@@ -69,7 +69,7 @@ double FacetNeighbours::radius(const Piece& piece, Eigen::VectorXd& centre) {
 // Whether the set describes a region behind the facet, which then joins the others.
 bool FacetNeighbours::takeRegion(const ActiveSet& active) {
   if (std::find(behind_sets_.begin(), behind_sets_.end(), active) != behind_sets_.end()) return false;
-  RegionData region;
+  Region region;
   if (builder_.build(active, region) != BuildStatus::kRegion) return false;
   const Eigen::Map<const Eigen::VectorXd> centre(region.centre.data(), program_.p);
   if (normal_.dot(centre) <= offset_) return false;
@@ -82,7 +82,7 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   ActiveSet active;
   if (!activeSetAt(program_, qps_[0], t + kSteps[3] * normal_, kEdge, 0.0, active)) return Behind::kEdge;
   const double mean = program_.curvature.trace() / program_.n;
-  const auto holds = [&](const RegionData& region) {
+  const auto holds = [&](const Region& region) {
     return std::all_of(region.facets.begin(), region.facets.end(), [&](const Facet& facet) {
       const Eigen::Map<const Eigen::VectorXd> a(facet.row.data(), program_.p);
       return a.dot(t) <= facet.row[program_.p] + kHolds;
@@ -119,13 +119,13 @@ double FacetNeighbours::room(const Eigen::VectorXd& t) const {
 
 // Cuts the piece by the region's rows: what lies outside of them joins `rest`. False, with `rest` as it was,
 // where the region holds nothing of the piece.
-bool FacetNeighbours::cut(const Piece& piece, const RegionData& region, std::vector<Piece>& rest) {
+bool FacetNeighbours::cut(const ConvexCell& piece, const Region& region, std::vector<ConvexCell>& rest) {
   const std::size_t before = rest.size();
-  Piece inside = piece;
+  ConvexCell inside = piece;
   Eigen::VectorXd centre;
   bool left = true;
   for (const Facet& facet : region.facets) {
-    Piece outside = inside;
+    ConvexCell outside = inside;
     if (restrict(facet, -1, outside) && outside.size() > inside.size() &&
         radius(outside, centre) > kThinPiece)
       rest.push_back(std::move(outside));
@@ -136,10 +136,10 @@ bool FacetNeighbours::cut(const Piece& piece, const RegionData& region, std::vec
   return left;
 }
 
-void FacetNeighbours::find(const Facet& facet, const RegionData& region, const ActiveSetList& candidates,
-                           ActiveSetList& found, std::vector<double>& unsettled) {
+void FacetNeighbours::find(const Facet& facet, const Region& region, const ActiveSetList& candidates,
+                           ActiveSetList& found, std::vector<double>& unresolved) {
   lay(facet);
-  std::vector<Piece> pieces(1);
+  std::vector<ConvexCell> pieces(1);
   for (const Facet& other : region.facets) {
     if (&other != &facet && !restrict(other, 1, pieces[0])) return;
   }
@@ -147,11 +147,11 @@ void FacetNeighbours::find(const Facet& facet, const RegionData& region, const A
     takeRegion(ActiveSet(candidates[k].begin(), candidates[k].end()));
   Eigen::VectorXd centre;
   for (std::size_t round = 0; !pieces.empty() && round < kMostPieces; ++round) {
-    const Piece piece = std::move(pieces.back());
+    const ConvexCell piece = std::move(pieces.back());
     pieces.pop_back();
     if (radius(piece, centre) <= kThinPiece) continue;
     if (std::any_of(behind_.begin(), behind_.end(),
-                    [&](const RegionData& other) { return cut(piece, other, pieces); }))
+                    [&](const Region& other) { return cut(piece, other, pieces); }))
       continue;
     const Eigen::VectorXd t = foot_ + basis_ * centre;
     const std::size_t known = behind_.size();
@@ -162,7 +162,7 @@ void FacetNeighbours::find(const Facet& facet, const RegionData& region, const A
       continue;
     }
     const Eigen::VectorXd probe = t + std::min(kSteps[1], 0.5 * room(t)) * normal_;
-    unsettled.insert(unsettled.end(), probe.data(), probe.data() + program_.p);
+    unresolved.insert(unresolved.end(), probe.data(), probe.data() + program_.p);
   }
   for (const ActiveSet& active : behind_sets_) found.push({active.data(), active.size()});
 }

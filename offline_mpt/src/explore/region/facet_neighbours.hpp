@@ -7,7 +7,7 @@
 #include "explore/region/region_builder.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/polytope.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
@@ -17,35 +17,35 @@ namespace polyfly {
 /// left. What it finds depends on the facet alone. One object, one thread.
 class FacetNeighbours {
  public:
-  FacetNeighbours(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
+  FacetNeighbours(const NormalisedProgram& program, double facet_tolerance, double radius_tolerance);
 
   /// Adds the active sets of the regions behind `facet` to `found`; `candidates` are asked first. Points
-  /// behind which no region was found join `unsettled` (p numbers each).
-  void find(const Facet& facet, const RegionData& region, const ActiveSetList& candidates,
-            ActiveSetList& found, std::vector<double>& unsettled);
+  /// behind which no region was found join `unresolved` (p numbers each).
+  void find(const Facet& facet, const Region& region, const ActiveSetList& candidates, ActiveSetList& found,
+            std::vector<double>& unresolved);
 
   unsigned long long pivots() const { return builder_.pivots() + (solver_ ? solver_->pivots() : 0); }
 
  private:
-  using Piece = std::vector<double>;  // rows in coordinates of the facet's plane
+  using ConvexCell = std::vector<double>;  // rows in coordinates of the facet's plane
   enum class Behind { kRegion, kEdge, kUnknown };
 
   void lay(const Facet& facet);
-  bool restrict(const Facet& facet, int sign, Piece& piece) const;
-  double radius(const Piece& piece, Eigen::VectorXd& centre);
+  bool restrict(const Facet& facet, int sign, ConvexCell& piece) const;
+  double radius(const ConvexCell& piece, Eigen::VectorXd& centre);
   bool takeRegion(const ActiveSet& active);
   Behind lookBehind(const Eigen::VectorXd& t);
   double room(const Eigen::VectorXd& t) const;
-  bool cut(const Piece& piece, const RegionData& region, std::vector<Piece>& rest);
+  bool cut(const ConvexCell& piece, const Region& region, std::vector<ConvexCell>& rest);
 
-  const LeastDistance& program_;
+  const NormalisedProgram& program_;
   RegionBuilder builder_;
   std::optional<PolytopeSolver> solver_;  // none where a facet is a point
   std::vector<DenseQp> qps_;              // each with something else added to H
   Eigen::VectorXd normal_, foot_;
   Eigen::MatrixXd basis_;  // p x (p - 1)
   double offset_ = 0.0;
-  std::vector<RegionData> behind_;
+  std::vector<Region> behind_;
   std::vector<ActiveSet> behind_sets_;
 };
 

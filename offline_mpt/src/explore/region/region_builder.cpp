@@ -13,7 +13,8 @@ constexpr double kOpposite = 1e-6 - 1.0;  // product of unit rows below which th
 
 }  // namespace
 
-RegionBuilder::RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance)
+RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tolerance,
+                             double radius_tolerance)
     : program_(program),
       facet_tolerance_(facet_tolerance),
       radius_tolerance_(radius_tolerance),
@@ -120,11 +121,11 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   if (meets_box && noise > kConstant * scale && length <= blurred) doubtful_ = true;
   if (length <= kConstant * scale) {
     if (constant < -kConstant * scale) {
-      status = BuildStatus::kThin;
+      status = BuildStatus::kEmptyInterior;
       return false;
     }
     if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstant * scale) {
-      status = BuildStatus::kWeak;
+      status = BuildStatus::kWeaklyActive;
       return false;
     }
     if (origin.kind == RowOrigin::Kind::kSlack)
@@ -132,7 +133,7 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
     return true;
   }
   if (!meets_box) {  // such a row bounds nothing, or all is beyond it; far planes would cost accuracy
-    if (constant < 0.0) status = BuildStatus::kThin;
+    if (constant < 0.0) status = BuildStatus::kEmptyInterior;
     if (origin.kind == RowOrigin::Kind::kSlack)
       nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
     return constant > 0.0;
@@ -267,7 +268,7 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
 
 // The same where H is singular and not zero.
 bool RegionBuilder::findShortest(const ActiveSet& active) {
-  const ShortestOptimum::Outcome outcome = shortest_.describe(active);
+  const ShortestOptimum::Outcome outcome = shortest_.computeRegion(active);
   doubtful_ = doubtful_ || shortest_.doubtful();
   is_paid_ = outcome != ShortestOptimum::Outcome::kUnpaid;
   if (outcome == ShortestOptimum::Outcome::kDependent) return false;
@@ -286,7 +287,7 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   plane_error_ = 0.0;
   doubtful_ = false;
   if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
-  if ((program_.linear || program_.semidefinite) && !priceOut(active)) return BuildStatus::kThin;
+  if ((program_.linear || program_.semidefinite) && !priceOut(active)) return BuildStatus::kEmptyInterior;
 
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
@@ -298,7 +299,7 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
 }
 
 // Rows, largest ball and law.
-BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) {
+BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
   region.radius = -std::numeric_limits<double>::infinity();
   const BuildStatus status = assembleRows(active);
   if (status != BuildStatus::kRegion) return status;
@@ -306,12 +307,12 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, RegionData& region) 
   if (!solver_.chebyshevInBox(rows_.data(), static_cast<int>(origins_.size()), region.centre.data(),
                               region.radius))
     return BuildStatus::kFailed;
-  if (region.radius <= radius_tolerance_) return BuildStatus::kThin;
+  if (region.radius <= radius_tolerance_) return BuildStatus::kEmptyInterior;
   law(active, region.law);
   return status;
 }
 
-bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) const {
+bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) const {
   if (status == BuildStatus::kDependent) return false;
   if (misleads()) return true;
   if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
@@ -319,28 +320,28 @@ bool RegionBuilder::needsAccuracy(BuildStatus status, const RegionData& region) 
 }
 
 bool RegionBuilder::describeAccurately(const ActiveSet& active) {
-  is_accurate_ = accurate_.describe(active);
+  is_accurate_ = accurate_.computeRegion(active);
   return is_accurate_;
 }
 
-BuildStatus RegionBuilder::build(const ActiveSet& active, RegionData& region) {
+BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
   is_accurate_ = false;
   BuildStatus status = measure(active, region);
   if (needsAccuracy(status, region)) {
     if (describeAccurately(active)) {
       status = measure(active, region);
     } else if (program_.semidefinite && accurate_.isNoSolution()) {
-      return BuildStatus::kThin;  // what doubles took for a solution is none
+      return BuildStatus::kEmptyInterior;  // what doubles took for a solution is none
     }
   }
-  if (status == BuildStatus::kThin && isFlat(region)) return openFlat(active, region);
+  if (status == BuildStatus::kEmptyInterior && isFlat(region)) return inflateFlat(active, region);
   if (status != BuildStatus::kRegion) return status;
   // A facet of a thin region shows at the region's own scale.
   return findFacets(active, std::min(facet_tolerance_, 0.1 * region.radius), region);
 }
 
 // Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
-bool RegionBuilder::isFlat(const RegionData& region) const {
+bool RegionBuilder::isFlat(const Region& region) const {
   if (program_.linear || program_.semidefinite || std::abs(region.radius) > kFlatness) return false;
   const auto row = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
@@ -359,14 +360,14 @@ bool RegionBuilder::isFlat(const RegionData& region) const {
 }
 
 // Where regions meet that nothing but a flat set is between, they are neighbours of its facets.
-BuildStatus RegionBuilder::openFlat(const ActiveSet& active, RegionData& region) {
+BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) {
   constexpr double kMoved = 4.0 * kFlatness;
   for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += kMoved;
   const BuildStatus status = findFacets(active, facet_tolerance_, region);
-  return status == BuildStatus::kRegion ? BuildStatus::kFlat : status;
+  return status == BuildStatus::kRegion ? BuildStatus::kLowerDimensional : status;
 }
 
-BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance, RegionData& region) {
+BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance, Region& region) {
   const int count = static_cast<int>(origins_.size());
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
     return BuildStatus::kFailed;

@@ -4,15 +4,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "explore/region/accurate_description.hpp"
+#include "explore/region/high_precision_region.hpp"
 #include "explore/region/shortest_optimum.hpp"
 #include "explore/sets/active_set_list.hpp"
 #include "offline_mpt/polytope.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
-/// Row indices of a LeastDistance, ascending.
+/// Row indices of a NormalisedProgram, ascending.
 using ActiveSet = std::vector<std::uint16_t>;
 
 /// Where a half-space of a region comes from.
@@ -30,7 +30,7 @@ struct Facet {
 };
 
 /// A full-dimensional region in scaled parameters.
-struct RegionData {
+struct Region {
   std::vector<Facet> facets;
   std::vector<double> centre;
   double radius = 0.0;
@@ -40,15 +40,15 @@ struct RegionData {
 };
 
 /// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
-double crossingFraction(const RegionData& region, const Facet& facet);
+double crossingFraction(const Region& region, const Facet& facet);
 
 enum class BuildStatus : std::uint8_t {
-  kRegion,     ///< full-dimensional
-  kThin,       ///< empty or flatter than the tolerance
-  kFlat,       ///< thin, but the way to what lies behind may lead through it alone
-  kDependent,  ///< the active rows are linearly dependent
-  kWeak,       ///< a multiplier is zero everywhere: the set without it is the same
-  kFailed,     ///< the simplex gave up
+  kRegion,            ///< full-dimensional
+  kEmptyInterior,     ///< empty or flatter than the tolerance
+  kLowerDimensional,  ///< thin, but the way to what lies behind may lead through it alone
+  kDependent,         ///< the active rows are linearly dependent
+  kWeaklyActive,      ///< a multiplier is zero everywhere: the set without it is the same
+  kFailed,            ///< the simplex gave up
 };
 
 /// What lies behind a facet.
@@ -64,17 +64,16 @@ enum class Crossing : std::uint8_t {
 /// One object, one thread.
 class RegionBuilder {
  public:
-  RegionBuilder(const LeastDistance& program, double facet_tolerance, double radius_tolerance);
+  RegionBuilder(const NormalisedProgram& program, double facet_tolerance, double radius_tolerance);
 
-  /// kRegion: the whole of `region` is filled in; kFlat: all but the law, with the half-spaces moved
+  /// kRegion: the whole of `region` is filled in; kLowerDimensional: all but the law, with the half-spaces moved
   /// outwards.
-  BuildStatus build(const ActiveSet& active, RegionData& region);
+  BuildStatus build(const ActiveSet& active, Region& region);
 
   /// Adds the active sets that can be optimal across `facet` of the region of `active`, which must be the
   /// last one built. Of several, that which is likeliest where the way to the point beyond crosses the facet
   /// is the first.
-  Crossing neighbours(const ActiveSet& active, const RegionData& region, const Facet& facet,
-                      ActiveSetList& sets);
+  Crossing neighbours(const ActiveSet& active, const Region& region, const Facet& facet, ActiveSetList& sets);
 
   /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
   /// spare); false where the active rows are dependent.
@@ -86,13 +85,13 @@ class RegionBuilder {
   bool findMultipliers(const ActiveSet& active, double& scale);
   bool findShortest(const ActiveSet& active);
   double growth() const;
-  BuildStatus measure(const ActiveSet& active, RegionData& region);
+  BuildStatus measure(const ActiveSet& active, Region& region);
   /// Even estimates of errors do.
   bool misleads() const { return doubtful_ || pivot_ < kDistant; }
-  bool isFlat(const RegionData& region) const;
-  BuildStatus findFacets(const ActiveSet& active, double tolerance, RegionData& region);
-  BuildStatus openFlat(const ActiveSet& active, RegionData& region);
-  bool needsAccuracy(BuildStatus status, const RegionData& region) const;
+  bool isFlat(const Region& region) const;
+  BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
+  BuildStatus inflateFlat(const ActiveSet& active, Region& region);
+  bool needsAccuracy(BuildStatus status, const Region& region) const;
   bool describeAccurately(const ActiveSet& active);
   bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
   void slackRow(const ActiveSet& active, int row);
@@ -107,7 +106,7 @@ class RegionBuilder {
   void law(const ActiveSet& active, std::vector<double>& out);
   bool depends(const ActiveSet& active, int row);
   void findChanges(const Facet& facet);
-  void cross(const ActiveSet& active, const RegionData& region, const Facet& facet);
+  void cross(const ActiveSet& active, const Region& region, const Facet& facet);
   int exchange(const ActiveSet& active, int row, ActiveSetList& sets) const;
   bool beginsBehind(const ActiveSet& active, int leaving);
   bool slacksStay(int facet, double change) const;
@@ -127,7 +126,7 @@ class RegionBuilder {
   static constexpr double kUnpaid =
       1e-9;  // part of the cost that prices may leave, relative to its largest entry
 
-  const LeastDistance& program_;
+  const NormalisedProgram& program_;
   double facet_tolerance_;
   double radius_tolerance_;
   int width_;                 // p + 1
@@ -142,7 +141,7 @@ class RegionBuilder {
   double pivot_ = 1.0;               // least of the factor's diagonal
   ShortestOptimum shortest_;         // describes the set where H is singular and not zero
   bool is_paid_ = true;              // by prices, there
-  AccurateDescription accurate_;
+  HighPrecisionRegionSolver accurate_;
   bool is_accurate_ = false;         // the set is described by accurate_
   bool doubtful_ = false;            // rounding decided whether a row is constant
   double plane_error_ = 0.0;         // about what rounding does to the half-spaces in the box [scaled]

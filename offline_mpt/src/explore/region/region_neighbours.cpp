@@ -30,7 +30,7 @@ RowSpan spanOf(const ActiveSet& active) { return {active.data(), active.size()};
 
 }  // namespace
 
-double crossingFraction(const RegionData& region, const Facet& facet) {
+double crossingFraction(const Region& region, const Facet& facet) {
   const std::size_t p = region.centre.size();
   double inside = facet.row[p];
   double outside = facet.row[p];
@@ -52,7 +52,7 @@ void RegionBuilder::findChanges(const Facet& facet) {
 }
 
 // Where the way from the centre to the point beyond the facet crosses it, and what the multipliers are there.
-void RegionBuilder::cross(const ActiveSet& active, const RegionData& region, const Facet& facet) {
+void RegionBuilder::cross(const ActiveSet& active, const Region& region, const Facet& facet) {
   const double fraction = crossingFraction(region, facet);
   crossing_ = region.centre;
   for (std::size_t j = 0; j < crossing_.size(); ++j)
@@ -186,7 +186,7 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& s
   }
 }
 
-Crossing RegionBuilder::neighbours(const ActiveSet& active, const RegionData& region, const Facet& facet,
+Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region, const Facet& facet,
                                    ActiveSetList& sets) {
   if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
   findChanges(facet);

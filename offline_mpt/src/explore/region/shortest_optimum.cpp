@@ -14,7 +14,7 @@ constexpr double kDoubt = 1e3;  // by how much it may be greater or smaller to b
 
 }  // namespace
 
-ShortestOptimum::ShortestOptimum(const LeastDistance& program) : program_(program) {
+ShortestOptimum::ShortestOptimum(const NormalisedProgram& program) : program_(program) {
   if (!program.semidefinite) return;
   greatest_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(program.curvature, Eigen::EigenvaluesOnly)
                   .eigenvalues()(program.n - 1);
@@ -27,7 +27,7 @@ bool ShortestOptimum::isZero(double part, double whole) {
 
 // With A' = Y T and Z an orthonormal basis of what A leaves free, z = Y T^-1' bound + Z v; v is the shortest
 // that solves (Z'HZ) v = -Z'(cost + H z).
-ShortestOptimum::Outcome ShortestOptimum::describe(const std::vector<std::uint16_t>& active) {
+ShortestOptimum::Outcome ShortestOptimum::computeRegion(const std::vector<std::uint16_t>& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
   const Eigen::Index n = program_.n;
   doubtful_ = false;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
@@ -19,15 +19,15 @@ namespace polyfly {
 /// all parameters, its multiplier. One object, one thread.
 class ShortestOptimum {
  public:
-  explicit ShortestOptimum(const LeastDistance& program);
+  explicit ShortestOptimum(const NormalisedProgram& program);
 
   enum class Outcome {
     kDescribed,
     kDependent,  ///< the rows are
     kUnpaid      ///< z can go on for ever: no prices of these rows make up the cost
   };
-  /// Rows of the reduced program. After kDescribed the rest has an answer, in the units of LeastDistance.
-  Outcome describe(const std::vector<std::uint16_t>& active);
+  /// Rows of the reduced program. After kDescribed the rest has an answer, in the units of NormalisedProgram.
+  Outcome computeRegion(const std::vector<std::uint16_t>& active);
 
   /// Rounding may have decided what is zero.
   bool doubtful() const { return doubtful_; }
@@ -44,7 +44,7 @@ class ShortestOptimum {
  private:
   bool isZero(double part, double whole);
 
-  const LeastDistance& program_;
+  const NormalisedProgram& program_;
   double greatest_ = 0.0;   // eigenvalue of the curvature
   Eigen::MatrixXd z_;       // n x (p + 1)
   Eigen::MatrixXd prices_;  // as many rows as the set

@@ -4,7 +4,7 @@
 
 namespace polyfly {
 
-bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
+bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
                  double least, ActiveSet& active) {
   Eigen::VectorXd t1(program.p + 1);
   t1 << t, 1.0;

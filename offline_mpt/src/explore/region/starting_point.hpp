@@ -5,13 +5,13 @@
 
 #include "explore/region/region_builder.hpp"
 #include "mpc_core/dense_qp.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
 /// Active set at t with all rows of unit length tightened by `margin`, ascending, of rows whose multipliers
 /// exceed `least`; false where that is infeasible. `qp` has the reduced program's rows.
-bool activeSetAt(const LeastDistance& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
+bool activeSetAt(const NormalisedProgram& program, DenseQp& qp, const Eigen::VectorXd& t, double margin,
                  double least, ActiveSet& active);
 
 }  // namespace polyfly

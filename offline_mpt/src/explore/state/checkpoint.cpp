@@ -191,7 +191,7 @@ void saveCheckpoint(const std::string& path, std::uint64_t fingerprint, const Ex
   payload.put(state.pivots);
   payload.put(static_cast<std::uint64_t>(state.failed));
   payload.put(static_cast<std::uint64_t>(state.tight.size()));
-  payload.put(static_cast<std::uint64_t>(state.unsettled.size()));
+  payload.put(static_cast<std::uint64_t>(state.unresolved.size()));
   payload.putSets(state.found);
   for (std::size_t k = 0; k < state.regions.size(); ++k) {
     const RegionStore::Region& region = state.regions[k];
@@ -200,7 +200,7 @@ void saveCheckpoint(const std::string& path, std::uint64_t fingerprint, const Ex
     payload.putArray(region.numbers, state.regions.numberCount(region.facets));
   }
   payload.putSets(state.tight);
-  payload.putArray(state.unsettled.data(), state.unsettled.size());
+  payload.putArray(state.unresolved.data(), state.unresolved.size());
   Header header = {};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.byte_order = kByteOrder;
@@ -213,7 +213,7 @@ void saveCheckpoint(const std::string& path, std::uint64_t fingerprint, const Ex
   draft.commit();
 }
 
-void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const LeastDistance& program,
+void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const NormalisedProgram& program,
                     ExplorationState& state) {
   const MappedFile file(path);
   const Header header = readHeader(path, file, fingerprint);
@@ -223,16 +223,16 @@ void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const Le
   state.pivots = in.get<std::uint64_t>();
   state.failed = in.get<std::uint64_t>() != 0;
   const auto tight = in.get<std::uint64_t>();
-  const auto unsettled = in.get<std::uint64_t>();
+  const auto unresolved = in.get<std::uint64_t>();
   const auto rows = static_cast<std::size_t>(program.m);
   if (header.sets == 0 || header.described > header.sets) refuse(path, "counts of active sets break a rule");
   readSets(in, header.sets, rows, program.m, path, state.found);
   readRegions(in, header, path, state);
   readSets(in, tight, rows, program.m, path, state.tight);
-  in.need(unsettled, sizeof(double));
-  state.unsettled.resize(unsettled);
-  in.getArray(state.unsettled.data(), unsettled);
-  if (in.left() != 0 || unsettled % static_cast<std::size_t>(program.p) != 0) {
+  in.need(unresolved, sizeof(double));
+  state.unresolved.resize(unresolved);
+  in.getArray(state.unresolved.data(), unresolved);
+  if (in.left() != 0 || unresolved % static_cast<std::size_t>(program.p) != 0) {
     refuse(path, "is longer than what it holds");
   }
   state.described = header.described;

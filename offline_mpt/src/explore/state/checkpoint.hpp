@@ -23,7 +23,7 @@ void saveCheckpoint(const std::string& path, std::uint64_t fingerprint, const Ex
 
 /// Reads a state back into a new one. Throws Error naming `path` when the file is damaged, cut off, of
 /// another version or of another problem, or breaks a rule of the state.
-void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const LeastDistance& program,
+void loadCheckpoint(const std::string& path, std::uint64_t fingerprint, const NormalisedProgram& program,
                     ExplorationState& state);
 
 }  // namespace polyfly

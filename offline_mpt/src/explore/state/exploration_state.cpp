@@ -13,29 +13,30 @@ RowSpan readSet(ByteReader& in, std::vector<std::uint16_t>& rows) {
   return {rows.data(), rows.size()};
 }
 
-ExplorationState::ExplorationState(const LeastDistance& program)
-    : tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unsettled(&memory) {}
+ExplorationState::ExplorationState(const NormalisedProgram& program)
+    : tight(memory), regions(program.p, static_cast<int>(program.U.rows()), memory), unresolved(&memory) {}
 
-void writeNumbers(const RegionData& region, ByteWriter& out) {
+void writeNumbers(const Region& region, ByteWriter& out) {
   out.put(region.radius);
   out.putArray(region.centre.data(), region.centre.size());
   out.putArray(region.law.data(), region.law.size());
   for (const Facet& facet : region.facets) out.putArray(facet.row.data(), region.centre.size() + 1);
 }
 
-void writeAnswer(const Described& described, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out) {
+void writeAnswer(const RegionResult& described, const ActiveSet& active, std::uint64_t pivots,
+                 ByteWriter& out) {
   out.put(described.status);
   out.put(pivots);
   out.put(static_cast<std::uint32_t>(described.neighbours.size()));
   for (std::size_t k = 0; k < described.neighbours.size(); ++k) writeSet(described.neighbours[k], out);
   if (described.status != BuildStatus::kRegion) return;
-  const RegionData& region = described.region;
+  const Region& region = described.region;
   // Bounded by slacks alone, a region is known by its tight rows; an empty set here: by its active set.
   const bool by_tight = region.by_slack && region.tight.size() > active.size();
   writeSet({region.tight.data(), by_tight ? region.tight.size() : 0}, out);
   out.put(described.degenerate_facets);
-  out.put(static_cast<std::uint32_t>(described.unsettled.size()));
-  out.putArray(described.unsettled.data(), described.unsettled.size());
+  out.put(static_cast<std::uint32_t>(described.unresolved.size()));
+  out.putArray(described.unresolved.data(), described.unresolved.size());
   out.put(static_cast<std::uint32_t>(region.facets.size()));
   writeNumbers(region, out);
 }
@@ -69,7 +70,7 @@ void ExplorationState::mergeRegion(ByteReader& answer) {
     answer.skip(numbers * sizeof(double));
     return;
   }
-  unsettled.insert(unsettled.end(), probes.begin(), probes.end());
+  unresolved.insert(unresolved.end(), probes.begin(), probes.end());
   answer.need(numbers, sizeof(double));
   answer.getArray(regions.add(static_cast<std::uint32_t>(described), facets), numbers);
 }

@@ -4,23 +4,23 @@
 #include <memory_resource>
 #include <vector>
 
-#include "explore/region/describe.hpp"
+#include "explore/region/compute_region.hpp"
 #include "explore/state/region_store.hpp"
 #include "explore/state/set_queue.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
 /// How far an exploration has come: all that a checkpoint holds.
 struct ExplorationState : SetQueue {
-  explicit ExplorationState(const LeastDistance& program);
+  explicit ExplorationState(const NormalisedProgram& program);
 
   std::uint64_t regionCount() const override { return regions.size(); }
   void merge(ByteReader& answer) override;
 
   ActiveSetPool tight;  // rows tight in a region that only slacks bound, to know it again
   RegionStore regions;
-  std::pmr::vector<double> unsettled;  // probes, p numbers each, that must lie in some region
+  std::pmr::vector<double> unresolved;  // probes, p numbers each, that must lie in some region
   std::uint64_t degenerate_facets = 0;
   std::uint64_t pivots = 0;
   bool failed = false;  // the simplex gave up on a set
@@ -33,9 +33,10 @@ struct ExplorationState : SetQueue {
 };
 
 /// Appends what describing a set yielded, in the form that ExplorationState::merge reads.
-void writeAnswer(const Described& described, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out);
+void writeAnswer(const RegionResult& described, const ActiveSet& active, std::uint64_t pivots,
+                 ByteWriter& out);
 
 /// The numbers of a region as RegionStore holds them.
-void writeNumbers(const RegionData& region, ByteWriter& out);
+void writeNumbers(const Region& region, ByteWriter& out);
 
 }  // namespace polyfly

@@ -13,7 +13,8 @@ double* RegionStore::add(std::uint32_t set, std::uint32_t facets) {
   return numbers;
 }
 
-CriticalRegion RegionStore::region(std::size_t index, const LeastDistance& program, RowSpan active) const {
+CriticalRegion RegionStore::region(std::size_t index, const NormalisedProgram& program,
+                                   RowSpan active) const {
   const Region& stored = regions_[index];
   const double* const centre = stored.numbers + 1;
   const double* const law = centre + p_;

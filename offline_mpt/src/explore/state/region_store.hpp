@@ -6,7 +6,7 @@
 
 #include "explore/sets/active_set_pool.hpp"
 #include "offline_mpt/partition.hpp"
-#include "program/least_distance.hpp"
+#include "program/normalised_program.hpp"
 #include "support/arena.hpp"
 
 namespace polyfly {
@@ -35,7 +35,7 @@ class RegionStore {
   const Region& operator[](std::size_t index) const { return regions_[index]; }
 
   /// The region in the program's own parameters.
-  CriticalRegion region(std::size_t index, const LeastDistance& program, RowSpan active) const;
+  CriticalRegion region(std::size_t index, const NormalisedProgram& program, RowSpan active) const;
 
   /// The numbers of the regions before `index` are not used any more.
   void releaseBefore(std::size_t index) { arena_.releaseBefore(regions_[index].numbers); }

@@ -8,8 +8,7 @@
 
 namespace polyfly {
 
-/// Active sets in the order in which they were found, which is the order in which they are described: so what
-/// has become of k of them is the same whoever described them.
+/// FIFO of active sets. Results are merged in FIFO order, so they do not depend on which thread computed them.
 struct SetQueue {
   SetQueue() : found(memory) {}
   SetQueue(const SetQueue&) = delete;
@@ -24,7 +23,7 @@ struct SetQueue {
   /// Whether what was found is enough to stop.
   virtual bool enough() const { return false; }
 
-  /// Takes in what describing the set `described` yielded.
+  /// Merges the result of the set number `described`.
   virtual void merge(ByteReader& answer) = 0;
 
   CountedMemory memory;  ///< of all that follows, and of what derived queues hold

@@ -1,0 +1,68 @@
+#include "certify/certificate.hpp"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cstdio>
+
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "support/certificate_text.hpp"
+
+namespace polyfly {
+namespace {
+
+void appendReplaced(const ReplacedEntry& entry, std::string& text) {
+  static const char* const kNames[] = {"H", "F", "f", "A"};
+  text += std::string("counts ") + kNames[static_cast<std::size_t>(entry.matrix)] + " " +
+          std::to_string(entry.row) + " " + std::to_string(entry.column) + " " + entry.value.get_str(16) +
+          "\n";
+}
+
+}  // namespace
+
+std::string mapLine(const char* name, const RegionMap& map) {
+  return std::string(name) + " " + hex(map.checksum()) + " " + std::to_string(map.bytes()) + "\n";
+}
+
+void writeProof(const std::string& certificate, const char* what, const std::string& path) {
+  if (certificate.empty())
+    throw Error(path + ": there is no certificate to write: " + what + " did not pass");
+  writeFileAtomically(path, certificate);
+}
+
+std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
+                            const ProgramPerturbation& adjustment, bool widened,
+                            const CertifyOptions& options) {
+  std::string text = "polyfly certificate 3\n";
+  text += mapLine("map", map);
+  text += problemLine(map.problemText());
+  text += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";
+  text += programLines(program);
+  appendList("basis", adjustment.basis, text);
+  for (const ZeroCombination& proof : adjustment.implied) {
+    text += "implied " + std::to_string(proof.size());
+    for (const auto& [row, weight] : proof) text += " " + std::to_string(row) + " " + weight.get_str(16);
+    text += "\n";
+  }
+  appendList("dropped", adjustment.dropped, text);
+  appendList("relaxed", adjustment.relaxed, text);
+  text += std::string("convexity ") + (adjustment.singular ? "singular " : "definite ") +
+          hex(adjustment.penalty) + "\n";
+  text += std::string("coverage ") + (widened ? "widened" : "exact") + "\n";
+  for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
+  for (const auto& [row, value] : adjustment.bounds)
+    text += "counts b " + std::to_string(row) + " 0 " + value.get_str(16) + "\n";
+  text += "regions " + std::to_string(map.regionCount()) + "\n";
+  return text;
+}
+
+std::string certificateEnd(const std::string& text) {
+  return "end " + hex(static_cast<std::uint64_t>(XXH64(text.data(), text.size(), 0))) + "\n";
+}
+
+void writeCertificate(const CertifyReport& report, const std::string& path) {
+  writeProof(report.certificate, "the map", path);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,266 @@
+#include "offline_mpt/certify.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <set>
+
+#include "certify/certificate.hpp"
+#include "certify/facet_cover_proof.hpp"
+#include "certify/slivers.hpp"
+#include "certify/unbounded.hpp"
+#include "polyfly_base/error.hpp"
+#include "support/in_parallel.hpp"
+
+namespace polyfly {
+namespace {
+
+/// Calls work(0..count); progress counts from `done_before` to `total`. False when stopped.
+bool forEach(std::uint64_t count, std::uint64_t done_before, std::uint64_t total,
+             const CertifyOptions& options, const std::function<void(std::uint32_t)>& work) {
+  std::function<void(std::uint64_t, std::uint64_t)> progress;
+  if (options.progress)
+    progress = [&](std::uint64_t done, std::uint64_t) {
+      options.progress(std::min(done_before + done, total), total);
+    };
+  return inParallel(count, options.threads, options.stop, progress,
+                    [&](std::size_t, std::uint64_t i) { work(static_cast<std::uint32_t>(i)); });
+}
+
+void requireSameProblem(const RegionMap& map, const ParametricProgram& program) {
+  if (map.reducedFrom() != 0) {
+    throw Error(
+        map.path() +
+        ": is a reduced map: prove it by --reduced-from, and the map that it was reduced from by --exact");
+  }
+  const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
+      return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;
+    });
+  };
+  if (!same(map.parameters(), program.parameters) || !same(map.inputs(), program.inputs))
+    throw Error(map.path() + ": parameters or inputs are not those of the problem " + program.name);
+  if (map.problemText() != program.text)
+    throw Error(map.path() + ": the problem text that it carries is not that of the problem " + program.name);
+}
+
+/// Rows that no region of the map counts as active.
+std::vector<char> rowsNeverActive(const RegionMap& map, int rows) {
+  std::vector<char> result(static_cast<std::size_t>(rows), 1);
+  for (std::size_t r = 0; r < map.regionCount(); ++r) {
+    const RegionView region = map.region(r);
+    for (std::uint32_t k = 0; k < region.active_count; ++k) {
+      if (region.active[k] >= 0 && region.active[k] < rows)
+        result[static_cast<std::size_t>(region.active[k])] = 0;
+    }
+  }
+  return result;
+}
+
+constexpr std::uint64_t kMostWidened = 3000;  // regions of a map that is also tried with all moved outwards
+
+struct Closed {
+  std::string text;
+  std::vector<Defect> defects;
+  std::uint64_t counts[5] = {};  // by FacetCoverKind
+};
+
+Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionCheck>& checks,
+                   std::uint32_t region) {
+  Closed closed;
+  const RegionCheck& check = checks[region];
+  if (!check.described) return closed;
+  if (cover_proof.find(check.active) != static_cast<int>(region)) {
+    Defect defect;
+    defect.kind = Defect::Kind::kRepeated;
+    defect.region = region;
+    defect.text = "region " + std::to_string(region) + ": has the active set of region " +
+                  std::to_string(cover_proof.find(check.active));
+    closed.defects.push_back(std::move(defect));
+    return closed;
+  }
+  if (check.point.empty()) return closed;
+  for (std::uint32_t row = 0; row < check.facets.size() && !cover_proof.stopped(); ++row)
+    ++closed.counts[static_cast<std::size_t>(cover_proof.close(region, row, closed.text, closed.defects))];
+  return closed;
+}
+
+void add(CertifyReport& report, const RegionCheck& check, const Closed& closed) {
+  if (check.is_sliver) ++report.slivers;
+  report.left_out_rows += check.left_out;
+  report.rows += check.rows;
+  report.forgiven_rows += check.forgiven;
+  report.implied_rows += check.implied;
+  report.facets += check.facets.size();
+  report.law_error = std::max(report.law_error, check.law_error);
+  report.plane_error = std::max(report.plane_error, check.plane_error);
+  report.domain_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kDomain)];
+  report.edge_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kEdge)];
+  report.matched_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kMatched)];
+  report.covered_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kCovered)];
+  report.defects.insert(report.defects.end(), check.defects.begin(), check.defects.end());
+  report.defects.insert(report.defects.end(), closed.defects.begin(), closed.defects.end());
+}
+
+void describePerturbation(const ParametricProgram& source, const ExactProgram& program,
+                          const ProgramPerturbation& adjustment, CertifyReport& report) {
+  report.singular = adjustment.singular;
+  report.replaced_entries = adjustment.replaced.size();
+  report.greatest_replacement = greatestReplacement(source, adjustment);
+  for (const auto& [row, value] : adjustment.bounds) {
+    const Rational difference = abs(value - Rational(source.b(row))) / rowSum(source, row);
+    report.narrow_rows.push_back(row);
+    report.greatest_narrowing = std::max(report.greatest_narrowing, difference.get_d());
+  }
+  report.linear = program.linear;
+  for (const int row : adjustment.dropped)
+    (program.is_equality[static_cast<std::size_t>(row)] != 0 ? report.dropped_equalities
+                                                             : report.dropped_rows)
+        .push_back(row);
+  report.relaxed_rows = adjustment.relaxed;
+  for (const ZeroCombination& proof : adjustment.implied) {
+    for (const auto& [row, weight] : proof) {
+      const bool given =
+          std::find(source.equalities.begin(), source.equalities.end(), row) != source.equalities.end();
+      if (!given) report.implied_equalities.push_back(row);
+    }
+  }
+}
+
+/// Closes the facets of all regions; where something is missing that proves to be a sliver, that joins the
+/// checks and is closed too, until nothing more is found. `widened`: of the regions moved outwards, without
+/// slivers. False when stopped.
+bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck>& checks,
+              std::vector<Closed>& closed) {
+  const std::uint64_t count = checks.size();
+  std::set<std::vector<int>> tried;
+  for (const RegionCheck& check : checks) tried.insert(check.active);
+  std::vector<std::uint32_t> open(count);
+  std::iota(open.begin(), open.end(), 0u);
+  while (!open.empty()) {
+    closed.resize(checks.size());
+    {
+      const FacetCoverProof cover_proof(context, checks, widened);
+      const bool finished = forEach(
+          open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 2 * count, context.options,
+          [&](std::uint32_t k) { closed[open[k]] = closeRegion(cover_proof, checks, open[k]); });
+      if (!finished || context.stopped()) return false;
+    }
+    std::vector<Defect> gaps;
+    std::vector<std::uint32_t> again;
+    for (const std::uint32_t r : open) {
+      const auto is_gap = [](const Defect& defect) { return defect.kind == Defect::Kind::kGap; };
+      if (std::none_of(closed[r].defects.begin(), closed[r].defects.end(), is_gap)) continue;
+      again.push_back(r);
+      std::copy_if(closed[r].defects.begin(), closed[r].defects.end(), std::back_inserter(gaps), is_gap);
+    }
+    if (widened) break;
+    std::vector<std::vector<int>> candidates = missingSets(context, gaps);
+    const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
+    std::vector<RegionCheck> slivers(candidates.size());
+    std::vector<char> found(candidates.size(), 0);
+    if (!forEach(candidates.size(), 2 * count, 2 * count, context.options, [&](std::uint32_t k) {
+          found[k] = examineSliver(context, checks, candidates[k], slivers[k]) ? 1 : 0;
+        }))
+      return false;
+    open.clear();
+    for (std::size_t k = 0; k < slivers.size(); ++k) {
+      if (found[k] == 0) continue;
+      open.push_back(static_cast<std::uint32_t>(checks.size()));
+      checks.push_back(std::move(slivers[k]));
+    }
+    if (!open.empty()) open.insert(open.end(), again.begin(), again.end());
+  }
+  return !context.stopped();
+}
+
+bool checkAllRegions(const CheckContext& context, std::vector<RegionCheck>& checks) {
+  const std::uint64_t count = context.map.regionCount();
+  checks.assign(count, {});
+  return forEach(count, 0, 2 * count, context.options,
+                 [&](std::uint32_t r) { checks[r] = checkRegion(context, r); });
+}
+
+/// Rows whose slack is negative in regions that claim otherwise may hold there up to rounding: those that no
+/// region counts as active are dropped, the others relaxed. False where there are no more.
+bool relaxRows(const std::vector<RegionCheck>& checks, const std::vector<char>& may_drop,
+               const ExactProgram& program, ProgramPerturbation& adjustment) {
+  std::set<int> rows;
+  for (const RegionCheck& check : checks) rows.insert(check.unlisted.begin(), check.unlisted.end());
+  bool more = false;
+  for (const int row : rows) {
+    const auto at = static_cast<std::size_t>(row);
+    const auto known = [row](const std::vector<int>& list) {
+      return std::find(list.begin(), list.end(), row) != list.end();
+    };
+    if (program.in_basis[at] != 0 || program.is_equality[at] != 0 || known(adjustment.dropped) ||
+        known(adjustment.relaxed))
+      return false;
+    (may_drop[at] != 0 ? adjustment.dropped : adjustment.relaxed).push_back(row);
+    more = true;
+  }
+  std::sort(adjustment.dropped.begin(), adjustment.dropped.end());
+  std::sort(adjustment.relaxed.begin(), adjustment.relaxed.end());
+  return more;
+}
+
+CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adjustment, bool widened,
+                     std::vector<RegionCheck>& checks, bool interrupted) {
+  CertifyReport report;
+  report.regions = context.map.regionCount();
+  report.plane_tolerance = context.options.plane_tolerance;
+  report.widened = widened;
+  describePerturbation(context.source, context.program, adjustment, report);
+  std::vector<Closed> closed;
+  report.interrupted = interrupted || !closeAll(context, widened, checks, closed);
+  closed.resize(checks.size());
+  for (std::size_t r = 0; r < checks.size(); ++r) add(report, checks[r], closed[r]);
+  if (!report.passed()) {
+    nameUnboundedGaps(context, report.defects);
+    return report;
+  }
+  report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);
+  for (std::size_t r = 0; r < checks.size(); ++r) {
+    if (r < report.regions) report.certificate += "R " + std::to_string(r) + "\n";
+    report.certificate += checks[r].text + closed[r].text;
+    checks[r].text.clear();
+  }
+  report.certificate += certificateEnd(report.certificate);
+  return report;
+}
+
+}  // namespace
+
+CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
+  checkProgram(program);
+  requireSameProblem(map, program);
+  const std::vector<char> may_drop = rowsNeverActive(map, program.rowCount());
+  const ProgramPerturbation adjustment = adjust(program, may_drop);
+  const ExactProgram exact(program, adjustment);
+  const CheckContext context{map, program, exact, options};
+  std::vector<RegionCheck> checks;
+  const bool finished = checkAllRegions(context, checks);
+  CertifyReport as_given = finish(context, adjustment, false, checks, !finished);
+  if (as_given.passed() || as_given.interrupted || map.regionCount() > kMostWidened) return as_given;
+  // Where coincidences hold up to rounding only, rows may give way by as little, or slivers between regions
+  // may be too many or too thin to be described: the regions moved outwards then cover all.
+  ProgramPerturbation fewer = adjustment;
+  std::vector<RegionCheck> again;
+  if (relaxRows(checks, may_drop, exact, fewer)) {
+    const ExactProgram without(program, fewer);
+    const CheckContext second{map, program, without, options};
+    if (!checkAllRegions(second, again)) return as_given;
+    CertifyReport report = finish(second, fewer, false, again, false);
+    if (report.passed() || report.interrupted) return report;
+  }
+  ExactProgram forgiving = exact;
+  forgiving.forgiving = true;
+  const CheckContext third{map, program, forgiving, options};
+  if (!checkAllRegions(third, again)) return as_given;
+  CertifyReport widened = finish(third, adjustment, true, again, false);
+  if (widened.passed() || widened.interrupted) return widened;
+  return as_given;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "certify/farkas_proof.hpp"
+
+namespace polyfly {
+
+/// A region that may lie behind a facet.
+struct CoverCandidate {
+  std::uint32_t region = 0;
+  const std::vector<ExactRow>* rows = nullptr;  ///< as the map lists them, in map order
+};
+
+/// Whether `row` is zero on all of the plane.
+bool vanishesOn(const ExactRow& row, const ExactRow& plane);
+
+/// Proves that candidates cover a facet, or a region, by cutting off what lies outside of the first, and
+/// covering that with the others.
+class FacetCover {
+ public:
+  /// `plane` is the facet's row, null for a region in p dimensions; all must outlive the object. `stop`, if
+  /// given, ends the work.
+  FacetCover(const ExactRow* plane, int p, const std::vector<CoverCandidate>& candidates,
+             const std::atomic<bool>* stop);
+
+  /// `rows` of the region that the facet belongs to. The proof's text is appended to `text`. False:
+  /// uncovered() lies in the facet, and in no candidate; or it is empty, and the work was stopped.
+  bool cover(const std::vector<ExactRow>& rows, std::string& text);
+
+  const std::vector<Rational>& uncovered() const { return uncovered_; }
+
+ private:
+  using Cell = std::vector<const ExactRow*>;
+
+  bool coverCell(Cell cell, std::size_t first, std::string& text);
+  bool overlaps(const Cell& cell, const CoverCandidate& candidate) const;
+
+  bool vanishes(const ExactRow& row) const { return plane_ != nullptr && vanishesOn(row, *plane_); }
+
+  const ExactRow* plane_;
+  const std::vector<CoverCandidate>& candidates_;
+  const std::atomic<bool>* stop_;
+  int p_;
+  std::deque<ExactRow> negated_;
+  std::vector<Rational> uncovered_;
+};
+
+/// A proof as text: number of weights, then place and weight of each.
+void appendWeights(const FarkasProof& proof, std::string& text);
+
+}  // namespace polyfly

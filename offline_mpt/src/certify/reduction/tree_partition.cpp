@@ -1,0 +1,278 @@
+#include "certify/reduction/tree_partition.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+#include "certify/facet_cover.hpp"
+#include "certify/farkas_proof.hpp"
+#include "region_maps/format.hpp"
+
+namespace polyfly {
+namespace {
+
+using Cell = ExactCell;
+
+ExactRow wholeRow(std::vector<Rational> value) {
+  Integer denominator(1);
+  for (const Rational& entry : value)
+    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
+  ExactRow row;
+  for (const Rational& entry : value) row.value.emplace_back(Rational(entry * denominator).get_num());
+  finishRow(row);
+  return row;
+}
+
+bool isConstant(const ExactRow& row) {
+  return std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
+}
+
+/// The part of the cell where `row` is positive; false when that is known to have no interior.
+bool cut(const Cell& cell, const ExactRow& row, int p, Cell& part) {
+  part.rows = cell.rows;
+  part.rows.push_back(&row);
+  part.certain = cell.certain;
+  if (valueAt(row, cell.point) > 0) {
+    part.point = cell.point;
+    return true;
+  }
+  if (isConstant(row)) return false;
+  const FastInterior guess = findInteriorFast(part.rows, p, part.point);
+  part.certain = guess == FastInterior::kExists;
+  return guess != FastInterior::kNone;
+}
+
+bool has(const Cell& cell, const ExactRow& row) {
+  return std::find(cell.rows.begin(), cell.rows.end(), &row) != cell.rows.end();
+}
+
+class Dissector {
+ public:
+  Dissector(const ExactMap& map, const LeafVisit& visit, ProofWriter& log)
+      : map_(map), visit_(visit), log_(log) {}
+
+  bool descend(std::uint32_t child, const Cell& cell) {
+    const std::uint32_t index = child & ~MapContent::kLeaf;
+    if ((child & MapContent::kLeaf) != 0) {
+      log_.countPart();
+      return visit_(index, cell);
+    }
+    const MapContent::Node& node = map_.map().node(index);
+    const auto row = static_cast<std::int32_t>(node.plane) + 1;
+    log_.word('n', node.plane);
+    return take(row, node.below, cell) && take(-row, node.above, cell);
+  }
+
+ private:
+  bool take(std::int32_t row, std::uint32_t child, const Cell& cell) {
+    if (has(cell, map_.row(row))) {
+      log_.word('w');
+      return descend(child, cell);
+    }
+    Cell part;
+    if (has(cell, map_.row(-row))) {
+      part.rows = cell.rows;
+      part.rows.push_back(&map_.row(row));
+    } else if (cut(cell, map_.row(row), map_.p(), part)) {
+      log_.word('s');
+      return descend(child, part);
+    }
+    log_.empty('e', part.rows, map_.p());
+    return true;
+  }
+
+  const ExactMap& map_;
+  const LeafVisit& visit_;
+  ProofWriter& log_;
+};
+
+class Subtractor {
+ public:
+  Subtractor(const ExactMap& map, CutBy by, const RestVisit& visit, ProofWriter& log)
+      : map_(map),
+        by_(by),
+        slack_(by == CutBy::kOrdinary ? Slack::kHandicap : Slack::kFull),
+        visit_(visit),
+        log_(log) {}
+
+  /// The region that holds the cell's point is cut away, row by row; if none does, the cell is divided by
+  /// those that reach into it.
+  bool run(Cell cell, const std::vector<std::uint32_t>& left) {
+    log_.countPart();
+    const auto holder =
+        std::find_if(left.begin(), left.end(), [&](std::uint32_t r) { return holds(r, cell); });
+    std::uint32_t region = 0;
+    if (holder != left.end()) {
+      region = *holder;
+    } else if (!findMeeting(cell, left, region)) {
+      return visit_(cell);
+    }
+    std::vector<std::uint32_t> others = left;
+    others.erase(std::remove(others.begin(), others.end(), region), others.end());
+    log_.word(static_cast<char>(by_), region);
+    const RegionView view = map_.map().region(region);
+    for (std::uint32_t i = 0; i < view.row_count; ++i) {
+      const After after = cutAway(view.rows[i], cell, others);
+      if (after != After::kRemains) return after == After::kNothing;
+    }
+    return true;
+  }
+
+ private:
+  enum class After : std::uint8_t { kRemains, kNothing, kStopped };
+
+  /// What lies outside of the row is cut off, what remains is the cell.
+  After cutAway(std::int32_t row, Cell& cell, const std::vector<std::uint32_t>& others) {
+    const ExactRow& outside = map_.outside(row, slack_);
+    Cell beyond, inside;
+    if (has(cell, map_.row(row)) || has(cell, map_.relaxed(row, slack_))) {
+      beyond.rows = cell.rows;
+      beyond.rows.push_back(&outside);
+    } else if (cut(cell, outside, map_.p(), beyond)) {
+      log_.word('s');
+      if (!run(std::move(beyond), others)) return After::kStopped;
+      if (cut(cell, map_.relaxed(row, slack_), map_.p(), inside)) {
+        cell = std::move(inside);
+        return After::kRemains;
+      }
+      log_.empty('q', inside.rows, map_.p());
+      return After::kNothing;
+    }
+    log_.empty('e', beyond.rows, map_.p());
+    return After::kRemains;
+  }
+
+  bool holds(std::uint32_t region, const Cell& cell) const {
+    const RegionView view = map_.map().region(region);
+    return std::all_of(view.rows, view.rows + view.row_count,
+                       [&](std::int32_t row) { return valueAt(map_.relaxed(row, slack_), cell.point) >= 0; });
+  }
+
+  bool findMeeting(const Cell& cell, const std::vector<std::uint32_t>& left, std::uint32_t& region) const {
+    for (const std::uint32_t candidate : left) {
+      const RegionView view = map_.map().region(candidate);
+      std::vector<const ExactRow*> rows = cell.rows;
+      for (std::uint32_t i = 0; i < view.row_count; ++i) rows.push_back(&map_.relaxed(view.rows[i], slack_));
+      std::vector<Rational> point;
+      if (findInteriorFast(rows, map_.p(), point) == FastInterior::kNone) continue;
+      region = candidate;
+      return true;
+    }
+    return false;
+  }
+
+  const ExactMap& map_;
+  CutBy by_;
+  Slack slack_;
+  const RestVisit& visit_;
+  ProofWriter& log_;
+};
+
+}  // namespace
+
+ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other) : map_(map) {
+  for (const Signal& signal : map.parameters()) {
+    const Rational lower(signal.lower), upper(signal.upper);
+    centre_.push_back((lower + upper) / 2);
+    half_.push_back((upper - lower) / 2);
+  }
+  const std::size_t width = centre_.size() + 1;
+  std::map<std::vector<double>, std::size_t> known;
+  for (std::size_t i = 0; other != nullptr && i < other->rows_.size(); ++i) {
+    const double* const plane = other->map_.plane(i);
+    known.emplace(std::vector<double>(plane, plane + width), i);
+  }
+  for (std::size_t i = 0; i < map.planeCount(); ++i) {
+    const double* const plane = map.plane(i);
+    const auto found = known.find(std::vector<double>(plane, plane + width));
+    rows_.push_back(found != known.end() ? other->rows_[found->second]
+                                         : std::make_shared<const PlaneRows>(makeRows(plane, full_slack)));
+  }
+}
+
+ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) const {
+  const std::size_t p = centre_.size();
+  std::vector<Rational> below;  // c - a . theta
+  Rational bound(plane[p]);
+  for (std::size_t j = 0; j < p; ++j) {
+    below.emplace_back(-Rational(plane[j]) * half_[j]);
+    bound -= Rational(plane[j]) * centre_[j];
+  }
+  below.push_back(bound);
+  PlaneRows rows;
+  for (const std::size_t first : {std::size_t{0}, std::size_t{kVariants}}) {
+    std::vector<Rational> value = below;
+    if (first != 0) {
+      for (Rational& entry : value) entry = -entry;
+    }
+    rows[first + kRow] = wholeRow(value);
+    const auto relax = [&](double slack, Variant inside, Variant outside) {
+      std::vector<Rational> moved = value;
+      moved.back() += Rational(slack);
+      rows[first + inside] = wholeRow(moved);
+      for (Rational& entry : moved) entry = -entry;
+      rows[first + outside] = wholeRow(std::move(moved));
+    };
+    relax(full_slack, kRelaxed, kOutside);
+    relax(format::kHandicap * map_.tolerance(), kNear, kBeyond);
+  }
+  return rows;
+}
+
+const ExactRow& ExactMap::at(std::int32_t row, Variant variant) const {
+  const auto plane = static_cast<std::size_t>(std::abs(row)) - 1;
+  return (*rows_[plane])[(row > 0 ? std::size_t{0} : std::size_t{kVariants}) + variant];
+}
+
+Eigen::VectorXd ExactMap::theta(const std::vector<Rational>& t) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));
+  for (std::size_t j = 0; j < t.size(); ++j)
+    result(static_cast<Eigen::Index>(j)) = Rational(centre_[j] + half_[j] * t[j]).get_d();
+  return result;
+}
+
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell) {
+  const RegionView view = map.map().region(region);
+  cell.rows.clear();
+  for (std::uint32_t i = 0; i < view.row_count; ++i) {
+    const ExactRow& row = map.row(view.rows[i]);
+    if (!isConstant(row) || row.value.back() < 0) cell.rows.push_back(&row);
+  }
+  Interior interior = findInterior(cell.rows, nullptr, map.p());
+  cell.point = std::move(interior.point);
+  return interior.exists;
+}
+
+bool makeCertain(const ExactMap& map, ExactCell& cell) {
+  if (cell.certain) return true;
+  Interior interior = findInterior(cell.rows, nullptr, map.p());
+  cell.point = std::move(interior.point);
+  cell.certain = interior.exists;
+  return cell.certain;
+}
+
+void ProofWriter::word(char word) {
+  if (wanted_) text_.append({' ', word});
+}
+
+void ProofWriter::word(char word, std::uint64_t number) {
+  if (wanted_) text_.append({' ', word, ' '}).append(std::to_string(number));
+}
+
+void ProofWriter::empty(char word, const std::vector<const ExactRow*>& rows, int p) {
+  if (!wanted_) return;
+  this->word(word);
+  appendWeights(findInterior(rows, nullptr, p).proof, text_);
+}
+
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log) {
+  return Dissector(map, visit, log).descend(map.map().root(), cell);
+}
+
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
+              const RestVisit& visit, ProofWriter& log) {
+  return Subtractor(map, by, visit, log).run(cell, regions);
+}
+
+}  // namespace polyfly

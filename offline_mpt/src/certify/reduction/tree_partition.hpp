@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exact_kkt/exact_region.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// How far relaxed rows are moved outwards, in the measure of FORMAT.md.
+enum class Slack : std::uint8_t {
+  kFull,
+  kHandicap,  ///< that of fallback regions
+};
+
+/// A map's half-spaces without rounding, in t, theta = centre + half .* t: row (t, 1) >= 0.
+class ExactMap {
+ public:
+  /// The map must outlive the object. Planes that `other`, of the same slack and tolerance, has too become
+  /// its rows, so that they are known to be the same.
+  ExactMap(const RegionMap& map, double full_slack, const ExactMap* other = nullptr);
+
+  const ExactRow& row(std::int32_t row) const { return at(row, kRow); }
+  const ExactRow& relaxed(std::int32_t row, Slack slack) const {
+    return at(row, slack == Slack::kFull ? kRelaxed : kNear);
+  }
+  /// The opposite of the relaxed row.
+  const ExactRow& outside(std::int32_t row, Slack slack) const {
+    return at(row, slack == Slack::kFull ? kOutside : kBeyond);
+  }
+
+  const RegionMap& map() const { return map_; }
+  int p() const { return static_cast<int>(map_.parameters().size()); }
+  Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
+
+ private:
+  enum Variant : std::size_t { kRow, kRelaxed, kOutside, kNear, kBeyond, kVariants };
+  using PlaneRows = std::array<ExactRow, 2 * kVariants>;  // of the row, then of its opposite
+  const ExactRow& at(std::int32_t row, Variant variant) const;
+  PlaneRows makeRows(const double* plane, double full_slack) const;
+
+  const RegionMap& map_;
+  std::vector<Rational> centre_, half_;
+  std::vector<std::shared_ptr<const PlaneRows>> rows_;  // per plane
+};
+
+/// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
+/// rounding at most.
+struct ExactCell {
+  std::vector<const ExactRow*> rows;
+  std::vector<Rational> point;
+  bool certain = true;  ///< the point lies strictly inside
+};
+
+/// What cutting leaves behind: how many parts were looked at and, where it is wanted, the proof in the words
+/// of CERTIFICATE.md.
+class ProofWriter {
+ public:
+  explicit ProofWriter(bool wanted = false) : wanted_(wanted) {}
+
+  void countPart() { ++parts_; }
+  void word(char word);
+  void word(char word, std::uint64_t number);
+  /// `word`, and a proof that no point has all rows > 0 in the box. There must be none.
+  void empty(char word, const std::vector<const ExactRow*>& rows, int p);
+
+  std::uint64_t parts() const { return parts_; }
+  std::string takeText() { return std::move(text_); }
+
+ private:
+  bool wanted_;
+  std::uint64_t parts_ = 0;
+  std::string text_;
+};
+
+/// The cell of a region; false when it has no interior.
+bool cellOf(const ExactMap& map, std::uint32_t region, ExactCell& cell);
+
+/// Finds a point strictly inside; false when there is none.
+bool makeCertain(const ExactMap& map, ExactCell& cell);
+
+/// Calls `visit` with every part of the cell that the map's tree leads to a leaf, until it returns false.
+/// Parts without interior may be left out: they belong to the closure of the others. False when stopped.
+/// `leaf` is its index in the map.
+using LeafVisit = std::function<bool(std::uint32_t leaf, const ExactCell& part)>;
+bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log);
+
+/// Whose regions cut, and how far their rows are relaxed.
+enum class CutBy : char {
+  kOriginal = 'N',   ///< of the original, by the slack
+  kCandidate = 'C',  ///< of the reduced map, by the slack
+  kOrdinary = 'O',   ///< of the reduced map, by the handicap
+};
+
+/// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,
+/// until it returns false. Each has a point strictly inside, unless it is uncertain. False when stopped.
+using RestVisit = std::function<bool(const ExactCell& rest)>;
+bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,
+              const RestVisit& visit, ProofWriter& log);
+
+}  // namespace polyfly

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "certify/farkas_proof.hpp"
+#include "exact_kkt/exact_region.hpp"
+#include "offline_mpt/certify.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// A listed half-space of a region of the map, after its exact row was found.
+struct CheckedFacet {
+  ExactOrigin origin;
+  std::vector<ExactOrigin> same;  ///< other conditions with exactly the same half-space
+};
+
+/// What one region of the map is by itself.
+struct RegionCheck {
+  bool described = false;            ///< the optimality conditions could be solved
+  std::vector<int> active;           ///< without equalities, ascending
+  bool is_sliver = false;            ///< not in the map, see exact_slivers.hpp
+  std::vector<CheckedFacet> facets;  ///< as the map lists them, then those that it leaves out
+  std::vector<ExactRow> listed;      ///< their exact rows; empty in large maps, where they take too much
+  std::vector<int> idle;             ///< inequalities outside the active set that are tight everywhere
+  std::vector<Rational> point;       ///< strictly inside; empty if there is none
+  std::uint64_t rows = 0;
+  std::uint64_t implied = 0;
+  std::size_t left_out =
+      0;  ///< conditions that bound it although the map does not list them: last of `listed`
+  std::uint64_t forgiven = 0;  ///< conditions that hold up to rounding only
+  std::vector<int> unlisted;   ///< rows whose slack is negative in it
+  double law_error = 0.0;
+  double plane_error = 0.0;
+  std::vector<Defect> defects;
+  std::string text;  ///< lines P, I and D of the certificate
+};
+
+/// The map, the program and what of the map is needed in exact form.
+struct CheckContext {
+  const RegionMap& map;
+  const ParametricProgram& source;
+  const ExactProgram& program;
+  const CertifyOptions& options;
+
+  bool stopped() const { return options.stop != nullptr && options.stop->load(); }
+};
+
+/// Row `row` of a region as the map has it, in t: row (t, 1) >= 0.
+std::vector<Rational> mapRow(const CheckContext& context, const RegionView& region, std::uint32_t row);
+
+/// The exact rows that the map's rows of a region stand for, in the map's order. `error` is the greatest
+/// difference, infinite where there is no such row; `worst` tells where.
+std::vector<ExactRow> matchRows(const CheckContext& context, const RegionView& region,
+                                const ExactRegion& exact, double& error, int& worst);
+
+/// The active set of a region of the map; empty with `valid` false where it names no rows of the program.
+std::vector<int> mapActiveSet(const CheckContext& context, const RegionView& region, bool& valid);
+
+/// Exact rows of one of the map's regions: those that the map lists.
+std::vector<ExactRow> mapRows(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                              std::uint32_t region);
+
+/// Fills in all that follows from the listed rows: facets, inner point, proofs that the others are implied.
+void finishCheck(const CheckContext& context, std::uint32_t index, const ExactRegion& exact,
+                 RegionCheck& check);
+
+RegionCheck checkRegion(const CheckContext& context, std::uint32_t index);
+
+/// Kind and index as in the certificate, "m3".
+std::string originText(const ExactOrigin& origin);
+
+/// t in parameters, rounded.
+Eigen::VectorXd toTheta(const ExactProgram& program, const std::vector<Rational>& t);
+
+}  // namespace polyfly

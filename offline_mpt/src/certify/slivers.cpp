@@ -1,0 +1,177 @@
+#include "certify/slivers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <numeric>
+#include <set>
+
+#include "certify/facet_cover.hpp"
+#include "mpc_core/dense_qp.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kNearlySingular = 1e-8;  // share of the mean eigenvalue that is added to a singular H
+constexpr double kPositive = 1e-10;       // multipliers above this are active at a witness
+constexpr std::size_t kMostChanges =
+    4;  // rows by which the active sets of a sliver and of regions about it differ
+
+std::size_t changes(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> difference;
+  std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(difference));
+  return difference.size();
+}
+
+/// The map's regions about a sliver, the nearest active sets first.
+std::vector<std::uint32_t> regionsAbout(const std::vector<RegionCheck>& checks,
+                                        const std::vector<int>& active) {
+  std::vector<std::uint32_t> result;
+  for (std::size_t most = 1; most <= kMostChanges; ++most) {
+    for (std::uint32_t r = 0; r < checks.size(); ++r) {
+      const RegionCheck& check = checks[r];
+      if (check.described && !check.is_sliver && changes(check.active, active) == most) result.push_back(r);
+    }
+  }
+  return result;
+}
+
+/// Proves that the map's regions cover the sliver but for the plane tolerance: those about it, and any that
+/// hold a point which the others leave.
+bool coverSliver(const CheckContext& context, const std::vector<RegionCheck>& checks, RegionCheck& sliver) {
+  const Rational distance(context.options.plane_tolerance);
+  std::deque<std::vector<ExactRow>> storage;
+  std::vector<CoverCandidate> candidates;
+  const auto add = [&](std::uint32_t r) {
+    std::vector<ExactRow> rows = mapRows(context, checks, r);
+    for (ExactRow& row : rows) row = relaxedRow(row, distance);
+    storage.push_back(std::move(rows));
+    candidates.push_back({r, &storage.back()});
+  };
+  for (const std::uint32_t r : regionsAbout(checks, sliver.active)) add(r);
+  for (;;) {
+    FacetCover cover(nullptr, context.program.p, candidates, context.options.stop);
+    std::string proof;
+    if (cover.cover(sliver.listed, proof)) {
+      sliver.text += "V" + proof + "\n";
+      return true;
+    }
+    const std::size_t before = candidates.size();
+    for (std::uint32_t r = 0; r < context.map.regionCount() && !cover.uncovered().empty(); ++r) {
+      const auto is_r = [r](const CoverCandidate& candidate) { return candidate.region == r; };
+      if (checks[r].described && std::none_of(candidates.begin(), candidates.end(), is_r) &&
+          nearlyHolds(context, checks, r, cover.uncovered()))
+        add(r);
+    }
+    if (candidates.size() == before) return false;
+  }
+}
+
+}  // namespace
+
+ExactRow relaxedRow(const ExactRow& row, const Rational& distance) {
+  Integer greatest(0);
+  for (std::size_t j = 0; j + 1 < row.value.size(); ++j)
+    greatest = std::max(greatest, Integer(abs(row.value[j])));
+  ExactRow result = row;
+  for (Integer& value : result.value) value *= distance.get_den();
+  result.value.back() += distance.get_num() * greatest;
+  finishRow(result);
+  return result;
+}
+
+bool nearlyHolds(const CheckContext& context, const std::vector<RegionCheck>& checks, std::uint32_t region,
+                 const std::vector<Rational>& t) {
+  const double most = 2.0 * context.options.plane_tolerance;
+  if (checks[region].is_sliver) {
+    std::vector<double> point;
+    for (const Rational& value : t) point.push_back(value.get_d());
+    const std::vector<ExactRow>& rows = checks[region].listed;
+    return std::all_of(rows.begin(), rows.end(), [&](const ExactRow& row) {
+      return std::inner_product(point.begin(), point.end(), row.unit.begin(), -row.unit.back()) <= most;
+    });
+  }
+  const RegionView view = context.map.region(region);
+  const Eigen::VectorXd theta = toTheta(context.program, t);
+  return std::all_of(view.rows, view.rows + view.row_count, [&](std::int32_t row) {
+    const double* const plane = context.map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
+    const double distance =
+        Eigen::Map<const Eigen::VectorXd>(plane, theta.size()).dot(theta) - plane[theta.size()];
+    return (row > 0 ? distance : -distance) <= most;
+  });
+}
+
+std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
+  std::vector<const ExactRow*> left;
+  for (const ExactRow* row : rowsThatCanFail(exact)) {
+    const auto repeats = [&](const ExactRow* other) { return sameHalfSpace(*row, *other); };
+    if (std::none_of(left.begin(), left.end(), repeats)) left.push_back(row);
+  }
+  FloatLp solver(p);
+  for (std::size_t k = left.size(); k-- > 0;) {
+    std::vector<const ExactRow*> others = left;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    if (implies(others, *left[k], solver).holds) left = std::move(others);
+  }
+  std::vector<ExactRow> rows;
+  for (const ExactRow* row : left) rows.push_back(*row);
+  return rows;
+}
+
+bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, const Eigen::VectorXd& theta,
+                 std::vector<int>& active) {
+  if (program.linear) return false;
+  try {
+    const double added = program.semidefinite ? kNearlySingular * source.H.trace() / program.n : 0.0;
+    const Eigen::MatrixXd H = source.H + added * Eigen::MatrixXd::Identity(program.n, program.n);
+    DenseQp qp(H, source.A, program.basis);
+    const Eigen::VectorXd g = source.f + source.F * theta;
+    const Eigen::VectorXd b = source.b + source.S * theta;
+    if (qp.solve(g.data(), b.data()) != QpStatus::kOptimal) return false;
+    active.clear();
+    for (int k = 0; k < qp.activeCount(); ++k) {
+      const int row = qp.activeRows()[k];
+      if (!program.in_basis[row] && qp.lambda()(row) > kPositive) active.push_back(row);
+    }
+    std::sort(active.begin(), active.end());
+    return true;
+  } catch (const Error&) {  // H is only definite together with the equalities
+    return false;
+  }
+}
+
+std::vector<std::vector<int>> missingSets(const CheckContext& context, const std::vector<Defect>& defects) {
+  std::set<std::vector<int>> sets;
+  for (const Defect& defect : defects) {
+    if (defect.kind != Defect::Kind::kGap) continue;
+    sets.insert(defect.missing);  // none may be the right one, too
+    std::vector<int> active;
+    if (defect.witness.size() > 0 && activeSetAt(context.source, context.program, defect.witness, active))
+      sets.insert(active);
+  }
+  return {sets.begin(), sets.end()};
+}
+
+bool examineSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                   const std::vector<int>& active, RegionCheck& sliver) {
+  sliver = {};
+  sliver.is_sliver = true;
+  ExactRegion exact;
+  const auto is_dropped = [&](int row) { return context.program.is_dropped[row] != 0; };
+  if (std::any_of(active.begin(), active.end(), is_dropped)) return false;
+  if (describeExactly(context.program, active, exact) != ExactStatus::kRegion) return false;
+  if (!findInterior(rowsThatCanFail(exact), nullptr, context.program.p).exists) return false;
+  sliver.active = exact.active;
+  sliver.described = true;
+  sliver.rows = exact.rows.size();
+  sliver.listed = boundingRows(exact, context.program.p);
+  sliver.text = "G " + std::to_string(sliver.active.size());
+  for (const int row : sliver.active) sliver.text += " " + std::to_string(row);
+  sliver.text += "\n";
+  finishCheck(context, static_cast<std::uint32_t>(checks.size()), exact, sliver);
+  return sliver.defects.empty() && coverSliver(context, checks, sliver);
+}
+
+}  // namespace polyfly

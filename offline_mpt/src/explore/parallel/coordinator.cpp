@@ -1,0 +1,152 @@
+#include "explore/parallel/coordinator.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "explore/parallel/group_message.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kMostSets = 32;  // in a batch for another process
+constexpr std::size_t kAhead = 3;      // batches with a process for each of its threads, so that none waits
+
+std::string nameOf(int rank) { return "process " + std::to_string(rank); }
+
+}  // namespace
+
+Coordinator::Coordinator(ProcessGroup& group, Scheduler& scheduler, std::uint64_t fingerprint)
+    : group_(group),
+      scheduler_(scheduler),
+      fingerprint_(fingerprint),
+      ranks_(static_cast<std::size_t>(group.size())),
+      thread_([this] { run(); }) {}
+
+Coordinator::~Coordinator() {
+  scheduler_.end(ExploreStatus::kInterrupted);
+  if (thread_.joinable()) thread_.join();
+}
+
+int Coordinator::finish() {
+  thread_.join();
+  return lost_;
+}
+
+void Coordinator::run() {
+  try {
+    while (!scheduler_.ended()) {
+      bool busy = receiveAll();
+      busy = mergeAnswers() || busy;
+      busy = sendBatches() || busy;
+      sendHeartbeats();
+      scheduler_.poll();
+      if (!busy) std::this_thread::sleep_for(kPollPeriod);
+    }
+    receiveAll();  // who cannot assist may say so last
+    findLostRanks();
+    group_.shutDown();
+  } catch (...) {
+    scheduler_.abort(std::current_exception());
+  }
+}
+
+bool Coordinator::receiveAll() {
+  bool any = false;
+  int from = 0;
+  std::vector<std::byte> message;
+  while (group_.receive(from, message)) {
+    any = true;
+    receive(from, message);
+  }
+  return any;
+}
+
+void Coordinator::receive(int from, const std::vector<std::byte>& message) {
+  RankState& member = ranks_.at(static_cast<std::size_t>(from));
+  member.heard = Clock::now();
+  ByteReader in(message.data(), message.size(), "message of " + nameOf(from));
+  switch (in.get<GroupMessage>()) {
+    case GroupMessage::kJoin:
+      member.threads = in.get<std::uint32_t>();
+      if (in.get<std::uint64_t>() != fingerprint_) throw Error(nameOf(from) + ": has read another problem");
+      scheduler_.addWorkers(static_cast<int>(kAhead * member.threads));
+      break;
+    case GroupMessage::kFailure:
+      throw Error(nameOf(from) + ": " + std::string(reinterpret_cast<const char*>(in.next()), in.left()));
+    case GroupMessage::kAnswers: {
+      const auto number = in.get<std::uint64_t>();
+      const auto batch = std::find_if(member.working.begin(), member.working.end(),
+                                      [number](const Batch* c) { return c->number == number; });
+      if (batch == member.working.end()) throw Error(nameOf(from) + ": answers what it was not asked");
+      (*batch)->answers.assign(in.next(), in.next() + in.left());
+      member.back.push_back(*batch);
+      member.working.erase(batch);
+      break;
+    }
+    case GroupMessage::kHeartbeat:
+      break;
+    case GroupMessage::kBatch:
+    case GroupMessage::kEnd:
+      throw Error(nameOf(from) + ": speaks as if it led");
+  }
+}
+
+bool Coordinator::mergeAnswers() {
+  bool any = false;
+  for (RankState& member : ranks_) {
+    while (!member.back.empty() && scheduler_.tryComplete(member.back.front())) {
+      member.back.pop_front();
+      any = true;
+    }
+  }
+  return any;
+}
+
+bool Coordinator::sendBatches() {
+  bool any = false;
+  for (int rank = 1; rank < group_.size(); ++rank) {
+    RankState& member = ranks_[static_cast<std::size_t>(rank)];
+    while (member.working.size() + member.back.size() < kAhead * member.threads) {
+      Batch* const batch = scheduler_.tryPop(kMostSets);
+      if (batch == nullptr) return any;
+      member.working.push_back(batch);
+      std::vector<std::byte> message = groupMessage(GroupMessage::kBatch);
+      ByteWriter out(message);
+      out.put(batch->number);
+      out.put(static_cast<std::uint32_t>(batch->sets.size()));
+      for (const RowSpan& set : batch->sets) {
+        out.put(static_cast<std::uint16_t>(set.count));
+        out.putArray(set.rows, set.count);
+      }
+      group_.send(rank, std::move(message));
+      any = true;
+    }
+  }
+  return any;
+}
+
+void Coordinator::sendHeartbeats() {
+  const Clock::time_point now = Clock::now();
+  if (now >= next_sign_) {
+    next_sign_ = now + kHeartbeatPeriod;
+    for (int rank = 1; rank < group_.size(); ++rank)
+      group_.send(rank, groupMessage(GroupMessage::kHeartbeat));
+  }
+  if (now < next_check_) return;
+  next_check_ = now + kLossCheckPeriod;
+  findLostRanks();
+  if (lost_ > 0) scheduler_.end(ExploreStatus::kInterrupted);
+}
+
+// A process may leave after it was shut_down only.
+void Coordinator::findLostRanks() {
+  const Clock::time_point now = Clock::now();
+  for (int rank = 1; rank < group_.size() && lost_ == 0; ++rank) {
+    const RankState& member = ranks_[static_cast<std::size_t>(rank)];
+    const bool silent = member.threads > 0 && now - member.heard > kHeartbeatTimeout;
+    if (silent || group_.lost(rank)) lost_ = rank;
+  }
+}
+
+}  // namespace polyfly

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "explore/region/facet_neighbours.hpp"
+#include "explore/region/region_builder.hpp"
+#include "mpc_core/dense_qp.hpp"
+#include "offline_mpt/explore_options.hpp"
+#include "program/normalised_program.hpp"
+
+namespace polyfly {
+
+/// What describing one active set yields. It depends on that set alone.
+struct RegionResult {
+  BuildStatus status = BuildStatus::kEmptyInterior;
+  Region region;
+  ActiveSetList neighbours;
+  std::vector<std::uint32_t> behind;  ///< of a strictly convex program's region: the neighbours' facets
+  std::vector<double> unresolved;     ///< probes (p numbers each) that no candidate of their facet holds
+  std::uint32_t degenerate_facets = 0;
+
+  void clear();  ///< all but the region
+  void addNeighbour(const ActiveSet& active, std::uint32_t facet);
+};
+
+/// A facet whose candidates, neighbours `begin` to `end` - 1, are in doubt.
+struct DegenerateFacet {
+  std::uint32_t facet;
+  std::size_t begin, end;
+};
+
+/// Everything that one thread needs.
+struct RegionSolver {
+  RegionSolver(const NormalisedProgram& program, const ExploreOptions& options)
+      : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {
+    if (program.semidefinite) behind.emplace(program, options.facet_tolerance, options.radius_tolerance);
+  }
+
+  unsigned long long pivots() const { return builder.pivots() + (behind ? behind->pivots() : 0); }
+
+  RegionBuilder builder;
+  DenseQp qp;
+  std::optional<FacetNeighbours> behind;  ///< where H is singular and not zero
+  ActiveSetList sets;
+  ActiveSet candidate;
+  std::vector<DegenerateFacet> degenerate;
+};
+
+/// Into `out`, whatever it held before.
+void computeRegion(const NormalisedProgram& program, RegionSolver& worker, const ActiveSet& active,
+                   RegionResult& out);
+
+/// A region holds a probe within this, as the map's look-up does [scaled].
+constexpr double kProbeTolerance = 1e-8;
+
+/// Whether a probe that no region holds lies at the edge of the feasible set, or outside.
+bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe);
+
+/// A full-dimensional region to begin with, at or near t = `centre`; false where none is found.
+bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionSolver& worker,
+               ActiveSet& active);
+
+}  // namespace polyfly

@@ -1,0 +1,226 @@
+#include "program/normalised_program.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+
+#include "polyfly_base/error.hpp"
+#include "program/program_rows.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kRank = 1e-11;  // relative size below which a pivot or length counts as zero
+constexpr double kRounding = 0x1.0p-52;
+constexpr double kSingularStart = 1e-6;  // the same of a singular H, relative to its mean eigenvalue
+constexpr double kLinearStart =
+    1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
+constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
+constexpr double kSame = 1e-12;      // difference below which two right-hand sides are equal
+
+/// Columns (t, 1) -> columns of theta: M theta + v = M half .* t + (M centre + v).
+Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
+                               const NormalisedProgram& out) {
+  Eigen::MatrixXd result(v.size(), out.p + 1);
+  result.leftCols(out.p) = M * out.half.asDiagonal();
+  result.col(out.p) = v + M * out.centre;
+  return result;
+}
+
+void addDomainRow(NormalisedProgram& out, const Eigen::VectorXd& a, double b, double scale) {
+  const double length = a.norm();
+  if (length <= kRank * scale) {
+    if (b < -kRank * scale) out.domain_empty = true;
+    return;
+  }
+  for (int j = 0; j < out.p; ++j) out.domain.push_back(a(j) / length);
+  out.domain.push_back(b / length);
+}
+
+void setDomain(const ParametricProgram& program, NormalisedProgram& out) {
+  for (int j = 0; j < out.p; ++j) {
+    addDomainRow(out, Eigen::VectorXd::Unit(out.p, j), 1.0, 1.0);
+    addDomainRow(out, -Eigen::VectorXd::Unit(out.p, j), 1.0, 1.0);
+  }
+  if (program.A_theta.rows() == 0) return;
+  const Eigen::MatrixXd rows = affineInScaled(program.A_theta, -program.b_theta, out);
+  for (int i = 0; i < rows.rows(); ++i) {
+    addDomainRow(out, rows.row(i).head(out.p), -rows(i, out.p), rows.row(i).cwiseAbs().maxCoeff());
+  }
+}
+
+/// z = Z y + z_p (t, 1): what the equalities leave free.
+struct Elimination {
+  Eigen::MatrixXd Z;
+  Eigen::MatrixXd z_p;
+};
+
+Elimination eliminateEqualities(const ParametricProgram& program, const NormalisedProgram& out) {
+  const int n = program.variableCount();
+  const int count = static_cast<int>(program.equalities.size());
+  if (count == 0) return {Eigen::MatrixXd::Identity(n, n), Eigen::MatrixXd::Zero(n, out.p + 1)};
+  Eigen::MatrixXd A(count, n);
+  Eigen::MatrixXd S(count, out.p);
+  Eigen::VectorXd b(count);
+  for (int k = 0; k < count; ++k) {
+    A.row(k) = program.A.row(program.equalities[k]);
+    S.row(k) = program.S.row(program.equalities[k]);
+    b(k) = program.b(program.equalities[k]);
+  }
+  const Eigen::MatrixXd rhs = affineInScaled(S, b, out);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A.transpose());
+  qr.setThreshold(kRank);
+  const int rank = static_cast<int>(qr.rank());
+  const Eigen::MatrixXd Q = qr.householderQ();
+  const Eigen::MatrixXd range = Q.leftCols(rank);
+  Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
+  if (rank > 0) z_p = range * (A * range).completeOrthogonalDecomposition().solve(rhs);
+  if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
+    throw Error(program.name +
+                ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
+  }
+  return {Q.rightCols(n - rank), z_p};
+}
+
+/// Whether row `i` is implied by the row `k` kept before it, or the other way round (then `k` takes its
+/// place).
+enum class Parallel { kNo, kImplied, kReplaces };
+
+Parallel compare(const NormalisedProgram& ld, const Eigen::MatrixXd& M, int i, int k) {
+  if ((M.row(i) - M.row(k)).cwiseAbs().maxCoeff() > kParallel) return Parallel::kNo;
+  const Eigen::VectorXd difference = ld.D.row(i) - ld.D.row(k);
+  const double spread = difference.head(ld.p).cwiseAbs().sum();  // greatest change over the box
+  const double scale = kSame * (1.0 + ld.D.row(k).cwiseAbs().maxCoeff());
+  if (difference(ld.p) - spread >= -scale) return Parallel::kImplied;
+  if (difference(ld.p) + spread <= 0.0) return Parallel::kReplaces;
+  return Parallel::kNo;
+}
+
+void keepRows(NormalisedProgram& ld, const Eigen::MatrixXd& M, const std::vector<int>& kept) {
+  const int count = static_cast<int>(kept.size());
+  Eigen::MatrixXd M_kept(count, ld.n), D(count, ld.p + 1), A(count, ld.n), S(count, ld.p + 1),
+      V(ld.V.rows(), count);
+  Eigen::VectorXd length(count);
+  std::vector<int> ids(count);
+  for (int k = 0; k < count; ++k) {
+    M_kept.row(k) = M.row(kept[k]);
+    D.row(k) = ld.D.row(kept[k]);
+    A.row(k) = ld.A.row(kept[k]);
+    S.row(k) = ld.S.row(kept[k]);
+    V.col(k) = ld.V.col(kept[k]);
+    length(k) = ld.length(kept[k]);
+    ids[k] = ld.row_ids[kept[k]];
+  }
+  ld.m = count;
+  ld.gram = M_kept * M_kept.transpose();
+  ld.gram.diagonal().setOnes();
+  ld.M = std::move(M_kept);
+  ld.D = std::move(D);
+  ld.A = std::move(A);
+  ld.S = std::move(S);
+  ld.V = std::move(V);
+  ld.length = std::move(length);
+  ld.row_ids = std::move(ids);
+}
+
+void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
+  std::vector<int> kept;
+  for (int i = 0; i < ld.m; ++i) {
+    bool implied = false;
+    for (int& k : kept) {
+      const Parallel relation = compare(ld, M, i, k);
+      if (relation == Parallel::kNo) continue;
+      if (relation == Parallel::kReplaces) k = i;
+      implied = true;
+      break;
+    }
+    if (!implied) kept.push_back(i);
+  }
+  keepRows(ld, M, kept);
+}
+
+/// Lower triangular L with LL' = H; L = I where H is singular.
+Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
+  if (ld.n == 0) return ld.H;  // the equalities leave nothing to choose
+  const double mean = ld.H.trace() / ld.n;
+  if (vanishes(ld.H, ld.source.H)) {
+    ld.linear = true;
+    ld.cost = ld.F;
+    ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kRank) * Eigen::MatrixXd::Identity(ld.n, ld.n);
+    return Eigen::MatrixXd::Identity(ld.n, ld.n);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(ld.H);
+  const double least = solver.eigenvalues()(0);
+  if (least < -kSemidefinite * mean) {
+    throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
+  }
+  if (least >= kSemidefinite * mean) return ld.H.llt().matrixL();
+  ld.semidefinite = true;
+  ld.cost = ld.F;
+  const double greatest = solver.eigenvalues()(ld.n - 1);
+  const Eigen::VectorXd positive =
+      (solver.eigenvalues().array() > kNullEigenvalue * greatest).select(solver.eigenvalues(), 0.0);
+  ld.curvature = solver.eigenvectors() * positive.asDiagonal() * solver.eigenvectors().transpose();
+  ld.H = ld.curvature + kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
+  return Eigen::MatrixXd::Identity(ld.n, ld.n);
+}
+
+}  // namespace
+
+NormalisedProgram normalise(const ParametricProgram& program) {
+  NormalisedProgram ld;
+  ld.source = program;
+  ld.rounding = kRounding;
+  ld.p = program.parameterCount();
+  ld.centre.resize(ld.p);
+  ld.half.resize(ld.p);
+  for (int j = 0; j < ld.p; ++j) {
+    ld.centre(j) = 0.5 * (program.parameters[j].lower + program.parameters[j].upper);
+    ld.half(j) = 0.5 * (program.parameters[j].upper - program.parameters[j].lower);
+  }
+  setDomain(program, ld);
+
+  const Elimination free = eliminateEqualities(program, ld);
+  ld.n = static_cast<int>(free.Z.cols());
+  ld.H = free.Z.transpose() * program.H * free.Z;
+  ld.F = free.Z.transpose() * (affineInScaled(program.F, program.f, ld) + program.H * free.z_p);
+  const Eigen::MatrixXd root = metric(program.name, ld);
+  const auto lower = root.triangularView<Eigen::Lower>();
+  // unconstrained minimiser; where H is singular its part of order one
+  Eigen::MatrixXd y_free = Eigen::MatrixXd::Zero(ld.n, ld.p + 1);
+  if (!ld.linear && !ld.semidefinite) y_free = -lower.transpose().solve(lower.solve(ld.F));
+
+  const Eigen::MatrixXd A_all = program.A * free.Z;
+  const Eigen::MatrixXd S_all = affineInScaled(program.S, program.b, ld) - program.A * free.z_p;
+  Eigen::MatrixXd M(program.rowCount(), ld.n);
+  ld.A.resize(program.rowCount(), ld.n);
+  ld.S.resize(program.rowCount(), ld.p + 1);
+  ld.D.resize(program.rowCount(), ld.p + 1);
+  ld.length.resize(program.rowCount());
+  for (int i = 0; i < program.rowCount(); ++i) {
+    if (isEquality(program, i)) continue;
+    const Eigen::VectorXd m_row = lower.solve(A_all.row(i).transpose());
+    const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S_all.row(i).cwiseAbs().maxCoeff());
+    if (A_all.row(i).norm() <= kRank * scale) {
+      addDomainRow(ld, -S_all.row(i).head(ld.p), S_all(i, ld.p), scale);
+      continue;
+    }
+    const double length = m_row.norm();
+    M.row(ld.m) = m_row / length;
+    ld.A.row(ld.m) = A_all.row(i);
+    ld.S.row(ld.m) = S_all.row(i);
+    ld.length(ld.m) = length;
+    ld.D.row(ld.m) = (S_all.row(i) - A_all.row(i) * y_free) / length;
+    ld.row_ids.push_back(i);
+    ++ld.m;
+  }
+  const Eigen::MatrixXd E = program.E * free.Z;
+  ld.U = affineInScaled(program.C, program.c, ld) + program.E * free.z_p + E * y_free;
+  ld.V = -(lower.solve(E.transpose())).transpose() * M.topRows(ld.m).transpose();
+  ld.output = E;
+  dropParallelRows(ld, M);
+  return ld;
+}
+
+}  // namespace polyfly

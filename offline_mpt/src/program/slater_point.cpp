@@ -1,0 +1,149 @@
+#include "program/slater_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/dense_qp.hpp"
+#include "polyfly_base/error.hpp"
+#include "program/program_rows.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kMargin = 1e-9;     // margins below this count as none [rows of unit length]
+constexpr double kRounding = 1e-7;   // by how much rounding may take a margin of zero below zero
+constexpr double kRegular = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
+constexpr double kImplied = 1e-4;    // share of the margin's price above which a row counts as blocking
+constexpr double kOpposite = 1e-14;  // entries of two unit rows that cancel up to this are opposite
+constexpr double kSmallColumn =
+    1e-2;  // variables with greater entries in a row of length one stay as they are
+constexpr double kNoLength =
+    1e-13;  // rows shorter than this, relative to their largest entry, have no normal
+
+/// max r over (z, t, r): rows of the program in scaled parameters with slack r, r <= 1. Box rows follow, then
+/// A_theta's.
+struct Search {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd b;
+  int domain = 0;  ///< first row of the parameters' own
+};
+
+/// Rows of length one.
+void normalise(Search& search) {
+  for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
+    const double length = search.A.row(i).norm();
+    const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
+    if (length <= kNoLength * largest || length == 0.0) continue;
+    search.A.row(i) /= length;
+    search.b(i) /= length;
+  }
+}
+
+/// Where the box is so large that z must be too, z is counted in greater units: small weights do not hold it
+/// back then. False when nothing changed.
+bool scaleVariables(Search& search, int n) {
+  bool scaled = false;
+  for (int j = 0; j < n; ++j) {
+    const double largest = search.A.col(j).cwiseAbs().maxCoeff();
+    if (largest == 0.0 || largest >= kSmallColumn) continue;
+    search.A.col(j) /= largest;
+    scaled = true;
+  }
+  return scaled;
+}
+
+Search assemble(const ParametricProgram& program) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  const int m = program.rowCount();
+  const int k = static_cast<int>(program.A_theta.rows());
+  Eigen::VectorXd centre(p), half(p);
+  for (int j = 0; j < p; ++j) {
+    centre(j) = 0.5 * (program.parameters[j].lower + program.parameters[j].upper);
+    half(j) = 0.5 * (program.parameters[j].upper - program.parameters[j].lower);
+  }
+  Search search;
+  search.domain = m;
+  search.A = Eigen::MatrixXd::Zero(m + 2 * p + k + 1, n + p + 1);
+  search.b = Eigen::VectorXd::Zero(m + 2 * p + k + 1);
+  search.A.topLeftCorner(m, n) = program.A;
+  search.A.block(0, n, m, p) = -program.S * half.asDiagonal();
+  search.b.head(m) = program.b + program.S * centre;
+  for (int j = 0; j < p; ++j) {
+    search.A(m + 2 * j, n + j) = 1.0;
+    search.A(m + 2 * j + 1, n + j) = -1.0;
+    search.b.segment(m + 2 * j, 2).setOnes();
+  }
+  if (k > 0) {
+    search.A.block(m + 2 * p, n, k, p) = program.A_theta * half.asDiagonal();
+    search.b.segment(m + 2 * p, k) = program.b_theta - program.A_theta * centre;
+  }
+  normalise(search);
+  if (scaleVariables(search, n)) normalise(search);
+  for (Eigen::Index i = 0; i < search.A.rows(); ++i) {
+    const bool says_nothing = search.A.row(i).isZero(0.0) && search.b(i) >= 0.0;
+    search.A(i, n + p) = says_nothing ? 0.0 : 1.0;
+  }
+  for (const int row : program.equalities) search.A(row, n + p) = 0.0;
+  search.A(search.A.rows() - 1, n + p) = 1.0;
+  search.b(search.b.size() - 1) = 1.0;
+  return search;
+}
+
+/// Pairs of rows that are each other's negative, of which the search, in doubles, may just see a margin.
+void addOpposite(ParametricProgram& program) {
+  const Eigen::Index n = program.A.cols(), p = program.S.cols();
+  Eigen::MatrixXd rows(program.A.rows(), n + p + 1);
+  rows << program.A, program.S, program.b;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double length = program.A.row(i).norm();
+    rows.row(i) *= length > 0.0 ? 1.0 / length : 0.0;
+  }
+  for (int i = 0; i < program.rowCount(); ++i) {
+    for (int k = 0; k < i && !rows.row(i).isZero(0.0); ++k) {
+      const double size = rows.row(i).cwiseAbs().maxCoeff();
+      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > kOpposite * size) continue;
+      for (const int row : {i, k}) {
+        if (!isEquality(program, row)) program.equalities.push_back(row);
+      }
+    }
+  }
+  std::sort(program.equalities.begin(), program.equalities.end());
+}
+
+/// Rows that keep the margin at zero; false when only the parameters' own rows do.
+bool addImplied(const DenseQp& qp, const Search& search, ParametricProgram& program) {
+  bool added = false;
+  for (int row = 0; row < search.domain; ++row) {
+    if (qp.lambda()(row) <= kImplied) continue;
+    if (isEquality(program, row)) continue;
+    program.equalities.push_back(row);
+    added = true;
+  }
+  std::sort(program.equalities.begin(), program.equalities.end());
+  return added;
+}
+
+}  // namespace
+
+SlaterPoint findSlaterPoint(ParametricProgram& program) {
+  const int n = program.variableCount();
+  const int p = program.parameterCount();
+  addOpposite(program);
+  for (;;) {
+    const Search search = assemble(program);
+    const Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
+    g(n + p) = -1.0;
+    DenseQp qp(H, search.A, program.equalities);
+    if (qp.solve(g.data(), search.b.data()) != QpStatus::kOptimal) return {};
+    const double margin = qp.z()(n + p);
+    if (margin < -kRounding) return {};  // nearer to zero, it is for the rows as equalities to contradict
+    if (margin > kMargin) return {true, qp.z().segment(n, p)};
+    if (!addImplied(qp, search, program)) {
+      throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");
+    }
+  }
+}
+
+}  // namespace polyfly

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "offline_mpt/polytope.hpp"
+#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+
+/// Rows as MapContent::rows has them: i + 1 is plane i, -(i + 1) the same with both sides negated.
+using RowList = std::vector<std::int32_t>;
+
+/// Planes in scaled parameters t, |t_j| <= 1: p + 1 numbers (a, b) each, the half-space a . t <= b, |a| = 1
+/// up to rounding.
+struct ScaledPlanes {
+  int p = 0;
+  std::vector<double> planes;
+
+  static ScaledPlanes of(const RegionMap& map);
+  /// Rows of the box's 2 p sides; planes that are missing are added.
+  RowList addBox();
+  /// Appends a half-space, its bound moved outwards by `slack`.
+  void append(std::int32_t row, double slack, std::vector<double>& out) const;
+  /// a . t - b, or its opposite for a negated row.
+  double value(std::int32_t row, const double* point) const;
+};
+
+/// A polytope in t: its rows, and the box.
+struct ConvexCell {
+  RowList rows;
+  std::vector<double> centre;  ///< of the largest ball
+  double radius = 0.0;         ///< of the largest ball; <= 0: no interior
+  std::vector<double> points;  ///< some of its extreme points
+};
+
+/// Decisions about polytopes by linear programming in floating point. What they say is proven afterwards, or
+/// refused (verify_reduction.hpp). One object serves one thread.
+class CellGeometry {
+ public:
+  static constexpr double kNeeded = 1e-9;  ///< least reach that makes a half-space needed [scaled]
+
+  explicit CellGeometry(const ScaledPlanes& planes);
+
+  /// Fills centre and radius from the rows. A piece that the simplex fails on gets radius 0.
+  void describe(ConvexCell& piece);
+
+  /// The piece's point farthest along `direction` (p numbers), kept among its points. False when the simplex
+  /// failed.
+  bool support(ConvexCell& piece, const double* direction, double* point);
+
+  /// Whether no point of the piece is farther outside `row` than `slack`.
+  bool holdsOn(std::int32_t row, ConvexCell& piece, double slack);
+
+  /// Whether a point lies in all half-spaces moved outwards by `slack`.
+  bool holds(const RowList& rows, const double* point, double slack) const;
+
+  /// The rows without which the piece would reach farther than `tolerance`. The piece must have been
+  /// described, and be bounded by its own rows.
+  RowList minimal(const ConvexCell& piece, double tolerance = kNeeded);
+
+  /// Whether the piece lies in the union of `cover`, their rows moved outwards by `slack`. Work is limited: a
+  /// "no" may mean that the question was too long.
+  bool covered(const ConvexCell& piece, const std::vector<const RowList*>& cover, double slack);
+
+  /// Radius of the largest ball in rows (p + 1 numbers each) and box; `centre` is a guess and receives the
+  /// centre. 0 when the simplex failed.
+  double ball(const std::vector<double>& rows, double* centre);
+
+  const ScaledPlanes& planes() const { return planes_; }
+
+ private:
+  bool coverCell(std::vector<double>& cell, std::vector<double> centre,
+                 const std::vector<const RowList*>& cover, double slack);
+  void gather(const RowList& rows, double slack, std::vector<double>& out) const;
+  void appendBox(std::vector<double>& out) const;
+
+  const ScaledPlanes& planes_;
+  std::size_t p_;
+  PolytopeSolver solver_;
+  std::vector<double> work_, ball_rows_;
+  int cuts_left_ = 0;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,222 @@
+// Explorations divided among processes, here threads with letter boxes: the same bytes as one, whatever
+// happens.
+#include "offline_mpt/process_group.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "offline_mpt/encode.hpp"
+#include "polyfly_base/error.hpp"
+#include "random_program.hpp"
+#include "region_maps/write_map.hpp"
+#include "same_regions.hpp"
+#include "scratch_folder.hpp"
+
+namespace polyfly {
+namespace {
+
+/// What carries letters between the members.
+struct Post {
+  struct Letter {
+    int from;
+    std::vector<std::byte> message;
+  };
+  explicit Post(int size) : boxes(static_cast<std::size_t>(size)), dead(static_cast<std::size_t>(size)) {}
+  std::mutex mutex;
+  std::vector<std::deque<Letter>> boxes;
+  std::vector<char> dead;
+};
+
+class Member : public ProcessGroup {
+ public:
+  Member(Post& post, int rank) : post_(post), rank_(rank) {}
+  int rank() const override { return rank_; }
+  int size() const override { return static_cast<int>(post_.boxes.size()); }
+  void send(int to, std::vector<std::byte> message) override {
+    const std::lock_guard<std::mutex> lock(post_.mutex);
+    post_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(message)});
+    if (acts_by_sending) acted = true;
+  }
+  bool receive(int& from, std::vector<std::byte>& message) override {
+    const std::lock_guard<std::mutex> lock(post_.mutex);
+    auto& box = post_.boxes[static_cast<std::size_t>(rank_)];
+    if (box.empty()) return false;
+    from = box.front().from;
+    message = std::move(box.front().message);
+    box.pop_front();
+    return true;
+  }
+  bool lost(int rank) override {
+    const std::lock_guard<std::mutex> lock(post_.mutex);
+    return post_.dead[static_cast<std::size_t>(rank)] != 0;
+  }
+  void die() {
+    const std::lock_guard<std::mutex> lock(post_.mutex);
+    post_.dead[static_cast<std::size_t>(rank_)] = 1;
+    acted = true;
+  }
+
+  bool acts_by_sending = false;
+  static inline std::atomic<bool> begun{false};  // process 0 has a region
+  static inline std::atomic<bool> acted{false};  // what a test waits for has happened
+
+ private:
+  Post& post_;
+  int rank_;
+};
+
+using Part = std::function<void(Member&)>;
+
+/// Keeps process 0 from ending before it must have noticed.
+void waitUntilActed(ExploreOptions& options) {
+  Member::acted = Member::begun = false;
+  options.progress = [](const ExploreProgress&) {
+    Member::begun = true;
+    while (!Member::acted) std::this_thread::yield();
+  };
+}
+
+/// Explores as process 0 while the others play their parts.
+Partition exploreWith(const ParametricProgram& program, ExploreOptions options,
+                      const std::vector<Part>& parts) {
+  Post post(static_cast<int>(parts.size()) + 1);
+  std::vector<std::thread> others;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    others.emplace_back([&post, &parts, k] {
+      Member member(post, static_cast<int>(k) + 1);
+      parts[k](member);
+    });
+  }
+  Member leader(post, 0);
+  options.group = &leader;
+  Partition partition;
+  std::exception_ptr error;
+  try {
+    partition = explore(program, options);
+  } catch (const Error&) {
+    error = std::current_exception();
+  }
+  leader.shutDown();
+  for (std::thread& other : others) other.join();
+  if (error) std::rethrow_exception(error);
+  return partition;
+}
+
+class ProcessGroupTest : public ::testing::Test {
+ protected:
+  ProcessGroupTest() { options_.checkpoint = folder_.path("checkpoint"); }
+
+  Part assistant(int threads = 1) const {
+    return [this, threads](Member& member) {
+      ExploreOptions options;
+      options.threads = threads;
+      runWorkerProcess(program_, options, member);
+    };
+  }
+
+  std::string refusal(const Part& part) {
+    waitUntilActed(options_);
+    try {
+      exploreWith(program_, options_, {part});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const ParametricProgram program_ = randomProgram(8, 24, 3, 5);
+  const Partition whole_ = explore(program_);
+  ScratchFolder folder_;
+  ExploreOptions options_;
+};
+
+TEST_F(ProcessGroupTest, AnyNumberOfProcessesGivesTheSameBytes) {
+  const std::vector<std::byte> bytes = layOut(encode(program_, whole_));
+  for (int others = 1; others <= 3; ++others) {
+    options_.threads = 1 + others % 2;
+    const std::vector<Part> parts(static_cast<std::size_t>(others), assistant(1 + others / 2));
+    const Partition partition = exploreWith(program_, options_, parts);
+    expectSameRegions(partition, whole_);
+    EXPECT_EQ(partition.stats.lost_process, 0);
+    EXPECT_EQ(layOut(encode(program_, partition)), bytes);
+  }
+}
+
+TEST_F(ProcessGroupTest, StoppedAndResumedGivesTheSameBytes) {
+  for (const std::uint64_t cut : {1u, 17u, 60u, 111u}) {
+    ASSERT_LT(cut, whole_.regions.size());
+    options_.region_limit = cut;
+    options_.resume = false;
+    EXPECT_EQ(exploreWith(program_, options_, {assistant(), assistant()}).regions.size(), cut);
+    options_.region_limit = whole_.regions.size() + 1;
+    options_.resume = true;
+    expectSameRegions(
+        cut % 2 == 0 ? exploreWith(program_, options_, {assistant()}) : explore(program_, options_), whole_);
+  }
+}
+
+// It takes work, answers nothing and ends.
+void takeAndDie(const ParametricProgram& program, Member& member) {
+  class Thief : public ProcessGroup {
+   public:
+    explicit Thief(Member& thief) : member_(thief) {}
+    int rank() const override { return member_.rank(); }
+    int size() const override { return member_.size(); }
+    void send(int to, std::vector<std::byte> message) override {
+      if (sent_++ == 0) member_.send(to, std::move(message));  // the hello
+    }
+    bool receive(int& from, std::vector<std::byte>& message) override {
+      if (!member_.receive(from, message)) return false;
+      if (message.size() > 1) member_.die();  // the first batch
+      return true;
+    }
+    bool lost(int rank) override { return member_.lost(rank); }
+
+   private:
+    Member& member_;
+    int sent_ = 0;
+  } thief(member);
+  while (!Member::begun) std::this_thread::yield();
+  runWorkerProcess(program, {}, thief);
+}
+
+TEST_F(ProcessGroupTest, LosingAProcessLeavesACheckpoint) {
+  waitUntilActed(options_);
+  const Partition part =
+      exploreWith(program_, options_, {[this](Member& member) { takeAndDie(program_, member); }});
+  ASSERT_EQ(part.status, ExploreStatus::kInterrupted);
+  EXPECT_EQ(part.stats.lost_process, 1);
+  EXPECT_LT(part.regions.size(), whole_.regions.size());
+  ASSERT_GT(part.regions.size(), 0u);
+  options_.resume = true;
+  options_.progress = nullptr;
+  expectSameRegions(explore(program_, options_), whole_);
+}
+
+TEST_F(ProcessGroupTest, AProcessWithAnotherProblemIsRefused) {
+  ParametricProgram other = program_;
+  other.b(0) += 1e-12;
+  const Part stranger = [&other](Member& member) {
+    member.acts_by_sending = true;
+    runWorkerProcess(other, {}, member);
+  };
+  EXPECT_EQ(refusal(stranger), "process 1: has read another problem");
+  other.H(0, 0) = -1.0;
+  EXPECT_NE(refusal(stranger).find("process 1: "), std::string::npos);
+}
+
+TEST_F(ProcessGroupTest, AProcessThatCannotAssistSaysWhy) {
+  const Part unable = [](Member& member) {
+    member.acts_by_sending = true;
+    reportFailure("x.json: cannot be read", member);
+  };
+  EXPECT_EQ(refusal(unable), "process 1: x.json: cannot be read");
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,90 @@
+// Slivers that the tree of a reduced map leaves to a neighbour which does not hold them: leaves are mended.
+#include <algorithm>
+
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "offline_mpt/reduce.hpp"
+#include "offline_mpt/verify_reduction.hpp"
+#include "reduction_mutation.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr int kMends = 5;
+
+/// Mends until the reduction is proven, or nothing can be done; how often.
+int mendUntilProven(const RegionMap& original, MapContent& content, ReductionReport& report) {
+  ReductionOptions options;
+  options.certificate = true;
+  for (int mends = 0;; ++mends) {
+    report = verifyReduction(MapInMemory(content).map(), original, options);
+    if (report.passed() || mends == kMends || !repairLeaves(content, report)) return mends;
+  }
+}
+
+TEST(MendLeaves, LongAndThinSliversAreProven) {
+  int mended = 0;
+  for (unsigned seed = 16; seed <= 25; ++seed) {
+    const ParametricProgram program = illConditioned(3, 5, 3, seed);
+    const MapInMemory original(encode(program, explore(program)));
+    MapContent content = reduce(original.map()).content;
+    ReductionReport report;
+    mended += mendUntilProven(original.map(), content, report);
+    ASSERT_TRUE(report.passed()) << seed << "\n" << reductionText(report);
+    EXPECT_EQ(reductionRefusal(report.certificate, MapInMemory(content).bytes(), original.bytes()), "");
+  }
+  EXPECT_GT(mended, 0);
+}
+
+class LeafRepair : public ::testing::Test {
+ protected:
+  LeafRepair()
+      : program_(unbounded(randomProgram(4, 12, 2, 3))),
+        original_(encode(program_, explore(program_))),
+        content_(reduce(original_.map()).content) {}
+
+  static ParametricProgram unbounded(ParametricProgram program) {
+    withoutBounds(program);
+    return program;
+  }
+
+  ReductionReport report() const { return verifyReduction(MapInMemory(content_).map(), original_.map()); }
+
+  ParametricProgram program_;
+  MapInMemory original_;
+  MapContent content_;
+};
+
+TEST_F(LeafRepair, AddsACandidateThatALeafLacks) {
+  ASSERT_TRUE(report().passed());
+  const MapContent whole = content_;
+  int mended = 0;
+  for (std::size_t k = 0; k < whole.leaves.size(); ++k) {
+    content_ = whole;
+    const auto first = content_.candidates.begin() + static_cast<std::ptrdiff_t>(content_.leaves[k].first);
+    const auto last = first + static_cast<std::ptrdiff_t>(content_.leaves[k].count);
+    std::uint32_t another = 0;
+    while (std::find(first, last, another) != last) ++another;
+    *first = another;
+    ReductionReport found = report();
+    if (found.passed()) continue;  // the other candidates hold all of the cell
+    EXPECT_EQ(found.defects.front().leaf, static_cast<int>(k));
+    while (!found.passed() && repairLeaves(content_, found)) found = report();
+    EXPECT_TRUE(found.passed()) << k << "\n" << reductionText(found);
+    EXPECT_GT(content_.leaves[k].count, whole.leaves[k].count);
+    ++mended;
+  }
+  EXPECT_GT(mended, 3);
+}
+
+TEST_F(LeafRepair, DoesNotHelpWhereALawIsWrong) {
+  content_.laws[0] += 1e-3;
+  const ReductionReport found = report();
+  ASSERT_FALSE(found.passed());
+  EXPECT_FALSE(repairLeaves(content_, found));
+}
+
+}  // namespace
+}  // namespace polyfly
