@@ -4,6 +4,7 @@
 # Our C++ files, from git, so that nothing that was built is looked at.
 cppFiles() { git ls-files --cached --others --exclude-standard "$@" | awk '/\.(cpp|hpp)$/'; }
 checkFormat() { cppFiles "$@" | xargs -r clang-format --dry-run --Werror; }
+checkNames() { python3 test/glossary_test.py; }
 clangBuild() { configurePreset clang && buildPreset clang all; }
 clangTidy() { configurePreset clang && python3 catkin_ws/scripts/tidy.py build/clang build/tidy "$@"; }
 
@@ -11,12 +12,14 @@ clangTidy() { configurePreset clang && python3 catkin_ws/scripts/tidy.py build/c
 lintCommand() {
   planInstall run lint
   plan format 5
+  plan names 1
   [ $# -gt 0 ] || planBuilding clang 120 clang
   plan tidy 30
   requirePackages run lint
   own clang
   own tidy
   step format "checking the formatting" checkFormat "$@"
+  step names "checking names against the glossary" checkNames
   [ $# -gt 0 ] || step clang "building with clang, every warning an error" clangBuild
   step tidy "looking with clang-tidy at what changed since it was found clean" clangTidy "$@"
   say "Nothing found."

@@ -26,9 +26,9 @@ AircraftState start() {
 }
 
 /// A guidance on a long line beside an aircraft, and the knobs of what it is told.
-class Ladder : public ::testing::Test {
+class Failsafe : public ::testing::Test {
  protected:
-  Ladder() : aircraft_(LateralModel{}, start(), 14.0, {0.0, 0.0}), guidance_(GuidanceOptions{}, "test") {
+  Failsafe() : aircraft_(LateralModel{}, start(), 14.0, {0.0, 0.0}), guidance_(GuidanceOptions{}, "test") {
     guidance_.setMission(missionThrough({{0.0, 0.0}, {4000.0, 0.0}}, {}, "test"));
   }
 
@@ -79,9 +79,9 @@ class Ladder : public ::testing::Test {
   LateralGuidance guidance_;
 };
 
-TEST_F(Ladder, TracksWhenAllIsWell) { expectRecovery(); }
+TEST_F(Failsafe, TracksWhenAllIsWell) { expectRecovery(); }
 
-TEST_F(Ladder, LevelsWithoutAMission) {
+TEST_F(Failsafe, LevelsWithoutAMission) {
   guidance_.clearMission();
   const GuidanceOutput output = fly(0.2);
   EXPECT_EQ(output.mode, GuidanceMode::kLevel);
@@ -89,7 +89,7 @@ TEST_F(Ladder, LevelsWithoutAMission) {
   EXPECT_EQ(output.roll_reference, 0.0);
 }
 
-TEST_F(Ladder, FliesTheLastHorizonThroughNansThenLevels) {
+TEST_F(Failsafe, FliesTheLastHorizonThroughNansThenLevels) {
   const GuidanceOutput before = fly(0.5);
   const std::vector<double> horizon(guidance_.nmpc().moves(), guidance_.nmpc().moves() + 40);
   EXPECT_EQ(before.roll_reference, horizon[1]);
@@ -111,7 +111,7 @@ TEST_F(Ladder, FliesTheLastHorizonThroughNansThenLevels) {
   expectRecovery();
 }
 
-TEST_F(Ladder, RefusesEveryNumberThatIsNone) {
+TEST_F(Failsafe, RefusesEveryNumberThatIsNone) {
   fly(0.5);
   const std::vector<std::function<void(GuidanceInput&)>> poisons = {
       [](GuidanceInput& input) { input.state.position.x() = kNan; },
@@ -128,7 +128,7 @@ TEST_F(Ladder, RefusesEveryNumberThatIsNone) {
   }
 }
 
-TEST_F(Ladder, HoldsThroughAStaleState) {
+TEST_F(Failsafe, HoldsThroughAStaleState) {
   fly(1.0);
   const AircraftState old = aircraft_.state();
   GuidanceOutput output = flyWith(0.25, [&](GuidanceInput& input) { input.state = old; });
@@ -143,7 +143,7 @@ TEST_F(Ladder, HoldsThroughAStaleState) {
   expectRecovery();
 }
 
-TEST_F(Ladder, DisbelievesAJumpUntilItStays) {
+TEST_F(Failsafe, DisbelievesAJumpUntilItStays) {
   fly(1.0);
   const auto jump = [](GuidanceInput& input) { input.state.position.x() += 60.0; };
   GuidanceOutput output = flyWith(0.3, jump);
@@ -161,7 +161,7 @@ TEST_F(Ladder, DisbelievesAJumpUntilItStays) {
   EXPECT_EQ(restarts, 1);
 }
 
-TEST_F(Ladder, DisbelievesAHeadingOrARollThatJumps) {
+TEST_F(Failsafe, DisbelievesAHeadingOrARollThatJumps) {
   expectRecovery();
   for (const double angle : {kPi, -2.2}) {
     GuidanceOutput output = flyWith(1.5, [&](GuidanceInput& input) { input.state.heading += angle; });
@@ -180,7 +180,7 @@ TEST_F(Ladder, DisbelievesAHeadingOrARollThatJumps) {
   EXPECT_EQ(output.reason, GuidanceReason::kStrongWind);
 }
 
-TEST_F(Ladder, TakesAStateThatRepeatsItselfUnderNewStampsForStale) {
+TEST_F(Failsafe, TakesAStateThatRepeatsItselfUnderNewStampsForStale) {
   fly(1.0);
   const AircraftState first = aircraft_.state();
   const auto repeat = [&](GuidanceInput& input) {
@@ -196,7 +196,7 @@ TEST_F(Ladder, TakesAStateThatRepeatsItselfUnderNewStampsForStale) {
   expectRecovery();
 }
 
-TEST_F(Ladder, LevelsAtLowAirspeedUntilThereIsAMargin) {
+TEST_F(Failsafe, LevelsAtLowAirspeedUntilThereIsAMargin) {
   fly(1.0);
   const auto slow = [](double airspeed) {
     return [airspeed](GuidanceInput& input) { input.airspeed.value = airspeed; };
@@ -212,7 +212,7 @@ TEST_F(Ladder, LevelsAtLowAirspeedUntilThereIsAMargin) {
   expectRecovery();
 }
 
-TEST_F(Ladder, TurnsIntoAWindAboveTheAirspeed) {
+TEST_F(Failsafe, TurnsIntoAWindAboveTheAirspeed) {
   fly(1.0);
   aircraft_.setWind({0.0, 16.0});  // to the east: against it is west
   GuidanceOutput output = fly(15.0);
@@ -228,7 +228,7 @@ TEST_F(Ladder, TurnsIntoAWindAboveTheAirspeed) {
   expectRecovery();
 }
 
-TEST_F(Ladder, AssumesWindAndAirspeedWhereTheyAreMissing) {
+TEST_F(Failsafe, AssumesWindAndAirspeedWhereTheyAreMissing) {
   aircraft_.setWind({-3.0, 5.0});
   GuidanceOutput output = flyWith(60.0, [](GuidanceInput& input) {
     input.wind = {};
@@ -249,7 +249,7 @@ TEST_F(Ladder, AssumesWindAndAirspeedWhereTheyAreMissing) {
   EXPECT_EQ(output.reason, GuidanceReason::kWindAssumed);
 }
 
-TEST_F(Ladder, FollowsTheRollWhileAnotherModeFliesAndBeginsAnewAfterwards) {
+TEST_F(Failsafe, FollowsTheRollWhileAnotherModeFliesAndBeginsAnewAfterwards) {
   fly(1.0);
   GuidanceInput input = truth();
   input.engaged = false;
@@ -265,7 +265,7 @@ TEST_F(Ladder, FollowsTheRollWhileAnotherModeFliesAndBeginsAnewAfterwards) {
   expectRecovery();
 }
 
-TEST_F(Ladder, BeginsAnewWhereTheOptimisationFailsThenHoldsTheLastHorizon) {
+TEST_F(Failsafe, BeginsAnewWhereTheOptimisationFailsThenHoldsTheLastHorizon) {
   fly(1.0);
   SafetyOptions trusting;
   trusting.jump_patience = 0.0;
@@ -282,7 +282,7 @@ TEST_F(Ladder, BeginsAnewWhereTheOptimisationFailsThenHoldsTheLastHorizon) {
   expectRecovery();
 }
 
-TEST_F(Ladder, LoitersAtTheEnd) {
+TEST_F(Failsafe, LoitersAtTheEnd) {
   guidance_.setMission(missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {80.0, TurnDirection::kLeft}, "test"));
   const GuidanceOutput output = fly(90.0);
   EXPECT_TRUE(output.loitering);
@@ -290,14 +290,14 @@ TEST_F(Ladder, LoitersAtTheEnd) {
   EXPECT_LT(std::abs(output.error.track), 0.5);
 }
 
-TEST_F(Ladder, SurvivesATimeThatBeginsAnew) {
+TEST_F(Failsafe, SurvivesATimeThatBeginsAnew) {
   fly(5.0);
   aircraft_ = ChapterAircraft(LateralModel{}, start(), 14.0, {0.0, 0.0});
   fly(1.0);
   expectRecovery();
 }
 
-TEST_F(Ladder, ImprovesUntilTheKktToleranceIsMet) {
+TEST_F(Failsafe, ImprovesUntilTheKktToleranceIsMet) {
   GuidanceOptions options;
   options.kkt_tolerance = 1e-6;
   LateralGuidance one(options, "test");
@@ -321,7 +321,7 @@ TEST_F(Ladder, ImprovesUntilTheKktToleranceIsMet) {
   EXPECT_FALSE(one.improve());
 }
 
-TEST_F(Ladder, ImprovesNothingWhereItDoesNotTrack) {
+TEST_F(Failsafe, ImprovesNothingWhereItDoesNotTrack) {
   EXPECT_FALSE(guidance_.improve());  // before anything
   fly(1.0);
   EXPECT_FALSE(guidance_.improve());  // after `prepare`: the call is over
@@ -338,7 +338,7 @@ TEST_F(Ladder, ImprovesNothingWhereItDoesNotTrack) {
   expectRecovery();
 }
 
-TEST_F(Ladder, AllocatesNothing) {
+TEST_F(Failsafe, AllocatesNothing) {
   const GuidanceInput good = truth();
   std::vector<GuidanceInput> inputs(12, good);
   for (std::size_t i = 0; i < inputs.size(); ++i) {

@@ -175,9 +175,9 @@ TEST(Certify, StopsWhenTold) {
 }
 
 /// A map of one program, to be spoilt.
-class Spoilt : public ::testing::Test {
+class CorruptedMap : public ::testing::Test {
  protected:
-  Spoilt() : program_(randomProgram(4, 12, 2, 3)), content_(solved(program_)) {}
+  CorruptedMap() : program_(randomProgram(4, 12, 2, 3)), content_(solved(program_)) {}
 
   CertifyReport report() const { return certified(content_, program_); }
 
@@ -203,9 +203,9 @@ class Spoilt : public ::testing::Test {
   MapContent content_;
 };
 
-TEST_F(Spoilt, NotAtAllIsProven) { EXPECT_TRUE(report().passed()); }
+TEST_F(CorruptedMap, NotAtAllIsProven) { EXPECT_TRUE(report().passed()); }
 
-TEST_F(Spoilt, MissingRegionIsFoundWithAWitnessAndItsActiveSet) {
+TEST_F(CorruptedMap, MissingRegionIsFoundWithAWitnessAndItsActiveSet) {
   ASSERT_GT(content_.regions.size(), 3u);
   for (std::size_t region = 0; region < content_.regions.size(); ++region) {
     const MapContent whole = content_;
@@ -230,14 +230,14 @@ TEST_F(Spoilt, MissingRegionIsFoundWithAWitnessAndItsActiveSet) {
   }
 }
 
-TEST_F(Spoilt, LawIsCaughtAboveTheToleranceOnly) {
+TEST_F(CorruptedMap, LawIsCaughtAboveTheToleranceOnly) {
   content_.laws[0] += 1e-12;
   EXPECT_TRUE(report().passed());
   content_.laws[0] += 1e-6;
   EXPECT_TRUE(has(report(), Defect::Kind::kLaw));
 }
 
-TEST_F(Spoilt, PlaneIsCaughtAboveTheToleranceOnly) {
+TEST_F(CorruptedMap, PlaneIsCaughtAboveTheToleranceOnly) {
   const std::size_t constant = 2;
   content_.planes[constant] += 1e-12;
   EXPECT_TRUE(report().passed());
@@ -245,12 +245,12 @@ TEST_F(Spoilt, PlaneIsCaughtAboveTheToleranceOnly) {
   EXPECT_TRUE(has(report(), Defect::Kind::kPlane));
 }
 
-TEST_F(Spoilt, PlaneOfAnotherLengthIsCaught) {
+TEST_F(CorruptedMap, PlaneOfAnotherLengthIsCaught) {
   for (std::size_t j = 0; j < 3; ++j) content_.planes[j] *= 2.0;
   EXPECT_TRUE(has(report(), Defect::Kind::kPlane));
 }
 
-TEST_F(Spoilt, EveryMissingFacetIsCaught) {
+TEST_F(CorruptedMap, EveryMissingFacetIsCaught) {
   for (std::size_t r = 0; r < content_.regions.size(); ++r) {
     const MapContent whole = content_;
     content_.regions[r].row_count -= 1;
@@ -264,7 +264,7 @@ TEST_F(Spoilt, EveryMissingFacetIsCaught) {
   }
 }
 
-TEST_F(Spoilt, NegatedRowIsCaught) {
+TEST_F(CorruptedMap, NegatedRowIsCaught) {
   for (std::size_t row = 0; row < content_.rows.size(); ++row) {
     content_.rows[row] = -content_.rows[row];
     EXPECT_FALSE(report().passed()) << row;
@@ -272,7 +272,7 @@ TEST_F(Spoilt, NegatedRowIsCaught) {
   }
 }
 
-TEST_F(Spoilt, ActiveSetIsCaught) {
+TEST_F(CorruptedMap, ActiveSetIsCaught) {
   for (std::size_t k = 0; k < content_.active.size(); ++k) {
     const std::int32_t right = content_.active[k];
     for (const std::int32_t wrong : {(right + 1) % 12, 12, 1000000}) {
@@ -283,12 +283,12 @@ TEST_F(Spoilt, ActiveSetIsCaught) {
   }
 }
 
-TEST_F(Spoilt, RepeatedRegionIsCaught) {
+TEST_F(CorruptedMap, RepeatedRegionIsCaught) {
   content_.regions.push_back(content_.regions[middle()]);
   EXPECT_TRUE(has(report(), Defect::Kind::kRepeated));
 }
 
-TEST_F(Spoilt, FlatRegionIsCaught) {
+TEST_F(CorruptedMap, FlatRegionIsCaught) {
   // A region of another active set, listed with its own true rows, that has no interior: here a set whose
   // region is empty.
   MapContent::Region& region = content_.regions[middle()];
@@ -299,7 +299,7 @@ TEST_F(Spoilt, FlatRegionIsCaught) {
   EXPECT_FALSE(report().passed());
 }
 
-TEST_F(Spoilt, RepairAddsWhatIsMissingAndCorrectsWhatIsWrong) {
+TEST_F(CorruptedMap, RepairAddsWhatIsMissingAndCorrectsWhatIsWrong) {
   const std::size_t count = content_.regions.size();
   const std::vector<double> laws = content_.laws;
   content_.laws[0] += 1.0;
