@@ -73,9 +73,4 @@ void CommandOutput::prepare() {
   if (target_publisher_) make(next_target_);
 }
 
-void CommandOutput::rehearse(const polyfly::AttitudeCommand& command, const std_msgs::Header& header) {
-  if (thrust_publisher_) fillCommand(command, taken(next_thrust_, header));
-  if (curve_ && std::isfinite(yaw_)) fillAttitudeTarget(command, yaw_, *curve_, taken(next_target_, header));
-}
-
 }  // namespace polyfly_ros

@@ -6,8 +6,8 @@
 
 int main(int argc, char** argv) try {
   ros::init(argc, argv, "explicit_mpc");
-  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), ros::NodeHandle("~"), {},
-                                          polyfly_ros::Household::kAlone);
+  const polyfly_ros::ControllerNode node(ros::NodeHandle(), ros::NodeHandle("~"), {},
+                                         polyfly_ros::ProcessKind::kStandalone);
   ros::spin();
 } catch (const std::exception&) {
   return 1;  // the node has said why

@@ -9,10 +9,10 @@ namespace online_controller {
 
 class ExplicitMpc : public nodelet::Nodelet {
   void onInit() override {
-    node_ = std::make_unique<polyfly_ros::ExplicitMpcNode>(getNodeHandle(), getPrivateNodeHandle());
+    node_ = std::make_unique<polyfly_ros::ControllerNode>(getNodeHandle(), getPrivateNodeHandle());
   }
 
-  std::unique_ptr<polyfly_ros::ExplicitMpcNode> node_;
+  std::unique_ptr<polyfly_ros::ControllerNode> node_;
 };
 
 }  // namespace online_controller

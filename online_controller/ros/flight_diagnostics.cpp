@@ -20,8 +20,8 @@ void addTimes(diagnostic_updater::DiagnosticStatusWrapper& status, const std::st
 }  // namespace
 
 FlightDiagnostics::FlightDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                                     const FlightRecord& record, const LawKeeper& keeper)
-    : updater_(handle, private_handle, private_handle.getNamespace()), record_(record), keeper_(keeper) {
+                                     const FlightRecord& record, const ActiveLaws& laws)
+    : updater_(handle, private_handle, private_handle.getNamespace()), record_(record), laws_(laws) {
   updater_.setHardwareID("none");
   updater_.add("control", this, &FlightDiagnostics::diagnose);
 }
@@ -59,7 +59,7 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   status.add("control periods overrun", overruns);
   status.add("odometry missing", lost);
   status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
-  status.add("laws exchanged", keeper_.exchanges());
+  status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;
   status.add("iterations", snapshot_->report.iterations);
   status.add("KKT residual", snapshot_->kkt_residual);

@@ -101,12 +101,13 @@ FlightSetup FlightSetup::read(ParameterReader& reader) {
 
 FlightInterface::FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle,
                                  polyfly::FlightSupervisor& flight, const polyfly::TimeSource& time,
-                                 const FlightSetup& setup, const LawSetup& laws)
+                                 const FlightSetup& setup, const LawSetup& laws, OnManual on_manual)
     : flight_(flight),
       time_(time),
       joy_(setup.joy),
       observer_(laws.nonlinear.model, laws.controller, laws.moments),
       frame_(setup.odometry_frame),
+      on_manual_(std::move(on_manual)),
       name_publisher_(handle.advertise<std_msgs::String>("state_machine/state_info", 1, true)),
       status_publisher_(handle.advertise<online_controller::FlightStatus>("flight_status", 1, true)) {
   ros::NodeHandle observer_handle(private_handle, "KF_observer");
@@ -227,7 +228,7 @@ void FlightInterface::onJoy(const sensor_msgs::Joy::ConstPtr& message) {
   const ros::Time now = ros::Time::now() + ros::Duration(time_.ahead());
   const bool command = flight_.onRemoteControl(toRemoteControl(*message, joy_), now.toSec());
   publishChange();
-  if (command && on_manual_) on_manual_(now);
+  if (command) on_manual_(now);
 }
 
 bool FlightInterface::answer(const char* request, const char* refusal) {

@@ -18,9 +18,9 @@ constexpr double kLogInterval = 1.0;  // between two warnings [s]
 
 }  // namespace
 
-FlightReporter::FlightReporter(ros::NodeHandle& handle, LawKeeper& keeper, polyfly::FlightSupervisor& flight,
+FlightReporter::FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfly::FlightSupervisor& flight,
                                FlightRecord& record, double control_period)
-    : keeper_(keeper),
+    : laws_(laws),
       flight_(flight),
       record_(record),
       control_period_(control_period),
@@ -47,14 +47,14 @@ void FlightReporter::publishStatus(const Answered& answered, bool last) {
   status->sequence = answered.sequence;
   status->law = polyfly::lawName(answered.law);
   status->iterations = answered.report.iterations;
-  status->kkt_residual = last ? laws().kktResidual() : -1.0;
+  status->kkt_residual = last ? laws_.flight().kktResidual() : -1.0;
   status->odometry_age = answered.odometry_age;
   status->input_time_ns = answered.times.input;
   status->step_time_ns = answered.times.step;
   status->output_time_ns = answered.times.output;
   status->prepare_time_ns = last_prepare_;
   status->lookup_time_ns = lookupTime(answered);
-  fillStatus(answered.report, keeper_.laws().parameters(answered.law), *status);
+  fillStatus(answered.report, laws_.laws().parameters(answered.law), *status);
   publisher_.publish(status);
 }
 
@@ -64,27 +64,27 @@ void FlightReporter::leaveSnapshot(const Answered& answered) {
   snapshot.header = answered.header;
   snapshot.law = answered.law;
   snapshot.report = answered.report;
-  snapshot.kkt_residual = laws().kktResidual();
+  snapshot.kkt_residual = laws_.flight().kktResidual();
   snapshot.odometry_age = answered.odometry_age;
   snapshot.times = answered.times;
-  snapshot.stage_period = laws().previewPeriod();
+  snapshot.stage_period = laws_.flight().previewPeriod();
   const bool tracks = polyfly::isAnswer(answered.report.status) ||
                       answered.report.status == polyfly::ControlStatus::kHoldLast;
   const bool shows = record_.show_paths.load(std::memory_order_relaxed);
-  snapshot.reference_count = !tracks ? 0 : shows ? laws().previewLength() : 1;
+  snapshot.reference_count = !tracks ? 0 : shows ? laws_.flight().previewLength() : 1;
   const std::vector<polyfly::Reference>& reference =
       snapshot.reference_count > 1 ? flight_.wholePreview() : flight_.preview();
   std::copy_n(reference.begin(), snapshot.reference_count, snapshot.reference.begin());
-  const bool same_stages = laws().stagePeriod() == laws().previewPeriod();
-  snapshot.predicted_count =
-      shows && tracks && same_stages
-          ? laws().predict(snapshot.reference.data(), snapshot.reference_count, snapshot.predicted.data())
-          : 0;
+  const bool same_stages = laws_.flight().stagePeriod() == laws_.flight().previewPeriod();
+  snapshot.predicted_count = shows && tracks && same_stages
+                                 ? laws_.flight().predict(snapshot.reference.data(), snapshot.reference_count,
+                                                          snapshot.predicted.data())
+                                 : 0;
   record_.latest.publish();
 }
 
 std::int64_t FlightReporter::lookupTime(const Answered& answered) {
-  const std::vector<polyfly::RegionMap>& maps = keeper_.laws().maps(answered.law);
+  const std::vector<polyfly::RegionMap>& maps = laws_.laws().maps(answered.law);
   if (maps.empty()) return 0;
   for (const polyfly::AxisReport& axis : answered.report.axis) {
     if (axis.size == 0) return 0;
@@ -101,7 +101,7 @@ void FlightReporter::logChange(const Answered& answered) {
   if (report.status == logged_status_ && report.reason == logged_reason_) return;
   logged_status_ = report.status;
   logged_reason_ = report.reason;
-  const std::string text = describe(report, keeper_.laws().parameters(answered.law));
+  const std::string text = describe(report, laws_.laws().parameters(answered.law));
   if (isAsAsked(report)) {
     ROS_INFO_THROTTLE(kLogInterval, "MPC: %s", text.c_str());
   } else {

@@ -89,7 +89,6 @@ Laws::Laws(const LawSetup& setup)
       sources_->explicit_maps.empty() ? parametersOf(problems) : parametersOf(sources_->explicit_maps.maps);
   robust_parameters_ = parametersOf(sources_->robust_maps.maps);
   switch_ = everyLaw(setup, problems);
-  if (setup.understudies) understudy_ = everyLaw(setup, problems);
 }
 
 const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {

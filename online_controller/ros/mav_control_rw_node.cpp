@@ -4,12 +4,12 @@
 #include <exception>
 
 #include "online_controller_ros/controller_node.hpp"
-#include "online_controller_ros/foreign_parameters.hpp"
+#include "online_controller_ros/legacy_parameters.hpp"
 
 namespace {
 
-polyfly_ros::ForeignParameters adopt(const ros::NodeHandle& private_handle) try {
-  return polyfly_ros::adoptForeignParameters(private_handle, POLYFLY_LAW);
+polyfly_ros::LegacyParameters importParameters(const ros::NodeHandle& private_handle) try {
+  return polyfly_ros::importLegacyParameters(private_handle, POLYFLY_LAW);
 } catch (const std::exception& error) {
   ROS_FATAL("%s does not start: %s", POLYFLY_NODE, error.what());
   throw;
@@ -20,12 +20,12 @@ polyfly_ros::ForeignParameters adopt(const ros::NodeHandle& private_handle) try 
 int main(int argc, char** argv) try {
   ros::init(argc, argv, POLYFLY_NODE);
   const ros::NodeHandle private_handle("~");
-  const auto theirs = adopt(private_handle);
-  if (!theirs.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", theirs.taken.c_str());
-  for (const std::string& text : theirs.unread)
+  const auto legacy = importParameters(private_handle);
+  if (!legacy.taken.empty()) ROS_INFO("parameters of mav_control_rw: %s", legacy.taken.c_str());
+  for (const std::string& text : legacy.unread)
     ROS_WARN("parameters of mav_control_rw not read: %s", text.c_str());
-  const polyfly_ros::ExplicitMpcNode node(ros::NodeHandle(), private_handle, theirs.names,
-                                          polyfly_ros::Household::kAlone);
+  const polyfly_ros::ControllerNode node(ros::NodeHandle(), private_handle, legacy.names,
+                                         polyfly_ros::ProcessKind::kStandalone);
   ros::spin();
 } catch (const std::exception&) {
   return 1;  // the node has said why

@@ -96,8 +96,8 @@ TEST(OnlineLaws, TrimMovesTheCommandsAndNothingElse) {
       plain.prepare();
       moved.prepare();
       if (i == 30) {  // as after another law
-        plain.follow(state, first);
-        moved.follow(state, second);
+        plain.track(state, first);
+        moved.track(state, second);
       }
     }
     EXPECT_EQ(moved.stepWithoutReference(1.0).command.roll, 0.03);

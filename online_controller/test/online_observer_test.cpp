@@ -99,7 +99,7 @@ TEST(AttitudeTrim, findsTheCommandsThatTheModelDoesNotExplain) {
   EXPECT_NEAR(trim.angles().pitch, -0.2 + 0.8 * 0.2 / 0.9, 1e-4);
 
   polyfly::AttitudeTrim next({0.9, 0.25, 0.9, 0.25}, options);
-  next.takeOver(trim);
+  next.transferState(trim);
   EXPECT_EQ(next.angles().roll, trim.angles().roll);
   trim.reset();
   EXPECT_EQ(trim.angles().pitch, 0.01);
@@ -291,7 +291,7 @@ TEST(VehicleObserver, NoisesOfAnotherOneTakeEffectAndNothingIsForgotten) {
   options.noise = {0.01, 0.025, 0.015, 0.02, 0.1, 0.001, 0.0012, 0.01, 0.0025};
   options.disturbance_drift = std::sqrt(0.1);
   VehicleObserver quick({}, options, {});
-  quick.takeOver(observer);
+  quick.transferState(observer);
   EXPECT_EQ(quick.estimate().force, observer.estimate().force);
   EXPECT_EQ(quick.estimate().moment, observer.estimate().moment);
   const int quickly = samplesUntilFound(quick, vehicle, {2.0, 0.0, 0.0});

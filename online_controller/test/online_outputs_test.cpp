@@ -2,14 +2,12 @@
 // and where the laws expect the vehicle.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "online_controller/realtime/poll_window.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "online_support.hpp"
 #include "polyfly_base/error.hpp"
@@ -34,115 +32,6 @@ TEST(ThrustCurve, HoverThrustIsProportional) {
   EXPECT_EQ(curve(100.0), 1.0);
   EXPECT_EQ(curve(-1.0), 0.0);
   EXPECT_EQ(curve(std::nan("")), 0.0);
-}
-
-TEST(PollWindow, LooksOnlyWhileASampleIsDue) {
-  using Clock = PollWindow::Clock;
-  using Seconds = std::chrono::duration<double>;
-  const Clock::time_point start{std::chrono::hours(1)};
-  const auto after = [&](double seconds) {
-    return start + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
-  };
-  PollWindow window(0.01, 0.25);
-  EXPECT_EQ(window.sleep(after(0.0), 0.05), 0.05);  // nothing is known of samples yet
-  window.served(start);
-  EXPECT_NEAR(window.sleep(after(0.001), 0.05), 0.0065, 1e-9);
-  EXPECT_NEAR(window.sleep(after(0.001), 0.002), 0.002, 1e-12);
-  EXPECT_EQ(window.sleep(after(0.0076), 0.05), 0.0);
-  EXPECT_EQ(window.sleep(after(0.0199), 0.05), 0.0);   // late
-  EXPECT_EQ(window.sleep(after(0.0201), 0.05), 0.05);  // lost
-  window.served(after(0.5));
-  EXPECT_EQ(window.sleep(after(0.508), 0.05), 0.0);
-
-  PollWindow never(0.01, 0.0), always(0.01, 1.0);
-  never.served(start);
-  always.served(start);
-  for (const double seconds : {0.0, 0.005, 0.0099, 0.015}) {
-    EXPECT_EQ(never.sleep(after(seconds), 0.05), 0.05);
-    EXPECT_EQ(always.sleep(after(seconds), 0.05), 0.0);
-  }
-  EXPECT_EQ(always.sleep(after(0.03), 0.05), 0.05);
-}
-
-TEST(PollWindow, RehearsesOnceShortlyBeforeASample) {
-  using Clock = PollWindow::Clock;
-  using std::chrono::microseconds;
-  const Clock::time_point start{std::chrono::hours(1)};
-  PollWindow window(0.01, 0.25), never(0.01, 0.0);
-  EXPECT_FALSE(window.rehearses(start));  // nothing is known of samples yet
-  for (const Clock::time_point sample : {start, start + microseconds(10100)}) {
-    window.served(sample);
-    never.served(sample);
-    EXPECT_FALSE(window.rehearses(sample + microseconds(9600)));
-    EXPECT_TRUE(window.rehearses(sample + microseconds(9800)));
-    EXPECT_FALSE(window.rehearses(sample + microseconds(9900)));
-    EXPECT_FALSE(never.rehearses(sample + microseconds(9800)));
-  }
-}
-
-/// The last of so many samples on time that the next one is expected to be so.
-PollWindow::Clock::time_point serveSteadily(PollWindow& window, PollWindow::Clock::time_point first) {
-  constexpr int kEnough = 11;
-  for (int i = 0; i < kEnough; ++i) window.served(first + i * std::chrono::milliseconds(10));
-  return first + (kEnough - 1) * std::chrono::milliseconds(10);
-}
-
-TEST(PollWindow, OneWithALeadRehearsesOnlyWhileSamplesComeOnTime) {
-  using Clock = PollWindow::Clock;
-  using std::chrono::microseconds;
-  const microseconds before(9600);
-  PollWindow window(0.01, 0.0, 0.0005);
-  const auto rehearsalsOf = [&](Clock::time_point& sample, std::initializer_list<int> periods) {
-    int count = 0;
-    for (const int period : periods) {
-      sample += microseconds(period);
-      window.served(sample);
-      EXPECT_EQ(window.sleep(sample, 0.05) < 0.05, window.awaitsRehearsal());  // nobody wakes up for nothing
-      count += window.rehearses(sample + before) ? 1 : 0;
-    }
-    return count;
-  };
-  const auto ten = {10000, 10100, 9900, 10499, 9501, 10000, 10000, 10000, 10000, 10000};
-  Clock::time_point sample{std::chrono::hours(1)};
-  window.served(sample);
-  EXPECT_EQ(rehearsalsOf(sample, ten), 1);  // from the tenth on
-  EXPECT_EQ(rehearsalsOf(sample, ten), 10);
-  EXPECT_EQ(rehearsalsOf(sample, {9400}), 0);
-  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
-  EXPECT_EQ(rehearsalsOf(sample, {10600, 10000, 20000, 5000, 15000, 5000}), 0);
-  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
-  window.disturbed();
-  EXPECT_EQ(rehearsalsOf(sample, ten), 1);
-}
-
-TEST(PollWindow, OneWhoSleepsIsAwakeForARehearsal) {
-  using Clock = PollWindow::Clock;
-  using std::chrono::microseconds;
-  Clock::time_point sample{std::chrono::hours(1)};
-  PollWindow window(0.01, 0.0, 0.0005);
-  EXPECT_EQ(window.sleep(sample, 0.05), 0.05);  // nothing is known of samples yet
-  sample = serveSteadily(window, sample);
-  for (int i = 0; i < 2; ++i) {
-    sample += microseconds(10000);
-    window.served(sample);
-    EXPECT_NEAR(window.sleep(sample + microseconds(4000), 0.05), 0.0055, 1e-12);
-    EXPECT_EQ(window.sleep(sample + microseconds(4000), 0.001), 0.001);
-    EXPECT_FALSE(window.rehearses(sample + microseconds(9499)));
-    EXPECT_EQ(window.sleep(sample + microseconds(9501), 0.05), 0.0);
-    EXPECT_TRUE(window.rehearses(sample + microseconds(9501)));
-    EXPECT_FALSE(window.rehearses(sample + microseconds(9502)));
-    EXPECT_EQ(window.sleep(sample + microseconds(9502), 0.05), 0.05);  // until there is a sample
-    EXPECT_EQ(window.expects(), sample + microseconds(10500));
-  }
-  sample += microseconds(10000);
-  window.served(sample);
-  EXPECT_FALSE(window.rehearses(sample + microseconds(9751)));  // too late: it might be in the sample's way
-  EXPECT_EQ(window.sleep(sample + microseconds(9752), 0.05), 0.05);
-  PollWindow both(0.01, 0.25, 0.0005);
-  sample = serveSteadily(both, sample);
-  EXPECT_NEAR(both.sleep(sample, 0.05), 0.0075, 1e-12);
-  EXPECT_FALSE(both.rehearses(sample + microseconds(9400)));
-  EXPECT_TRUE(both.rehearses(sample + microseconds(9600)));
 }
 
 TEST(ThrustCurve, PolynomialAndLimitsAfterIt) {

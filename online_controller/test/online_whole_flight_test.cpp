@@ -88,23 +88,15 @@ ReferenceTrajectory circle() {
 using MakeLaw = std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&);
 
 struct Flight {
-  Flight(MakeLaw make, const Eigen::Vector3d& wind, bool rehearsed = false)
-      : law(make(MultirotorOptions{})),
-        understudy(rehearsed ? make(MultirotorOptions{}) : nullptr),
-        supervisor(*law, MultirotorOptions{}, FlightOptions{}) {
+  Flight(MakeLaw make, const Eigen::Vector3d& wind)
+      : law(make(MultirotorOptions{})), supervisor(*law, MultirotorOptions{}, FlightOptions{}) {
     vehicle.wind = wind;
   }
 
   void run(double seconds) {
     for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
       const AttitudeCommand command = supervisor.onOdometry(vehicle.measure()).command;
-      commands.push_back(command);
-      if (understudy != nullptr) {
-        understudy->takeOver(*law);
-        understudy->prepare();
-      }
       law->prepare();
-      if (understudy != nullptr) supervisor.rehearse(understudy.get());
       EXPECT_LE(std::abs(command.roll), 0.4363323);
       EXPECT_LE(std::abs(command.pitch), 0.4363323);
       EXPECT_LE(command.thrust, 20.0 * kMass);
@@ -112,10 +104,9 @@ struct Flight {
     }
   }
 
-  std::unique_ptr<ControlLaw> law, understudy;
+  std::unique_ptr<ControlLaw> law;
   FlightSupervisor supervisor;
   Vehicle vehicle;
-  std::vector<AttitudeCommand> commands;
 };
 
 class WholeFlight : public testing::TestWithParam<MakeLaw> {};
@@ -168,65 +159,6 @@ TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) {
   }
   flight.run(6.0);
   EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.02);
-}
-
-/// Everything that changes what the supervisor tracks, each between a rehearsal and the next sample.
-void flyThroughAllTasks(Flight& flight) {
-  flight.run(0.1);
-  flight.vehicle.position.setZero();
-  flight.vehicle.velocity.setZero();
-  flight.run(0.01);
-  ASSERT_EQ(flight.supervisor.takeOff(), nullptr);
-  flight.run(5.0);
-  ASSERT_EQ(flight.supervisor.onReference(circle(), std::nullopt), nullptr);
-  flight.run(2.0);
-  ASSERT_EQ(flight.supervisor.onReference(circle(), flight.vehicle.time + 1.003), nullptr);
-  flight.run(2.0);
-  VehicleState bad = flight.vehicle.measure();
-  bad.velocity.x() = std::nan("");
-  flight.vehicle.move(flight.supervisor.onOdometry(bad).command);
-  flight.run(0.5);
-  ASSERT_EQ(flight.supervisor.holdPosition(), nullptr);
-  flight.run(1.0);
-  for (int k = 0; k < 15; ++k) flight.vehicle.move(flight.supervisor.onSilence(flight.vehicle.time).command);
-  flight.run(1.0);
-  ASSERT_EQ(flight.supervisor.land(), nullptr);
-  flight.run(6.0);
-}
-
-TEST_P(WholeFlight, RehearsalsChangeNoBit) {
-  const Eigen::Vector3d wind(1.2, -0.8, -0.6);
-  Flight plain(GetParam(), wind), rehearsed(GetParam(), wind, true);
-  flyThroughAllTasks(plain);
-  flyThroughAllTasks(rehearsed);
-  EXPECT_EQ(plain.supervisor.changes(), rehearsed.supervisor.changes());
-  ASSERT_EQ(plain.commands.size(), rehearsed.commands.size());
-  for (std::size_t i = 0; i < plain.commands.size(); ++i) {
-    ASSERT_EQ(plain.commands[i].roll, rehearsed.commands[i].roll) << i;
-    ASSERT_EQ(plain.commands[i].pitch, rehearsed.commands[i].pitch) << i;
-    ASSERT_EQ(plain.commands[i].yaw_rate, rehearsed.commands[i].yaw_rate) << i;
-    ASSERT_EQ(plain.commands[i].thrust, rehearsed.commands[i].thrust) << i;
-  }
-}
-
-// What is rehearsed is what comes: else it would serve nothing.
-TEST_P(WholeFlight, TheUnderstudyAnswersAsTheLawWill) {
-  Flight flight(GetParam(), {0.8, 0.3, 0.0}, true);
-  flight.vehicle.position.z() = 1.0;
-  flight.run(0.02);
-  flight.supervisor.onReference(ReferenceTrajectory::pose({0.0, 0.0, 1.0}, 0.0), std::nullopt);
-  flight.run(3.0);
-  ASSERT_EQ(flight.supervisor.onReference(circle(), std::nullopt), nullptr);
-  flight.run(0.5);
-  for (int k = 0; k < 300; ++k) {
-    const ControlReport expected = flight.understudy->report();
-    flight.run(kPeriod);
-    EXPECT_EQ(expected.status, ControlStatus::kOptimal);
-    EXPECT_NEAR(expected.stamp, flight.supervisor.report().stamp, 1e-9);
-    EXPECT_NEAR(expected.command.roll, flight.commands.back().roll, 0.02);
-    EXPECT_NEAR(expected.command.pitch, flight.commands.back().pitch, 0.02);
-    EXPECT_NEAR(expected.command.thrust, flight.commands.back().thrust, 0.3);
-  }
 }
 
 // The solver's bound is reached where many inputs are at their limits at once, far from where it shall be;

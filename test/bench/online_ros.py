@@ -24,18 +24,12 @@ TURN = 5.0         # calm and under load in turn, so that both see the same mach
 PRIORITY = int(os.environ.get("POLYFLY_LATENCY_PRIORITY", "50"))  # of SCHED_FIFO, 0: none
 PATIENCE = 60.0    # beyond the time that the samples take [s]
 LAWS = os.environ.get("POLYFLY_LATENCY_LAWS", "explicit_linear,linear,nonlinear").split(",")
-POLL = 0.9         # share of the control period in which the controller looks for odometry without sleeping
-# How controller and probe live together, and what each is told. "mark": the median to reach [us]. Who answers where it is
-# published, after rehearsals, has no options of its own: that is the default.
+# How controller and probe live together, and what each is told. "mark": the median to reach [us].
 WAYS = {
-    "nodelet": dict(mark=20.0, times=3, probe__consumer="publisher"),
-    "nodelet that does not rehearse": dict(controller__real_time__rehearse=0.0, probe__consumer="publisher"),
+    "nodelet": dict(mark=50.0, times=3, probe__consumer="publisher"),
     "nodelet, to a thread that sleeps": dict(probe__consumer="own"),
-    "nodelet that polls": dict(mark=20.0, controller__real_time__priority=PRIORITY, controller__real_time__poll=POLL,
-                               probe__poll=True),
     "nodelet that sleeps": dict(controller__real_time__priority=PRIORITY, controller__real_time__answer="thread"),
-    "node": dict(mark=300.0),
-    "node that does not rehearse": dict(controller__real_time__rehearse=0.0),
+    "node": dict(),
     "node that sleeps": dict(controller__real_time__priority=PRIORITY, controller__real_time__answer="thread"),
 }
 MEASURED = os.environ.get("POLYFLY_LATENCY_WAYS", ";".join(WAYS)).split(";")

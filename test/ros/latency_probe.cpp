@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "online_controller_ros/real_time.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -14,10 +15,9 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kConnectPatience = 30.0;                // [s]
-constexpr double kAnswerPatience = 0.05;                 // [s]
-constexpr auto kLook = std::chrono::microseconds(50);    // between two looks for what another thread notes
-constexpr auto kAwake = std::chrono::microseconds(300);  // before it publishes, where it does not sleep
+constexpr double kConnectPatience = 30.0;              // [s]
+constexpr double kAnswerPatience = 0.05;               // [s]
+constexpr auto kLook = std::chrono::microseconds(50);  // between two looks for what another thread notes
 
 double microseconds(std::chrono::steady_clock::duration time) {
   return 1e6 * std::chrono::duration<double>(time).count();
@@ -30,13 +30,11 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
   private_handle.param("samples", samples_, samples_);
   private_handle.param("warm_up", warm_up_, warm_up_);
   private_handle.param("rate", rate_, rate_);
-  private_handle.param("poll", poll_, poll_);
   if (!private_handle.getParam("output", output_)) throw polyfly::Error("latency probe: output: missing");
   polyfly::checkOutputs({{output_}}, {});
   handle_.setCallbackQueue(&queue_);
   odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
   pose_ = handle_.advertise<geometry_msgs::PoseStamped>("command/pose", 1, true);
-  baton_.give();
   subscribe();
   RealTimeOptions real_time;
   private_handle.param("priority", real_time.priority, 0);
@@ -44,7 +42,8 @@ LatencyProbe::LatencyProbe(const ros::NodeHandle& handle, const ros::NodeHandle&
     const std::string refused = becomeRealTime(real_time);
     if (!refused.empty()) ROS_WARN("latency probe: %s", refused.c_str());
   };
-  if (consumer_ == Consumer::kOwn) consumer_thread_.emplace(queue_, "consumer", begin);
+  if (consumer_ == Consumer::kOwn)
+    consumer_thread_.emplace(queue_, "consumer", CallbackThread::Tasks{begin, {}});
   thread_ = std::thread([this, begin] {
     begin();
     run();
@@ -68,7 +67,7 @@ void LatencyProbe::subscribe() {
         answered_.store(command->header.stamp.toNSec(), std::memory_order_release);
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
-  if (consumer_ == Consumer::kPublisher) options.callback_queue = &at_once_;
+  if (consumer_ == Consumer::kPublisher) options.callback_queue = &inline_queue_;
   command_subscriber_ = handle_.subscribe(options);
   options.init<online_controller::ControllerStatus>(
       "controller_status", 10, [this](const online_controller::ControllerStatus::ConstPtr& status) {
@@ -103,8 +102,7 @@ void LatencyProbe::run() {
   Clock::time_point next = Clock::now();
   for (int sample = -warm_up_; !enough() && !stopping_ && ros::ok(); ++sample) {
     next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
-    std::this_thread::sleep_until(poll_ ? next - kAwake : next);
-    while (Clock::now() < next) relax();
+    std::this_thread::sleep_until(next);
     now_ = sample < 0 ? nullptr : timesOf(turns_.at(ros::WallTime::now().toSec()));
     exchange(sample);
     status_queue_.callAvailable();
@@ -150,12 +148,8 @@ bool LatencyProbe::waitForCommand(std::uint64_t stamp) {
     if (Clock::now() - start > std::chrono::duration<double>(kAnswerPatience)) return false;
     if (consumer_ != Consumer::kProbe) {
       std::this_thread::sleep_for(kLook);
-    } else if (!poll_) {
-      queue_.callOne(ros::WallDuration(kAnswerPatience));
-    } else if (queue_.takeNews()) {
-      queue_.callAvailable();
     } else {
-      relax();
+      queue_.callOne(ros::WallDuration(kAnswerPatience));
     }
   }
   return true;

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "online_controller_ros/callback_thread.hpp"
-#include "online_controller_ros/direct_queue.hpp"
+#include "online_controller_ros/inline_callback_queue.hpp"
 #include "probe_times.hpp"
 
 namespace polyfly_ros {
@@ -44,15 +44,14 @@ class LatencyProbe {
   bool enough() const;
   void write() const;
 
-  WatchedQueue queue_;  // of commands; outlives what is served on it
+  WaitableQueue queue_;  // of commands; outlives what is served on it
   ros::CallbackQueue status_queue_;
-  polyfly::Baton baton_;
-  DirectQueue at_once_{baton_, queue_};
+  polyfly::TryLock lock_;
+  InlineCallbackQueue inline_queue_{lock_, queue_};
   ros::NodeHandle handle_;
   int samples_ = 1000;
   int warm_up_ = 100;
   double rate_ = 100.0;  // [1/s]
-  bool poll_ = false;
   Consumer consumer_ = Consumer::kProbe;
   std::string output_;
 

@@ -64,7 +64,7 @@ NodeSoak::NodeSoak(std::vector<std::string> maps, const SoakTuning& tuning)
   handle_.setCallbackQueue(&queue_);
   odometry_ = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
   trajectory_ = handle_.advertise<trajectory_msgs::MultiDOFJointTrajectory>("command/trajectory", 1);
-  node_ = std::make_unique<ExplicitMpcNode>(ros::NodeHandle(), private_handle);
+  node_ = std::make_unique<ControllerNode>(ros::NodeHandle(), private_handle);
   command_subscriber_ = handle_.subscribe<mav_msgs::RollPitchYawrateThrust>(
       "command/roll_pitch_yawrate_thrust", 10,
       [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr& message) { command_ = message; });

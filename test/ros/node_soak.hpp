@@ -41,7 +41,7 @@ class NodeSoak final : public polyfly_test::SoakController {
   polyfly_test::SoakAnswer answer(bool came);
   void finishSwap();
 
-  WatchedQueue queue_;  // outlives what is served on it
+  WaitableQueue queue_;  // outlives what is served on it
   std::vector<std::string> maps_;
   polyfly::MultirotorOptions in_force_;  // limits
   polyfly::MultirotorOptions offered_;   // those from the next command on
@@ -57,7 +57,7 @@ class NodeSoak final : public polyfly_test::SoakController {
   ros::Publisher trajectory_;
   ros::Subscriber command_subscriber_;
   ros::Subscriber status_subscriber_;
-  std::unique_ptr<ExplicitMpcNode> node_;
+  std::unique_ptr<ControllerNode> node_;
   ros::ServiceClient reconfigure_;
   ros::ServiceClient select_;
 };

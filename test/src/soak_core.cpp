@@ -4,7 +4,7 @@
 #include "online_controller/flight/flight_supervisor.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "online_controller/realtime/hand_over.hpp"
+#include "online_controller/realtime/object_swap.hpp"
 #include "polyfly_test/soak.hpp"
 
 namespace polyfly_test {
@@ -63,12 +63,12 @@ class CoreController final : public SoakController {
 
   void reconfigure(const SoakTuning& tuning) override {
     tuning_ = tuning;
-    slot_.offer(build());
+    slot_.stage(build());
   }
 
   void swapMaps(std::size_t set) override {
     map_set_ = set;
-    slot_.offer(build());
+    slot_.stage(build());
   }
 
   void select(Law law) override { set_->laws->select(law); }
@@ -94,16 +94,16 @@ class CoreController final : public SoakController {
 
   void exchange() {
     const bool taken =
-        slot_.take(set_, [](LawSet& next, const LawSet& old) { next.laws->takeOver(*old.laws); });
+        slot_.swap(set_, [](LawSet& next, const LawSet& old) { next.laws->transferState(*old.laws); });
     if (!taken) return;
     flight_.setLaw(*set_->laws, set_->options);
-    slot_.collect();
+    slot_.reclaim();
   }
 
   const SoakLaws& sources_;
   SoakTuning tuning_;
   std::size_t map_set_ = 0;
-  HandOver<LawSet> slot_;
+  ObjectSwap<LawSet> slot_;
   std::unique_ptr<LawSet> set_;
   FlightSupervisor flight_;
 };

@@ -70,7 +70,6 @@ struct Course {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< of the start from the figure's [m]
   double from = 0.0;                                 ///< errors count from here on [s]
   double until = 1e9;
-  bool rehearsed = false;  ///< before each sample
 };
 
 using OnSample = std::function<void(int sample, const VehicleState&, const Reference*, const ControlReport&)>;
@@ -88,7 +87,6 @@ Flight fly(ControlLaw& law, const Course& course, const OnSample& on_sample = {}
     flight.not_optimal += report.status == ControlStatus::kOptimal ? 0 : 1;
     if (on_sample) on_sample(sample, flown.state(), flown.preview(), report);
     law.prepare();
-    if (course.rehearsed) law.rehearse();
     flown.advance(flight.commands.back());
     const double error = flown.error();
     if (flown.time() < course.from) continue;
@@ -139,23 +137,6 @@ TEST(Laws, LinearGivesTheCommandsOfTheMaps) {
     EXPECT_LT(greatest, 1e-6);
   }
   EXPECT_GT(at_limit, 20);
-}
-
-TEST(Laws, ARehearsalChangesNoCommand) {
-  for (const auto& make : {explicitLaw, +[](const MultirotorOptions&) { return linearLaw(); },
-                           +[](const MultirotorOptions&) { return nonlinearLaw(); }}) {
-    Course course;
-    course.figure.rate = 0.9;
-    course.plant = noisy();
-    course.offset = {2.5, -2.5, -2.0};  // bounds are active on the way back
-    course.until = 4.0;
-    const Flight once = fly(*make({}), course);
-    course.rehearsed = true;
-    const Flight again = fly(*make({}), course);
-    ASSERT_EQ(once.commands.size(), again.commands.size());
-    for (std::size_t i = 0; i < once.commands.size(); ++i)
-      ASSERT_EQ(difference(once.commands[i], again.commands[i]), 0.0) << i;
-  }
 }
 
 // Also where the trajectory asks for more than the maps' box holds, and from far away.

@@ -104,7 +104,7 @@ class NonlinearMpc {
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
   /// Goes on with the solution of another one. False, and nothing is done, when its stages are others.
-  bool takeOver(const NonlinearMpc& other) noexcept;
+  bool transferState(const NonlinearMpc& other) noexcept;
 
   int horizon() const noexcept { return options_.horizon; }
   const NonlinearMpcOptions& options() const noexcept { return options_; }

@@ -74,7 +74,7 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
   }
 }
 
-void DisturbanceObserver::takeOver(const DisturbanceObserver& other) noexcept {
+void DisturbanceObserver::transferState(const DisturbanceObserver& other) noexcept {
   if (state_count_ != other.state_count_) return;
   estimate_ = other.estimate_;
   started_ = other.started_;

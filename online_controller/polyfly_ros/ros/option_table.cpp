@@ -28,7 +28,7 @@ const OptionTable::Option* OptionTable::find(const std::string& name) const {
   return found == options_.end() ? nullptr : &*found;
 }
 
-void OptionTable::alias(const ForeignName& name) {
+void OptionTable::alias(const LegacyName& name) {
   const Option* option = find(name.ours);
   if (option == nullptr) return;
   const auto known = std::find_if(aliases_.begin(), aliases_.end(),

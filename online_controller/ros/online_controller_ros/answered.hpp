@@ -30,7 +30,7 @@ struct Answered {
   bool sends = false;  ///< the command of the report was sent
   StageTimes times;
   double odometry_age = 0.0;   ///< [s]
-  std::uint32_t sequence = 0;  ///< commands before this one
+  std::uint32_t sequence = 0;  ///< commands before this one, set by AnsweredList
 
   bool by_odometry = false;     ///< else in its silence, or by the sticks
   polyfly::VehicleState state;  ///< the odometry; with it:
@@ -42,20 +42,24 @@ struct Answered {
 /// shows. Does not allocate but where a frame's name is longer than those before.
 class AnsweredList {
  public:
-  /// The next one, to be filled whole.
+  /// The next one, to be filled whole but for its sequence.
   Answered& add() noexcept {
     if (count_ < entries_.size()) ++count_;
-    return entries_[count_ - 1];
+    Answered& entry = entries_[count_ - 1];
+    entry.sequence = sequence_++;
+    return entry;
   }
   void clear() noexcept { count_ = 0; }
 
-  std::size_t size() const noexcept { return count_; }
+  bool empty() const noexcept { return count_ == 0; }
+  const Answered& last() const noexcept { return entries_[count_ - 1]; }
   const Answered* begin() const noexcept { return entries_.data(); }
   const Answered* end() const noexcept { return entries_.data() + count_; }
 
  private:
   std::array<Answered, 8> entries_;
   std::size_t count_ = 0;
+  std::uint32_t sequence_ = 0;
 };
 
 }  // namespace polyfly_ros

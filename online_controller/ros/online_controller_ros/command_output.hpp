@@ -41,9 +41,6 @@ class CommandOutput {
   /// Makes the next messages, when those before are out. publish() does without it too.
   void prepare();
 
-  /// Fills the next messages as publish() will, so that their memory is at hand; publish() fills them anew.
-  void rehearse(const polyfly::AttitudeCommand& command, const std_msgs::Header& header);
-
  private:
   ros::Publisher thrust_publisher_;
   mav_msgs::RollPitchYawrateThrust::Ptr next_thrust_;

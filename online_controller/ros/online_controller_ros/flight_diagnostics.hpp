@@ -3,8 +3,8 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 
+#include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
-#include "online_controller_ros/law_keeper.hpp"
 
 namespace polyfly_ros {
 
@@ -14,7 +14,7 @@ class FlightDiagnostics {
  public:
   /// Keeps references. `period`: of control [s].
   FlightDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                    const FlightRecord& record, const LawKeeper& keeper);
+                    const FlightRecord& record, const ActiveLaws& laws);
 
   /// Publishes when it is time to. `snapshot` may be nullptr before the first step, and must live until the
   /// next call.
@@ -26,7 +26,7 @@ class FlightDiagnostics {
 
   diagnostic_updater::Updater updater_;
   const FlightRecord& record_;
-  const LawKeeper& keeper_;
+  const ActiveLaws& laws_;
   const FlightSnapshot* snapshot_ = nullptr;
   std::int64_t told_overruns_ = 0;
   std::int64_t told_lost_ = 0;

@@ -7,6 +7,7 @@
 #include <std_srvs/Trigger.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
+#include <functional>
 #include <string>
 
 #include "online_controller/estimation/vehicle_observer.hpp"
@@ -66,9 +67,13 @@ struct FlightSetup {
 /// supervisor's other callers must not run concurrently.
 class FlightInterface {
  public:
+  /// Called when the sticks have made a command that is to be sent at this time.
+  using OnManual = std::function<void(const ros::Time&)>;
+
   /// Keeps references to `flight` and `time`. The observer is that of the vehicle in `laws`.
   FlightInterface(ros::NodeHandle& handle, ros::NodeHandle private_handle, polyfly::FlightSupervisor& flight,
-                  const polyfly::TimeSource& time, const FlightSetup& setup, const LawSetup& laws);
+                  const polyfly::TimeSource& time, const FlightSetup& setup, const LawSetup& laws,
+                  OnManual on_manual);
 
   /// Whether an odometry bears the frame agreed; the first one may agree it.
   bool frameFits(const std::string& frame);
@@ -79,16 +84,12 @@ class FlightInterface {
   /// To be called with the answer to each odometry, when the command is out: the published observer.
   void observe(const Answered& answered);
 
-  /// Options have changed in flight: `made` goes on where the observer is.
+  /// Options have changed in flight: `made` goes on from the observer's state.
   void setObserver(const polyfly::VehicleObserver& made) noexcept {
     polyfly::VehicleObserver next = made;
-    next.takeOver(observer_);
+    next.transferState(observer_);
     observer_ = next;
   }
-
-  /// Called when the sticks have made a command that is to be sent at this time.
-  using OnManual = boost::function<void(const ros::Time&)>;
-  void onManual(OnManual callback) { on_manual_ = std::move(callback); }
 
  private:
   void onTrajectory(const trajectory_msgs::MultiDOFJointTrajectory::ConstPtr& message);

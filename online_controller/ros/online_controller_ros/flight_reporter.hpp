@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
-#include "online_controller_ros/law_keeper.hpp"
 
 namespace polyfly_ros {
 
@@ -17,7 +17,7 @@ namespace polyfly_ros {
 class FlightReporter {
  public:
   /// Keeps references. `control_period` [s]: longer than that is an overrun.
-  FlightReporter(ros::NodeHandle& handle, LawKeeper& keeper, polyfly::FlightSupervisor& flight,
+  FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfly::FlightSupervisor& flight,
                  FlightRecord& record, double control_period);
 
   /// `last`: no step has followed it, and none is prepared. Only then can be told how good its solution was,
@@ -32,9 +32,8 @@ class FlightReporter {
   void leaveSnapshot(const Answered& answered);
   std::int64_t lookupTime(const Answered& answered);
   void logChange(const Answered& answered);
-  polyfly::LawSwitch& laws() { return keeper_.flight(); }
 
-  LawKeeper& keeper_;
+  ActiveLaws& laws_;
   polyfly::FlightSupervisor& flight_;
   FlightRecord& record_;
   double control_period_;  // [s]

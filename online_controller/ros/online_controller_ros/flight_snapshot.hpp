@@ -9,7 +9,7 @@
 
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/realtime/latency_histogram.hpp"
-#include "online_controller/realtime/latest_value.hpp"
+#include "online_controller/realtime/triple_buffer.hpp"
 #include "online_controller/types/types.hpp"
 #include "online_controller_ros/answered.hpp"
 
@@ -34,7 +34,7 @@ struct FlightSnapshot {
 struct FlightRecord {
   explicit FlightRecord(std::size_t points) : latest(blank(points)) {}
 
-  polyfly::LatestValue<FlightSnapshot> latest;
+  polyfly::TripleBuffer<FlightSnapshot> latest;
   std::atomic<bool> wanted{true};       ///< somebody waits for a snapshot
   std::atomic<bool> show_paths{false};  ///< with reference and prediction
   std::atomic<bool> commands{false};    ///< were sent, since the start or since it landed

@@ -26,7 +26,6 @@ struct LawSetup {
   polyfly::LinearTuning linear;
   polyfly::MomentModel moments;
   std::shared_ptr<const LawSources> sources;  ///< what the files hold
-  bool understudies = false;                  ///< for rehearsals: each law twice
 
   /// Reads the files too. Throws Error naming a parameter, or a file.
   static LawSetup read(ParameterReader& reader);
@@ -40,9 +39,8 @@ class Laws {
 
   polyfly::LawSwitch& flight() { return *switch_; }
   const polyfly::LawSwitch& flight() const { return *switch_; }
-  polyfly::LawSwitch* understudy() { return understudy_.get(); }  ///< nullptr where the setup wants none
   const polyfly::MultirotorOptions& options() const { return options_; }
-  /// That has observed nothing: it is to take over from the published one.
+  /// Has observed nothing: the state of the published one is to be transferred to it.
   const polyfly::VehicleObserver& observer() const { return observer_; }
 
   /// What an axis' report has for parameters while `law` flies.
@@ -59,7 +57,7 @@ class Laws {
   std::vector<polyfly::RegionMap> no_maps_;
   std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
   std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
-  std::unique_ptr<polyfly::LawSwitch> switch_, understudy_;
+  std::unique_ptr<polyfly::LawSwitch> switch_;
 };
 
 }  // namespace polyfly_ros

@@ -126,7 +126,7 @@ void NonlinearMpc::start(const MultirotorState& x, const MultirotorInput& u,
   }
 }
 
-bool NonlinearMpc::takeOver(const NonlinearMpc& other) noexcept {
+bool NonlinearMpc::transferState(const NonlinearMpc& other) noexcept {
   if (options_.horizon != other.options_.horizon || options_.period != other.options_.period) return false;
   std::copy(other.states_.begin(), other.states_.end(), states_.begin());
   std::copy(other.inputs_.begin(), other.inputs_.end(), inputs_.begin());

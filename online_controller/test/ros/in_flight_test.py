@@ -207,28 +207,18 @@ class InFlightTest(MapsFixture):
         names = {open("%s/%s/comm" % (tasks, task)).read().strip(): int(task) for task in os.listdir(tasks)}
         self.assertEqual(os.sched_getaffinity(names["mpc_control"]), {0})
         granted = os.sched_getscheduler(names["mpc_control"]) == os.SCHED_FIFO
-        self.assertNotEqual(os.sched_getscheduler(names["mpc_background"]), os.SCHED_FIFO)
+        self.assertNotEqual(os.sched_getscheduler(names["mpc_config"]), os.SCHED_FIFO)
         controller.process.terminate()
         said = controller.output_at_end()
         self.assertEqual("real_time/priority 10" in said, not granted, said)
 
-    def test_polls_only_while_odometry_comes(self):
-        def used(process):  # processor time [s]
-            fields = open("/proc/%d/stat" % process.pid).read().rsplit(")", 1)[1].split()
-            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-        controller = self.fly({"real_time/poll": 1.0, "controller/control_period": 0.25})
-        controller.pose.publish(pose_at(0.1, 0.0, 0.0))
-        controller.exchange(accept=is_optimal)
-        before = used(controller.process)
-        rospy.sleep(0.2)
-        busy = used(controller.process) - before
-        rospy.sleep(0.6)  # no odometry for more than two periods
-        before = used(controller.process)
-        rospy.sleep(0.4)
-        idle = used(controller.process) - before
-        self.assertGreater(busy, 2.0 * idle)
-        controller.exchange()  # and wakes for the next
+    def test_parameters_of_earlier_versions_are_ignored_with_a_warning(self):
+        controller = self.fly({"real_time/priority": -1, "real_time/poll": 0.9, "real_time/rehearse": 0.0005})
+        controller.exchange()
+        controller.process.terminate()
+        said = controller.output_at_end()
+        for name in ("real_time/poll", "real_time/rehearse"):
+            self.assertIn("MPC does not use the parameter %s any more; it is ignored" % name, said)
 
     def test_what_is_not_permitted_is_said_and_it_flies_on(self):
         controller = self.fly({"real_time/core": 1023})

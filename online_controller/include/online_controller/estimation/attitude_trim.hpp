@@ -46,7 +46,7 @@ class AttitudeTrim {
   void update(const TiltAngles& measured, const AttitudeCommand& held, int periods) noexcept;
 
   void reset() noexcept;
-  void takeOver(const AttitudeTrim& other) noexcept;
+  void transferState(const AttitudeTrim& other) noexcept;
 
   TiltAngles angles() const noexcept;  ///< the trim, to be added to a command [rad]
   double coupling() const noexcept { return coupling_; }

@@ -28,7 +28,7 @@ class ForceObserver {
 
   void reset() noexcept;
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;  ///< the estimate of d [m/s^2]
-  void takeOver(const ForceObserver& other) noexcept;                ///< goes on with its estimates
+  void transferState(const ForceObserver& other) noexcept;           ///< goes on with its estimates
 
   Eigen::Vector3d position() const noexcept;     ///< [m]
   Eigen::Vector3d velocity() const noexcept;     ///< [m/s]

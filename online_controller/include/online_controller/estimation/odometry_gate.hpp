@@ -17,7 +17,7 @@ namespace polyfly {
 /// Time and place may truly begin anew (another bag, a relocalisation): after hold_periods refused samples in
 /// a row that agree with each other the next one of them is accepted, as a restart. An attitude that is wrong
 /// drives the vehicle away, where being level does not; so another attitude is believed hold_periods and
-/// level_periods after it came, when the SafetyLadder would begin to descend; and not while its velocities
+/// level_periods after it came, when the FailsafePolicy would begin to descend; and not while its velocities
 /// lead elsewhere than its positions go, by 0.2 m/s on the mean, as they do where only the attitude is wrong.
 class OdometryGate {
  public:

@@ -21,7 +21,7 @@ class PositionIntegrator {
   void update(const VehicleState& state, const Reference& reference, const ControlReport& last) noexcept;
 
   void reset() noexcept;
-  void takeOver(const PositionIntegrator& other) noexcept;
+  void transferState(const PositionIntegrator& other) noexcept;
 
   Eigen::Vector3d disturbance() const noexcept;  ///< 0 where the integrator is not enabled [m/s^2]
 

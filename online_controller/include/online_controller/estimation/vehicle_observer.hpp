@@ -40,7 +40,7 @@ class VehicleObserver {
   void update(const VehicleState& state, const AttitudeCommand& held) noexcept;
 
   /// Goes on with what another one knows, a calibration under way included, by its own mass and noise.
-  void takeOver(const VehicleObserver& other) noexcept;
+  void transferState(const VehicleObserver& other) noexcept;
 
   void restart() noexcept;  ///< the next sample goes on from where it is; what is known of forces is kept
   void reset() noexcept;    ///< as after construction, but for the offsets

@@ -14,7 +14,7 @@ enum class FlightState : std::uint8_t {
   kTeleoperation = 5,  ///< the sticks move the pose that is held
   kLanding = 6,        ///< descends until it stands
   kLanded = 7,         ///< stands, motors off
-  kFailsafe = 8,       ///< no usable odometry or no answer of the law: see SafetyLadder
+  kFailsafe = 8,       ///< no usable odometry or no answer of the law: see FailsafePolicy
 };
 constexpr int kFlightStateCount = 9;
 

@@ -28,18 +28,12 @@ class FlightSupervisor {
   FlightSupervisor(ControlLaw& law, const MultirotorOptions& vehicle, const FlightOptions& options,
                    PilotRule pilot = PilotRule::kWhenPresent);
 
-  /// Another law from the next step on, made from other options; it has taken over from the one before, which
-  /// may go then.
+  /// Another law from the next step on, made from other options. It has the state of the one before, which may
+  /// be freed then.
   void setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept;
 
   /// One control period. `frame_fits`: the odometry's frame is the one agreed.
   const ControlReport& onOdometry(const VehicleState& state, bool frame_fits = true) noexcept;
-
-  /// Shortly before the next odometry is due: goes the way of onOdometry() for a sample where this one should
-  /// be, so that memory and instructions lie in the caches of this processor. `understudy`, where there is
-  /// one, steps in the law's place: a law of the same making that has taken over from it and is prepared. Of
-  /// nothing that flies or can be asked for does anything change.
-  void rehearse(ControlLaw* understudy) noexcept;
 
   /// One control period of silence, which has been long enough, at time `now` [s].
   const ControlReport& onSilence(double now) noexcept;
@@ -115,7 +109,6 @@ class FlightSupervisor {
   const ControlReport& fly(const VehicleState& state) noexcept;
   void watchTask(const VehicleState& state) noexcept;
   bool makePreview(double time, int count) noexcept;
-  void makeRampPreview(double time, int count, Reference* references) const noexcept;
   void judgeEarlyReferences() noexcept;
   Reference stop() const noexcept;
   void startTask(FlightState task, FlightEvent cause) noexcept;
@@ -151,7 +144,6 @@ class FlightSupervisor {
   bool pilot_ = false;        // a remote control is on and heard
 
   std::vector<Reference> preview_;
-  std::vector<Reference> rehearsed_;
   ControlReport own_;  // of what is sent without a law
   const ControlReport* report_;
 };

@@ -108,10 +108,7 @@ class Axis {
 
   /// Goes on with the observer of another axis of the same model; one whose states stand in another order
   /// is ignored.
-  void takeOver(const Axis& other) noexcept;
-
-  /// The last evaluate() once more, see ControlLaw::rehearse. `report` is what it filled.
-  void rehearse(const AxisReport& report) noexcept;
+  void transferState(const Axis& other) noexcept;
 
   /// Of the last evaluate(), see ControlLaw::kktResidual.
   double kktResidual() const noexcept { return answering(answered_beyond_).kktResidual(); }

@@ -23,17 +23,13 @@ class ControlLaw {
   /// What can be done for the next step without its sample.
   virtual void prepare() noexcept {}
 
-  /// Shortly before the next sample is due: computes once more what is computed already, so that memory and
-  /// instructions which the next step() needs lie in the caches of this processor. Its answer stays the same.
-  virtual void rehearse() noexcept {}
-
   /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
   virtual const ControlReport& stepWithoutReference(double stamp) noexcept = 0;
 
-  /// In place of step() when the sample cannot be used: the next rung of the SafetyLadder.
+  /// In place of step() when the sample cannot be used: the next level of the FailsafePolicy.
   virtual const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept = 0;
 
-  /// When odometry is silent at time `now` [s], once in each control period: the SafetyLadder from level
+  /// When odometry is silent at time `now` [s], once in each control period: the FailsafePolicy from level
   /// attitude on, because the receiver has held the last command already; with the reason kStale. That the
   /// silence is long enough is for the caller to judge.
   virtual const ControlReport& onSilence(double now) noexcept = 0;
@@ -50,12 +46,12 @@ class ControlLaw {
 
   /// In place of step() while another law flies: keeps the observer awake and takes `sent` for its own last
   /// command, so that the next step() goes on from there.
-  virtual void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
+  virtual void track(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
 
   /// Goes on where `from` is, a law of the same kind made from other options or maps: observer, last
   /// command (within the limits of this one), solution. For the time after step() and before prepare(). A
   /// law of another kind is ignored.
-  virtual void takeOver(const ControlLaw& from) noexcept = 0;
+  virtual void transferState(const ControlLaw& from) noexcept = 0;
 
   /// Where the last step expects the vehicle: at its sample, and at each stagePeriod() after it, at most
   /// `count` positions in W [m]. `preview` holds the references of these times. Returns how many there are, 0

@@ -19,8 +19,8 @@ const char* lawName(Law law) noexcept;
 /// The law of that name. Throws Error naming what there is.
 Law lawOfName(const std::string& name);
 
-/// Several laws behind one. One of them flies; the others follow what it sends, so that switching in flight
-/// has no bump: the next law's observer is awake and its last command is the one that was sent.
+/// Several laws behind one. One of them is active, the others track what it sends. So a switch in flight has
+/// no bump: the next law's observer is up to date, and its last command is the one that was sent.
 class LawSwitch : public ControlLaw {
  public:
   /// Laws in the order of the enumeration, nullptr where there is none; `first` flies first. Throws Error
@@ -39,20 +39,19 @@ class LawSwitch : public ControlLaw {
   int previewNeeded() const noexcept override { return current().previewLength(); }
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
-  /// The others follow here, when the command is out; without this, before whatever is called next.
+  /// The inactive laws track here, after the command was sent; without this call, before the next other call.
   void prepare() noexcept override {
-    catchUp();
+    syncInactive();
     current().prepare();
   }
-  void rehearse() noexcept override { current().rehearse(); }
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override;
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void resetIntegrator() noexcept override;
-  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
-  void takeOver(const ControlLaw& from) noexcept override;
+  void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void transferState(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override {
     return current().predict(preview, count, positions);
   }
@@ -63,16 +62,16 @@ class LawSwitch : public ControlLaw {
 
  private:
   ControlLaw& current() const noexcept { return *laws_[static_cast<std::size_t>(active_)]; }
-  void catchUp() noexcept;
+  void syncInactive() noexcept;
 
   std::array<std::unique_ptr<ControlLaw>, kLawCount> laws_;
   Law active_;
   int preview_length_ = 1;
   double preview_period_ = 0.0;
 
-  bool behind_ = false;    // the others have not followed the last step yet
-  VehicleState followed_;  // its sample
-  AttitudeCommand sent_;   // and its command
+  bool inactive_behind_ = false;  // the inactive laws have not tracked the last step yet
+  VehicleState last_state_;       // of that step
+  AttitudeCommand sent_;          // of that step
 };
 
 }  // namespace polyfly

@@ -6,7 +6,7 @@
 #include "online_controller/estimation/position_integrator.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/control_law.hpp"
-#include "online_controller/laws/safety_ladder.hpp"
+#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/realtime/sampling_clock.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/options.hpp"
@@ -53,15 +53,14 @@ class MultirotorController : public ControlLaw {
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
     return step(state, *preview);
   }
-  void rehearse() noexcept override;
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override { observing_ = false; }
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void resetIntegrator() noexcept override { integrator_.reset(); }
-  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
-  void takeOver(const ControlLaw& from) noexcept override;
+  void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void transferState(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
   double stagePeriod() const noexcept override { return axes_[0].stagePeriod(); }
   double kktResidual() const noexcept override;
@@ -102,7 +101,7 @@ class MultirotorController : public ControlLaw {
   double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
   bool observing_ = false;
   AttitudeTrim trim_;
-  SafetyLadder ladder_;
+  FailsafePolicy failsafe_;
   PositionIntegrator integrator_;
 };
 

@@ -7,7 +7,7 @@
 #include "online_controller/estimation/force_observer.hpp"
 #include "online_controller/estimation/position_integrator.hpp"
 #include "online_controller/laws/control_law.hpp"
-#include "online_controller/laws/safety_ladder.hpp"
+#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/types/options.hpp"
 
 namespace polyfly {
@@ -33,15 +33,14 @@ class NonlinearController : public ControlLaw {
 
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override;
-  void rehearse() noexcept override;
   const ControlReport& stepWithoutReference(double stamp) noexcept override;
   const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
   const ControlReport& onSilence(double now) noexcept override;
   void restartObserver() noexcept override { observing_ = false; }
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void resetIntegrator() noexcept override { integrator_.reset(); }
-  void follow(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
-  void takeOver(const ControlLaw& from) noexcept override;
+  void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void transferState(const ControlLaw& from) noexcept override;
   int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
   double stagePeriod() const noexcept override { return mpc_.options().period; }
   double kktResidual() const noexcept override { return iterating_ ? mpc_.kktResidual() : -1.0; }
@@ -85,7 +84,7 @@ class NonlinearController : public ControlLaw {
   bool iterating_ = false;                 // there is a solution to go on from
   bool prepared_ = false;                  // for the next sample
   TiltAngles period_decay_, stage_decay_;  // what of an angle is left after a control period, after a stage
-  SafetyLadder ladder_;
+  FailsafePolicy failsafe_;
   PositionIntegrator integrator_;
 };
 

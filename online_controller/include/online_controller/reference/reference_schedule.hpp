@@ -52,9 +52,6 @@ class ReferenceSchedule {
   /// seen in advance. False, and nothing is written, before the first trajectory. Does not allocate.
   bool preview(double time, double period, int count, Reference* references) noexcept;
 
-  /// The same of what is in force and of what has a start, as if `time` had not come: nothing takes over.
-  bool previewAsItStands(double time, double period, int count, Reference* references) const noexcept;
-
   /// What is in force has come to its end or is a pose, and nothing waits.
   bool ended(double time) const noexcept;
 

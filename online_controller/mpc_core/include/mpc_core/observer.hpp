@@ -53,7 +53,7 @@ class DisturbanceObserver {
   void setDisturbance(double disturbance) noexcept;
 
   /// Goes on with the estimate of another observer; one with another number of states is ignored.
-  void takeOver(const DisturbanceObserver& other) noexcept;
+  void transferState(const DisturbanceObserver& other) noexcept;
 
   const double* state() const noexcept { return estimate_.data(); }  ///< stateCount() entries
   double disturbance() const noexcept { return estimate_[static_cast<std::size_t>(state_count_)]; }

@@ -14,7 +14,7 @@ namespace polyfly_ros {
 
 /// What another program calls an option of ours: ours = sign theirs + offset, with sign 1 or -1, or the root
 /// of theirs: a standard deviation where they have a variance.
-struct ForeignName {
+struct LegacyName {
   std::string theirs;
   std::string ours;
   double sign = 1.0;
@@ -25,7 +25,7 @@ struct ForeignName {
   double toOurs(double value) const { return root ? std::sqrt(std::max(value, 0.0)) : sign * value + offset; }
   double toTheirs(double value) const { return root ? value * value : (value - offset) * sign; }
 };
-using ForeignNames = std::vector<ForeignName>;
+using LegacyNames = std::vector<LegacyName>;
 
 /// Options by name, for dynamic_reconfigure. It is the visitor of the options' lists, so that names, units
 /// and ranges stand in one place. Keeps pointers to the fields.
@@ -44,7 +44,7 @@ class OptionTable {
   struct Alias {
     struct Link {
       std::size_t option;  ///< its place in options()
-      ForeignName name;
+      LegacyName name;
     };
     std::string name;
     std::vector<Link> links;
@@ -70,7 +70,7 @@ class OptionTable {
   const Option* find(const std::string& name) const;
 
   /// `theirs` stands for `ours` too; nothing without such an option.
-  void alias(const ForeignName& name);
+  void alias(const LegacyName& name);
   const std::vector<Alias>& aliases() const noexcept { return aliases_; }
   const Option& first(const Alias& alias) const { return options_[alias.links.front().option]; }
   /// How far they may be changed in flight, from the present values.

@@ -22,6 +22,9 @@ class ParameterReader {
   void operator()(const char* key, bool& field);
   void operator()(const char* key, std::vector<double>& field);  ///< a list of numbers
 
+  /// Whether the parameter is set, of whatever type. It counts as read from then on.
+  bool given(const std::string& key);
+
   /// Whether the parameter is set; then it is true or false, or Error is thrown.
   bool flag(const std::string& key, bool& value);
 
@@ -39,7 +42,6 @@ class ParameterReader {
   std::vector<std::string> unread() const;
 
  private:
-  bool given(const std::string& key);
   void refuseMisspeltGroups(const std::vector<std::string>& names, std::vector<std::string> groups) const;
 
   ros::NodeHandle handle_;

@@ -113,7 +113,7 @@ void AttitudeTrim::reset() noexcept {
   for (DisturbanceObserver& loop : *loops_) loop.reset();
 }
 
-void AttitudeTrim::takeOver(const AttitudeTrim& other) noexcept {
+void AttitudeTrim::transferState(const AttitudeTrim& other) noexcept {
   last_ = other.last_;
   measured_ = other.measured_;
   if (coupling_drift_ > 0.0 && other.coupling_drift_ > 0.0) {
@@ -122,7 +122,7 @@ void AttitudeTrim::takeOver(const AttitudeTrim& other) noexcept {
   }
   if (!loops_ || !other.loops_) return;
   within_ = other.within_;
-  for (std::size_t i = 0; i < loops_->size(); ++i) (*loops_)[i].takeOver((*other.loops_)[i]);
+  for (std::size_t i = 0; i < loops_->size(); ++i) (*loops_)[i].transferState((*other.loops_)[i]);
 }
 
 TiltAngles AttitudeTrim::level() const noexcept { return within_ * period_ >= kSettled ? angles() : given_; }

@@ -54,8 +54,8 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
   started_ = true;
 }
 
-void ForceObserver::takeOver(const ForceObserver& other) noexcept {
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].takeOver(other.axes_[i]);
+void ForceObserver::transferState(const ForceObserver& other) noexcept {
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].transferState(other.axes_[i]);
   last_attitude_ = other.last_attitude_;
   last_velocity_ = other.last_velocity_;
   started_ = other.started_;

@@ -41,7 +41,7 @@ void PositionIntegrator::reset() noexcept {
   started_ = false;
 }
 
-void PositionIntegrator::takeOver(const PositionIntegrator& other) noexcept {
+void PositionIntegrator::transferState(const PositionIntegrator& other) noexcept {
   integral_ = other.integral_.cwiseMax(-options_.integral_limit).cwiseMin(options_.integral_limit);
   last_stamp_ = other.last_stamp_;
   started_ = other.started_;

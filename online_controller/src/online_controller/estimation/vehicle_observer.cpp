@@ -57,9 +57,9 @@ VehicleObserver::VehicleObserver(const MultirotorModel& model, const MultirotorO
               makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, vehicle),
               makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)} {}
 
-void VehicleObserver::takeOver(const VehicleObserver& other) noexcept {
-  force_.takeOver(other.force_);
-  for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].takeOver(other.angles_[i]);
+void VehicleObserver::transferState(const VehicleObserver& other) noexcept {
+  force_.transferState(other.force_);
+  for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i].transferState(other.angles_[i]);
   estimate_ = other.estimate_;
   observed_until_ = other.observed_until_;
   observing_ = other.observing_;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "online_controller/realtime/warm.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -19,7 +18,7 @@ const FlightOptions& checked(const FlightOptions& options) {
   return options;
 }
 
-bool isOffTheLadder(ControlStatus status) noexcept {
+bool isFailsafe(ControlStatus status) noexcept {
   return status == ControlStatus::kLevel || status == ControlStatus::kDescend ||
          status == ControlStatus::kStopped;
 }
@@ -38,7 +37,6 @@ FlightSupervisor::FlightSupervisor(ControlLaw& law, const MultirotorOptions& veh
       pilot_rule_(pilot),
       gate_(vehicle),
       preview_(static_cast<std::size_t>(std::max(law.previewLength(), kMostReferences))),
-      rehearsed_(preview_.size()),
       report_(&law.report()) {
   checkOptions(vehicle);
 }
@@ -142,7 +140,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
       break;
     case FlightState::kRemoteControl:
       report_ = &manual(state.stamp);
-      law_->follow(state, own_.command);
+      law_->track(state, own_.command);
       break;
     case FlightState::kTakeOff:
     case FlightState::kPositionHold:
@@ -179,7 +177,7 @@ const ControlReport& FlightSupervisor::fly(const VehicleState& state) noexcept {
     if (!isRamp(state_)) gate_.commanded(report.command);
     watchTask(state);
   }
-  if (isOffTheLadder(report.status)) handle(FlightEvent::kNoAnswer);
+  if (isFailsafe(report.status)) handle(FlightEvent::kNoAnswer);
   return state_ == FlightState::kLanded ? idle(state.stamp) : report;
 }
 
@@ -207,34 +205,10 @@ void FlightSupervisor::setLaw(ControlLaw& law, const MultirotorOptions& vehicle)
 
 bool FlightSupervisor::makePreview(double time, int wanted) noexcept {
   const int count = std::min(wanted, static_cast<int>(preview_.size()));
-  if (!isRamp(task())) {
-    return references_.preview(time, law_->previewPeriod(), count, preview_.data());
-  }
-  makeRampPreview(time, count, preview_.data());
+  const double period = law_->previewPeriod();
+  if (!isRamp(task())) return references_.preview(time, period, count, preview_.data());
+  for (int k = 0; k < count; ++k) preview_[static_cast<std::size_t>(k)] = ramp_.at(time + k * period);
   return true;
-}
-
-void FlightSupervisor::makeRampPreview(double time, int count, Reference* references) const noexcept {
-  for (int k = 0; k < count; ++k) references[k] = ramp_.at(time + k * law_->previewPeriod());
-}
-
-void FlightSupervisor::rehearse(ControlLaw* understudy) noexcept {
-  warm(this, sizeof *this);
-  law_->rehearse();
-  if (understudy == nullptr || !fresh_ || report_ == &own_) return;
-  VehicleState next = last_;
-  next.stamp += vehicle_.control_period;
-  next.position += vehicle_.control_period * last_.velocity;
-  OdometryGate gate = gate_;
-  if (gate.check(next).refusal != ControlReason::kNone) return;
-  const int count = std::min(law_->previewNeeded(), static_cast<int>(rehearsed_.size()));
-  warm(preview_.data(), static_cast<std::size_t>(count) * sizeof(Reference));
-  if (isRamp(task())) {
-    makeRampPreview(next.stamp, count, rehearsed_.data());
-  } else if (!references_.previewAsItStands(next.stamp, law_->previewPeriod(), count, rehearsed_.data())) {
-    return;
-  }
-  understudy->step(next, rehearsed_.data());
 }
 
 void FlightSupervisor::watchTask(const VehicleState& state) noexcept {
@@ -278,7 +252,7 @@ const ControlReport& FlightSupervisor::refuse(double stamp, ControlReason reason
   if (state_ == FlightState::kInactive || state_ == FlightState::kLanded) return idle(time);
   if (state_ == FlightState::kRemoteControl) return manual(time);
   const ControlReport& report = law_->withoutSample(stamp, reason);
-  if (isOffTheLadder(report.status)) handle(FlightEvent::kBadOdometry);
+  if (isFailsafe(report.status)) handle(FlightEvent::kBadOdometry);
   return report;
 }
 

@@ -58,11 +58,11 @@ void Axis::reset() noexcept {
   answered_beyond_ = false;
 }
 
-void Axis::takeOver(const Axis& other) noexcept {
+void Axis::transferState(const Axis& other) noexcept {
   if (position_state_ != other.position_state_ || velocity_state_ != other.velocity_state_ ||
       angle_state_ != other.angle_state_)
     return;
-  observer_.takeOver(other.observer_);
+  observer_.transferState(other.observer_);
 }
 
 void Axis::bindSignals(const AxisNames& names) {
@@ -237,12 +237,6 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   // The law meets the bounds up to rounding; what is applied meets them exactly.
   if (status != ControlStatus::kHoldLast) report.input = std::clamp(input, input_lower_, input_upper_);
   return status;
-}
-
-void Axis::rehearse(const AxisReport& report) noexcept {
-  if (report.size != size_) return;  // nothing was evaluated
-  double input = 0.0;
-  (answered_beyond_ ? *beyond_ : *law_).evaluate(report.theta.data(), &input);
 }
 
 ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {

@@ -35,80 +35,80 @@ LawSwitch::LawSwitch(std::array<std::unique_ptr<ControlLaw>, kLawCount> laws, La
 
 bool LawSwitch::select(Law law) noexcept {
   if (!has(law)) return false;
-  catchUp();
+  syncInactive();
   active_ = law;
   return true;
 }
 
 const ControlReport& LawSwitch::step(const VehicleState& state, const Reference* preview) noexcept {
-  catchUp();
+  syncInactive();
   const ControlReport& report = current().step(state, preview);
-  behind_ = true;
-  followed_ = state;
+  inactive_behind_ = true;
+  last_state_ = state;
   sent_ = report.command;
   return report;
 }
 
-void LawSwitch::catchUp() noexcept {
-  if (!behind_) return;
-  behind_ = false;
+void LawSwitch::syncInactive() noexcept {
+  if (!inactive_behind_) return;
+  inactive_behind_ = false;
   for (const auto& law : laws_) {
-    if (law != nullptr && law.get() != &current()) law->follow(followed_, sent_);
+    if (law != nullptr && law.get() != &current()) law->track(last_state_, sent_);
   }
 }
 
 const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
-  catchUp();
+  syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->stepWithoutReference(stamp);
   }
   return report();
 }
 
-// The laws that follow miss the sample, as they would if it had been lost.
+// The inactive laws miss the sample, as they would if it had been lost.
 const ControlReport& LawSwitch::withoutSample(double stamp, ControlReason reason) noexcept {
-  catchUp();
+  syncInactive();
   return current().withoutSample(stamp, reason);
 }
 
 void LawSwitch::restartObserver() noexcept {
-  catchUp();
+  syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->restartObserver();
   }
 }
 
 void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
-  catchUp();
+  syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->setDisturbance(disturbance);
   }
 }
 
 void LawSwitch::resetIntegrator() noexcept {
-  catchUp();
+  syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->resetIntegrator();
   }
 }
 
 const ControlReport& LawSwitch::onSilence(double now) noexcept {
-  catchUp();
+  syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->onSilence(now);
   }
   return report();
 }
 
-void LawSwitch::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
-  catchUp();
+void LawSwitch::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+  syncInactive();
   for (const auto& law : laws_) {
-    if (law != nullptr) law->follow(state, sent);
+    if (law != nullptr) law->track(state, sent);
   }
 }
 
 void LawSwitch::reset() noexcept {
-  behind_ = false;
+  inactive_behind_ = false;
   for (const auto& law : laws_) {
     if (law != nullptr) law->reset();
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "online_controller/realtime/warm.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/sane.hpp"
 #include "polyfly_base/error.hpp"
@@ -122,7 +121,7 @@ MultirotorController::MultirotorController(std::array<Axis, 3> axes, const Multi
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
       trim_(tiltModel(axes_), offsetOptions(axes_, options)),
-      ladder_(options),
+      failsafe_(options),
       integrator_(offsetOptions(axes_, options)) {
   reset();
 }
@@ -135,7 +134,7 @@ void MultirotorController::reset() noexcept {
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = ladder_.level(trim_.level());
+  report_.command = failsafe_.level(trim_.level());
   forget();
 }
 
@@ -168,7 +167,7 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
-  ladder_.answered();
+  failsafe_.answered();
   return report_;
 }
 
@@ -251,7 +250,7 @@ MultirotorController::Measured MultirotorController::measure(const VehicleState&
             {state.position.z(), state.velocity.z(), 0.0}}}};
 }
 
-void MultirotorController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+void MultirotorController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   if (!isSane(state)) return;
   const Measured measured = measure(state);
   observe(state, measured);
@@ -264,7 +263,7 @@ void MultirotorController::follow(const VehicleState& state, const AttitudeComma
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  ladder_.answered();
+  failsafe_.answered();
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
@@ -342,8 +341,8 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
     }
   }
   report_.reason = reason;
-  report_.status = ladder_.next(report_.command, trim_.level());
-  if (!ladder_.canHold()) forget();
+  report_.status = failsafe_.next(report_.command, trim_.level());
+  if (!failsafe_.canHold()) forget();
 }
 
 void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
@@ -366,15 +365,10 @@ const ControlReport& MultirotorController::withoutSample(double stamp, ControlRe
   return report_;
 }
 
-void MultirotorController::rehearse() noexcept {
-  warm(this, sizeof *this);
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].rehearse(report_.axis[i]);
-}
-
 const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
   report_.axis.fill(AxisReport{});
-  ladder_.forget();
-  report_.command = ladder_.level(trim_.level());
+  failsafe_.forget();
+  report_.command = failsafe_.level(trim_.level());
   forget();
   report_.stamp = stamp;
   report_.status = ControlStatus::kNoReference;
@@ -389,7 +383,7 @@ const ControlReport& MultirotorController::onSilence(double now) noexcept {
   }
   report_.stamp = now;
   report_.reason = ControlReason::kStale;
-  report_.status = ladder_.nextInSilence(report_.command, trim_.level());
+  report_.status = failsafe_.nextInSilence(report_.command, trim_.level());
   forget();
   return report_;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "online_controller/realtime/warm.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/sane.hpp"
@@ -65,7 +64,7 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
             options),
       period_decay_(decayOf(mpc_.options().model, options.control_period)),
       stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)),
-      ladder_(options),
+      failsafe_(options),
       integrator_(options) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
@@ -84,7 +83,7 @@ void NonlinearController::reset() noexcept {
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = ladder_.level(trim_.level());
+  report_.command = failsafe_.level(trim_.level());
   forget();
 }
 
@@ -216,7 +215,7 @@ bool NonlinearController::isFar(const MultirotorState& x) const noexcept {
 void NonlinearController::startIteration(const MultirotorState& x) noexcept {
   const MultirotorInput hover(0.0, 0.0, options_.gravity);
   MultirotorInput u = hover;
-  if (ladder_.canHold()) {
+  if (failsafe_.canHold()) {
     const AttitudeCommand& command = report_.command;
     const TiltAngles by = added({x(6), x(7)}, command.yaw_rate);
     u << command.roll - by.roll, command.pitch - by.pitch, command.thrust / options_.mass;
@@ -268,13 +267,6 @@ void NonlinearController::prepare() noexcept {
   if (!prepared_) iterating_ = false;
 }
 
-void NonlinearController::rehearse() noexcept {
-  warm(this, sizeof *this);
-  if (!prepared_) return;
-  prepared_ = mpc_.prepare(stages_.data());
-  makeReferences(preview_.data());
-}
-
 // The model's loops hold the Euler angles.
 TiltAngles NonlinearController::added(const TiltAngles& tilt, double yaw_rate) const noexcept {
   return trim_.added(tilt, yaw_rate, 0.0);
@@ -296,13 +288,13 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
   report_.axis[1].input = command.roll - by.roll;
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.reason = ControlReason::kNone;
-  ladder_.answered();
+  failsafe_.answered();
 }
 
 void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
   report_.reason = reason;
-  report_.status = ladder_.next(report_.command, trim_.level());
-  if (!ladder_.canHold()) forget();
+  report_.status = failsafe_.next(report_.command, trim_.level());
+  if (!failsafe_.canHold()) forget();
 }
 
 void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
@@ -323,8 +315,8 @@ const ControlReport& NonlinearController::withoutSample(double stamp, ControlRea
 }
 
 const ControlReport& NonlinearController::stepWithoutReference(double stamp) noexcept {
-  ladder_.forget();
-  report_.command = ladder_.level(trim_.level());
+  failsafe_.forget();
+  report_.command = failsafe_.level(trim_.level());
   forget();
   report_.stamp = stamp;
   report_.status = ControlStatus::kNoReference;
@@ -335,16 +327,16 @@ const ControlReport& NonlinearController::stepWithoutReference(double stamp) noe
 const ControlReport& NonlinearController::onSilence(double now) noexcept {
   report_.stamp = now;
   report_.reason = ControlReason::kStale;
-  report_.status = ladder_.nextInSilence(report_.command, trim_.level());
+  report_.status = failsafe_.nextInSilence(report_.command, trim_.level());
   forget();
   return report_;
 }
 
-void NonlinearController::follow(const VehicleState& state, const AttitudeCommand& sent) noexcept {
+void NonlinearController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   if (!isSane(state)) return;
   observe(state, eulerAngles(state.attitude.normalized()));
   report_.command = sent;
-  ladder_.answered();
+  failsafe_.answered();
   iterating_ = false;
   prepared_ = false;
 }

@@ -79,12 +79,6 @@ std::optional<Reference> ReferenceSchedule::sample(double time) noexcept {
 bool ReferenceSchedule::preview(double time, double period, int count, Reference* references) noexcept {
   if (count_ == 0) return false;
   advance(time);
-  return previewAsItStands(time, period, count, references);
-}
-
-bool ReferenceSchedule::previewAsItStands(double time, double period, int count,
-                                          Reference* references) const noexcept {
-  if (count_ == 0 || !entries_[first_].start) return false;
   std::size_t entry = first_;
   for (int k = 0; k < count; ++k) {
     const double ahead = time + k * period;

@@ -6,25 +6,20 @@
 #include <online_controller/ControllerStatus.h>
 #include <pthread.h>
 #include <ros/ros.h>
-#include <sched.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/controller_node.hpp"
-#include "online_controller_ros/direct_queue.hpp"
+#include "online_controller_ros/inline_callback_queue.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {
@@ -52,14 +47,12 @@ std::string nameOfThisThread() {
 class Flight {
  public:
   explicit Flight(const std::string& space, const std::string& answer = "",
-                  std::optional<double> rehearse = std::nullopt, Household household = Household::kShared)
+                  ProcessKind process = ProcessKind::kNodeletManager)
       : handle_(space), private_handle_(space + "/controller") {
     private_handle_.setParam("law", "linear");
     private_handle_.setParam("controller/stale_periods", 10000);
     private_handle_.deleteParam("real_time");  // of an earlier flight
     if (!answer.empty()) private_handle_.setParam("real_time/answer", answer);
-    if (rehearse) private_handle_.setParam("real_time/rehearse", *rehearse);
-    baton_.give();
     ros::SubscribeOptions options;
     options.init<mav_msgs::RollPitchYawrateThrust>(
         "command/roll_pitch_yawrate_thrust", 100,
@@ -70,7 +63,7 @@ class Flight {
           stamps.push_back(command->header.stamp);
           count = stamps.size();
         });
-    options.callback_queue = &at_once_;
+    options.callback_queue = &inline_queue_;
     commands_ = handle_.subscribe(options);
     statuses_ =
         onQueue(handle_, queue_)
@@ -79,13 +72,10 @@ class Flight {
                   sequences.push_back(status->sequence);
                   last_sequence_ = status->sequence;
                 });
-    rehearsals_ = onQueue(private_handle_, queue_)
-                      .subscribe<mav_msgs::RollPitchYawrateThrust>(
-                          "rehearsal/command", 0,
-                          [this](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) { ++rehearsed; });
-    if (household == Household::kShared) odometry = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
-    node = std::make_unique<ExplicitMpcNode>(handle_, private_handle_, ForeignNames{}, household);
-    thread_.emplace(queue_, "statuses", std::function<void()>());
+    if (process == ProcessKind::kNodeletManager)
+      odometry = handle_.advertise<nav_msgs::Odometry>("odometry", 1);
+    node = std::make_unique<ControllerNode>(handle_, private_handle_, LegacyNames{}, process);
+    thread_.emplace(queue_, "statuses", CallbackThread::Tasks{});
   }
 
   /// Publishes, and waits for the command.
@@ -97,19 +87,6 @@ class Flight {
     return count > before;
   }
 
-  /// So many odometries, the n-th after periods[n modulo their number] [s].
-  bool exchangeAll(int number, std::initializer_list<double> periods) {
-    for (int i = 0; i < number; ++i) {
-      due_ += std::chrono::duration_cast<Clock::duration>(
-          std::chrono::duration<double>(periods.begin()[static_cast<std::size_t>(i) % periods.size()]));
-      if (due_ < Clock::now()) due_ = Clock::now();  // at the start, or where the machine is slow
-      std::this_thread::sleep_until(due_);
-      stamp_ += ros::Duration(0.01);
-      if (!exchange(stamp_)) return false;
-    }
-    return true;
-  }
-
   /// Waits for the status of the command with so many before it, and takes no more.
   bool awaitStatus(std::uint32_t sequence) {
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
@@ -118,32 +95,27 @@ class Flight {
     return last_sequence_ == sequence;
   }
 
-  // Guarded by the baton of the commands; to be read when nobody publishes.
+  // Guarded by the lock of the commands; to be read when nobody publishes.
   std::vector<ros::Time> stamps;
   std::thread::id thread;
   std::atomic<int> by_control{0}, elsewhere{0};  // commands, by the thread that published them
   mav_msgs::RollPitchYawrateThrust last;
-  std::atomic<int> rehearsed{0};  // commands of rehearsals
   std::atomic<std::size_t> count{0};
   std::vector<std::uint32_t> sequences;  // the statuses' thread's
   ros::Publisher odometry;
-  std::unique_ptr<ExplicitMpcNode> node;
+  std::unique_ptr<ControllerNode> node;
 
  private:
-  using Clock = std::chrono::steady_clock;
-
-  Clock::time_point due_;
-  ros::Time stamp_{100.0};
-  polyfly::Baton baton_;
+  polyfly::TryLock lock_;
   std::atomic<std::uint32_t> last_sequence_{0};
-  WatchedQueue queue_;
-  DirectQueue at_once_{baton_, queue_};
+  WaitableQueue queue_;
+  InlineCallbackQueue inline_queue_{lock_, queue_};
   ros::NodeHandle handle_, private_handle_;
-  ros::Subscriber commands_, statuses_, rehearsals_;
+  ros::Subscriber commands_, statuses_;
   std::optional<CallbackThread> thread_;
 };
 
-TEST(DirectAnswer, ComesInThePublishersThreadUnlessTheControlThreadIsToldTo) {
+TEST(InlineAnswer, ComesInThePublishersThreadUnlessTheControlThreadIsToldTo) {
   for (const char* answer : {"", "auto", "publisher", "thread"}) {
     const bool in_publisher = std::string(answer) != "thread";
     Flight flight(std::string("/where") + answer, answer);
@@ -160,110 +132,7 @@ TEST(DirectAnswer, ComesInThePublishersThreadUnlessTheControlThreadIsToldTo) {
   }
 }
 
-// What is rehearsed before each odometry changes nothing, and nobody hears of it on the flight's topics.
-TEST(DirectAnswer, ARehearsalChangesNoCommand) {
-  std::vector<mav_msgs::RollPitchYawrateThrust> commands[2];
-  const auto fly = [&commands](const std::string& name, double rehearse) {
-    Flight flight(name, "", rehearse);
-    std::vector<mav_msgs::RollPitchYawrateThrust>& sent = commands[rehearse > 0.0 ? 1 : 0];
-    sent.clear();
-    for (int i = 1; i <= 100 && flight.exchange(ros::Time(100.0 + 0.01 * i), 0.003 * i); ++i) {
-      sent.push_back(flight.last);
-      ros::WallDuration(0.01).sleep();
-    }
-    EXPECT_EQ(sent.size(), 100U);
-    EXPECT_EQ(flight.stamps.size(), 100U);
-    return flight.rehearsed.load();
-  };
-  EXPECT_EQ(fly("/once", 0.0), 0);
-  // A machine with much else to do may leave no time before any odometry of a flight.
-  int rehearsed = 0;
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  for (int flown = 0; rehearsed == 0 && ros::WallTime::now() < end; ++flown)
-    rehearsed = fly("/again" + std::to_string(flown), 0.004);
-  EXPECT_GT(rehearsed, 0);
-  ASSERT_EQ(commands[0].size(), commands[1].size());
-  for (std::size_t i = 0; i < commands[0].size(); ++i) {
-    EXPECT_EQ(commands[0][i].roll, commands[1][i].roll) << i;
-    EXPECT_EQ(commands[0][i].pitch, commands[1][i].pitch) << i;
-    EXPECT_EQ(commands[0][i].yaw_rate, commands[1][i].yaw_rate) << i;
-    EXPECT_EQ(commands[0][i].thrust.z, commands[1][i].thrust.z) << i;
-  }
-}
-
-// Odometry that comes without a rhythm cannot be rehearsed for; nobody tries, until it has one again.
-TEST(DirectAnswer, RehearsesOnlyWhileOdometryComesOnTime) {
-  Flight flight("/rhythm", "", 0.004);
-  const auto rehearsesAtLast = [&] {
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-    const int before = flight.rehearsed;
-    while (flight.rehearsed == before && ros::WallTime::now() < end) flight.exchangeAll(20, {0.01});
-    return flight.rehearsed > before;
-  };
-  EXPECT_TRUE(rehearsesAtLast());
-  ASSERT_TRUE(flight.exchangeAll(4, {0.003, 0.017}));
-  const int before = flight.rehearsed;
-  ASSERT_TRUE(flight.exchangeAll(60, {0.003, 0.017}));
-  EXPECT_EQ(flight.rehearsed, before);
-  EXPECT_TRUE(rehearsesAtLast());
-}
-
-// As the calm flight is, so is one whose options change with each odometry: rehearsed, and each is answered.
-TEST(DirectAnswer, RehearsalsGoOnWhileOptionsChange) {
-  Flight flight("/options", "", 0.004);
-  const int wanted = 20;
-  int calls = 0;
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
-  while (flight.rehearsed < wanted && ros::WallTime::now() < end) {
-    dynamic_reconfigure::Reconfigure change;
-    change.request.config.doubles.resize(1);
-    change.request.config.doubles[0].name = "controller/yaw_gain";
-    change.request.config.doubles[0].value = 1.0 + ++calls % 2;
-    ASSERT_TRUE(ros::service::call("/options/controller/set_parameters", change));
-    ASSERT_TRUE(flight.exchangeAll(1, {0.01}));
-  }
-  EXPECT_GE(flight.rehearsed, wanted);
-  EXPECT_EQ(flight.stamps.size(), static_cast<std::size_t>(calls));
-}
-
-/// The scheduling of the thread of this process with that name: policy and priority.
-std::pair<int, int> schedulingOf(const std::string& name) {
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string found;
-    std::ifstream(thread.path() / "comm") >> found;
-    const pid_t id = std::stoi(thread.path().filename());
-    sched_param parameters{};
-    if (found == name && sched_getparam(id, &parameters) == 0)
-      return {sched_getscheduler(id), parameters.sched_priority};
-  }
-  return {-1, 0};
-}
-
-// Where the publisher waits for a lock that a thread of the node holds, nobody of less priority comes
-// between.
-TEST(DirectAnswer, ThreadsOfTheNodeAreJustBelowARealTimePublisher) {
-  Flight flight("/below");
-  ASSERT_TRUE(flight.exchangeAll(3, {0.01}));
-  EXPECT_EQ(schedulingOf("mpc_control"), std::make_pair(SCHED_OTHER, 0));
-  EXPECT_EQ(schedulingOf("mpc_background"), std::make_pair(SCHED_OTHER, 0));
-  bool permitted = false, answered = false;
-  std::thread publisher([&] {
-    sched_param parameters{};
-    parameters.sched_priority = 20;
-    permitted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
-    answered = flight.exchangeAll(3, {0.01});
-    ros::WallDuration(0.05).sleep();
-  });
-  publisher.join();
-  EXPECT_TRUE(answered);
-  EXPECT_EQ(schedulingOf("mpc_control"),
-            permitted ? std::make_pair(SCHED_FIFO, 19) : std::make_pair(SCHED_OTHER, 0));
-  EXPECT_EQ(schedulingOf("mpc_background"),
-            permitted ? std::make_pair(SCHED_FIFO, 18) : std::make_pair(SCHED_OTHER, 0));
-  EXPECT_EQ(schedulingOf("mpc_workshop"), std::make_pair(SCHED_OTHER, 0));
-}
-
-TEST(DirectAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
+TEST(InlineAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
   constexpr int kCount = 3000;
   Flight flight("/fast");
   ASSERT_TRUE(flight.exchange(ros::Time(99.0)));
@@ -283,7 +152,7 @@ TEST(DirectAnswer, EachCommandHasItsStatusHoweverFastOdometryComes) {
 
 // Odometry over TCP holds other locks than odometry of this process: if both were answered where they come,
 // the two could wait for each other for ever.
-TEST(DirectAnswer, OdometryOfTwoOriginsStopsNobody) {
+TEST(InlineAnswer, OdometryOfTwoOriginsStopsNobody) {
   Flight flight("/mixed");
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(3.0);
   std::size_t published = 0;
@@ -300,9 +169,9 @@ TEST(DirectAnswer, OdometryOfTwoOriginsStopsNobody) {
 }
 
 // In a node of its own whoever reads the connection answers: nobody else has to wake up.
-TEST(DirectAnswer, OdometryOverAConnectionIsAnsweredWhereItIsReadInANodeOfItsOwn) {
+TEST(InlineAnswer, OdometryOverAConnectionIsAnsweredWhereItIsReadInANodeOfItsOwn) {
   for (const char* answer : {"", "thread"}) {
-    Flight flight("/alone", answer, std::nullopt, Household::kAlone);
+    Flight flight("/alone", answer, ProcessKind::kStandalone);
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
     const bool here = std::string(answer) != "thread";
     const auto missing = [&] { return flight.count < 200 || (here && flight.elsewhere == 0); };
@@ -315,9 +184,9 @@ TEST(DirectAnswer, OdometryOverAConnectionIsAnsweredWhereItIsReadInANodeOfItsOwn
 
 // No lock of roscpp's is left behind: subscribers come and go, options change, all while odometry is
 // answered.
-TEST(DirectAnswer, ANodeOfItsOwnEndsAndBeginsAgainWhileItsConnectionBringsOdometry) {
+TEST(InlineAnswer, ANodeOfItsOwnEndsAndBeginsAgainWhileItsConnectionBringsOdometry) {
   for (int round = 0; round < 5; ++round) {
-    Flight flight("/alone", "", std::nullopt, Household::kAlone);
+    Flight flight("/alone", "", ProcessKind::kStandalone);
     dynamic_reconfigure::Reconfigure change;
     change.request.config.doubles.resize(1);
     change.request.config.doubles[0].name = "controller/yaw_gain";
@@ -330,7 +199,7 @@ TEST(DirectAnswer, ANodeOfItsOwnEndsAndBeginsAgainWhileItsConnectionBringsOdomet
   }
 }
 
-TEST(DirectAnswer, TheNodeEndsAndAnotherBeginsWhileOdometryComes) {
+TEST(InlineAnswer, TheNodeEndsAndAnotherBeginsWhileOdometryComes) {
   Flight flight("/ends");
   std::atomic<bool> done{false};
   std::thread publisher([&] {
@@ -349,14 +218,14 @@ TEST(DirectAnswer, TheNodeEndsAndAnotherBeginsWhileOdometryComes) {
     const std::size_t after = flight.count;
     ros::WallDuration(0.02).sleep();
     EXPECT_EQ(flight.count, after);
-    flight.node = std::make_unique<ExplicitMpcNode>(handle, private_handle);
+    flight.node = std::make_unique<ControllerNode>(handle, private_handle);
   }
   done = true;
   publisher.join();
 }
 
 // A publisher that latches hands its last message over when a subscriber connects, with other locks.
-TEST(DirectAnswer, ALatchedOdometryIsLeftToTheControlThread) {
+TEST(InlineAnswer, ALatchedOdometryIsLeftToTheControlThread) {
   Flight flight("/latched");
   ASSERT_TRUE(flight.exchange(ros::Time(100.0)));
   flight.odometry.shutdown();
@@ -380,21 +249,6 @@ TEST(AnswersInPublisher, IsChosenByNameAndByWhatIsAskedOfTheControlThread) {
   options.priority = 1;
   EXPECT_FALSE(answersInPublisher("auto", options));
   EXPECT_TRUE(answersInPublisher("publisher", options));
-  options = {};
-  options.poll = 0.1;
-  EXPECT_FALSE(answersInPublisher("auto", options));
-  EXPECT_THROW(answersInPublisher("publisher", options), polyfly::Error);
-}
-
-TEST(RehearsalLead, IsUsualWhereThePublisherAnswersOnOneOfSeveralProcessors) {
-  RealTimeOptions options;
-  EXPECT_EQ(rehearsalLead(options, false), 0.0);
-  EXPECT_EQ(rehearsalLead(options, true), std::thread::hardware_concurrency() > 1 ? 0.0005 : 0.0);
-  for (const double told : {0.0, 0.002}) {
-    options.rehearse = told;
-    EXPECT_EQ(rehearsalLead(options, true), told);
-    EXPECT_EQ(rehearsalLead(options, false), told);
-  }
 }
 
 int publishOdometry(const std::string& topic) {
@@ -410,7 +264,7 @@ int publishOdometry(const std::string& topic) {
 // With a topic for argument it is the other process that publishes odometry there.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "direct_answer_test");
+  ros::init(argc, argv, "inline_answer_test");
   if (argc > 1) return polyfly_ros::publishOdometry(argv[1]);
   ros::AsyncSpinner spinner(1);
   spinner.start();

@@ -6,32 +6,25 @@
 
 #include <string>
 
+#include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/flight_diagnostics.hpp"
 #include "online_controller_ros/flight_display.hpp"
 #include "online_controller_ros/flight_snapshot.hpp"
-#include "online_controller_ros/law_keeper.hpp"
-#include "online_controller_ros/workshop.hpp"
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_ros/option_table.hpp"
 #include "polyfly_ros/reconfigure_server.hpp"
 
 namespace polyfly_ros {
 
-/// All that a flight needs and its control thread must not wait for, in a thread of its own: options and maps
-/// that change, display, diagnostics.
-class Background {
+/// The thread for all that control must not wait for: changes of options and maps, display, diagnostics.
+class ConfigThread {
  public:
-  /// `names`: under which options can be changed besides ours. Keeps references to the last two.
-  Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
-             const ForeignNames& names, LawKeeper& keeper, FlightRecord& record);
-  Background(const Background&) = delete;
-  Background& operator=(const Background&) = delete;
-
-  /// As the function of that name, for this thread.
-  std::string runBelow(pid_t thread, int steps) {
-    return polyfly_ros::runBelow(thread, steps, thread_.handle());
-  }
+  /// `names` are further names under which options can be changed. Keeps references to the last two.
+  ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
+               const LegacyNames& names, ActiveLaws& laws, FlightRecord& record);
+  ConfigThread(const ConfigThread&) = delete;
+  ConfigThread& operator=(const ConfigThread&) = delete;
 
  private:
   void apply();
@@ -39,14 +32,14 @@ class Background {
   std::string bakedIn() const;
   bool onSwapMaps(online_controller::SwapMaps::Request& request,
                   online_controller::SwapMaps::Response& response);
-  std::string waitForExchange() const;
+  std::string waitForSwap() const;
   void onTick();
 
-  WatchedQueue queue_;  // outlives all that is served on it
+  WaitableQueue queue_;  // outlives all that is served on it
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_;
-  LawSetup setup_;  // what was offered last
-  LawKeeper& keeper_;
+  LawSetup setup_;  // staged last
+  ActiveLaws& laws_;
   FlightRecord& record_;
   OptionTable table_;             // of setup_
   polyfly::ChangeBounds bounds_;  // of its values
@@ -54,8 +47,6 @@ class Background {
   FlightDisplay display_;
   FlightDiagnostics diagnostics_;
   ros::ServiceServer swap_service_;
-  Workshop workshop_;
-  ros::SteadyTimer tick_;
   int ticks_ = 0;
   CallbackThread thread_;  // last: begins when all is there, ends before it goes
 };

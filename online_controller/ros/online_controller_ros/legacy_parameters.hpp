@@ -10,10 +10,10 @@
 namespace polyfly_ros {
 
 /// What a start under the names of mav_control_rw has found.
-struct ForeignParameters {
+struct LegacyParameters {
   std::string taken;                ///< "theirs -> ours", separated by commas
   std::vector<std::string> unread;  ///< "theirs, theirs: why not"
-  ForeignNames names;               ///< under which options can be changed in flight besides ours
+  LegacyNames names;                ///< under which options can be changed in flight besides ours
 };
 
 /// Lets a launch file and a YAML file written for mav_control_rw start this controller: what stands there in
@@ -21,6 +21,6 @@ struct ForeignParameters {
 /// one to fly, `linear` or `nonlinear`, unless the parameter law says otherwise. What was set so is noted
 /// below `adopted`, and set anew where theirs has changed since. Throws polyfly::Error naming one of theirs
 /// that has another type.
-ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law);
+LegacyParameters importLegacyParameters(const ros::NodeHandle& private_handle, const std::string& law);
 
 }  // namespace polyfly_ros

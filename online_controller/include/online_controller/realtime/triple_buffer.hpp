@@ -5,14 +5,14 @@
 
 namespace polyfly {
 
-/// The latest of the values that one thread writes, for one thread that reads now and then. Neither waits for
-/// the other, and a value is never seen half written: three buffers, of which the writer fills one, the
-/// reader looks at one and one lies between.
+/// Passes the latest value of one writing thread to one reading thread. Neither waits for the other, and a
+/// value is never seen half written: the writer fills one buffer, the reader looks at another, and the third
+/// one lies between them.
 template <class T>
-class LatestValue {
+class TripleBuffer {
  public:
   /// All three buffers are copies of `value`, so that they may hold memory of their own.
-  explicit LatestValue(const T& value) : buffers_{value, value, value} {}
+  explicit TripleBuffer(const T& value) : buffers_{value, value, value} {}
 
   /// Writer: the buffer to fill; it holds an older value.
   T& draft() noexcept { return buffers_[written_]; }

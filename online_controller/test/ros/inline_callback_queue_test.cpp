@@ -1,5 +1,5 @@
 // The queue that runs callbacks where they are added, with callbacks made by hand: no master is needed.
-#include "online_controller_ros/direct_queue.hpp"
+#include "online_controller_ros/inline_callback_queue.hpp"
 
 #include <gtest/gtest.h>
 #include <ros/init.h>
@@ -43,51 +43,37 @@ ros::CallbackInterfacePtr callback(std::function<void()> function, ros::Callback
   return boost::make_shared<Callback>(std::move(function), result);
 }
 
-struct DirectQueueTest : testing::Test {
-  polyfly::Baton baton;
-  WatchedQueue others;
+struct InlineCallbackQueueTest : testing::Test {
+  polyfly::TryLock lock;
+  WaitableQueue others;  // with the callbacks that did not run inline
   int follow_ups = 0;
-  DirectQueue queue{baton, others, callback([this] { ++follow_ups; })};
+  InlineCallbackQueue queue{lock, others, callback([this] { ++follow_ups; })};
 };
 
-TEST_F(DirectQueueTest, RunsWhereItIsAddedAndTheFollowUpIsLeft) {
-  baton.give();
+TEST_F(InlineCallbackQueueTest, RunsWhereItIsAddedAndTheFollowUpIsLeft) {
   bool here = false;
   std::thread::id thread;
   queue.addCallback(callback([&] {
                       thread = std::this_thread::get_id();
-                      here = queue.runsHere();
-                      EXPECT_FALSE(baton.tryTake());
+                      here = queue.runsInline();
+                      EXPECT_FALSE(lock.try_lock());
                     }),
                     kOwner);
   EXPECT_EQ(thread, std::this_thread::get_id());
   EXPECT_TRUE(here);
-  EXPECT_FALSE(queue.runsHere());
+  EXPECT_FALSE(queue.runsInline());
   EXPECT_EQ(follow_ups, 0);
   others.callAvailable();
   EXPECT_EQ(follow_ups, 1);
-  EXPECT_TRUE(baton.tryTake());
+  EXPECT_TRUE(lock.try_lock());
 }
 
-TEST_F(DirectQueueTest, TellsOnceWhenItLeftACallbackToOthers) {
-  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
-  const auto before = DirectQueue::Clock::now();
-  queue.addCallback(callback([] {}), kOwner);  // the baton is taken
-  const auto after = DirectQueue::Clock::now();
-  const auto left = queue.takeLeft();
-  EXPECT_GE(left, before);
-  EXPECT_LE(left, after);
-  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
-  baton.give();
-  queue.addCallback(callback([] {}), kOwner);  // runs here
-  EXPECT_EQ(queue.takeLeft(), DirectQueue::kNever);
-}
-
-TEST_F(DirectQueueTest, IsLeftToOthersWhileTheBatonIsTaken) {
+TEST_F(InlineCallbackQueueTest, IsLeftToOthersWhileTheLockIsTaken) {
+  lock.lock();
   int calls = 0;
   queue.addCallback(callback([&] {
                       ++calls;
-                      EXPECT_FALSE(queue.runsHere());
+                      EXPECT_FALSE(queue.runsInline());
                     }),
                     kOwner);
   EXPECT_EQ(calls, 0);
@@ -96,7 +82,8 @@ TEST_F(DirectQueueTest, IsLeftToOthersWhileTheBatonIsTaken) {
   EXPECT_EQ(follow_ups, 0);  // whose callback that is does the rest itself
 }
 
-TEST_F(DirectQueueTest, WhatIsRemovedIsNotCalled) {
+TEST_F(InlineCallbackQueueTest, WhatIsRemovedIsNotCalled) {
+  lock.lock();
   int calls = 0;
   queue.addCallback(callback([&] { ++calls; }), kOwner);
   queue.removeByID(kOwner);
@@ -104,8 +91,7 @@ TEST_F(DirectQueueTest, WhatIsRemovedIsNotCalled) {
   EXPECT_EQ(calls, 0);
 }
 
-TEST_F(DirectQueueTest, ACallbackThatComesBackToItsQueueIsLeft) {
-  baton.give();
+TEST_F(InlineCallbackQueueTest, ACallbackAddedWithinACallbackIsLeft) {
   std::vector<int> order;
   queue.addCallback(callback([&] {
                       queue.addCallback(callback([&] { order.push_back(2); }), kOwner);
@@ -117,8 +103,7 @@ TEST_F(DirectQueueTest, ACallbackThatComesBackToItsQueueIsLeft) {
   EXPECT_EQ(order, std::vector<int>({1, 2}));
 }
 
-TEST_F(DirectQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
-  baton.give();
+TEST_F(InlineCallbackQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
   int calls = 0;
   queue.addCallback(callback([&] { ++calls; }, ros::CallbackInterface::TryAgain), kOwner);
   EXPECT_EQ(calls, 1);
@@ -126,19 +111,18 @@ TEST_F(DirectQueueTest, ACallbackThatCannotBeCalledNowIsLeft) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST_F(DirectQueueTest, TheBatonIsBackAfterAnException) {
-  baton.give();
+TEST_F(InlineCallbackQueueTest, TheLockIsFreeAfterAnException) {
   EXPECT_THROW(queue.addCallback(callback([] { throw std::runtime_error("no"); }), kOwner),
                std::runtime_error);
-  EXPECT_FALSE(queue.runsHere());
-  EXPECT_TRUE(baton.tryTake());
+  EXPECT_FALSE(queue.runsInline());
+  EXPECT_TRUE(lock.try_lock());
 }
 
 // As roscpp's Subscription does it, which holds a lock meanwhile: the message goes into the subscription's
 // queue, which is added as a callback unless it was full.
 class Subscriber {
  public:
-  Subscriber(DirectQueue& queue, int size, const std::function<void(unsigned)>& take)
+  Subscriber(InlineCallbackQueue& queue, int size, const std::function<void(unsigned)>& take)
       : queue_(queue),
         messages_(boost::make_shared<ros::SubscriptionQueue>("numbers", size, false)),
         helper_(boost::make_shared<Helper>([take](const std_msgs::UInt32::ConstPtr& m) { take(m->data); })) {}
@@ -160,7 +144,7 @@ class Subscriber {
  private:
   using Helper = ros::SubscriptionCallbackHelperT<const std_msgs::UInt32::ConstPtr&>;
 
-  DirectQueue& queue_;
+  InlineCallbackQueue& queue_;
   boost::shared_ptr<ros::SubscriptionQueue> messages_;
   boost::shared_ptr<Helper> helper_;
 };
@@ -168,18 +152,18 @@ class Subscriber {
 /// Publishes to a subscriber with a queue of that size while the other thread has work of its own; what came.
 /// Where the two meet is up to the machine but for one number: it comes while the other thread is at work.
 std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
-  polyfly::Baton baton;
-  WatchedQueue others;
-  DirectQueue queue(baton, others);
-  std::vector<unsigned> came;  // guarded by the baton
+  polyfly::TryLock lock;
+  WaitableQueue others;
+  InlineCallbackQueue queue(lock, others);
+  std::vector<unsigned> came;  // guarded by the lock
   std::atomic<unsigned> last{0};
   was_left = false;
   Subscriber subscriber(queue, size, [&](unsigned number) {
     came.push_back(number);
-    if (!queue.runsHere()) was_left = true;
+    if (!queue.runsInline()) was_left = true;
     last = number;
   });
-  long work = 0;  // guarded by the baton
+  long work = 0;  // guarded by the lock
   const auto busy = callback([&] {
     for (int i = 0; i < 300; ++i) ++work;
   });
@@ -194,7 +178,7 @@ std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
     await([&] { return published.load(); });
   });
   {
-    const CallbackThread thread(others, "others", {}, {}, &baton);
+    const CallbackThread thread(others, "others", {{}, {}, 0.05, &lock});
     for (unsigned number = 1; number <= count; ++number) {
       if (number % 3 == 0) others.addCallback(busy, kOwner + 1);
       if (number == count / 2) {
@@ -206,13 +190,12 @@ std::vector<unsigned> numbersThrough(int size, unsigned count, bool& was_left) {
     }
     await([&] { return last == count; });
   }
-  EXPECT_FALSE(baton.tryTake());  // the thread keeps it
   return came;
 }
 
 // A queue of one keeps the newest while another thread calls back; that thread then answers that one, also
 // where it came while an answer was being given.
-TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
+TEST_F(InlineCallbackQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
   std::vector<unsigned> came;
   Subscriber* publisher = nullptr;
   Subscriber subscriber(queue, 1, [&](unsigned number) {
@@ -223,13 +206,14 @@ TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
     }
   });
   publisher = &subscriber;
+  lock.lock();
   for (const unsigned number : {1U, 2U, 3U}) subscriber.publish(number);  // left to others
   EXPECT_TRUE(came.empty());
   others.callAvailable();
   EXPECT_EQ(came.front(), 3U);
   others.callAvailable();
   EXPECT_EQ(came, std::vector<unsigned>({3, 5}));
-  baton.give();
+  lock.unlock();
   subscriber.publish(10);  // answered here; what comes meanwhile is left
   others.callAvailable();
   EXPECT_EQ(came, std::vector<unsigned>({3, 5, 10, 12}));
@@ -238,7 +222,7 @@ TEST_F(DirectQueueTest, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
 }
 
 // A queue of one keeps the newest: what comes is in order, and the last one always comes.
-TEST(DirectQueueThreads, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
+TEST(InlineCallbackQueueThreads, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
   constexpr unsigned kCount = 50000;
   bool was_left = false;
   const std::vector<unsigned> came = numbersThrough(1, kCount, was_left);
@@ -249,7 +233,7 @@ TEST(DirectQueueThreads, ANewerMessageReplacesOneThatWaitsAndIsNotStranded) {
 }
 
 // With room for all of them none is lost, and a later one never overtakes.
-TEST(DirectQueueThreads, AllComeInOrderHoweverTheyCome) {
+TEST(InlineCallbackQueueThreads, AllComeInOrderHoweverTheyCome) {
   constexpr unsigned kCount = 50000;
   bool was_left = false;
   const std::vector<unsigned> came = numbersThrough(0, kCount, was_left);
@@ -258,16 +242,16 @@ TEST(DirectQueueThreads, AllComeInOrderHoweverTheyCome) {
   EXPECT_TRUE(was_left);
 }
 
-TEST(PublishedHere, IsWhatPublishOfThisProcessHandsOver) {
+TEST(IsIntraProcess, IsTrueOfWhatPublishOfThisProcessHandsOver) {
   const auto header = [](const std::string& node, const std::string& latching) {
     return boost::make_shared<ros::M_string>(ros::M_string{{"callerid", node}, {"latching", latching}});
   };
-  PublishedHere published_here;
-  EXPECT_FALSE(published_here(nullptr));
-  EXPECT_TRUE(published_here(header(ros::this_node::getName(), "0")));
-  EXPECT_FALSE(published_here(header("/another", "0")));
-  EXPECT_FALSE(published_here(header(ros::this_node::getName(), "1")));
-  EXPECT_FALSE(published_here(boost::make_shared<ros::M_string>()));
+  IsIntraProcess is_intra_process;
+  EXPECT_FALSE(is_intra_process(nullptr));
+  EXPECT_TRUE(is_intra_process(header(ros::this_node::getName(), "0")));
+  EXPECT_FALSE(is_intra_process(header("/another", "0")));
+  EXPECT_FALSE(is_intra_process(header(ros::this_node::getName(), "1")));
+  EXPECT_FALSE(is_intra_process(boost::make_shared<ros::M_string>()));
 }
 
 }  // namespace
@@ -275,6 +259,6 @@ TEST(PublishedHere, IsWhatPublishOfThisProcessHandsOver) {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "direct_queue_test", ros::init_options::NoSigintHandler);
+  ros::init(argc, argv, "inline_callback_queue_test", ros::init_options::NoSigintHandler);
   return RUN_ALL_TESTS();
 }

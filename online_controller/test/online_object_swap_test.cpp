@@ -14,9 +14,9 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
-#include "online_controller/realtime/hand_over.hpp"
 #include "online_controller/realtime/latency_histogram.hpp"
-#include "online_controller/realtime/latest_value.hpp"
+#include "online_controller/realtime/object_swap.hpp"
+#include "online_controller/realtime/triple_buffer.hpp"
 #include "online_support.hpp"
 
 namespace polyfly {
@@ -31,62 +31,62 @@ struct Counted {
 };
 std::atomic<int> Counted::alive{0};
 
-TEST(HandOver, TheNewestOfferIsTakenAndTheOldOneComesBack) {
+TEST(ObjectSwap, TheNewestStagedObjectIsSwappedInAndTheOldOneComesBack) {
   {
-    HandOver<Counted> slot;
+    ObjectSwap<Counted> slot;
     auto current = std::make_unique<Counted>(0);
-    const auto adopt = [](Counted& next, const Counted& old) { next.seen = old.number + 10; };
-    EXPECT_FALSE(slot.take(current, adopt));
-    slot.offer(std::make_unique<Counted>(1));
-    slot.offer(std::make_unique<Counted>(2));
-    EXPECT_EQ(Counted::alive, 2);  // the first offer is gone
-    EXPECT_TRUE(slot.waits());
-    EXPECT_TRUE(slot.take(current, adopt));
-    EXPECT_FALSE(slot.waits());
+    const auto transfer = [](Counted& next, const Counted& old) { next.seen = old.number + 10; };
+    EXPECT_FALSE(slot.swap(current, transfer));
+    slot.stage(std::make_unique<Counted>(1));
+    slot.stage(std::make_unique<Counted>(2));
+    EXPECT_EQ(Counted::alive, 2);  // the first staged object is gone
+    EXPECT_TRUE(slot.pending());
+    EXPECT_TRUE(slot.swap(current, transfer));
+    EXPECT_FALSE(slot.pending());
     EXPECT_EQ(current->number, 2);
     EXPECT_EQ(current->seen, 10);
     EXPECT_EQ(Counted::alive, 2);  // the control thread frees nothing
-    slot.collect();
+    slot.reclaim();
     EXPECT_EQ(Counted::alive, 1);
-    slot.offer(std::make_unique<Counted>(3));
-    EXPECT_TRUE(slot.take(current, adopt));
+    slot.stage(std::make_unique<Counted>(3));
+    EXPECT_TRUE(slot.swap(current, transfer));
     EXPECT_EQ(current->seen, 12);
   }
   EXPECT_EQ(Counted::alive, 0);
 }
 
-TEST(HandOver, NothingIsTakenBeforeTheLastOneWasCollected) {
-  HandOver<Counted> slot;
+TEST(ObjectSwap, NothingIsSwappedBeforeTheLastOneWasReclaimed) {
+  ObjectSwap<Counted> slot;
   auto current = std::make_unique<Counted>(0);
-  const auto adopt = [](Counted&, const Counted&) {};
-  slot.offer(std::make_unique<Counted>(1));
-  ASSERT_TRUE(slot.take(current, adopt));
-  slot.offer(std::make_unique<Counted>(2));  // collects, too
-  ASSERT_TRUE(slot.take(current, adopt));
+  const auto transfer = [](Counted&, const Counted&) {};
+  slot.stage(std::make_unique<Counted>(1));
+  ASSERT_TRUE(slot.swap(current, transfer));
+  slot.stage(std::make_unique<Counted>(2));  // reclaims, too
+  ASSERT_TRUE(slot.swap(current, transfer));
   EXPECT_EQ(current->number, 2);
 }
 
-TEST(HandOver, TwoThreads) {
+TEST(ObjectSwap, TwoThreads) {
   {
-    HandOver<Counted> slot;
+    ObjectSwap<Counted> slot;
     std::atomic<bool> done{false};
     int taken = 0;
     int last = 0;
     std::thread control([&] {
       auto current = std::make_unique<Counted>(0);
-      while (!done || slot.waits()) {
-        if (slot.take(current, [](Counted& next, const Counted& old) { next.seen = old.seen + 1; })) {
+      while (!done || slot.pending()) {
+        if (slot.swap(current, [](Counted& next, const Counted& old) { next.seen = old.seen + 1; })) {
           ++taken;
           ASSERT_GT(current->number, last);
           ASSERT_EQ(current->seen, taken);
           last = current->number;
         }
-        slot.waits();
+        slot.pending();
       }
     });
-    for (int i = 1; i <= 20000; ++i) slot.offer(std::make_unique<Counted>(i));
+    for (int i = 1; i <= 20000; ++i) slot.stage(std::make_unique<Counted>(i));
     done = true;
-    while (slot.waits()) slot.collect();
+    while (slot.pending()) slot.reclaim();
     control.join();
     EXPECT_EQ(last, 20000);
     EXPECT_GT(taken, 0);
@@ -94,12 +94,12 @@ TEST(HandOver, TwoThreads) {
   EXPECT_EQ(Counted::alive, 0);
 }
 
-TEST(LatestValue, IsNeverHalfWritten) {
+TEST(TripleBuffer, IsNeverHalfWritten) {
   struct Pair {
     long a = 0;
     long b = 0;
   };
-  LatestValue<Pair> value{Pair{}};
+  TripleBuffer<Pair> value{Pair{}};
   EXPECT_EQ(value.read(), nullptr);
   constexpr long kLast = 200000;
   std::thread writer([&] {
@@ -201,7 +201,7 @@ void expectSeamless(const std::function<std::unique_ptr<ControlLaw>()>& make) {
     EXPECT_GE(current->kktResidual(), 0.0);
     if (sample % 3 == 1) {
       std::unique_ptr<ControlLaw> next = make();
-      next->takeOver(*current);
+      next->transferState(*current);
       current = std::move(next);
     }
     steady->prepare();
@@ -226,7 +226,7 @@ TEST(TakeOver, TheLawThatFliesStaysAndNewOptionsHold) {
   std::vector<Reference> preview(static_cast<std::size_t>(old->previewLength()));
   for (Reference& reference : preview) reference.yaw = 0.5;
   const double slow = old->step(wandering(0), preview.data()).command.yaw_rate;
-  next->takeOver(*old);
+  next->transferState(*old);
   EXPECT_EQ(dynamic_cast<LawSwitch&>(*next).active(), Law::kLinear);
   EXPECT_NEAR(next->step(wandering(0), preview.data()).command.yaw_rate, 2.0 * slow, 1e-9);
 }
@@ -242,7 +242,7 @@ TEST(TakeOver, AHeldCommandMeetsTheNewLimits) {
   narrow.angle_max = 0.2;
   narrow.thrust_max = 10.0;
   MultirotorController next(axisProblems(), narrow);
-  next.takeOver(*old);
+  next.transferState(*old);
   VehicleState bad = wandering(1);
   bad.position.x() = std::nan("");
   const ControlReport& report = next.step(bad, preview.data());
@@ -256,7 +256,7 @@ TEST(TakeOver, AnotherKindOfLawIsIgnored) {
   const std::unique_ptr<ControlLaw> nonlinear = nonlinearLaw(1.8);
   std::vector<Reference> preview(static_cast<std::size_t>(nonlinear->previewLength()));
   linear->step(wandering(0), preview.data());
-  nonlinear->takeOver(*linear);
+  nonlinear->transferState(*linear);
   EXPECT_EQ(nonlinear->report().status, ControlStatus::kNoReference);
 }
 

@@ -13,14 +13,14 @@ namespace polyfly {
 ///     descend_periods   level attitude, descend_thrust of hover       kDescend
 ///     from then on      nothing                                       kStopped
 ///
-/// Without a command to hold it starts level. An answer ends it on any rung. `trim` are the commands at which
+/// Without a command to hold it starts level. An answer ends it on any level. `trim` are the commands at which
 /// the vehicle is level, see AttitudeTrim::level.
-class SafetyLadder {
+class FailsafePolicy {
  public:
   /// Throws Error when an option is out of range.
-  explicit SafetyLadder(const MultirotorOptions& options);
+  explicit FailsafePolicy(const MultirotorOptions& options);
 
-  /// A law answered, or the command of another one was taken over.
+  /// A law answered, or the command of another law was sent.
   void answered() noexcept;
 
   /// There is no command to hold: the next period without an answer is level.
@@ -30,11 +30,11 @@ class SafetyLadder {
   /// is held it is left alone.
   ControlStatus next(AttitudeCommand& command, const TiltAngles& trim) noexcept;
 
-  /// As next, past the rung that holds: the receiver has held the last command in the silence already.
+  /// As next, past the level that holds: the receiver has held the last command in the silence already.
   ControlStatus nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept;
 
-  /// Goes on on the rung where `other` is, with options of its own.
-  void takeOver(const SafetyLadder& other) noexcept {
+  /// Goes on at the level of `other`, with its own options.
+  void transferState(const FailsafePolicy& other) noexcept {
     has_command_ = other.has_command_;
     unanswered_ = other.unanswered_;
   }

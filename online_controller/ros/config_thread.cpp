@@ -1,4 +1,4 @@
-#include "online_controller_ros/background.hpp"
+#include "online_controller_ros/config_thread.hpp"
 
 #include <ros/ros.h>
 
@@ -11,19 +11,19 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kTick = 0.05;               // [s]
-constexpr int kTicksPerWrite = 20;           // of changed parameters to the master
-constexpr double kExchangePatience = 1.0;    // until a swap that was not taken is said to wait [s]
-constexpr double kExchangeInterval = 0.002;  // between two looks [s]
+constexpr double kTick = 0.05;           // [s]
+constexpr int kTicksPerWrite = 20;       // of changed parameters to the master
+constexpr double kSwapTimeout = 1.0;     // after which a swap is said to wait for a control period [s]
+constexpr double kSwapInterval = 0.002;  // between two looks [s]
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
-OptionTable tableOf(LawSetup& setup, const ForeignNames& names) {
+OptionTable tableOf(LawSetup& setup, const LegacyNames& names) {
   OptionTable table({"controller/control_period", "nonlinear/horizon", "nonlinear/period"});
   polyfly::visitOptions(setup.controller, table);
   polyfly::visitLinearTuning(setup.linear, table);
   polyfly::visitNonlinearOptions(setup.nonlinear, table);
   polyfly::visitMomentModel(setup.moments, table);
-  for (const ForeignName& name : names) table.alias(name);
+  for (const LegacyName& name : names) table.alias(name);
   return table;
 }
 
@@ -33,33 +33,31 @@ std::string joined(const std::array<std::string, 3>& paths) {
 
 }  // namespace
 
-Background::Background(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                       const LawSetup& setup, const ForeignNames& names, LawKeeper& keeper,
-                       FlightRecord& record)
+ConfigThread::ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                           const LawSetup& setup, const LegacyNames& names, ActiveLaws& laws,
+                           FlightRecord& record)
     : handle_(onQueue(handle, queue_)),
       private_handle_(onQueue(private_handle, queue_)),
       setup_(setup),
-      keeper_(keeper),
+      laws_(laws),
       record_(record),
       table_(tableOf(setup_, names)),
       bounds_(table_.bounds()),
       reconfigure_(
           private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return bakedIn(); }),
       display_(handle_),
-      diagnostics_(handle_, private_handle_, record, keeper),
-      swap_service_(handle_.advertiseService("swap_maps", &Background::onSwapMaps, this)),
-      tick_(handle_.createSteadyTimer(ros::WallDuration(kTick),
-                                      [this](const ros::SteadyTimerEvent&) { onTick(); })),
-      thread_(queue_, "mpc_background", {}) {}
+      diagnostics_(handle_, private_handle_, record, laws),
+      swap_service_(handle_.advertiseService("swap_maps", &ConfigThread::onSwapMaps, this)),
+      thread_(queue_, "mpc_config", {{}, [this] { onTick(); }, kTick}) {}
 
-void Background::apply() {
+void ConfigThread::apply() {
   if (record_.commands.load(std::memory_order_relaxed))
     bounds_.check(table_.values(), ros::SteadyTime::now().toSec());
-  workshop_.run([this] { keeper_.offer(setup_); });
+  laws_.stage(setup_);
   noteInForce();
 }
 
-void Background::noteInForce() {
+void ConfigThread::noteInForce() {
   if (record_.commands.load(std::memory_order_relaxed)) {
     bounds_.change(table_.values(), ros::SteadyTime::now().toSec());
   } else {
@@ -68,7 +66,7 @@ void Background::noteInForce() {
 }
 
 // The maps hold the solution for the values that they were solved with.
-std::string Background::bakedIn() const {
+std::string ConfigThread::bakedIn() const {
   if (setup_.sources->explicit_maps.empty()) return "no region maps are loaded";
   const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
   std::ostringstream text;
@@ -90,21 +88,18 @@ std::string Background::bakedIn() const {
   return text.str();
 }
 
-bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
-                            online_controller::SwapMaps::Response& response) {
+bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
+                              online_controller::SwapMaps::Response& response) {
   const FlightSnapshot* snapshot = record_.latest.read();
   std::array<double, 3> change{};
   try {
-    LawSetup next;
-    workshop_.run([&] {
-      next = withOtherMaps(setup_, request, snapshot, change);
-      keeper_.offer(next);  // throws before anything has changed
-    });
-    setup_ = next;  // the table keeps pointing into it
+    const LawSetup next = withOtherMaps(setup_, request, snapshot, change);
+    laws_.stage(next);  // throws before anything has changed
+    setup_ = next;      // the table keeps pointing into it
     noteInForce();
     response.success = 1;
     response.message =
-        joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForExchange();
+        joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForSwap();
     reconfigure_.hasChanged();
     ROS_INFO("region maps: %s", response.message.c_str());
   } catch (const polyfly::Error& error) {
@@ -116,14 +111,14 @@ bool Background::onSwapMaps(online_controller::SwapMaps::Request& request,
   return true;
 }
 
-std::string Background::waitForExchange() const {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kExchangePatience);
-  while (keeper_.waits() && ros::WallTime::now() < end) ros::WallDuration(kExchangeInterval).sleep();
-  return keeper_.waits() ? " (from the next control period on; there is none at present)" : "";
+std::string ConfigThread::waitForSwap() const {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kSwapTimeout);
+  while (laws_.pending() && ros::WallTime::now() < end) ros::WallDuration(kSwapInterval).sleep();
+  return laws_.pending() ? " (from the next control period on; there is none at present)" : "";
 }
 
-void Background::onTick() {
-  keeper_.collect();
+void ConfigThread::onTick() {
+  laws_.reclaim();
   const FlightSnapshot* snapshot = record_.latest.read();
   record_.show_paths.store(display_.isWatched(), std::memory_order_relaxed);
   record_.wanted.store(true, std::memory_order_relaxed);

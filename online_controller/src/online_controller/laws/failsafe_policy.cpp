@@ -1,27 +1,29 @@
-#include "online_controller/laws/safety_ladder.hpp"
+#include "online_controller/laws/failsafe_policy.hpp"
 
 #include <algorithm>
 
 namespace polyfly {
 
-SafetyLadder::SafetyLadder(const MultirotorOptions& options) : options_(options) { checkOptions(options); }
+FailsafePolicy::FailsafePolicy(const MultirotorOptions& options) : options_(options) {
+  checkOptions(options);
+}
 
-void SafetyLadder::answered() noexcept {
+void FailsafePolicy::answered() noexcept {
   has_command_ = true;
   unanswered_ = 0;
 }
 
-void SafetyLadder::forget() noexcept {
+void FailsafePolicy::forget() noexcept {
   has_command_ = false;
   unanswered_ = 0;
 }
 
-ControlStatus SafetyLadder::nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept {
+ControlStatus FailsafePolicy::nextInSilence(AttitudeCommand& command, const TiltAngles& trim) noexcept {
   unanswered_ = std::max(unanswered_, options_.hold_periods);
   return next(command, trim);
 }
 
-ControlStatus SafetyLadder::next(AttitudeCommand& command, const TiltAngles& trim) noexcept {
+ControlStatus FailsafePolicy::next(AttitudeCommand& command, const TiltAngles& trim) noexcept {
   if (!has_command_) unanswered_ = std::max(unanswered_, options_.hold_periods);
   const int level_until = options_.hold_periods + options_.level_periods;
   const int descend_until = level_until + options_.descend_periods;
@@ -33,7 +35,7 @@ ControlStatus SafetyLadder::next(AttitudeCommand& command, const TiltAngles& tri
   return unanswered_ <= descend_until ? ControlStatus::kDescend : ControlStatus::kStopped;
 }
 
-AttitudeCommand SafetyLadder::level(const TiltAngles& trim, double share) const noexcept {
+AttitudeCommand FailsafePolicy::level(const TiltAngles& trim, double share) const noexcept {
   AttitudeCommand command;
   command.roll = std::clamp(trim.roll, -options_.angle_max, options_.angle_max);
   command.pitch = std::clamp(trim.pitch, -options_.angle_max, options_.angle_max);

@@ -19,25 +19,25 @@ void limit(const MultirotorOptions& options, AttitudeCommand& command) noexcept 
 
 }  // namespace
 
-void MultirotorController::takeOver(const ControlLaw& from) noexcept {
+void MultirotorController::transferState(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const MultirotorController*>(&from);
   if (other == nullptr) return;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    axes_[i].takeOver(other->axes_[i]);
+    axes_[i].transferState(other->axes_[i]);
     inputs_[i] = other->inputs_[i];
     // Those of a minimum-peak robust MPC are held; for the others see inputOffsets().
     if (axes_[i].problem().minimum_peak)
       inputs_[i] = std::clamp(inputs_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
-  trim_.takeOver(other->trim_);
+  trim_.transferState(other->trim_);
   report_ = other->report_;
   limit(options_, report_.command);
   applied_ = other->applied_;
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  ladder_.takeOver(other->ladder_);
-  integrator_.takeOver(other->integrator_);
+  failsafe_.transferState(other->failsafe_);
+  integrator_.transferState(other->integrator_);
 }
 
 double MultirotorController::kktResidual() const noexcept {
@@ -46,36 +46,36 @@ double MultirotorController::kktResidual() const noexcept {
   return worst;
 }
 
-void NonlinearController::takeOver(const ControlLaw& from) noexcept {
+void NonlinearController::transferState(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const NonlinearController*>(&from);
   if (other == nullptr) return;
-  observer_.takeOver(other->observer_);
-  trim_.takeOver(other->trim_);
+  observer_.transferState(other->observer_);
+  trim_.transferState(other->trim_);
   report_ = other->report_;
   limit(options_, report_.command);
   yaw_ = other->yaw_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  ladder_.takeOver(other->ladder_);
-  integrator_.takeOver(other->integrator_);
+  failsafe_.transferState(other->failsafe_);
+  integrator_.transferState(other->integrator_);
   prepared_ = false;
   // One that was prepared is shifted to the next sample already, and begins anew.
-  iterating_ = other->iterating_ && !other->prepared_ && mpc_.takeOver(other->mpc_);
+  iterating_ = other->iterating_ && !other->prepared_ && mpc_.transferState(other->mpc_);
   if (!iterating_) return;
   std::copy(other->stages_.begin(), other->stages_.end(), stages_.begin());
   std::copy(other->references_.begin(), other->references_.end(), references_.begin());
   std::copy(other->preview_.begin(), other->preview_.end(), preview_.begin());
 }
 
-void LawSwitch::takeOver(const ControlLaw& from) noexcept {
+void LawSwitch::transferState(const ControlLaw& from) noexcept {
   const auto* other = dynamic_cast<const LawSwitch*>(&from);
   if (other == nullptr) return;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->takeOver(*other->laws_[i]);
+    if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->transferState(*other->laws_[i]);
   }
   if (has(other->active_)) active_ = other->active_;
-  behind_ = other->behind_;
-  followed_ = other->followed_;
+  inactive_behind_ = other->inactive_behind_;
+  last_state_ = other->last_state_;
   sent_ = other->sent_;
 }
 

@@ -1,53 +1,50 @@
-// The baton between threads that must not wait and one that may.
+// The lock between threads that must not wait and one that may.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <atomic>
+#include <mutex>
 #include <thread>
 
-#include "online_controller/realtime/baton.hpp"
+#include "online_controller/realtime/try_lock.hpp"
 
 namespace polyfly {
 namespace {
 
-TEST(Baton, IsItsMakersUntilGivenAndNobodyGetsItTwice) {
-  Baton baton;
-  EXPECT_FALSE(baton.tryTake());
-  baton.give();
-  EXPECT_TRUE(baton.tryTake());
-  EXPECT_FALSE(baton.tryTake());
-  baton.give();
+TEST(TryLock, HasOneOwnerAtATime) {
+  TryLock lock;
+  EXPECT_TRUE(lock.try_lock());
+  EXPECT_FALSE(lock.try_lock());
+  lock.unlock();
   {
-    const BatonHold hold(&baton);
-    EXPECT_FALSE(baton.tryTake());
-    const BatonHold none(nullptr);
+    const std::lock_guard<TryLock> guard(lock);
+    EXPECT_FALSE(lock.try_lock());
   }
-  EXPECT_TRUE(baton.tryTake());
+  EXPECT_TRUE(lock.try_lock());
 }
 
-// What it guards is no atomic: two holders at once, or one who does not see what the last one wrote, give a
+// What it guards is no atomic. Two owners at once, or one that does not see what the last one wrote, give a
 // wrong sum here and a report of the thread sanitizer.
-TEST(Baton, OneHolderAtATimeSeesWhatTheLastOneDid) {
+TEST(TryLock, AnOwnerSeesWhatTheLastOneWrote) {
   constexpr int kTries = 200000, kTurns = 2000;
-  Baton baton;
+  TryLock lock;
   long guarded = 0;
   std::array<long, 2> taken{};
   std::atomic<bool> begun{false};
   const auto hurry = [&](long& mine) {
     for (int i = 0; i < kTries || mine == 0; ++i) {
       begun = true;
-      if (!baton.tryTake()) continue;
+      if (!lock.try_lock()) continue;
       ++mine;
       ++guarded;
-      baton.give();
+      lock.unlock();
     }
   };
   std::thread first([&] { hurry(taken[0]); });
   std::thread second([&] { hurry(taken[1]); });
   while (!begun) std::this_thread::yield();
-  baton.give();
   for (int i = 0; i < kTurns; ++i) {
-    const BatonHold hold(&baton);
+    const std::lock_guard<TryLock> guard(lock);
     ++guarded;
   }
   first.join();

@@ -1,4 +1,4 @@
-#include "online_controller_ros/foreign_parameters.hpp"
+#include "online_controller_ros/legacy_parameters.hpp"
 
 #include <ros/param.h>
 
@@ -86,7 +86,7 @@ constexpr Pair kLinear[] = {
 };
 
 // Those that are not the same number.
-const ForeignName kLinearLimits[] = {
+const LegacyName kLinearLimits[] = {
     {"roll_max", "linear/roll_command_min", -1.0},
     {"pitch_max", "linear/pitch_command_min", -1.0},
     {"roll_max", "controller/angle_max", 1.0, 0.0, true},
@@ -108,8 +108,8 @@ constexpr Pair kNonlinear[] = {
 };
 
 /// Every number of theirs that is one of ours.
-ForeignNames namesOf(const std::string& law, double gravity) {
-  ForeignNames names;
+LegacyNames namesOf(const std::string& law, double gravity) {
+  LegacyNames names;
   const auto add = [&](const auto& pairs) {
     for (const Pair& pair : pairs) names.push_back({pair.theirs, pair.ours});
   };
@@ -126,14 +126,14 @@ ForeignNames namesOf(const std::string& law, double gravity) {
   return names;
 }
 
-constexpr const char* kAdopted = "adopted/";  // below it stands what ours were set to
+constexpr const char* kImported = "adopted/";  // below it stands what ours were set to
 
-class Adoption {
+class LegacyImport {
  public:
-  explicit Adoption(const ros::NodeHandle& handle) : handle_(handle) {}
+  explicit LegacyImport(const ros::NodeHandle& handle) : handle_(handle) {}
 
   /// Where theirs is a number that counts, ours is set, unless it was.
-  void number(const ForeignName& name) {
+  void number(const LegacyName& name) {
     double value = 0.0;
     if (read(name.theirs, value, "a number")) set(name.theirs, name.ours, name.toOurs(value));
   }
@@ -173,11 +173,11 @@ class Adoption {
     taken_.insert(theirs);
     if (!settled_.insert(ours).second) return;
     if (handle_.hasParam(ours)) {
-      Value adopted{};
-      if (!handle_.getParam(kAdopted + ours, adopted) || adopted == value) return;
+      Value imported{};
+      if (!handle_.getParam(kImported + ours, imported) || imported == value) return;
     }
     handle_.setParam(ours, value);
-    handle_.setParam(kAdopted + ours, value);
+    handle_.setParam(kImported + ours, value);
     text_ += (text_.empty() ? "" : ", ") + theirs + " -> " + ours;
   }
 
@@ -188,7 +188,7 @@ class Adoption {
 };
 
 /// What of theirs stands there and was not taken, each reason once, in the order of the table.
-std::vector<std::string> unread(const ros::NodeHandle& handle, const Adoption& adoption) {
+std::vector<std::string> unread(const ros::NodeHandle& handle, const LegacyImport& importer) {
   std::vector<std::string> names;
   ros::param::getParamNames(names);
   const std::string space = handle.getNamespace() + "/";
@@ -198,7 +198,7 @@ std::vector<std::string> unread(const ros::NodeHandle& handle, const Adoption& a
     for (const std::string& name : names) {
       if (name.compare(0, space.size(), space) != 0) continue;
       const std::string theirs = name.substr(space.size());
-      if (!fits(theirs, entry.theirs) || adoption.took(theirs)) continue;
+      if (!fits(theirs, entry.theirs) || importer.took(theirs)) continue;
       if (reason == entry.why) {
         said.back().insert(said.back().find(':'), ", " + theirs);
       } else {
@@ -212,22 +212,22 @@ std::vector<std::string> unread(const ros::NodeHandle& handle, const Adoption& a
 
 }  // namespace
 
-ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, const std::string& law) {
-  ForeignParameters result;
-  Adoption adoption(private_handle);
+LegacyParameters importLegacyParameters(const ros::NodeHandle& private_handle, const std::string& law) {
+  LegacyParameters result;
+  LegacyImport importer(private_handle);
   if (!private_handle.hasParam("law")) private_handle.setParam("law", law);
   // The greater of the two limits what is sent; the linear law keeps each of them in its problem.
   double roll_max = 0.0, pitch_max = 0.0;  // no numbers are refused below
   if (private_handle.getParam("roll_max", roll_max) && private_handle.getParam("pitch_max", pitch_max))
-    adoption.number({roll_max > pitch_max ? "roll_max" : "pitch_max", "controller/angle_max"});
+    importer.number({roll_max > pitch_max ? "roll_max" : "pitch_max", "controller/angle_max"});
   const double gravity = private_handle.param("vehicle/gravity", polyfly::MultirotorOptions{}.gravity);
   result.names = namesOf(law, gravity);
-  for (const ForeignName& name : result.names) adoption.number(name);
+  for (const LegacyName& name : result.names) importer.number(name);
   const std::array<const char*, 3> drag{"nonlinear/drag_x", "nonlinear/drag_y", "nonlinear/drag_z"};
-  adoption.vector("drag_coefficients", drag);
-  adoption.vector("linear_drag_coefficients", drag);
+  importer.vector("drag_coefficients", drag);
+  importer.vector("linear_drag_coefficients", drag);
   for (const Pair& pair : kFlags) {
-    adoption.flag(pair.theirs, pair.ours);
+    importer.flag(pair.theirs, pair.ours);
     result.names.push_back({pair.theirs, pair.ours});
   }
   if (law != "linear") {
@@ -238,8 +238,8 @@ ForeignParameters adoptForeignParameters(const ros::NodeHandle& private_handle, 
   // It sends nothing before a flight begins.
   if (!private_handle.hasParam("control_interface/idle_publishes"))
     private_handle.setParam("control_interface/idle_publishes", false);
-  result.taken = adoption.text();
-  result.unread = unread(private_handle, adoption);
+  result.taken = importer.text();
+  result.unread = unread(private_handle, importer);
   return result;
 }
 
