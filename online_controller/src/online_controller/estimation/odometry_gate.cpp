@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "online_controller/types/sane.hpp"
+#include "online_controller/types/valid.hpp"
 
 namespace polyfly {
 namespace {
@@ -69,7 +69,7 @@ bool OdometryGate::isElsewhere() const noexcept {
 }
 
 OdometryGate::Verdict OdometryGate::check(const VehicleState& state) noexcept {
-  if (!isSane(state)) return {ControlReason::kNotFinite, false};
+  if (!isValid(state)) return {ControlReason::kNotFinite, false};
   if (repeat_.repeats(state, options_.repeat_time)) return {ControlReason::kStale, false};
   ControlReason refusal = started_ ? compare(last_, state) : ControlReason::kNone;
   const bool turned = started_ && hasTurned(led_, state);

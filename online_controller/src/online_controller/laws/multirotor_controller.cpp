@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "online_controller/reference/yaw_rate.hpp"
-#include "online_controller/types/sane.hpp"
+#include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -141,13 +141,13 @@ void MultirotorController::reset() noexcept {
 const ControlReport& MultirotorController::step(const VehicleState& state,
                                                 const Reference& reference) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!isSane(state)) {
+  if (!isValid(state)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
   const Measured measured = measure(state);
   observe(state, measured);
-  if (!isSane(reference)) {
+  if (!isValid(reference)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
@@ -251,7 +251,7 @@ MultirotorController::Measured MultirotorController::measure(const VehicleState&
 }
 
 void MultirotorController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
-  if (!isSane(state)) return;
+  if (!isValid(state)) return;
   const Measured measured = measure(state);
   observe(state, measured);
   clock_.reset();

@@ -5,7 +5,7 @@
 
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/attitude.hpp"
-#include "online_controller/types/sane.hpp"
+#include "online_controller/types/valid.hpp"
 
 namespace polyfly {
 namespace {
@@ -89,13 +89,13 @@ void NonlinearController::reset() noexcept {
 
 const ControlReport& NonlinearController::step(const VehicleState& state, const Reference* preview) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!isSane(state)) {
+  if (!isValid(state)) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   const int periods = observe(state, angles);
-  if (!std::all_of(preview, preview + previewLength(), [](const Reference& r) { return isSane(r); })) {
+  if (!std::all_of(preview, preview + previewLength(), [](const Reference& r) { return isValid(r); })) {
     withoutAnswer(ControlReason::kNotFinite);
     return report_;
   }
@@ -333,7 +333,7 @@ const ControlReport& NonlinearController::onSilence(double now) noexcept {
 }
 
 void NonlinearController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
-  if (!isSane(state)) return;
+  if (!isValid(state)) return;
   observe(state, eulerAngles(state.attitude.normalized()));
   report_.command = sent;
   failsafe_.answered();

@@ -6,7 +6,7 @@ namespace polyfly {
 
 /// Finite, of a magnitude below 1e6, and with a quaternion of unit length within 5 %. Large finite numbers
 /// would poison an observer as surely as NaN does.
-bool isSane(const VehicleState& state) noexcept;
-bool isSane(const Reference& reference) noexcept;
+bool isValid(const VehicleState& state) noexcept;
+bool isValid(const Reference& reference) noexcept;
 
 }  // namespace polyfly
