@@ -59,6 +59,7 @@ class Dictionary {
   /// coordinates are the centre and then the radius. Stands at the largest ball of the box, which no ball
   /// that the other rows allow exceeds; their slacks may be negative.
   void startInBox(const double* rows, int count) {
+    static_assert(N > 1, "a ball has a radius and at least one coordinate");
     prepare(count);
     size_ = 0;
     for (int j = 0; j < N; ++j) {

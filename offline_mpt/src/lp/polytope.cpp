@@ -81,8 +81,22 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return false;
   }
 
-  // The dual simplex: what the rows looked at so far allow bounds the radius from above.
+  // A ball has a radius and at least one coordinate.
   Ball ballInBox(const double* rows, int count, double* ball) override {
+    if constexpr (N > 1) {
+      return largestBall(rows, count, ball);
+    } else {
+      return Ball::kFailed;
+    }
+  }
+
+  unsigned long long pivots() const override { return dictionary_.pivots(); }
+
+ private:
+  static constexpr int kDualPivotLimit = 40 * (N + 1);
+
+  // The dual simplex: what the rows looked at so far allow bounds the radius from above.
+  Ball largestBall(const double* rows, int count, double* ball) {
     dictionary_.startInBox(rows, count);
     for (int round = 0; round < kDualPivotLimit; ++round) {
       const int place = dictionary_.worstPlace(kShort);
@@ -99,11 +113,6 @@ class KernelOf final : public PolytopeSolver::Kernel {
     }
     return Ball::kFailed;
   }
-
-  unsigned long long pivots() const override { return dictionary_.pivots(); }
-
- private:
-  static constexpr int kDualPivotLimit = 40 * (N + 1);
 
   // Along which the row grows while the radius, the last coordinate, falls least.
   int enteringColumn(const typename Dictionary<N>::Row& row) const {
