@@ -170,7 +170,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
       open.push_back(static_cast<std::uint32_t>(checks.size()));
       checks.push_back(std::move(slivers[k]));
     }
-    if (!open.empty()) open.insert(open.end(), again.begin(), again.end());
+    if (!open.empty()) std::copy(again.begin(), again.end(), std::back_inserter(open));
   }
   return !context.stopped();
 }
