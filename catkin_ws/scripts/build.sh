@@ -1,12 +1,6 @@
 # shellcheck shell=bash
 # The two builds: plain CMake for the tools and the tests without ROS, catkin for everything.
 
-planBuild() {
-  plan configure 5
-  planBuilding "$1" "$2" release
-  planBuilding catkin 120 catkin/build
-}
-
 configurePreset() { cmake --preset "$1" -DPython3_EXECUTABLE=/usr/bin/python3; }
 buildPreset() { cmake --build --preset "$1" --parallel "$(jobs_at_once)" --target "${@:2}"; }
 
@@ -37,7 +31,7 @@ linkRosTools() {
   done
 }
 
-# buildAll TARGET STEP: the plain target (tools or all) and the workspace.
+# buildAll TARGET STEP: the plain target (tools or all) and the workspace, in three steps.
 buildAll() {
   own bin
   own release
@@ -60,9 +54,7 @@ inWorkspace() {
 }
 
 buildCommand() {
-  planInstall run
-  planBuild tools 60
-  requirePackages run
+  startCommand 3 run
   buildAll tools tools
   say "Built. The tools are in build/bin: $(ls build/bin | tr '\n' ' ')"
   say "For ROS: source build/catkin/devel/setup.bash"
@@ -91,10 +83,7 @@ catkinIsolated() {
 
 # The workspaces of users: one that links the packages, from source alone; and one with a copy of them.
 workspaceCommand() {
-  planInstall run workspace
-  planBuilding workspace 300 workspace/build
-  plan isolated 120
-  requirePackages run workspace
+  startCommand 2 run workspace
   own workspace
   step workspace "building the catkin workspace from source alone" catkinMake build/workspace
   step isolated "seeing that each package of a copy finds its siblings in a build of its own" catkinIsolated

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What the commands of ./run share: folders they own, steps with the time left, logs.
+# What the commands of ./run share: folders they own, steps, logs.
 
 # Debian's own tools come first: another python3 on PATH would hide the ROS modules.
 export PATH="/usr/bin:/bin:$PATH"
@@ -55,31 +55,14 @@ jobs_at_once() {
   echo $((cores < fit ? cores : fit))
 }
 
-# Steps of the running command: plan them all first, then run them in the same order.
-step_names=()
-step_seconds=()
-step_keys=()
-step_index=0
+# Steps of the running command: how many there are, and which is next.
+step_count=0 step_index=1
 
-# plan NAME SECONDS [KEY]: a step that will take about SECONDS on two cores; what it took here last time counts
-# more. Times are remembered under KEY, so that building anew and bringing up to date do not mix.
-plan() {
-  local last="" key=${3:-$1}
-  if [ -f build/.run/times ]; then
-    last=$(awk -v key="$key" '$1 == key {seconds = $2} END {print seconds}' build/.run/times)
-  fi
-  step_names+=("$1")
-  step_seconds+=("${last:-$2}")
-  step_keys+=("$key")
-}
-
-# planBuilding NAME SECONDS FOLDER: a step that takes long only where build/FOLDER was not built before.
-planBuilding() {
-  if [ -f "build/$3/build.ninja" ]; then
-    plan "$1" 5 "$1-again"
-  else
-    plan "$1" "$2"
-  fi
+# startCommand STEPS KIND...: a command of so many steps, which needs these kinds of packages.
+startCommand() {
+  step_count=$1
+  shift
+  requirePackages "$@"
 }
 
 # doing NAME: the last line of a step's log that counts what it does, as "[3/40] ...".
@@ -87,46 +70,15 @@ doing() {
   tail -c 4000 "build/.run/log/$1.log" 2> /dev/null | tr '\r' '\n' | grep -E '^\[[0-9]+/[0-9]+\]' | tail -n 1 || true
 }
 
-# ownSecondsLeft NAME SPENT: of the running step, as its log says ("(about 40 s left)" ends the counting line), or by
-# the count there, or else by what was planned.
-ownSecondsLeft() {
-  local line count
-  line=$(doing "$1")
-  count=$(grep -Eo '^\[[0-9]+/[0-9]+\]' <<< "$line" | tr -d '[]') || true
-  if [[ "$line" =~ \(about\ ([0-9]+)\ s\ left\)$ ]]; then
-    echo "${BASH_REMATCH[1]}"
-  elif [ -n "$count" ] && [ "${count%/*}" -ge 3 ]; then
-    echo $(($2 * (${count#*/} - ${count%/*}) / ${count%/*}))
-  elif [ "$2" -lt "${step_seconds[step_index]}" ]; then
-    echo $((step_seconds[step_index] - $2))
-  else
-    echo 5
-  fi
-}
-
-# timeLeft NAME SPENT: seconds left of the command, when the running step has run for SPENT seconds.
-timeLeft() {
-  local left i
-  left=$(ownSecondsLeft "$1" "$2")
-  for ((i = step_index + 1; i < ${#step_names[@]}; ++i)); do
-    left=$((left + step_seconds[i]))
-  done
-  echo "$left"
-}
-
-# step NAME TEXT COMMAND...: runs the command of a planned step with its output in build/.run/log/NAME.log,
-# tells how long is left now and then, and shows the end of the log when it fails.
+# step NAME TEXT COMMAND...: runs the next step with its output in build/.run/log/NAME.log, tells now and then what it
+# does, and shows the end of the log when it fails.
 step() {
-  local name=$1 text=$2 started now status=0
+  local name=$1 text=$2 started status=0
   shift 2
-  while [ "$step_index" -lt "${#step_names[@]}" ] && [ "${step_names[$step_index]}" != "$name" ]; do
-    step_index=$((step_index + 1))
-  done
-  [ "$step_index" -lt "${#step_names[@]}" ] || plan "$name" 0
   mkdir -p build/.run/log
   rm -f "build/.run/log/$name.log"
-  started=$(date +%s)
-  say "[$((step_index + 1))/${#step_names[@]}] $text (about $(timeLeft "$name" 0) s left)"
+  started=$SECONDS
+  say "[$step_index/$step_count] $text"
   set -m  # a process group of its own, so that an interruption reaches all that it started
   "$@" > "build/.run/log/$name.log" 2>&1 < /dev/null 9>&- &
   step_pid=$!
@@ -134,8 +86,7 @@ step() {
   (
     trap 'kill $! 2> /dev/null; exit' TERM
     while sleep 15 & wait $!; do
-      say "      $name: $(($(date +%s) - started)) s so far, about $(timeLeft "$name" $(($(date +%s) - started))) s left" \
-        "  $(doing "$name" | sed 's/ (about.*//' | cut -c 1-80)"
+      say "      $name: $((SECONDS - started)) s so far  $(doing "$name" | cut -c 1-80)"
     done
   ) 9>&- &
   ticker_pid=$!
@@ -143,13 +94,11 @@ step() {
   step_pid=""
   kill "$ticker_pid" 2> /dev/null || true
   wait "$ticker_pid" 2> /dev/null || true
-  now=$(date +%s)
   if [ "$status" -ne 0 ]; then
     tail -n 60 "build/.run/log/$name.log" >&2
     say "run: the step '$name' failed ($text); its whole output is in build/.run/log/$name.log" >&2
     return "$status"
   fi
-  echo "${step_keys[step_index]} $((now - started))" >> build/.run/times
   step_index=$((step_index + 1))
 }
 

@@ -2,12 +2,7 @@
 # ./run demo: the main job, from a fresh machine to a report of a flight.
 
 demoCommand() {
-  planInstall run
-  planBuild tools 60
-  plan maps 10
-  plan flight 20
-  plan report 10
-  requirePackages run
+  startCommand 6 run
   buildAll tools tools
   own demo
   step maps "solving the region maps of the three axes" solveAxes

@@ -19,7 +19,7 @@ installPackages() {
   "${as_root[@]}" apt-get install -q -y --no-install-recommends "$@"
 }
 
-# requirePackages KIND...: installs what is missing, or says what to do. Plan the step "install" before.
+# requirePackages KIND...: installs what is missing, as a step more, or says what to do.
 requirePackages() {
   local -a missing
   command -v dpkg-query > /dev/null || die "this needs Debian 12 (no dpkg found here)."
@@ -32,18 +32,11 @@ requirePackages() {
       die "these packages are missing, and installing them needs root or sudo: ${missing[*]}"
     sudo -v || die "installing the missing packages needs root: ${missing[*]}"
   fi
+  step_count=$((step_count + 1))
   step install "installing ${#missing[@]} Debian packages and what they depend on" installPackages "${missing[@]}"
 }
 
-# planInstall KIND...: plans the step only where something is missing.
-planInstall() {
-  if [ -n "$(missingPackages "$@" 2> /dev/null)" ]; then
-    plan install 90
-  fi
-}
-
 installCommand() {
-  planInstall run
-  requirePackages run
+  startCommand 0 run
   say "Everything needed is installed."
 }

@@ -10,12 +10,7 @@ clangTidy() { configurePreset clang && python3 catkin_ws/scripts/tidy.py build/c
 
 # lintCommand [PATH...]: all, or the format and clang-tidy's findings below these.
 lintCommand() {
-  planInstall run lint
-  plan format 5
-  plan names 1
-  [ $# -gt 0 ] || planBuilding clang 120 clang
-  plan tidy 30
-  requirePackages run lint
+  startCommand $(($# > 0 ? 3 : 4)) run lint
   own clang
   own tidy
   step format "checking the formatting" checkFormat "$@"

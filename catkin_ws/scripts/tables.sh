@@ -28,14 +28,12 @@ showRows() {
 }
 
 benchCommand() {
-  local name
-  planInstall run
-  planBuild tools 60
-  for name in $(namesOrAll bench "${1:-}"); do plan "bench_$name" 30; done
-  requirePackages run
+  local name names
+  names=$(namesOrAll bench "${1:-}")
+  startCommand $((3 + $(wc -w <<< "$names"))) run
   buildAll tools tools
   own bench
-  for name in $(namesOrAll bench "${1:-}"); do
+  for name in $names; do
     rm -f "build/bench/$name.json" "build/bench/$name.txt"
     step "bench_$name" "measuring: $name" runScript bench "$name"
     showRows "build/bench/$name"
@@ -43,14 +41,12 @@ benchCommand() {
 }
 
 experimentsCommand() {
-  local name
-  planInstall run
-  planBuild tools 60
-  for name in $(namesOrAll experiments "${1:-}"); do plan "experiment_$name" 30; done
-  requirePackages run
+  local name names
+  names=$(namesOrAll experiments "${1:-}")
+  startCommand $((3 + $(wc -w <<< "$names"))) run
   buildAll tools tools
   own experiments
-  for name in $(namesOrAll experiments "${1:-}"); do
+  for name in $names; do
     mkdir -p "build/experiments/$name"
     step "experiment_$name" "experiment: $name" runScript experiments "$name"
     [ -s "build/experiments/$name/summary.json" ] && [ -s "build/experiments/$name/report/index.html" ] ||

@@ -35,12 +35,7 @@ runCheck() {
 }
 
 testCommand() {
-  planInstall run
-  planBuild all 150
-  plan tests 60
-  plan rostests 170
-  plan readme 60
-  requirePackages run
+  startCommand 6 run
   buildAll all all
   own demo
   step tests "running the tests" runTests release
@@ -51,12 +46,7 @@ testCommand() {
 }
 
 sanitizeCommand() {
-  planInstall run
-  planBuilding asan_build 300 asan
-  planBuilding tsan_build 60 tsan
-  plan asan_tests 90
-  plan tsan_tests 30
-  requirePackages run
+  startCommand 4 run
   own asan
   own tsan
   step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all

@@ -16,7 +16,6 @@ import re
 import shlex
 import subprocess
 import sys
-import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
@@ -84,7 +83,7 @@ def main(build, notes, paths):
     noted = {entry["file"]: os.path.join(notes, key(entry, version)) for entry in todo}
     files = [file for file, note in noted.items() if not os.path.exists(note)]
     print("%d of %d files are as they were when they were found clean" % (len(noted) - len(files), len(noted)), flush=True)
-    start, bad = time.monotonic(), []
+    bad = []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         running = {pool.submit(look, notes, file): file for file in files}
         for done, future in enumerate(concurrent.futures.as_completed(running), 1):
@@ -95,8 +94,7 @@ def main(build, notes, paths):
             else:
                 bad.append(file)
                 print(answer.stdout, flush=True)
-            left = (time.monotonic() - start) / done * (len(files) - done)
-            print("[%d/%d] %s (about %d s left)" % (done, len(files), os.path.relpath(file, ROOT), left), flush=True)
+            print("[%d/%d] %s" % (done, len(files), os.path.relpath(file, ROOT)), flush=True)
     for file in sorted(bad):
         print("found something in", os.path.relpath(file, ROOT))
     return 1 if bad else 0
