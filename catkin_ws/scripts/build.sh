@@ -13,7 +13,7 @@ catkinMake() {
   ln -sfn /usr/share/catkin/cmake/toplevel.cmake "$folder/src/CMakeLists.txt"
   ln -sfn ../../../catkin_ws/src "$folder/src/polyfly"
   catkin_make -C "$folder" --use-ninja --no-color -DPYTHON_EXECUTABLE=/usr/bin/python3 \
-    -DCMAKE_BUILD_TYPE=Release -DPOLYFLY_WERROR=ON "-j$(jobs_at_once)" -l1000 "$@"
+    -DCMAKE_BUILD_TYPE=Release "-DPOLYFLY_WERROR=${POLYFLY_WERROR:-}" "-j$(jobs_at_once)" -l1000 "$@"
 }
 
 # catkinBuild TARGET...: with the libraries and tools that the plain build has made.

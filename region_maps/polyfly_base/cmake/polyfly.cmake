@@ -108,7 +108,7 @@ function(polyfly_test name)
   endif()
 endfunction()
 
-# polyfly_warnings(TARGET): the project's warnings, as errors where POLYFLY_WERROR is on.
+# polyfly_warnings(TARGET): the project's warnings, as errors where POLYFLY_WERROR is on (.ci/run, ./run lint).
 function(polyfly_warnings name)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
   if(POLYFLY_WERROR)
