@@ -85,6 +85,46 @@ class Install(TreeCase):
         self.assertFalse(os.path.exists(self.path("called")))
 
 
+    def test_says_what_to_do_on_another_system(self):
+        os_release = r"""[ "$1" = /etc/os-release ] && printf 'ID=%s\nVERSION_ID="%s"\n' NAME NUMBER || command cat "$@";"""
+        for name, number, fits in (("debian", "12", True), ("debian", "13", True), ("debian", "11", False),
+                                   ("ubuntu", "24.04", False)):
+            functions = {"dpkg-query": ":;", "id": "echo 0;", "apt-get": "touch called;",
+                         "cat": os_release.replace("NAME", name).replace("NUMBER", number)}
+            result = run(self.tree, "install", functions=functions)
+            self.assertEqual(result.returncode, 0 if fits else 1, result.stderr)
+            self.assertEqual(os.path.exists(self.path("called")), fits)
+            if fits:
+                os.remove(self.path("called"))
+                continue
+            self.assertIn(f"this system is '{name} {number}'", result.stderr)
+            for way in ("container", "virtual machine", "cmake --preset release"):
+                self.assertIn(way, result.stderr)
+
+
+class MovedTree(TreeCase):
+    def configured(self, folder, place):
+        os.makedirs(self.path("build", folder), exist_ok=True)
+        os.makedirs(self.path("build", ".run"), exist_ok=True)
+        with open(self.path("build", folder, "CMakeCache.txt"), "w") as file:
+            file.write(f"CMAKE_CACHEFILE_DIR:INTERNAL={place}\n")
+        with open(self.path("build", ".run", "made"), "a") as file:
+            file.write(folder.split("/")[0] + "\n")
+
+    def test_asks_for_clean_in_a_tree_that_was_moved_or_copied(self):
+        nothing_missing = {"comm": ":;"}
+        self.configured("release", self.path("build", "release"))
+        self.assertEqual(run(self.tree, "install", functions=nothing_missing).returncode, 0)
+        for folder in ("catkin/build", "isolated/build/mpc_core"):
+            self.configured(folder, os.path.join(ROOT, "build"))
+            result = run(self.tree, "install", functions=nothing_missing)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("moved or copied", result.stderr)
+            self.assertIn("./run clean", result.stderr)
+            self.assertEqual(run(self.tree, "clean").returncode, 0)
+            self.assertEqual(run(self.tree, "install", functions=nothing_missing).returncode, 0)
+
+
 class Clean(TreeCase):
     def test_removes_what_it_made_and_nothing_else(self):
         for folder in ("build/demo", "build/mine", "build/.run"):

@@ -31,15 +31,28 @@ takeLock() {
   export POLYFLY_RUN_LOCKED=1
 }
 
+# madeFolders: the names of the folders below build that are ours.
+madeFolders() { [ ! -f build/.run/made ] || sort -u build/.run/made | grep . || true; }
+
+# refuseMovedTree: CMake builds only where it was configured.
+refuseMovedTree() {
+  local name cache place
+  while read -r name; do
+    for cache in build/"$name"/{,build/,build/*/}CMakeCache.txt; do
+      [ -f "$cache" ] || continue
+      place=$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$cache")
+      [ "$place" -ef "${cache%/*}" ] ||
+        die "this tree was moved or copied after it was built in $place. Run \`./run clean\` first, then build again."
+    done
+  done < <(madeFolders)
+}
+
 cleanCommand() {
   local name
-  if [ -f build/.run/made ]; then
-    while read -r name; do
-      [ -n "$name" ] || continue
-      say "removing build/$name"
-      rm -rf "build/$name"
-    done < <(sort -u build/.run/made)
-  fi
+  while read -r name; do
+    say "removing build/$name"
+    rm -rf "build/$name"
+  done < <(madeFolders)
   rm -rf build/.run
   rmdir build 2> /dev/null || true
   say "Clean."
