@@ -243,6 +243,14 @@ class Workspace(unittest.TestCase):
             self.assertEqual(package.findtext("name"), name)
             self.assertEqual(package.findtext("license"), "BSD-3-Clause")
 
+    def test_manifests_have_the_version_of_the_project(self):
+        with open(os.path.join(ROOT, "region_maps", "polyfly_base", "include", "polyfly_base", "version.hpp")) as file:
+            version = re.search(r'kVersion\[\] = "([0-9.]+)"', file.read()).group(1)
+        packages = set(os.listdir(os.path.join(ROOT, "catkin_ws", "src"))) - {"CMakeLists.txt"}
+        for name in packages - {"mav_msgs", "mavros_msgs"}:  # these have the version of what they restate
+            package = xml.parse(os.path.join(ROOT, "catkin_ws", "src", name, "package.xml")).getroot()
+            self.assertEqual(package.findtext("version"), version, name)
+
 
 class Tidy(TreeCase):
     """tidy.py with a clang-tidy that notes what it is asked, and complains of a file that says so."""

@@ -26,11 +26,12 @@ void say(const std::string& name, std::string text) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), text.c_str());
 }
 
-/// False where --help is asked for.
-bool read(const Tool& tool, int argc, char** argv, Arguments& arguments) {
+/// What --help or --version prints, or the arguments are read and it is empty.
+std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) {
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
-    if (word == "--help") return false;
+    if (word == "--help") return tool.usage;
+    if (word == "--version") return tool.name + " " + tool.version + "\n";
     const bool option = std::find(tool.options.begin(), tool.options.end(), word) != tool.options.end();
     if (!option && !word.empty() && word[0] == '-') throw BadUsage(shown(word) + " is no option");
     if (!option && arguments.count("") != 0) throw BadUsage(shown(word) + ": one file is checked at a time");
@@ -38,7 +39,7 @@ bool read(const Tool& tool, int argc, char** argv, Arguments& arguments) {
     arguments[option ? word : ""] = argv[k];
   }
   if (arguments.count("") == 0 || arguments[""].empty()) throw BadUsage("the file to check is missing");
-  return true;
+  return "";
 }
 
 }  // namespace
@@ -59,7 +60,8 @@ unsigned long long wholeNumber(const std::string& option, const std::string& tex
 int run(const Tool& tool, int argc, char** argv, const std::function<void(const Arguments&)>& check) {
   Arguments arguments;
   try {
-    if (!read(tool, argc, argv, arguments)) return std::fputs(tool.usage.c_str(), stdout) < 0 ? kRefused : 0;
+    const std::string answer = read(tool, argc, argv, arguments);
+    if (!answer.empty()) return std::fputs(answer.c_str(), stdout) < 0 ? kRefused : 0;
     check(arguments);
     return 0;
   } catch (const BadUsage& error) {

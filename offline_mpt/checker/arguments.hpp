@@ -19,6 +19,7 @@ using Arguments = std::map<std::string, std::string>;
 
 struct Tool {
   std::string name;
+  std::string version;
   std::string usage;                 ///< what --help prints
   std::vector<std::string> options;  ///< each takes a value
 };

@@ -6,6 +6,7 @@
 #include "arguments.hpp"
 #include "certificate.hpp"
 #include "polyfly_base/out_of_memory.hpp"
+#include "polyfly_base/version.hpp"
 #include "reduction.hpp"
 
 namespace {
@@ -53,6 +54,7 @@ void confirm(const checker::Arguments& arguments) {
 
 int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("check_certificate");
-  return checker::run({"check_certificate", kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
-                      confirm);
+  return checker::run(
+      {"check_certificate", polyfly::kVersion, kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
+      confirm);
 }

@@ -6,6 +6,7 @@
 #include "arguments.hpp"
 #include "count_proof.hpp"
 #include "polyfly_base/out_of_memory.hpp"
+#include "polyfly_base/version.hpp"
 
 namespace {
 
@@ -44,6 +45,6 @@ void confirm(const checker::Arguments& arguments) {
 
 int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("check_count");
-  return checker::run({"check_count", kUsage, {"--problem", "--map-limit", "--threads"}}, argc, argv,
-                      confirm);
+  return checker::run({"check_count", polyfly::kVersion, kUsage, {"--problem", "--map-limit", "--threads"}},
+                      argc, argv, confirm);
 }

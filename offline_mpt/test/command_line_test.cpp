@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "polyfly_base/version.hpp"
 #include "run_program.hpp"
 
 namespace polyfly {
@@ -413,6 +414,13 @@ TEST_F(CommandLine, StopsOnASignalAndSaysWhatItCovers) {
   EXPECT_EQ(result.exit_code, 3) << result.err;
   EXPECT_NE(result.err.find("interrupted: the report covers"), std::string::npos) << result.err;
   EXPECT_NE(result.out.find("stopped before the end"), std::string::npos) << result.out;
+}
+
+TEST_F(CommandLine, ToolsTellTheirVersion) {
+  EXPECT_EQ(run({"--version"}).out, std::string("offline_mpt ") + kVersion + "\n");
+  const Outcome checker = wait(startProgram({CHECK_CERTIFICATE, "--version"}, path(".")));
+  EXPECT_EQ(checker.exit_code, 0);
+  EXPECT_EQ(checker.out, std::string("check_certificate ") + kVersion + "\n");
 }
 
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {

@@ -6,6 +6,7 @@
 
 #include "command_line/command_line.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/version.hpp"
 #include "polyfly_base/visible.hpp"
 
 namespace polyfly {
@@ -15,7 +16,8 @@ enum class Shade : std::uint8_t { kDark, kLight };
 
 struct Ended {
   int code = -1;
-  std::string said;
+  std::string said;     // on standard error
+  std::string printed;  // on standard output
 };
 
 class ToolLine : public testing::Test {
@@ -39,9 +41,10 @@ class ToolLine : public testing::Test {
     words.insert(words.begin(), "toy");
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
+    testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
     const int code = runTool(app_, static_cast<int>(argv.size()), argv.data(), work);
-    return {code, testing::internal::GetCapturedStderr()};
+    return {code, testing::internal::GetCapturedStderr(), testing::internal::GetCapturedStdout()};
   }
 
   void expectRefused(const std::string& option, const std::string& value, const std::string& sentence) {
@@ -135,6 +138,15 @@ TEST_F(ToolLine, AWordThatIsNoCommandIsNamed) {
   app_.add_subcommand("fly", "flies");
   EXPECT_EQ(run({"land"}).said, "toy: 'land' is no command (see toy --help)\n");
   EXPECT_EQ(run({"fly"}).code, 0);
+}
+
+TEST_F(ToolLine, EveryToolTellsItsVersion) {
+  app_.require_subcommand(1);
+  app_.add_subcommand("fly", "flies");
+  const Ended ended = run({"--version"}, [] { return 3; });
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_EQ(ended.printed, std::string("toy ") + kVersion + "\n");
+  EXPECT_EQ(ended.said, "");
 }
 
 TEST(Visible, KeepsTextAndShowsWhatATerminalWouldActOn) {

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "polyfly_base/version.hpp"
 #include "polyfly_base/visible.hpp"
 
 namespace polyfly {
@@ -98,9 +99,10 @@ int runTool(CLI::App& app, int argc, const char* const* argv, const std::functio
   try {
     const std::string stray = strayWord(app, argc, argv);
     if (!stray.empty()) return fail(stray + help);
+    app.set_version_flag("--version", app.get_name() + " " + kVersion, "Print the version and exit");
     app.parse(argc, argv);
     return work();
-  } catch (const CLI::Success& request) {  // --help
+  } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
     return fail(error.what() + help);

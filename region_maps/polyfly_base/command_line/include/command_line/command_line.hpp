@@ -14,7 +14,7 @@ namespace polyfly {
 /// What a tool returns where its command line, a file or a problem breaks a rule.
 constexpr int kBadUsage = 2;
 
-/// Parses the command line, then does the work, whose result is returned. Every error, of either, is one line
+/// Parses the command line, which may ask for --version, then does the work, whose result is returned. Every error, of either, is one line
 /// `name: ...` on standard error, without what a terminal would act on, and kBadUsage is returned. Words with
 /// control characters are refused, since names of files are printed in many places. A tool that does not
 /// `speak` says nothing: of the processes of a launcher, which all fail alike, one does.

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace polyfly {
+
+/// Version of the project, which the manifests of all packages repeat.
+constexpr char kVersion[] = "0.2.0";
+
+}  // namespace polyfly
