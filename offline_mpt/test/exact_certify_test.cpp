@@ -8,6 +8,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "random_program.hpp"
 
 namespace polyfly {
 namespace {

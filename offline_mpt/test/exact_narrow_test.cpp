@@ -4,6 +4,7 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "random_program.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,6 +7,7 @@
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/reduce.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "random_program.hpp"
 #include "reduction_mutation.hpp"
 
 namespace polyfly {
