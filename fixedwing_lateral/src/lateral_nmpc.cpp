@@ -270,8 +270,8 @@ NmpcReport LateralNmpc::optimise(const HorizonData& data, const LateralState& st
 bool LateralNmpc::searchLine(const HorizonData& data, double cost) noexcept {
   constexpr double kShare = 1e-4;
   constexpr int kHalvings = 20;
-  double promised =
-      0.0;  // the step's length in the metric of the moves' weights: a lower bound of the descent
+  /// The step's length in the metric of the moves' weights: a lower bound of the descent.
+  double promised = 0.0;
   for (int k = 0; k < N_; ++k) promised += qp_.stages()[k].R * qp_.moves()[k] * qp_.moves()[k];
   double length = 1.0;
   for (int i = 0; i < kHalvings; ++i, length *= 0.5) {

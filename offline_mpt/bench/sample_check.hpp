@@ -13,8 +13,9 @@ struct SampleCheck {
   int missed = 0;        ///< of them in no region
   int infeasible = 0;    ///< samples without a solution
   int false_inside = 0;  ///< of them in a region
-  double u_error = 0.0;  ///< greatest |u - reference| over all regions that hold a sample, relative to the
-                         ///< greatest |u| of the samples; where the optimum is not unique, of the objective
+  /// Greatest |u - reference| over all regions that hold a sample, relative to the greatest |u| of the
+  /// samples; where the optimum is not unique, of the objective.
+  double u_error = 0.0;
   bool of_objective = false;
 };
 

@@ -33,8 +33,8 @@ struct Region {
   std::set<std::size_t> active;
   std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
   std::map<std::string, Row> dropped;  ///< with what they may fall short added
-  std::map<std::string, Row>
-      forgiven;  ///< of a widened certificate: slacks with what rounding may take added
+  /// In a widened certificate: slacks plus the possible rounding.
+  std::map<std::string, Row> forgiven;
   std::vector<Row> listed;
   std::size_t own = 0;  ///< of the listed rows, those of the map
   Vector law;

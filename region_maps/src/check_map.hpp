@@ -12,8 +12,8 @@ namespace polyfly {
 
 /// What the checks find on their way.
 struct MapFacts {
-  std::vector<std::string_view>
-      texts;  ///< all strings of the text section, in order; they point into the file
+  /// All strings of the text section, in order; they point into the file.
+  std::vector<std::string_view> texts;
   LookupCost cost;
 };
 

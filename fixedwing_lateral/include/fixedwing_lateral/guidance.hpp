@@ -68,8 +68,8 @@ struct GuidanceOutput {
   int segment_count = 0;
   bool loitering = false;
   TrackError error;  ///< to the current segment, at the state
-  double segment_roll =
-      0.0;  ///< that the current segment asks for at most in this wind, see turn_limits.hpp [rad]
+  /// Greatest roll that the current segment needs in this wind, see turn_limits.hpp [rad].
+  double segment_roll = 0.0;
   double airspeed = 0.0;  ///< as flown by [m/s]
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();
   double roll_bias = 0.0;  ///< as learnt, see LateralObserver [rad]

@@ -49,9 +49,9 @@ struct GuidanceOptions {
   SafetyOptions safety;
   double period = 0.05;            ///< between two calls [s]
   double airspeed_nominal = 14.0;  ///< [m/s]
-  double wind_correction_time =
-      0.3;  ///< in which the wind follows what ground and air velocity differ by, so that
-            ///< the predicted course begins as the measured one; 0: not at all [s]
+  /// Time in which the wind follows the difference of ground and air velocity. So the predicted course begins
+  /// as the measured one. 0: not at all [s].
+  double wind_correction_time = 0.3;
   bool learn_disturbance = true;  ///< predict with the observer's roll bias, turn gain and turn bias
   int applied_move = 1;           ///< of the horizon: 1 as published, or 0 with `delay`
   double delay = 0.0;             ///< from the state to the effect of the command, predicted over [s]

@@ -9,11 +9,11 @@ namespace polyfly {
 
 /// When a segment counts as flown (Eq. 47, Fig. 18).
 struct SwitchCriterion {
-  double acceptance_radius = 35.0;      ///< about the segment's end [m], > 0
-  double course_tolerance = kPi / 4.0;  ///< of the ground velocity against the segment's direction at its end
-                                        ///< [rad], in (0, pi)
-  double smooth_radius = 10.0;  ///< the same where the next segment goes on in the same direction: there
-                                ///< is no corner to cut [m], > 0
+  double acceptance_radius = 35.0;  ///< about the segment's end [m], > 0
+  /// Greatest angle from the segment's direction at its end to the ground velocity [rad], in (0, pi).
+  double course_tolerance = kPi / 4.0;
+  /// The acceptance radius where the next segment continues in the same direction, without a corner [m], > 0.
+  double smooth_radius = 10.0;
 };
 
 /// The switch condition of one segment, made ready for the horizon.

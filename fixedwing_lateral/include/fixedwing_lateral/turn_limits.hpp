@@ -64,8 +64,8 @@ std::string describeSteep(const std::vector<PathSegment>& segments, const TurnCo
 enum class TightTurns : std::uint8_t {
   kKeep,    ///< it is flown as it is, and left where it cannot be followed
   kRefuse,  ///< Error
-  kWiden,   ///< Dubins paths and loiters get the least radius; Error for what cannot be widened: arcs and
-            ///< curves
+  /// Dubins paths and loiters get the least radius; Error for what cannot be widened: arcs and curves.
+  kWiden,
 };
 
 /// "keep", "refuse", "widen". Throws polyfly::Error, beginning with `where`, on another name.

@@ -15,8 +15,8 @@ struct SegmentMetrics {
   int segment = 0;
   double duration = 0.0;   ///< [s]
   double overshoot = 0.0;  ///< of a line: farthest past it, after it was first reached [m]
-  double converged =
-      0.0;  ///< largest distance once converged and before the next corner is in the horizon [m]
+  /// Largest distance once converged and before the next corner is in the horizon [m].
+  double converged = 0.0;
   bool has_converged = false;
   double convergence = 0.0;  ///< time until the distance fell below `kConverged` for good [s]
 };

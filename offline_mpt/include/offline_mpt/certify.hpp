@@ -14,10 +14,10 @@
 namespace polyfly {
 
 struct CertifyOptions {
-  int threads = 1;                ///< 1..256; the report and the certificate do not depend on it
-  double law_tolerance = 1e-8;    ///< greatest difference of u in the box between the map's law and the exact
-                                  ///< one, relative to max(1, |u|)
-  double plane_tolerance = 5e-9;  ///< greatest difference of a plane's distance in the box [scaled]
+  int threads = 1;  ///< 1..256; the report and the certificate do not depend on it
+  /// Greatest difference of u in the box between the map's law and the exact one, relative to max(1, |u|).
+  double law_tolerance = 1e-8;
+  double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
   /// Called now and then from the calling thread.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -26,9 +26,9 @@ struct CertifyOptions {
 /// Something that the map gets wrong.
 struct Defect {
   enum class Kind : std::uint8_t {
-    kActiveSet,  ///< the set names no row, or repeats one; its rows are dependent; or it does not fit the
-                 ///< equalities
-    kRepeated,   ///< another region has the same active set
+    /// The set names no row, or repeats one; its rows are dependent; or it does not fit the equalities.
+    kActiveSet,
+    kRepeated,          ///< another region has the same active set
     kLowerDimensional,  ///< the region has no interior
     kPlane,             ///< a plane of the region bounds nothing: no condition of optimality is near it
     kUnlisted,          ///< a condition of optimality fails at `witness`, which the region claims
@@ -39,8 +39,8 @@ struct Defect {
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;
   int row = -1;  ///< of the region, in map order; -1: the region as a whole
-  double size =
-      0.0;  ///< kLaw, kPlane: the difference; kLowerDimensional: about the radius; kUnlisted: distance [scaled]
+  /// kLaw, kPlane: the difference; kLowerDimensional: about the radius; kUnlisted: distance [scaled].
+  double size = 0.0;
   Eigen::VectorXd witness;   ///< parameter, empty if there is none
   std::vector<int> missing;  ///< kGap: an active set that should be in the map; may be empty even so
   std::string text;          ///< a sentence
@@ -68,20 +68,21 @@ struct CertifyReport {
   std::uint64_t replaced_entries = 0;  ///< of H, f, F and A, proven with others that differ by rounding
   double greatest_replacement = 0.0;   ///< difference, relative to the greatest entry of the matrix or row
   bool linear = false;
-  std::uint64_t forgiven_rows =
-      0;                 ///< with `widened`: rows that hold within 2^-40 of their size in some region
+  /// With `widened`: rows that hold within 2^-40 of their size in some region.
+  std::uint64_t forgiven_rows = 0;
   bool widened = false;  ///< coverage is that of the regions moved outwards by plane_tolerance
-  std::vector<int>
-      narrow_rows;  ///< of `implied_equalities`: proven with bounds that leave nothing between them
+  /// Those of `implied_equalities` that are proven by two coinciding bounds.
+  std::vector<int> narrow_rows;
   double greatest_narrowing = 0.0;  ///< difference of a bound, relative to the sum of its row's |entries|
-  std::vector<int>
-      implied_equalities;  ///< inequalities that hold with equality wherever the program is feasible
+  /// Inequalities that hold with equality wherever the program is feasible.
+  std::vector<int> implied_equalities;
   std::vector<int> dropped_equalities;  ///< that follow from others up to rounding; proven within 2^-40
-  std::vector<int>
-      dropped_rows;  ///< rows that others imply up to rounding; proven within 2^-30 of their size
-  std::vector<int> relaxed_rows;  ///< rows whose bounds count as greater by 2^-40 of their size: in some
-                                  ///< regions they are tight up to rounding
-  std::vector<Defect> defects;    ///< by region, then row
+  /// Rows that others imply up to rounding; proven within 2^-30 of their size.
+  std::vector<int> dropped_rows;
+  /// Rows whose bounds count as greater by 2^-40 of their size: in some regions they are tight up to
+  /// rounding.
+  std::vector<int> relaxed_rows;
+  std::vector<Defect> defects;  ///< by region, then row
   bool interrupted = false;
   std::string certificate;
 

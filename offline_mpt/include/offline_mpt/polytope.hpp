@@ -8,8 +8,8 @@ namespace polyfly {
 /// Result of removing redundant half-spaces.
 struct MinimalRows {
   std::vector<int> facets;  ///< indices of the rows that bound the polytope, ascending
-  std::vector<double>
-      beyond;  ///< per facet a point (dimension numbers) that violates this row and no other facet
+  /// Per facet a point (dimension numbers) that violates this row and no other facet.
+  std::vector<double> beyond;
 };
 
 /// Linear programming over small dense polytopes {t : a_i . t <= b_i}, in 1 to kMaxDimension dimensions.

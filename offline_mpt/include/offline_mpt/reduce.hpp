@@ -23,12 +23,12 @@ const char* toString(MergeMethod method);
 
 struct ReduceOptions {
   MergeMethod merge = MergeMethod::kAuto;
-  bool separate = false;        ///< let few fallback regions take the place of saturated ones
-  double law_tolerance = 1e-9;  ///< laws that differ by less anywhere in the box are one, relative to
-                                ///< max(1, |finite bounds of u|)
-  double side_tolerance =
-      1e-9;         ///< TreeOptions::side_tolerance; a tenth of it where there are fallback regions
-  int threads = 1;  ///< 1..256; the result does not depend on it
+  bool separate = false;  ///< let few fallback regions take the place of saturated ones
+  /// Laws that differ by less anywhere in the box are one, relative to max(1, |finite bounds of u|).
+  double law_tolerance = 1e-9;
+  /// TreeOptions::side_tolerance; a tenth of it where there are fallback regions.
+  double side_tolerance = 1e-9;
+  int threads = 1;                          ///< 1..256; the result does not depend on it
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early: Error
   /// Called now and then from the calling thread, with laws that are done.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;

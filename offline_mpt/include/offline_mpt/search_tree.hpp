@@ -29,21 +29,23 @@ struct SearchTree {
 
 struct TreeOptions {
   int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 5, or 6 above 1500 regions
-  int law_rows = 0;  ///< a leaf may hold regions of one and the same law with so many half-spaces together;
-                     ///< 0: 40, or 80 above 1500 regions
-  double fine_nodes =
-      -1.0;  ///< so many interior nodes, shared out likewise, may be spent on leaves of 2 regions
-             ///< or 20 half-spaces of one law; -1: 3 per region, or 0 where leaves are chosen
-  std::uint64_t node_limit = 0;  ///< of interior nodes, shared out by regions on the way down; 0: 64 per
-                                 ///< region up to 131072, 2 per region beyond
-  double side_tolerance = 1e-9;  ///< a part of a region that reaches no further across a plane is left to the
-                                 ///< other side [scaled]
-  int planes_scored = 300;       ///< candidate planes looked at in a node
-  int planes_tried = 0;  ///< of these, the best by estimate, split exactly; 0: 6, or 3 above 1500 regions
-  int threads = 1;       ///< the tree does not depend on it
-  const std::atomic<bool>* stop =
-      nullptr;  ///< set from outside to end early: what is not split by then stays
-                ///< one leaf, so that the tree is of no use but for its shape
+  /// A leaf may hold regions of one and the same law with so many half-spaces together; 0: 40, or 80 above
+  /// 1500 regions.
+  int law_rows = 0;
+  /// Budget of interior nodes for small leaves: at most 2 regions, or 20 half-spaces of one law. -1: 3 per
+  /// region, or 0 where leaves are chosen.
+  double fine_nodes = -1.0;
+  /// Budget of interior nodes, divided by regions on the way down. 0: 64 per region up to 131072, 2 per region
+  /// beyond.
+  std::uint64_t node_limit = 0;
+  /// A part of a region that reaches no further across a plane is left to the other side [scaled].
+  double side_tolerance = 1e-9;
+  int planes_scored = 300;  ///< candidate planes looked at in a node
+  int planes_tried = 0;     ///< of these, the best by estimate, split exactly; 0: 6, or 3 above 1500 regions
+  int threads = 1;          ///< the tree does not depend on it
+  /// Set from outside to end early: what is not split by then stays one leaf, so that the tree is of no use
+  /// but for its shape.
+  const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };

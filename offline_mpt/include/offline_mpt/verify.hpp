@@ -16,8 +16,8 @@ struct VerifyOptions {
   std::uint64_t seed = 1;
   int threads = 1;          ///< 1..256; the report does not depend on it
   double tolerance = 1e-7;  ///< greatest error of u, relative to max(1, |u|), or of the objective likewise
-  double edge_tolerance =
-      1e-7;  ///< a parameter nearer to the edge of the feasible set may go either way [scaled]
+  /// A parameter nearer to the edge of the feasible set may go either way [scaled].
+  double edge_tolerance = 1e-7;
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
   /// Called now and then from the calling thread.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -44,17 +44,17 @@ struct VerifyReport {
   double edge_tolerance = 0.0;
   std::uint64_t requested = 0;
   std::uint64_t samples = 0;  ///< tried
-  std::uint64_t uniform =
-      0;  ///< of them uniform in the box; the others near faces, edges, vertices and centres
+  /// Of them uniform in the box; the others near faces, edges, vertices and centres.
+  std::uint64_t uniform = 0;
   std::uint64_t inside = 0;    ///< of them the map answers
   std::uint64_t compared = 0;  ///< of them compared with the program
   /// Of `compared`: oracle and map differed by more than the tolerance, and the region's active set met the
   /// conditions of optimality in rational arithmetic, so that its solution took the oracle's place.
   std::uint64_t settled = 0;
   std::uint64_t infeasible = 0;  ///< the program has no solution there
-  std::uint64_t borderline =
-      0;                   ///< map and program differ, but within edge_tolerance of the feasible set's edge
-  double max_error = 0.0;  ///< of u [unit of u] or of the objective
+  /// Map and program differ, but within edge_tolerance of the feasible set's edge.
+  std::uint64_t borderline = 0;
+  double max_error = 0.0;         ///< of u [unit of u] or of the objective
   double max_scaled_error = 0.0;  ///< divided by max(1, |u|) or max(1, |objective|)
   Eigen::VectorXd max_error_theta;
 
@@ -65,8 +65,8 @@ struct VerifyReport {
   Finding tree_errors;   ///< the tree and the test of all regions disagree
   Finding unbounded;     ///< the program has solutions there, but its cost is unbounded below
   Finding undecided;     ///< the oracle was not accurate enough
-  Finding
-      empty_regions;  ///< regions without a point inside, among those visited; worst: by how much [scaled]
+  /// Regions without a point inside, among those visited; worst: by how much [scaled].
+  Finding empty_regions;
 
   std::uint64_t regions = 0;
   std::uint64_t regions_hit = 0;

@@ -13,10 +13,10 @@
 namespace polyfly {
 
 struct ReductionOptions {
-  int threads = 1;              ///< 1..256; the report does not depend on it
-  double law_tolerance = 1e-8;  ///< laws that differ by less anywhere in the box count as one, relative to
-                                ///< max(1, |finite bounds of u|)
-  bool certificate = false;     ///< keep the proof
+  int threads = 1;  ///< 1..256; the report does not depend on it
+  /// Laws that differ by less anywhere in the box count as one, relative to max(1, |finite bounds of u|).
+  double law_tolerance = 1e-8;
+  bool certificate = false;                 ///< keep the proof
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
   /// Called now and then from the calling thread, with regions of both maps.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -29,12 +29,12 @@ struct ReductionDefect {
     kClaim,  ///< a region of the reduced map claims a parameter that no region with its law holds
   };
   Kind kind = Kind::kLost;
-  std::uint32_t region = 0;            ///< kLost: of the original; kClaim: of the reduced map
-  Eigen::VectorXd witness;             ///< parameter in the box
-  std::string text;                    ///< a sentence
-  int leaf = -1;                       ///< kLost: of the reduced map, at which the part arrives
-  std::vector<std::uint32_t> missing;  ///< kLost: regions of the reduced map with its law that hold `witness`
-                                       ///< within the slack
+  std::uint32_t region = 0;  ///< kLost: of the original; kClaim: of the reduced map
+  Eigen::VectorXd witness;   ///< parameter in the box
+  std::string text;          ///< a sentence
+  int leaf = -1;             ///< kLost: of the reduced map, at which the part arrives
+  /// kLost: regions of the reduced map with its law that hold `witness` within the slack.
+  std::vector<std::uint32_t> missing;
 };
 
 const char* toString(ReductionDefect::Kind kind);

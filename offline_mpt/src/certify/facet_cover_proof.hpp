@@ -51,8 +51,8 @@ class FacetCoverProof {
 
   const CheckContext& context_;
   const std::vector<RegionCheck>& checks_;
-  std::vector<std::vector<ExactRow>>
-      wide_;  ///< of each region of the map, moved outwards; empty unless widened
+  /// Of each region of the map, moved outwards; empty unless widened.
+  std::vector<std::vector<ExactRow>> wide_;
   std::map<std::vector<int>, std::uint32_t> by_active_set_;
   std::vector<std::vector<double>> planes_;       // of the map, unit in t, as they are
   std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated

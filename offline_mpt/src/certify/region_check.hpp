@@ -28,8 +28,8 @@ struct RegionCheck {
   std::vector<Rational> point;       ///< strictly inside; empty if there is none
   std::uint64_t rows = 0;
   std::uint64_t implied = 0;
-  std::size_t left_out =
-      0;  ///< conditions that bound it although the map does not list them: last of `listed`
+  /// Conditions that bound it although the map does not list them: last of `listed`.
+  std::size_t left_out = 0;
   std::uint64_t forgiven = 0;  ///< conditions that hold up to rounding only
   std::vector<int> unlisted;   ///< rows whose slack is negative in it
   double law_error = 0.0;

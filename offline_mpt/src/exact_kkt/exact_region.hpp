@@ -40,10 +40,10 @@ struct ExactRow {
 struct ExactRegion {
   std::vector<int> active;     ///< without equalities, ascending
   std::vector<ExactRow> rows;  ///< multipliers, slacks and domain; no box, and none that is dropped
-  std::vector<ExactRow>
-      dropped;  ///< slacks of dropped rows, of equalities both ways, with what they may fall short added
-  std::vector<ExactRow>
-      forgiven;               ///< of a forgiving program: slacks with what rounding may take from them added
+  /// Slacks of dropped rows, of equalities both ways, with what they may fall short added.
+  std::vector<ExactRow> dropped;
+  /// Of a forgiving program: slacks with what rounding may take from them added.
+  std::vector<ExactRow> forgiven;
   std::vector<Rational> law;  ///< q x (p + 1), u = law (t, 1)
 };
 

@@ -13,9 +13,9 @@ namespace polyfly {
 /// The part of a region within a node's cell.
 struct CellMember {
   std::uint32_t region = 0;
-  std::vector<double> inner;   ///< p numbers, strictly inside
-  std::vector<double> points;  ///< p numbers each, inside or on the border: they show on which sides of a
-                               ///< plane the part reaches
+  std::vector<double> inner;  ///< p numbers, strictly inside
+  /// p numbers each, inside or on the border: they show on which sides of a plane the part reaches.
+  std::vector<double> points;
 };
 
 using CellMembers = std::vector<CellMember>;

@@ -17,8 +17,8 @@ class ParameterSampler {
 
   struct Sample {
     Eigen::VectorXd theta;
-    double radius = 1.0;  ///< Chebyshev radius of the region that it was drawn from [scaled]; <= 0: it is
-                          ///< empty; NaN: unknown
+    /// Chebyshev radius of the region that it was drawn from [scaled]; <= 0: it is empty; NaN: unknown.
+    double radius = 1.0;
   };
 
   /// Uniform in the box.

@@ -17,11 +17,11 @@ namespace polyfly {
 
 /// What a look-up found.
 enum class LookupStatus : std::uint8_t {
-  kInside,            ///< theta lies in `region`
-  kOutsideBox,        ///< a parameter is out of its range
-  kOutsidePartition,  ///< in the box, but in no region: the problem is infeasible there, or the map has a
-                      ///< hole
-  kNotFinite,         ///< NaN or infinity in theta
+  kInside,      ///< theta lies in `region`
+  kOutsideBox,  ///< a parameter is out of its range
+  /// In the box, but in no region: the problem is infeasible there, or the map has a hole.
+  kOutsidePartition,
+  kNotFinite,  ///< NaN or infinity in theta
 };
 
 struct Lookup {

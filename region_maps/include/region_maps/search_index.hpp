@@ -31,8 +31,8 @@ class SearchIndex {
   static constexpr std::uint32_t kChildren = 1 << kLevels;  ///< of a block, and its lanes, the last unused
   static constexpr std::uint32_t kRowLanes = 4;             ///< of a group of rows
   static constexpr std::uint32_t kHead = 4;                 ///< words before the groups of a region
-  static constexpr std::uint32_t kLeaf =
-      0x80000000u;  ///< of a reference: the rest is its first candidate, not a block
+  /// Of a reference: the rest is its first candidate, not a block.
+  static constexpr std::uint32_t kLeaf = 0x80000000u;
   static constexpr std::uint32_t kLast = 0x80000000u;  ///< of a candidate: the leaf's last
 
   /// Words for two parameters each, for p parameters.
@@ -60,10 +60,10 @@ class SearchIndex {
     /// with. Then a reference for each child, from below to above.
     const std::int32_t* blocks = nullptr;
     const std::uint32_t* candidates = nullptr;  ///< where in `records` a region begins, in kHead words; kLast
-    const std::int32_t* records =
-        nullptr;              ///< of a region: its index, law, number of groups, first row; groups
-    std::uint32_t root = 0;   ///< a reference
-    std::int32_t margin = 0;  ///< taken off all constants
+    /// Of a region: its index, law, number of groups, first row; groups.
+    const std::int32_t* records = nullptr;
+    std::uint32_t root = 0;                        ///< a reference
+    std::int32_t margin = 0;                       ///< taken off all constants
     std::array<double, kMostParameters> centre{};  ///< of each range
     std::array<double, kMostParameters> gain{};    ///< 2^14 over half of it; 0: the range is a point
   };

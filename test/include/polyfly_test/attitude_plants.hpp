@@ -11,11 +11,12 @@ namespace polyfly {
 /// How an autopilot turns commanded roll, pitch and yaw rate into motion. Eq. 37 has loops of the Euler
 /// angles; autopilots do not. What distinguishes them is what a yaw rate does to a tilted vehicle.
 enum class AttitudeLoop {
-  kBodyRates,  ///< errors of roll and pitch are rates about the body's axes: the tilt stays in W while it
-               ///< yaws
+  /// Errors of roll and pitch are rates about the body's axes: the tilt stays in W while it yaws.
+  kBodyRates,
   kGeometric,  ///< moments from the error on SO(3) and the rates (Lee, 2010), as RotorS: likewise
-  kQuaternion  ///< rates from the quaternion's error, and the yaw rate about the world's z axis, as PX4: the
-               ///< tilt turns with the body
+  /// Rates from the quaternion's error, and the yaw rate about the world's z axis, as PX4: the tilt turns
+  /// with the body.
+  kQuaternion
 };
 
 /// A rigid body in the air with an attitude controller of its own. The loops' gain and time constant are what

@@ -35,8 +35,8 @@ struct SoakResult {
   double slowest = 0.0;         ///< recovery [s]
   double greatest_error = 0.0;  ///< position, before the next fault [m]
   long allocated_growth = 0;    ///< bytes in use at the end, less those after the first tenth
-  std::vector<std::string>
-      violations;  ///< of bounds in what was sent, and faults that were not recovered from
+  /// Of bounds in what was sent, and faults that were not recovered from.
+  std::vector<std::string> violations;
 };
 
 /// Weights, limits and gains.

@@ -38,8 +38,8 @@ struct BagHealth {
   bool indexed = false;              ///< closed by its recorder
   double first = 0.0;                ///< least time of a message [s]
   double last = 0.0;                 ///< greatest time of a message [s]
-  std::vector<std::string>
-      remarks;  ///< all that is not as it should be, in sentences without the file's name
+  /// Every irregularity of the file, in sentences without its name.
+  std::vector<std::string> remarks;
 };
 
 /// What is called while a bag is read. Empty functions are not called.

@@ -14,8 +14,8 @@ struct CsvLog {
   std::map<std::string, std::vector<double>> columns;  ///< by name; an empty or unreadable field is NaN
   std::size_t rows = 0;
   std::size_t unreadable = 0;  ///< fields that are neither a number nor empty
-  std::size_t cut_rows =
-      0;  ///< rows with fewer fields than names, as where a recording was cut off; left out
+  /// Rows with fewer fields than names, as where a recording was cut off; left out.
+  std::size_t cut_rows = 0;
 
   bool has(const std::string& name) const { return columns.count(name) > 0; }
   /// Throws Error naming the file, the column, and the columns that there are.

@@ -13,8 +13,8 @@ struct ExcitationOptions {
   double threshold_share = 0.25;  ///< of the activity that is exceeded a tenth of the time
   double margin = 0.5;            ///< kept before and after, so that the answer is seen [s]
   double least_window = 3.0;      ///< shorter ones are left out [s]
-  double least_correlation =
-      0.5;                    ///< of response and command at the best lag; below, the loop did not answer
+  /// Least correlation of response and command at the best lag. Below it, the loop did not answer.
+  double least_correlation = 0.5;
   double greatest_lag = 1.0;  ///< [s]
 };
 

@@ -43,8 +43,8 @@ struct LoopFit {
   LoopShape shape;
   double gain = 0.0;
   double offset = 0.0;  ///< of the response (trim), in its unit
-  std::vector<FittedParameter>
-      parameters;               ///< first order: gain, tau, delay; second: a0, a1, b0, delay; offset
+  /// First order: gain, tau, delay; second: a0, a1, b0, delay; offset.
+  std::vector<FittedParameter> parameters;
   Eigen::MatrixXd correlation;  ///< of the parameters, in their order
   double fit_percent = 0.0;     ///< 100 (1 - |y - model| / |y - mean y|) over all segments
   double residual_rms = 0.0;    ///< in the response's unit

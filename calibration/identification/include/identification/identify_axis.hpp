@@ -18,8 +18,8 @@ struct AxisRecords {
   std::string command_unit;  ///< rad, rad/s; of thrust whatever was logged
   LoopRecord training;
   std::optional<LoopRecord> validation;
-  std::optional<TimeSeries>
-      other_command;  ///< of the axis that would answer if frames were wrong, same flight
+  /// Command of the axis that would answer if frames were wrong, in the same flight.
+  std::optional<TimeSeries> other_command;
   std::optional<TimeSeries> vertical_velocity;  ///< of thrust, same flight [m/s], up
   CleaningCounts cleaning;
 };

@@ -25,8 +25,8 @@ struct Motion {
   std::string source;
   bool thrust_known = false;  ///< from thrust_cmd and the mass; else from the vertical acceleration itself
   std::vector<double> time;   ///< [s]
-  std::vector<std::size_t>
-      starts;                     ///< first sample of each stretch without a pause, and the number of samples
+  /// First sample of each stretch without a pause, and the number of samples.
+  std::vector<std::size_t> starts;
   Eigen::MatrixX3d acceleration;  ///< [m/s^2]
   Eigen::MatrixX3d expected;      ///< by thrust, attitude and gravity, without drag [m/s^2]
   Eigen::MatrixX3d velocity;      ///< [m/s]

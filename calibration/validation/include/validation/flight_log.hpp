@@ -56,8 +56,8 @@ struct FlightLog {
   };
 
   std::string source;  ///< file it came from, for messages and titles
-  std::vector<std::string>
-      remarks;  ///< sentences without the file's name: what is not as it should be with it
+  /// Every irregularity of the file, in sentences without its name.
+  std::vector<std::string> remarks;
   std::vector<VehicleState> odometry;
   std::vector<TimedReference> references;
   std::vector<double> silences;  ///< times at which the node noticed silent odometry [s]

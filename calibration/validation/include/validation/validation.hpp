@@ -26,8 +26,8 @@ struct Excursion {
   std::string parameter;                       ///< first one out of its range; empty if none is
   double beyond = 0.0;  ///< greatest distance of that parameter beyond its range [its unit]
   std::string unit;
-  std::array<std::size_t, kControlStatusCount>
-      statuses{};  ///< what the controller did: samples by ControlStatus
+  /// What the controller did: samples by ControlStatus.
+  std::array<std::size_t, kControlStatusCount> statuses{};
 };
 
 /// One axis: how its map was used, and whether it answered as the online solver does.
@@ -56,8 +56,8 @@ struct CommandValidation {
   std::size_t compared = 0;    ///< recorded commands with the stamp of a replayed sample
   std::size_t unmatched = 0;   ///< recorded commands that answer no recorded odometry
   std::size_t unanswered = 0;  ///< odometry without a recorded command
-  std::array<Difference, 4>
-      difference;               ///< roll, pitch [rad], yaw rate [rad/s], thrust [N], recorded - replayed
+  /// roll, pitch [rad], yaw rate [rad/s], thrust [N], recorded - replayed.
+  std::array<Difference, 4> difference;
   double max_difference = 0.0;  ///< of the four, thrust per mass [rad, rad/s or m/s^2]
   std::size_t angle_violations = 0;
   std::size_t thrust_violations = 0;

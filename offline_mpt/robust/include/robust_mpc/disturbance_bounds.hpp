@@ -11,8 +11,8 @@ namespace polyfly {
 struct BoundsOptions {
   double coverage = 0.99;    ///< share of disturbances that the range of a channel shall hold, in (0, 1)
   double confidence = 0.95;  ///< of that, in (0, 1)
-  int every =
-      1;  ///< only each so-manieth step counts towards the confidence, which takes samples as independent
+  /// Only each so-manieth step counts towards the confidence, which takes samples as independent.
+  int every = 1;
 };
 
 /// What recorded flights say of one channel.
@@ -23,8 +23,8 @@ struct ChannelBounds {
   double lower = 0.0;  ///< range to write into a problem file [unit]
   double upper = 0.0;
   double covered = 0.0;  ///< share of all samples within it
-  double confidence =
-      0.0;             ///< that the range holds `coverage`: as asked, or less where there are too few samples
+  /// That the range holds `coverage`: as asked, or less where there are too few samples.
+  double confidence = 0.0;
   double least = 0.0;  ///< of all samples
   double greatest = 0.0;
   double mean = 0.0;

@@ -28,8 +28,8 @@ struct RobustProof {
   bool set_valid = false;     ///< each facet is a weighted sum of rows: nothing feasible is cut off
   bool set_feasible = false;  ///< each vertex has a plan that meets every row: all that is left is feasible
   std::uint64_t regions = 0;
-  std::uint64_t optimal_regions =
-      0;                   ///< tau is reached, and no less is possible: the duals of one combination
+  /// tau is reached, and no less is possible: the duals of one combination.
+  std::uint64_t optimal_regions = 0;
   bool preferred = false;  ///< the move is the optimal one nearest to K e, at every vertex
   bool covered = false;    ///< the regions' volumes add up to that of the feasible parameters
   Rational volume;

@@ -63,8 +63,8 @@ struct AnalyzeReport {
   /// `within`: that set, its rows scaled to distances.
   bool is_within = false;
   std::vector<ExactHalfSpace> domain;
-  double region_excess =
-      0.0;  ///< no region reaches farther out of P than this [scaled, rounded up]; 0 for `within`
+  /// No region reaches farther out of P than this [scaled, rounded up]; 0 for `within`.
+  double region_excess = 0.0;
 
   /// Every theta of P lies in a region, each half-space moved outwards by t. Proven by cutting P into `cells`
   /// that each lie in one region. Together with region_excess: the union of the regions is the convex
@@ -81,8 +81,8 @@ struct AnalyzeReport {
   bool target_is_union = false;
   double greatest_excess = 0.0;   ///< over regions and facets [scaled, rounded up]; 0: needs no tolerance
   std::uint64_t tight_pairs = 0;  ///< (region, facet) with excess in (0, t]: they agree up to rounding
-  std::uint64_t offending_regions =
-      0;  ///< with excess above t, or with a part of the successor set in no region
+  /// With excess above t, or with a part of the successor set in no region.
+  std::uint64_t offending_regions = 0;
   std::optional<AnalyzeWitness> witness;
 
   bool interrupted = false;

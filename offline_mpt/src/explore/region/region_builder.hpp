@@ -119,12 +119,12 @@ class RegionBuilder {
 
   static constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
   static constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
-  static constexpr double kSafePivot =
-      1e-6;  // squared distance from others below which products of unit rows mislead
+  /// Squared distance from others below which products of unit rows mislead.
+  static constexpr double kSafePivot = 1e-6;
   static constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
   static constexpr double kDistant = 1e-7;       // the same, below which estimates of errors mislead too
-  static constexpr double kUnpaid =
-      1e-9;  // part of the cost that prices may leave, relative to its largest entry
+  /// Part of the cost that prices may leave, relative to its largest entry.
+  static constexpr double kUnpaid = 1e-9;
 
   const NormalisedProgram& program_;
   double facet_tolerance_;

@@ -38,8 +38,8 @@ void visitObserverNoise(Noise& noise, Visit&& visit) {
 struct MultirotorOptions {
   double mass = 1.52;       ///< [kg]
   double gravity = 9.8066;  ///< [m/s^2]
-  double roll_trim =
-      0.0;  ///< command at which odometry sees no roll: the attitude controller's alignment [rad]
+  /// Command at which odometry sees no roll: the attitude controller's alignment [rad].
+  double roll_trim = 0.0;
   double pitch_trim = 0.0;          ///< likewise [rad]
   double control_period = 0.01;     ///< nominal time between odometry messages [s]
   double yaw_gain = 1.8;            ///< K_yaw [1/s]
@@ -54,8 +54,8 @@ struct MultirotorOptions {
   double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
   double jump_angle = 1.0;       ///< beyond what the body rates explain between two samples, 0: any [rad]
   double repeat_time = 0.1;      ///< of odometry that repeats itself while the vehicle moves, 0: any [s]
-  double disturbance_drift =
-      0.005;  ///< of the observer's model, per control period: greater follows faster [m/s^2]
+  /// Of the observer's model, per control period: greater follows faster [m/s^2].
+  double disturbance_drift = 0.005;
   ObserverNoise noise;
   double trim_drift = 5e-4;        ///< of the attitude's trim per control period, 0: only the given one [rad]
   double attitude_coupling = 0.0;  ///< c of AttitudeTrim before anything is found of it, 0 .. 1 [1]

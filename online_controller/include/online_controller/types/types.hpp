@@ -78,9 +78,9 @@ constexpr int kMaxParameters = 8;
 
 /// What one axis did in one step.
 struct AxisReport {
-  std::array<double, kMaxParameters>
-      theta{};   ///< parameters as assembled, before clipping, in the map's order
-  int size = 0;  ///< number of parameters, 0 if none could be assembled
+  /// Parameters as assembled, before clipping, in the map's order.
+  std::array<double, kMaxParameters> theta{};
+  int size = 0;                                    ///< number of parameters, 0 if none could be assembled
   LookupStatus lookup = LookupStatus::kNotFinite;  ///< of `theta` before clipping
   int outside_parameter = -1;                      ///< first parameter out of range, or -1
   std::int64_t region = -1;                        ///< region used, or -1

@@ -54,8 +54,8 @@ struct Band {
 
 /// Filled polygons of one colour.
 struct Patches {
-  std::vector<std::vector<std::pair<double, double>>>
-      polygons;        ///< each a ring of (x, y), closed by the writer
+  /// Each a ring of (x, y), closed by the writer.
+  std::vector<std::vector<std::pair<double, double>>> polygons;
   std::string fill;    ///< #rrggbb; outline only if empty
   std::string border;  ///< #rrggbb; none if empty
   double width = 0.6;  ///< of the border [px]

@@ -7,8 +7,8 @@ namespace polyfly {
 /// Where numbers come from.
 struct Provenance {
   std::string file;  ///< name without folders
-  std::string
-      checksum;  ///< of the bytes, "xxh64:" and sixteen hexadecimal digits; `xxhsum -H64` gives the same
+  /// Of the bytes, "xxh64:" and sixteen hexadecimal digits; `xxhsum -H64` gives the same.
+  std::string checksum;
   std::string recorded;  ///< date of the data (UTC, ISO 8601), or empty where they do not tell
 };
 
