@@ -45,19 +45,19 @@ int apply(const Arguments& arguments) {
 void addApplyCommand(CLI::App& app, int* result) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("apply", "Puts calibrations into a problem file, with where they come from");
+      app.add_subcommand("apply", "Write calibrations into a problem file, with their provenance.");
   command
       ->add_option("calibrations", arguments->calibrations,
-                   "What attitude, drag and disturbance wrote with -o")
+                   "Output files (-o) of attitude, drag and disturbance.")
       ->required()
       ->type_name("FILE...");
-  command->add_option("--problem", arguments->problem, "Problem file that they shall be put into")
+  command->add_option("--problem", arguments->problem, "Problem file to calibrate.")
       ->required()
       ->type_name("FILE");
-  command->add_option("-o,--output", arguments->output, "Problem file to write")
+  command->add_option("-o,--output", arguments->output, "Problem file to write.")
       ->required()
       ->type_name("FILE");
-  command->add_flag("--force", arguments->force, "Also take numbers that the data do not support");
+  command->add_flag("--force", arguments->force, "Use numbers also if the data do not support them.");
   command->callback([arguments, result] { *result = apply(*arguments); });
 }
 

@@ -70,25 +70,26 @@ int run(const Arguments& arguments) {
 void addAttitudeCommand(CLI::App& app, int* result) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("attitude", "Gain, lag and delay of roll, pitch, yaw rate and thrust");
+      app.add_subcommand("attitude", "Identify gain, lag and delay of roll, pitch, yaw rate and thrust.");
   declareLog(*command, *arguments);
   command
-      ->add_option(
-          "--validation", arguments->validation,
-          "Another flight to validate on; without it, the first half of the data is tried on the second")
+      ->add_option("--validation", arguments->validation,
+                   "Another flight for validation. Without it, the model of the first half of the data is "
+                   "tested on the second.")
       ->type_name("FILE");
-  command->add_option("--axis", arguments->axes, "Only these axes; all that the log holds if not given")
+  command->add_option("--axis", arguments->axes, "Identify only these axes (default: all in the log).")
       ->check(oneOf(std::vector<std::string>{"roll", "pitch", "yaw_rate", "thrust"}));
-  command->add_option("--validation-window", arguments->validation_windows, "The same in the other flight")
+  command
+      ->add_option("--validation-window", arguments->validation_windows,
+                   "Interval to use of the validation flight. May be repeated.")
       ->type_name("FROM:TO");
   command->add_flag("--second-order", arguments->second_order,
-                    "Fit a0, a1, b0 (Eq. 45) to every axis, not to roll alone");
-  command
-      ->add_option("--delay-max", arguments->options.fit.delay_greatest,
-                   "Greatest delay that is looked for [s]")
+                    "Fit a0, a1, b0 (Eq. 45) for every axis, not only for roll.");
+  command->add_option("--delay-max", arguments->options.fit.delay_greatest, "Upper bound of the delay [s].")
       ->check(numberFrom(0.01, 3.0))
       ->capture_default_str();
-  command->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder")
+  command
+      ->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder.")
       ->type_name("DIR");
   command->callback([arguments, result] { *result = run(*arguments); });
 }

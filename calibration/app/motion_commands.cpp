@@ -73,27 +73,30 @@ void findWind(const FlightSignals& signals, const Arguments& arguments, MotionCa
 }
 
 void declareMotion(CLI::App& command, Arguments& arguments) {
-  command.add_option("--gravity", arguments.motion.gravity, "[m/s^2]")
+  command.add_option("--gravity", arguments.motion.gravity, "Gravitational acceleration [m/s^2].")
       ->check(numberFrom(1.0, 30.0))
       ->capture_default_str();
-  command.add_option("--smoothing", arguments.motion.smoothing, "Half width of the mean over velocities [s]")
+  command
+      .add_option("--smoothing", arguments.motion.smoothing,
+                  "Half width of the moving average of the velocity [s].")
       ->check(numberFrom(0.0, 5.0))
       ->capture_default_str();
 }
 
 void declareNewtons(CLI::App& command, Arguments& arguments) {
   command.add_flag("--newtons", arguments.motion.newtons,
-                   "The thrust command is in newtons though it never exceeds 1");
+                   "The thrust command is in newtons, although it never exceeds 1.");
 }
 
 void declareMass(CLI::App& command, Arguments& arguments) {
-  command.add_option("--mass", arguments.motion.mass, "Mass, where the thrust command is in newtons [kg]")
+  command.add_option("--mass", arguments.motion.mass, "Mass, if the thrust command is in newtons [kg].")
       ->check(numberAbove(0.0));
   declareNewtons(command, arguments);
 }
 
 void declareDrag(CLI::App& command, Arguments& arguments) {
-  command.add_option("--drag", arguments.drag, "Drag along x, y, z of the world, per mass [1/s]")
+  command
+      .add_option("--drag", arguments.drag, "Drag coefficients along x, y, z of the world, per mass [1/s].")
       ->check(finiteNumber())
       ->expected(3);
 }
@@ -102,7 +105,8 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
               const Find& find, const std::shared_ptr<Arguments>& arguments) {
   CLI::App* command = app.add_subcommand(kind, description);
   declareLog(*command, *arguments);
-  command->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder")
+  command
+      ->add_option("--report", arguments->report, "Write index.html and calibration.yaml into this folder.")
       ->type_name("DIR");
   command->callback([kind, arguments, result, find] { *result = run(kind, *arguments, find); });
   return command;
@@ -112,21 +116,22 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
 
 void addMotionCommands(CLI::App& app, int* result) {
   const auto limits = std::make_shared<Arguments>();
-  CLI::App* command = add(app, "disturbance", "Bounds on what thrust, attitude and drag do not explain",
-                          result, bound, limits);
+  CLI::App* command =
+      add(app, "disturbance", "Bound the acceleration that thrust, attitude and drag do not explain.", result,
+          bound, limits);
   declareMotion(*command, *limits);
   declareMass(*command, *limits);
   declareDrag(*command, *limits);
-  command->add_option("--share", limits->limits.share, "Of the time that the bounds hold")
+  command->add_option("--share", limits->limits.share, "Share of the time in which the bounds hold.")
       ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
-  command->add_option("--confidence", limits->limits.confidence, "That they do")
+  command->add_option("--confidence", limits->limits.confidence, "Confidence that they hold.")
       ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
 
   const auto drag = std::make_shared<Arguments>();
   command = add(
-      app, "drag", "Drag coefficients of the multirotor", result,
+      app, "drag", "Identify the drag coefficients of the multirotor.", result,
       [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
         keep(fitDrag(motionOf(signals, arguments.motion)), calibration);
       },
@@ -136,7 +141,7 @@ void addMotionCommands(CLI::App& app, int* result) {
 
   const auto mass = std::make_shared<Arguments>();
   command = add(
-      app, "mass", "Mass and hover thrust of the multirotor", result,
+      app, "mass", "Identify mass and hover thrust of the multirotor.", result,
       [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
         keep(fitMass(motionOf(signals, arguments.motion), arguments.motion), calibration);
       },
@@ -145,7 +150,7 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
 
-  add(app, "wind", "Wind and airspeed scale of the fixed wing", result, findWind,
+  add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
       std::make_shared<Arguments>());
 }
 

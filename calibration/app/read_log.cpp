@@ -38,26 +38,31 @@ bool isBag(const std::string& path) {
 void declareLog(CLI::App& command, LogArguments& arguments) {
   command
       .add_option("log", arguments.log,
-                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or CSV")
+                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file.")
       ->required()
       ->type_name("FILE");
   command
       .add_option("--window", arguments.windows,
-                  "FROM:TO in the log's own seconds, repeatable; chosen by the tool if not given")
+                  "Interval to use, in seconds of the log. May be repeated. The tool chooses intervals if "
+                  "none is given.")
       ->type_name("FROM:TO");
   command
       .add_option("--signal", arguments.signals,
-                  "Where a signal is, repeatable: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an "
-                  "autopilot's log; guessed if not given")
+                  "Place of a signal: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an autopilot log. "
+                  "May be repeated. The tool finds signals by name and type if not given.")
       ->type_name("SIGNAL=PLACE");
-  command.add_option("--topic", arguments.topics, "Of a bag, guess from topics that end so only; repeatable")
+  command
+      .add_option("--topic", arguments.topics,
+                  "Use only topics of the bag whose names end like this. May be repeated.")
       ->type_name("ENDING");
-  command.add_option("--recorded", arguments.recorded, "Date of the flight, for the result's provenance");
-  command.add_option("-o,--output", arguments.output, "Write the numbers as YAML")->type_name("FILE");
+  command.add_option("--recorded", arguments.recorded,
+                     "Date of the flight, for the provenance of the result.");
+  command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
+      ->type_name("FILE");
   command.add_flag("--on-ground", arguments.on_ground,
-                   "Of an autopilot's log, also what was measured while the vehicle stood");
-  command.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
-  command.add_flag("--quiet", arguments.quiet, "Print nothing but errors");
+                   "Also use data that an autopilot recorded on the ground.");
+  command.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
+  command.add_flag("--quiet", arguments.quiet, "Print nothing but errors.");
 }
 
 std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {

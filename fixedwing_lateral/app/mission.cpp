@@ -76,19 +76,19 @@ int main(int argc, char** argv) {
   TurnConditions& conditions = plan.conditions;
   double roll = kDegree * conditions.roll;
   std::string tight = "keep";
-  app.add_option("file", path, "mission, see fixedwing_lateral/README.md")->required();
-  app.add_option("--loiter-radius", loiter.radius, "of the circle at the end, where the file has none [m]")
+  app.add_option("file", path, "Mission file, see fixedwing_lateral/README.md.")->required();
+  app.add_option("--loiter-radius", loiter.radius,
+                 "Radius of the circle at the end, if the file has none [m].")
       ->check(numberAbove(0.0));
-  app.add_option("--points", step, "print the path as CSV instead, a point every so many metres")
+  app.add_option("--points", step, "Print the path as CSV instead, with points this far apart [m].")
       ->check(numberAbove(0.0));
-  app.add_option("--airspeed", conditions.airspeed, "for the roll that is asked for [m/s]")
+  app.add_option("--airspeed", conditions.airspeed, "Airspeed for the computation of the roll [m/s].")
       ->check(numberAbove(0.0));
-  app.add_option("--wind", conditions.wind_speed, "its speed, from the worst direction [m/s]")
+  app.add_option("--wind", conditions.wind_speed, "Wind speed, from the worst direction [m/s].")
       ->check(numberFrom(0.0));
-  app.add_option("--roll", roll, "that turns may ask for [deg]")->check(numberAbove(0.0));
-  app.add_option(
-         "--tight", tight,
-         "of turns that ask for more: keep them, refuse the mission, or widen Dubins paths and loiters")
+  app.add_option("--roll", roll, "Greatest roll in turns [deg].")->check(numberAbove(0.0));
+  app.add_option("--tight", tight,
+                 "Tighter turns: keep them, refuse the mission, or widen Dubins paths and loiters.")
       ->check(oneOf(std::vector<std::string>{"keep", "refuse", "widen"}));
   return runTool(app, argc, argv, [&] {
     conditions.roll = roll / kDegree;

@@ -12,26 +12,24 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "The closed loop is theta+ = F theta + G u(theta) + E d + c, with u the map's laws and d any value in "
-    "the\n"
-    "model's set of disturbances. Signals are bound by name; see offline_mpt/sets/README.md for model "
-    "files.\n"
-    "Decided in fractions, the map's doubles at their exact values:\n"
-    "\n"
-    "  covered      the regions cover the convex polytope that their outer half-spaces describe\n"
-    "  recursive feasibility, invariance\n"
-    "               from every parameter in every region, for every disturbance, the next one is in that\n"
-    "               polytope (with --within: in that set), so that the map answers again, for ever\n"
-    "\n"
-    "A parameter counts as inside up to --tolerance, in half ranges; by default the tolerance of the map's "
-    "own\n"
-    "look-up. Where something does not hold, a parameter, input, disturbance and successor are shown.\n"
-    "\n"
-    "Exit code 0: all holds. 1: it does not; the report says what.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt analyze lateral.map --model region_maps/problems/models/multirotor_lateral.yaml\n"
-    "  offline_mpt analyze lateral.map --model lateral.yaml --within safe_set.json --json report.json";
+    R"(The closed loop is theta+ = F theta + G u(theta) + E d + c. u is the map's law, and d any value in the
+model's set of disturbances. Signals are bound by name. offline_mpt/sets/README.md describes model files.
+
+The decision uses rational arithmetic, with the map's doubles at their exact values:
+
+  covered      The regions cover the convex polytope of their outer half-spaces.
+  recursive feasibility, invariance
+               From every parameter in every region, for every disturbance, the next parameter is in that
+               polytope (with --within: in that set). So the map always has an answer again.
+
+A parameter counts as inside up to --tolerance. If a property does not hold, the report shows a parameter,
+input, disturbance and successor.
+
+Exit code 0: all properties hold. Exit code 1: a property does not hold; the report says which.
+
+Examples:
+  offline_mpt analyze lateral.map --model region_maps/problems/models/multirotor_lateral.yaml
+  offline_mpt analyze lateral.map --model lateral.yaml --within safe_set.json --json report.json)";
 
 struct Options {
   std::string map;
@@ -100,21 +98,23 @@ void addAnalyze(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   options->analyze.threads = defaultThreads();
   CLI::App* command = app.add_subcommand(
-      "analyze", "Prove that a map's closed loop never leaves the map, or show how it does");
+      "analyze", "Prove that a map's closed loop never leaves the map, or show how it leaves it.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_option("--model", options->model, "model file: how the parameters move")->required();
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_option("--model", options->model, "Model file: the dynamics of the parameters.")->required();
   command->add_option("--within", options->within,
-                      "set file, in the map's parameters: ask about this set instead of the domain");
+                      "Set file, in the map's parameters: analyse this set instead of the domain.");
   command
       ->add_option(
           "--tolerance", options->analyze.tolerance,
-          "how far outside a half-space still counts as inside [half ranges] (default: the map's own)")
+          "Distance outside a half-space that still counts as inside [half ranges] (default: the map's own).")
       ->check(numberFrom(0.0));
-  command->add_option("--threads", options->analyze.threads, "worker threads (default: all processors)")
+  command
+      ->add_option("--threads", options->analyze.threads,
+                   "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
-  command->add_option("--json", options->json, "write the report as JSON");
-  command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
+  command->add_option("--json", options->json, "Write the report to this file as JSON.");
+  command->add_flag("--quiet", options->quiet, "Print nothing. The exit code is the answer.");
   command->callback([options, &exit_code] { exit_code = analyzeMap(*options); });
 }
 

@@ -10,14 +10,15 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "FLIGHT has one row for each sampling time of the problem: its states and inputs, under their names. A "
-    "row with a\n"
-    "NaN splits the flight. The range of each channel is between order statistics of the disturbances that "
-    "explain each\n"
-    "step; it needs no distribution, but independent samples: choose --every so that they are.\n"
-    "\n"
-    "Example:\n"
-    "  offline_mpt bounds aslquad_lateral.yaml hover.csv figure.csv --coverage 0.999 --every 5";
+    R"(FLIGHT has one row for each sampling time of the problem. The columns are its states and inputs, under
+their names. A row with a NaN splits the flight.
+
+The command computes the disturbance of each step. The range of each channel lies between order statistics
+of these disturbances. It holds for any distribution, but the samples must be independent. Choose --every
+for that.
+
+Example:
+  offline_mpt bounds aslquad_lateral.yaml hover.csv figure.csv --coverage 0.999 --every 5)";
 
 struct Options {
   std::string problem;
@@ -48,20 +49,23 @@ ExitCode bound(const Options& options) {
 void addBounds(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("bounds", "Ranges of the disturbances of a robust MPC from recorded flights");
+      app.add_subcommand("bounds", "Compute the disturbance ranges of a robust MPC from recorded flights.");
   command->footer(kFooter);
-  command->add_option("PROBLEM", options->problem, "problem file of type robust_mpc")->required();
-  command->add_option("FLIGHT", options->flights, "CSV files")->required();
-  command->add_option("--coverage", options->bounds.coverage, "share of disturbances that a range shall hold")
+  command->add_option("PROBLEM", options->problem, "Problem file of type robust_mpc.")->required();
+  command->add_option("FLIGHT", options->flights, "CSV files of recorded flights.")->required();
+  command
+      ->add_option("--coverage", options->bounds.coverage, "Share of the disturbances that a range contains.")
       ->check(numberBetween(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--confidence", options->bounds.confidence, "of that")
+  command->add_option("--confidence", options->bounds.confidence, "Confidence that it contains this share.")
       ->check(numberBetween(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--every", options->bounds.every, "steps between samples that count as independent")
+  command
+      ->add_option("--every", options->bounds.every,
+                   "Number of steps between samples that count as independent.")
       ->check(wholeNumber<int>(1))
       ->capture_default_str();
-  command->add_option("--json", options->json, "write the result as JSON");
+  command->add_option("--json", options->json, "Write the result to this file as JSON.");
   command->callback([options, &exit_code] { exit_code = bound(*options); });
 }
 

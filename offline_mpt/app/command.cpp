@@ -36,13 +36,13 @@ ExitCode exitCode(ExploreStatus status) {
 }
 
 void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::uint64_t& memory_limit) {
-  command.add_option("--threads", threads, "worker threads (default: all processors)")
+  command.add_option("--threads", threads, "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
-  command.add_option("--time-limit", time_limit, "stop after so many seconds (default: none)")
+  command.add_option("--time-limit", time_limit, "Stop after this many seconds (default: no limit).")
       ->check(numberFrom(0.0));
   command
       .add_option("--memory-limit", memory_limit,
-                  "stop when the exploration holds so many bytes; suffixes k, M, G (default: none)")
+                  "Stop when the exploration uses this many bytes; suffixes k, M, G (default: no limit).")
       ->transform(byteCount());
 }
 

@@ -16,24 +16,24 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "Explores as solve does, but keeps only which active sets there are: some tens of bytes each, where "
-    "solve\n"
-    "takes up to 2 kB. Counted are the sets that are proven to be critical regions, the open ones among "
-    "them;\n"
-    "so whenever it stops, the numbers are lower bounds: of regions, and of the bytes of the map. H must be\n"
-    "positive definite. COUNT.md in offline_mpt tells what is proven, and how the bytes are bounded.\n"
-    "\n"
-    "With --proof, all that was counted is written with its witnesses; 'check_count PROOF --problem "
-    "PROBLEM'\n"
-    "confirms it, in a program of its own.\n"
-    "\n"
-    "Exit codes: 0 all regions were found, and their map is not proven to exceed --map-limit; 1 the map is\n"
-    "larger than --map-limit, or the partition has a gap; 2 bad input; 3 stopped by another limit or by a\n"
-    "signal.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt count big.json\n"
-    "  offline_mpt count big.json --map-limit 24G --proof big.count --time-limit 3600";
+    R"(The command explores as solve does, but stores only the active sets: some tens of bytes each, where solve
+takes up to 2 kB. It counts the sets that are proven to be critical regions, also those that are not
+explored yet. Whenever it stops, its numbers are lower bounds: of the regions, and of the bytes of the
+map. H must be positive definite. offline_mpt/COUNT.md explains what is proven, and how the bytes are
+bounded.
+
+--proof writes everything that was counted, with witnesses. 'check_count PROOF --problem PROBLEM' confirms
+it; it is an independent program.
+
+Exit codes:
+  0  All regions were found, and the map is not proven larger than --map-limit.
+  1  The map is larger than --map-limit, or the partition has a gap.
+  2  The input is invalid.
+  3  Another limit or a signal stopped the command.
+
+Examples:
+  offline_mpt count big.json
+  offline_mpt count big.json --map-limit 24G --proof big.count --time-limit 3600)";
 
 struct Options {
   std::string problem;
@@ -128,19 +128,20 @@ void addCount(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   options->count.threads = defaultThreads();
   CLI::App* command =
-      app.add_subcommand("count", "Count the regions of a map that is not made: does it fit?");
+      app.add_subcommand("count", "Count the regions of a map without computing it: does it fit?");
   command->footer(kFooter);
-  command->add_option("PROBLEM", options->problem, "problem file, .yaml or .json")->required();
+  command->add_option("PROBLEM", options->problem, "Problem file, .yaml or .json.")->required();
   command
       ->add_option("--map-limit", options->count.map_limit,
-                   "stop when the map is proven to take more bytes; suffixes k, M, G (default: none)")
+                   "Stop when the map is proven to take more bytes; suffixes k, M, G (default: no limit).")
       ->transform(byteCount());
-  command->add_option("--proof", options->count.proof, "write all counted sets with their witnesses");
-  command->add_option("--region-limit", options->count.region_limit, "stop after so many proven regions")
+  command->add_option("--proof", options->count.proof,
+                      "Write all counted active sets with their witnesses to this file.");
+  command->add_option("--region-limit", options->count.region_limit, "Stop after this many proven regions.")
       ->check(wholeNumber<std::uint64_t>(1));
   addExploreLimits(*command, options->count.threads, options->count.time_limit, options->count.memory_limit);
-  command->add_option("--stats", options->stats, "write counts and times as JSON");
-  command->add_flag("--quiet", options->quiet, "say nothing but errors");
+  command->add_option("--stats", options->stats, "Write counts and times to this file as JSON.");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors.");
   command->callback([options, &exit_code] { exit_code = count(*options); });
 }
 

@@ -10,17 +10,15 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "THETAS.csv has one parameter vector per row. A first row may name the columns, in any order; without it "
-    "they\n"
-    "are in the order that `offline_mpt info MAP` shows. Lines that start with # are left out.\n"
-    "\n"
-    "One row per vector comes out: status (inside, outside_box, outside_partition, not_finite), region, and "
-    "the\n"
-    "inputs by name; region and inputs are empty when the status is not `inside`.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt eval lateral.map --csv thetas.csv\n"
-    "  offline_mpt eval lateral.map --csv thetas.csv -o commands.csv";
+    R"(THETAS.csv has one parameter vector per row. A first row may name the columns, in any order. Without it
+they are in the order of `offline_mpt info MAP`. Lines that start with # are ignored.
+
+The output has one row per vector: status (inside, outside_box, outside_partition, not_finite), region,
+and the inputs by name. Region and inputs are empty if the status is not `inside`.
+
+Examples:
+  offline_mpt eval lateral.map --csv thetas.csv
+  offline_mpt eval lateral.map --csv thetas.csv -o commands.csv)";
 
 struct Options {
   std::string map;
@@ -83,11 +81,11 @@ ExitCode eval(const Options& options) {
 
 void addEval(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("eval", "Look up parameter vectors from a CSV file");
+  CLI::App* command = app.add_subcommand("eval", "Look up parameter vectors from a CSV file.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_option("--csv", options->csv, "parameter vectors, one per row")->required();
-  command->add_option("-o,--output", options->output, "CSV file to write (default: standard output)");
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_option("--csv", options->csv, "CSV file with one parameter vector per row.")->required();
+  command->add_option("-o,--output", options->output, "CSV file to write (default: standard output).");
   command->callback([options, &exit_code] { exit_code = eval(*options); });
 }
 

@@ -12,11 +12,11 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "The file is checked as a whole before anything is shown.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt info lateral.map\n"
-    "  offline_mpt info lateral.map --json";
+    R"(The command checks the whole file before it prints anything.
+
+Examples:
+  offline_mpt info lateral.map
+  offline_mpt info lateral.map --json)";
 
 struct Options {
   std::string map;
@@ -157,10 +157,10 @@ ExitCode info(const Options& options) {
 
 void addInfo(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("info", "Show what a map holds and what a look-up costs");
+  CLI::App* command = app.add_subcommand("info", "Show the content of a map and the cost of a look-up.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_flag("--json", options->json, "as JSON");
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_flag("--json", options->json, "Print JSON.");
   command->callback([options, &exit_code] { exit_code = info(*options); });
 }
 

@@ -6,27 +6,28 @@
 namespace {
 
 const char kFooter[] =
-    "Examples:\n"
-    "  offline_mpt solve multirotor_lateral.yaml -o lateral.map\n"
-    "  offline_mpt count big.json --map-limit 24G\n"
-    "  offline_mpt info lateral.map\n"
-    "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
-    "  offline_mpt reduce lateral.map -o small.map --separate\n"
-    "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
-    "  offline_mpt analyze lateral.map --model lateral_model.yaml\n"
-    "  offline_mpt set invariant model.yaml -o safe.json\n"
-    "\n"
-    "Exit codes:\n"
-    "  0  done\n"
-    "  1  verification or analysis failed, the partition has a gap, or the answer is no\n"
-    "  2  bad file, option or problem; nothing was written\n"
-    "  3  interrupted, or a limit was reached; what was kept is said";
+    R"(Examples:
+  offline_mpt solve multirotor_lateral.yaml -o lateral.map
+  offline_mpt count big.json --map-limit 24G
+  offline_mpt info lateral.map
+  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1
+  offline_mpt reduce lateral.map -o small.map --separate
+  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg
+  offline_mpt analyze lateral.map --model lateral_model.yaml
+  offline_mpt set invariant model.yaml -o safe.json
+
+Exit codes:
+  0  The command succeeded.
+  1  A verification or analysis failed, the partition has a gap, or the answer is no.
+  2  A file, option or problem is invalid. Nothing was written.
+  3  The command was interrupted or reached a limit. It prints what it kept.)";
 
 }  // namespace
 
 int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("offline_mpt");
-  CLI::App app("Solves parametric programs into region maps, and looks into such maps.", "offline_mpt");
+  CLI::App app("Solves parametric programs, writes region maps, and analyses and verifies them.",
+               "offline_mpt");
   app.footer(kFooter);
   app.require_subcommand(1);
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;

@@ -11,13 +11,13 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "Two parameters span the picture; the others are fixed: at 0 where their range holds it, else at its "
-    "middle,\n"
-    "or where --at puts them. The regions are filled by the value of the first input. Needs gnuplot.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg\n"
-    "  offline_mpt plot lateral.map --slice e_p,e_v --at u_ref=0.1 --at u_prev=0.1 -o lateral.png";
+    R"(Two parameters are on the axes. The others have the value of --at, else 0 if their range contains it, else
+the middle of their range. The colour of a region is the value of the first input. The command needs
+gnuplot.
+
+Examples:
+  offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg
+  offline_mpt plot lateral.map --slice e_p,e_v --at u_ref=0.1 --at u_prev=0.1 -o lateral.png)";
 
 struct Options {
   std::string map;
@@ -57,16 +57,15 @@ ExitCode plot(const Options& options) {
 
 void addPlot(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("plot", "Draw a slice through a map's regions");
+  CLI::App* command = app.add_subcommand("plot", "Plot a slice through a map's regions.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_option("--slice", options->axes, "names of the two parameters that span the picture: x,y")
-      ->required();
-  command->add_option("--at", options->at, "value of another parameter: name=value (may be repeated)")
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_option("--slice", options->axes, "Names of the two parameters on the axes: x,y.")->required();
+  command->add_option("--at", options->at, "Value of another parameter: name=value. May be repeated.")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("-o,--output", options->output, "picture to write, .svg or .png")->required();
+  command->add_option("-o,--output", options->output, "Plot file to write, .svg or .png.")->required();
   command->callback([options, &exit_code] { exit_code = plot(*options); });
 }
 

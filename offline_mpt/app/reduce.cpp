@@ -18,28 +18,26 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "Regions with the same law are joined where their union is convex: as few as can be (--merge optimal), "
-    "as "
-    "far\n"
-    "as the planes of a law's neighbouring regions are at most 64 and make at most 10,000 cells; pair by "
-    "pair\n"
-    "otherwise (--merge greedy). --merge auto stops looking for the fewest at 24 planes or 1,000 cells.\n"
-    "\n"
-    "--separate, for maps with one input: regions where the input is constant at its greatest or least value "
-    "give\n"
-    "way to few fallback regions, which a look-up comes to last (region_maps/FORMAT.md). Nothing is "
-    "clipped.\n"
-    "\n"
-    "The new map is proven to answer as MAP does, as `verify --reduced-from` does, before it is written; "
-    "what "
-    "was\n"
-    "proven of MAP then holds for it too. Where the proof fails nothing is written (exit code 1).\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt reduce lateral.map -o small.map --stats saved.json --certificate small.cert\n"
-    "  check_certificate small.cert --map small.map --reduced-from lateral.map\n"
-    "  offline_mpt reduce lateral.map -o small.map --merge optimal --separate\n"
-    "  offline_mpt verify small.map --reduced-from lateral.map";
+    R"(Regions with the same law are joined where their union is convex:
+
+  --merge optimal  Finds the fewest regions. Beyond 64 planes or 10,000 cells, it joins pairs.
+  --merge auto     The same, with limits of 24 planes and 1,000 cells.
+  --merge greedy   Joins pairs.
+  --merge none     Joins nothing.
+
+--separate is for maps with one input. Few fallback regions replace the regions where the input is
+constant at its bound. A look-up tests fallback regions last (region_maps/FORMAT.md). Inputs are not
+clipped.
+
+Before it writes the new map, the command proves that it answers as MAP does, like `verify
+--reduced-from`. So a proof of MAP holds for the new map too. If the proof fails, nothing is written (exit
+code 1).
+
+Examples:
+  offline_mpt reduce lateral.map -o small.map --stats saved.json --certificate small.cert
+  check_certificate small.cert --map small.map --reduced-from lateral.map
+  offline_mpt reduce lateral.map -o small.map --merge optimal --separate
+  offline_mpt verify small.map --reduced-from lateral.map)";
 
 struct Options {
   std::string map;
@@ -140,32 +138,37 @@ ExitCode reduceMap(const Options& options) {
 void addReduce(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   options->reduce.threads = defaultThreads();
-  CLI::App* command = app.add_subcommand("reduce", "Make a smaller map with the same answers");
+  CLI::App* command = app.add_subcommand("reduce", "Write a smaller map with the same answers.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_option("-o,--output", options->output, "map file to write")->required();
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_option("-o,--output", options->output, "Map file to write.")->required();
   const std::map<std::string, MergeMethod> methods = {{"none", MergeMethod::kNone},
                                                       {"greedy", MergeMethod::kGreedy},
                                                       {"optimal", MergeMethod::kOptimal},
                                                       {"auto", MergeMethod::kAuto}};
   command
       ->add_option("--merge", options->reduce.merge,
-                   "how regions with the same law are joined (default: auto)")
+                   "Method that joins regions with the same law (default: auto).")
       ->transform(oneOf(methods));
   command->add_flag("--separate", options->reduce.separate,
-                    "let few fallback regions take the place of saturated ones");
+                    "Replace saturated regions by few fallback regions.");
   command
-      ->add_option("--law-tolerance", options->reduce.law_tolerance,
-                   "laws that differ by less anywhere in the box are one, relative to max(1, |bounds of u|)")
+      ->add_option(
+          "--law-tolerance", options->reduce.law_tolerance,
+          "Laws that differ by less anywhere in the box count as equal, relative to max(1, |bounds of u|).")
       ->check(numberFrom(0.0, 1e-8))
       ->capture_default_str();
-  command->add_option("--stats", options->stats, "write what was saved as JSON");
-  command->add_option("--threads", options->reduce.threads, "worker threads (default: all processors)")
+  command->add_option("--stats", options->stats, "Write sizes before and after to this file as JSON.");
+  command
+      ->add_option("--threads", options->reduce.threads,
+                   "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
-  command->add_flag("--no-proof", options->no_proof, "write the map without proving it");
-  command->add_option("--certificate", options->certificate, "write the proof, for check_certificate")
+  command->add_flag("--no-proof", options->no_proof, "Write the map without a proof.");
+  command
+      ->add_option("--certificate", options->certificate,
+                   "Write the proof to this file, for check_certificate.")
       ->excludes(command->get_option("--no-proof"));
-  command->add_flag("--quiet", options->quiet, "say nothing but errors");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors.");
   command->callback([options, &exit_code] { exit_code = reduceMap(*options); });
 }
 

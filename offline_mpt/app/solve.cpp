@@ -26,18 +26,20 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    R"(The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a parametric program
-in the generic form (.json). A robust MPC has no checkpoint, and no limit but --time-limit.
-The map does not depend on the number of threads: the same problem gives the same bytes.
+    R"(The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a parametric
+program in the generic form (.json). A robust MPC has no checkpoint, and no limit but --time-limit. The
+same problem gives the same bytes for any number of threads.
 
-Stopped by Ctrl-C, SIGTERM, SIGHUP or a limit, it leaves MAP.checkpoint, from which --resume goes on to the map of
-an uninterrupted run, byte for byte. The checkpoint is also written every --checkpoint-period and before the search
-tree is built. It is removed when the complete map is written.
-The regions found so far are written too and marked in the map, where their search tree takes less than a second.
-An existing MAP is replaced by such a part with --force only, and so is the checkpoint of an unfinished run.
+Ctrl-C, SIGTERM, SIGHUP or a limit stops the run. It then writes MAP.checkpoint. --resume continues from
+there to the same bytes as an uninterrupted run. The checkpoint is also written every --checkpoint-period,
+and before the search tree is built. The complete map removes it.
 
-Started by mpirun, the processes explore together (--threads each) and process 0 writes the same map. If one is
-lost, the run ends and leaves a checkpoint.
+A stopped run also writes the regions found so far, if their search tree takes less than a second. The
+status of the map says so. It replaces an existing MAP only with --force. A new run replaces the
+checkpoint of an unfinished run only with --force.
+
+With mpirun, the processes explore together (--threads each), and process 0 writes the same map. If a
+process is lost, the run ends with a checkpoint.
 
 Examples:
   offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json
@@ -366,27 +368,27 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   options->explore.threads = defaultThreads();
   CLI::App* command =
-      app.add_subcommand("solve", "Solve a problem for all parameters and write the region map");
+      app.add_subcommand("solve", "Solve a problem for all parameters and write the region map.");
   command->footer(kFooter);
-  command->add_option("PROBLEM", options->problem, "problem file, .yaml or .json")->required();
-  command->add_option("-o,--output", options->map, "map file to write")->required();
-  command->add_option("--stats", options->stats, "write counts and times as JSON");
-  command->add_option("--region-limit", options->explore.region_limit, "stop after so many regions")
+  command->add_option("PROBLEM", options->problem, "Problem file, .yaml or .json.")->required();
+  command->add_option("-o,--output", options->map, "Map file to write.")->required();
+  command->add_option("--stats", options->stats, "Write counts and times to this file as JSON.");
+  command->add_option("--region-limit", options->explore.region_limit, "Stop after this many regions.")
       ->check(wholeNumber<std::uint64_t>(1));
   addExploreLimits(*command, options->explore.threads, options->time_limit, options->explore.memory_limit);
-  command->add_flag("--resume", options->explore.resume, "go on from MAP.checkpoint");
+  command->add_flag("--resume", options->explore.resume, "Continue from MAP.checkpoint.");
   command
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,
-                   "write MAP.checkpoint every so many seconds (default: 300; 0: at the end only)")
+                   "Seconds between checkpoints (default: 300; 0: only at the end).")
       ->check(numberFrom(0.0));
   command
       ->add_option("--tree-nodes", options->tree_nodes,
-                   "interior nodes that the search tree may have (default: 64 per region up to 131072, 2 per "
-                   "region beyond); each takes 12 bytes and time")
+                   "Limit of interior nodes of the search tree (default: 64 per region up to 131072, 2 per "
+                   "region beyond). Each takes 12 bytes and time.")
       ->check(wholeNumber<std::uint64_t>(1));
-  command->add_flag("--quiet", options->quiet, "say nothing but errors");
+  command->add_flag("--quiet", options->quiet, "Print nothing but errors.");
   command->add_flag("--force", options->force,
-                    "let a partial result replace an existing map, and a new run an old checkpoint");
+                    "Let a partial result replace an existing map, and a new run an old checkpoint.");
   command->callback([options, &exit_code] { exit_code = solve(*options); });
 }
 

@@ -16,28 +16,23 @@ namespace polyfly {
 namespace {
 
 const char kFooter[] =
-    "Half of the samples are uniform in the parameters' box; the others lie on, beside or at the meeting of "
-    "faces\n"
-    "of random regions and at their centres. Each is solved by an interior-point method that shares no code "
-    "with\n"
-    "the solver. Where the minimiser is not unique (H singular), the objective that the map's input admits "
-    "is\n"
-    "compared instead of the input; the report says so. The report depends on the map, the problem, "
-    "--samples and\n"
-    "--seed only.\n"
-    "\n"
-    "The result is PASSED (exit code 0) when no sample breaks a rule, all were decided and the map says that "
-    "it is\n"
-    "complete.\n"
-    "\n"
-    "Examples:\n"
-    "  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1\n"
-    "  offline_mpt verify lateral.map --exact --certificate lateral.cert    (a proof; see CERTIFICATE.md)\n"
-    "  offline_mpt verify lateral.map --exact --repair -o repaired.map\n"
-    "  offline_mpt verify small.map --reduced-from lateral.map --certificate small.cert    (a proof; see "
-    "reduce "
-    "--help)\n"
-    "  offline_mpt verify lateral.map --json report.json    (against the problem that the map carries)";
+    R"(Half of the samples are uniform in the parameters' box. The others lie on and next to faces of random
+regions, where faces meet, and at the centres of regions. An interior-point method solves each sample; it
+shares no code with the solver. With H singular the minimiser may not be unique. Then the command compares
+the best objective that the map's input admits, and the report says so. The report depends only on the
+map, the problem, --samples and --seed.
+
+The result is PASSED (exit code 0) if no sample breaks a rule, all samples were decided, and the map is
+marked complete.
+
+--exact and --reduced-from give a proof instead; offline_mpt/CERTIFICATE.md explains it.
+
+Examples:
+  offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1
+  offline_mpt verify lateral.map --exact --certificate lateral.cert
+  offline_mpt verify lateral.map --exact --repair -o repaired.map
+  offline_mpt verify small.map --reduced-from lateral.map --certificate small.cert
+  offline_mpt verify lateral.map --json report.json)";
 
 struct Options {
   std::string map;
@@ -93,24 +88,25 @@ ExitCode verifyMap(const Options& options) {
 
 void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
   CLI::Option* exact = command->add_flag(
-      "--exact", options->exact, "prove the map in rational arithmetic instead of sampling, or refute it");
+      "--exact", options->exact, "Prove or refute the map in rational arithmetic instead of sampling.");
   for (const char* sampling : {"--samples", "--seed", "--tolerance"})
     exact->excludes(command->get_option(sampling));
   command->add_option("--certificate", options->certificate,
-                      "with --exact or --reduced-from: write the proof, for check_certificate");
+                      "With --exact or --reduced-from: write the proof to this file, for check_certificate.");
   CLI::Option* repair =
-      command->add_flag("--repair", options->repair, "with --exact: add what is missing, into a new map")
+      command
+          ->add_flag("--repair", options->repair, "With --exact: write a new map with the missing regions.")
           ->needs(exact);
-  CLI::Option* output = command->add_option("-o,--output", options->output, "with --repair: the new map");
+  CLI::Option* output =
+      command->add_option("-o,--output", options->output, "With --repair: the new map file.");
   output->needs(repair);
   repair->needs(output);
-  command->add_option("--time-limit", options->time_limit, "with --exact: stop after so long [s]")
+  command->add_option("--time-limit", options->time_limit, "With --exact: stop after this time [s].")
       ->check(numberAbove(0.0))
       ->needs(exact);
-  CLI::Option* reduced =
-      command->add_option("--reduced-from", options->reduced_from,
-                          "prove in rational arithmetic that MAP, made by `reduce`, answers "
-                          "as this map does");
+  CLI::Option* reduced = command->add_option(
+      "--reduced-from", options->reduced_from,
+      "Prove in rational arithmetic that MAP, written by `reduce`, answers as this map does.");
   reduced->excludes(exact);
   for (const char* other : {"--problem", "--samples", "--seed", "--tolerance"})
     reduced->excludes(command->get_option(other));
@@ -121,26 +117,28 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
 void addVerify(CLI::App& app, ExitCode& exit_code) {
   auto options = std::make_shared<Options>();
   options->verify.threads = defaultThreads();
-  CLI::App* command = app.add_subcommand("verify", "Compare a map with direct solutions of its problem");
+  CLI::App* command =
+      app.add_subcommand("verify", "Compare a map with direct solutions of its problem, or prove it.");
   command->footer(kFooter);
-  command->add_option("MAP", options->map, "map file")->required();
-  command->add_option("--problem", options->problem,
-                      "problem file (default: the problem that the map carries)");
-  command->add_option("--samples", options->verify.samples, "parameters to try")
+  command->add_option("MAP", options->map, "Map file.")->required();
+  command->add_option("--problem", options->problem, "Problem file (default: the problem text in the map).");
+  command->add_option("--samples", options->verify.samples, "Number of samples.")
       ->check(wholeNumber<std::uint64_t>(1))
       ->capture_default_str();
-  command->add_option("--seed", options->verify.seed, "of the generator")
+  command->add_option("--seed", options->verify.seed, "Seed of the random samples.")
       ->check(wholeNumber<std::uint64_t>())
       ->capture_default_str();
   command
       ->add_option("--tolerance", options->verify.tolerance,
-                   "greatest error of the input, relative to max(1, |u|)")
+                   "Greatest error of the input, relative to max(1, |u|).")
       ->check(numberAbove(0.0))
       ->capture_default_str();
-  command->add_option("--threads", options->verify.threads, "worker threads (default: all processors)")
+  command
+      ->add_option("--threads", options->verify.threads,
+                   "Number of worker threads (default: all processors).")
       ->check(wholeNumber(1, 256));
-  command->add_option("--json", options->json, "write the report as JSON");
-  command->add_flag("--quiet", options->quiet, "say nothing: the exit code is the answer");
+  command->add_option("--json", options->json, "Write the report to this file as JSON.");
+  command->add_flag("--quiet", options->quiet, "Print nothing. The exit code is the answer.");
   addExact(command, options);
   command->callback([options, &exit_code] {
     if (!options->reduced_from.empty()) {

@@ -14,11 +14,11 @@ namespace {
 constexpr char kUsage[] =
     R"(usage: check_certificate CERTIFICATE --map MAP [--problem FILE]
        check_certificate CERTIFICATE --map REDUCED --reduced-from ORIGINAL
-Confirms in rational arithmetic that MAP is the complete solution of its problem, from a certificate that
-'offline_mpt verify --exact' wrote. With --problem, the certificate must be of that problem file.
-With --reduced-from, that REDUCED answers as ORIGINAL does, from a certificate that
-'offline_mpt verify --reduced-from' wrote; ORIGINAL has a certificate of its own.
-Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.
+Confirms in rational arithmetic that MAP is the complete solution of its problem. The certificate is from
+'offline_mpt verify --exact'. With --problem, the certificate must be of that problem file.
+With --reduced-from, it confirms that REDUCED answers as ORIGINAL does. The certificate is then from
+'offline_mpt verify --reduced-from'. ORIGINAL has a certificate of its own.
+Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {

@@ -12,10 +12,10 @@ namespace {
 
 constexpr char kUsage[] =
     R"(usage: check_count PROOF [--problem FILE] [--map-limit BYTES] [--threads N]
-Confirms that the active sets of PROOF, which 'offline_mpt count --proof' wrote, are critical regions with
-an interior, all different, and says how many bytes a map of them takes at the least. With --problem, the
-proof must be of that problem file; with --map-limit, the map must take more than so many bytes.
-Exit code 0: confirmed, 1: refused, 2: bad command line, a file that cannot be read, or out of memory.
+Confirms that the active sets of PROOF are different critical regions with an interior. Prints how many bytes
+their map takes at least. PROOF is from 'offline_mpt count --proof'.
+With --problem, the proof must be of that problem file. With --map-limit, the map must take more bytes.
+Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
 constexpr unsigned long long kMostThreads = 256;

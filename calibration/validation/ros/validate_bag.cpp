@@ -44,76 +44,83 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--bag", arguments.bags, "Recorded flights, one or several")->required()->type_name("FILE");
+  app.add_option("--bag", arguments.bags, "Bags of recorded flights.")->required()->type_name("FILE");
   app.add_option("--map", arguments.maps,
-                 "Region maps of the three axes, in any order; further maps of an axis are compared with its "
-                 "first, which flew")
+                 "Region maps of the three axes, in any order. The first map of an axis is the one that "
+                 "flew; further ones are compared with it.")
       ->required()
       ->type_name("FILE");
   app.add_option("--options", arguments.options,
-                 "YAML file of the controller that flew (vehicle, controller); its defaults if not given")
+                 "Options file (YAML) of the controller that flew: vehicle, controller (default: the "
+                 "controller's defaults).")
       ->type_name("FILE");
-  app.add_option("--json", arguments.json, "Write the numbers here")->type_name("FILE");
-  app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder")
+  app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
+  app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
       ->type_name("DIR");
   app.add_option(
          "--propose", arguments.propose,
-         "Where the flights left a map: write the problems that would have covered them into this folder")
+         "If the flights left a map, write problem files that would have covered them into this folder.")
       ->type_name("DIR");
   app.add_option("--propose-limit", arguments.propose_limit,
-                 "Regions to count at most of such a problem; 0: do not count nor propose")
+                 "Limit for counting the regions of such a problem; 0: neither count nor propose.")
       ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str();
   app.add_option("--topics-bag", arguments.topics_bag,
-                 "Write a bag with the validation as topics, for rviz and rqt")
+                 "Write a bag with the results as topics, for rviz and rqt.")
       ->type_name("FILE");
-  app.add_flag("--strict", arguments.strict, "Exit with 1 if there is a warning");
-  app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds");
+  app.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
+  app.add_flag("--quiet", arguments.quiet, "Print nothing but errors and broken thresholds.");
 
   auto& topics = arguments.topics;
   const std::string group = "Topics (without a leading slash: in the namespace)";
   app.add_option("--namespace", topics.name_space,
-                 "Namespace of the vehicle; found from the commands if not given")
+                 "Namespace of the vehicle (default: that of the command topic).")
       ->group(group);
-  app.add_option("--odometry", topics.odometry, "nav_msgs/Odometry")->capture_default_str()->group(group);
-  app.add_option("--trajectory", topics.trajectory, "trajectory_msgs/MultiDOFJointTrajectory")
+  app.add_option("--odometry", topics.odometry, "Topic of type nav_msgs/Odometry.")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--pose", topics.pose, "geometry_msgs/PoseStamped")->capture_default_str()->group(group);
-  app.add_option("--command", topics.command, "mav_msgs/RollPitchYawrateThrust")
+  app.add_option("--trajectory", topics.trajectory, "Topic of type trajectory_msgs/MultiDOFJointTrajectory.")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--status", topics.status, "online_controller/ControllerStatus, may be missing")
+  app.add_option("--pose", topics.pose, "Topic of type geometry_msgs/PoseStamped.")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--command", topics.command, "Topic of type mav_msgs/RollPitchYawrateThrust.")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--status", topics.status,
+                 "Topic of type online_controller/ControllerStatus; may be missing.")
       ->capture_default_str()
       ->group(group);
   app.add_option("--disturbance", topics.disturbance,
-                 "geometry_msgs/Vector3Stamped, the true one; may be missing")
+                 "Topic of type geometry_msgs/Vector3Stamped, the true disturbance; may be missing.")
       ->capture_default_str()
       ->group(group);
 
   auto& limits = arguments.thresholds;
   const std::string thresholds = "Thresholds";
-  app.add_option("--min-coverage", limits.min_coverage, "Least share of samples that all maps hold")
+  app.add_option("--min-coverage", limits.min_coverage, "Least share of samples inside all maps.")
       ->check(polyfly::numberFrom(0.0, 1.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-qp-difference", limits.max_qp_difference,
-                 "Greatest difference between map and online QP [rad or m/s^2]")
+                 "Greatest difference between map and online QP [rad or m/s^2].")
       ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
   app.add_option("--max-command-difference", limits.max_command_difference,
-                 "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2]")
+                 "Greatest difference between recorded and replayed commands [rad, rad/s, m/s^2].")
       ->check(polyfly::numberFrom(0.0))
       ->capture_default_str()
       ->group(thresholds);
-  app.add_option("--max-violations", limits.max_violations, "Most recorded commands out of their bounds")
+  app.add_option("--max-violations", limits.max_violations,
+                 "Greatest number of recorded commands outside their bounds.")
       ->check(polyfly::wholeNumber<std::uint64_t>())
       ->capture_default_str()
       ->group(thresholds);
   app.footer(
-      "Exit code: 0 all thresholds hold, 1 one is broken (or a warning with --strict), 2 bad input or "
-      "option.");
+      "Exit codes: 0 all thresholds hold; 1 one is broken, or there is a warning with --strict; 2 an input "
+      "or option is invalid.");
 }
 
 std::string proposalFile(const std::string& folder, const polyfly::RegionMap& map) {
