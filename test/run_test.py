@@ -204,6 +204,17 @@ class Count(unittest.TestCase):
         self.write("results/pkg/rostest-a.xml", '<testsuites><testcase name="program"><failure/></testcase></testsuites>')
         self.assertEqual(self.count("--catkin", self.folder + "/results")[0], 1)
 
+    def test_a_file_with_the_colours_of_a_terminal_is_read(self):
+        self.write("results/pkg/rosunit-p.xml", '<testsuites><testcase name="x"/><testcase name="y"><failure>\x1b[31mred'
+                   '</failure></testcase></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+
+    def test_a_file_that_cannot_be_read_is_a_failure(self):
+        self.write("results/pkg/rosunit-p.xml", "<testsuites>")
+        self.write("results/pkg/rosunit-q.xml", '<testsuites><testcase name="x"/></testsuites>')
+        self.assertEqual(self.count("--catkin", self.folder + "/results"), (1, "1 passed, 1 failed"))
+        self.assertIn("  failed: rosunit-p.xml", self.printed)
+
     def test_a_single_check_counts_by_its_status(self):
         good, bad = self.write("good", "0\n"), self.write("bad", "1\n")
         self.assertEqual(self.count("--check", "a", good), (0, "1 passed, 0 failed"))

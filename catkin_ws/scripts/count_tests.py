@@ -9,11 +9,13 @@ is named before, with the begin of what it said, in lines that begin with "  fai
 status 1 when something failed or nothing ran. FILE of a check holds the exit status of one script.
 """
 import os
+import re
 import sys
 import xml.etree.ElementTree as xml
 
 
 SAID = 1200  # characters of what a failed case said
+NOT_IN_XML = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f]")
 
 
 class Count:
@@ -38,10 +40,22 @@ def tell(where, case, complaint):
         print(f"  failed:     {line.rstrip()}")
 
 
+def root_of(path):
+    """The root of a result file. rostest writes what a program printed as it is, also the colours of a terminal."""
+    with open(path, "rb") as file:
+        return xml.fromstring(NOT_IN_XML.sub(b"", file.read()))
+
+
 def count_cases(path):
-    """Cases of one GoogleTest or JUnit file."""
+    """Cases of one GoogleTest or JUnit file. A file that cannot be read is one case that failed."""
     count = Count()
-    for case in xml.parse(path).getroot().iter("testcase"):
+    try:
+        root = root_of(path)
+    except xml.ParseError as error:
+        print(f"  failed: {os.path.basename(path)}: {error}")
+        count.failed = 1
+        return count
+    for case in root.iter("testcase"):
         complaint = next((found for found in (case.find("failure"), case.find("error")) if found is not None), None)
         if complaint is not None:
             count.failed += 1
@@ -55,7 +69,7 @@ def count_cases(path):
 
 def count_ctest(junit, gtest_folder):
     total = Count()
-    for case in xml.parse(junit).getroot().iter("testcase"):
+    for case in root_of(junit).iter("testcase"):
         own = os.path.join(gtest_folder, case.get("name") + ".xml")
         failed = case.get("status") == "fail" or case.find("failure") is not None
         count = Count()

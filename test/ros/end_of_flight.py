@@ -4,7 +4,7 @@
 usage: end_of_flight.py NODE...     (all on this machine)
 
 The nodes end first, so that nodelets are unloaded while their manager is there. Then roslaunch, which started this
-script, gets the signal of Ctrl-C. A launch file with required="true" would end with an error message instead.
+script, gets the signal of Ctrl-C. If the flight's own nodes were required, roslaunch would end with an error message.
 """
 import os
 import signal
@@ -21,11 +21,14 @@ PATIENCE = 10.0  # until nodes that do not end are left to roslaunch [s]
 
 
 def roslaunch():
-    """The server of the roslaunch that started this script; several can share a master."""
+    """The server of the roslaunch that started this script. Several can share a master, and some may have ended."""
     for uri in rospy.get_param("/roslaunch/uris").values():
         server = ServerProxy(uri)
-        if server.get_pid()[2] == os.getppid():
-            return server
+        try:
+            if server.get_pid()[2] == os.getppid():
+                return server
+        except OSError:
+            continue
     raise SystemExit("end_of_flight: must be started by roslaunch")
 
 
@@ -57,6 +60,9 @@ def main():
     while ours & set(rosnode.get_node_names()) and time.monotonic() < end:
         time.sleep(POLL)
     os.kill(os.getppid(), signal.SIGINT)
+    # Until roslaunch ends this script, too. It is a required node, so that roslaunch also ends if this script fails.
+    while not rospy.is_shutdown():
+        time.sleep(POLL)
 
 
 if __name__ == "__main__":

@@ -299,7 +299,7 @@ TEST_F(ValidateBag, writesTheBagThatALinkLeadsTo) {
 
 TEST_F(ValidateBag, helpTellsExitCodesAndDefaults) {
   EXPECT_EQ(run({"--help"}), kPassed);
-  EXPECT_NE(output_.find("Exit code: 0"), std::string::npos);
+  EXPECT_NE(output_.find("Exit codes: 0"), std::string::npos);
   EXPECT_NE(output_.find("command/roll_pitch_yawrate_thrust"), std::string::npos);
 }
 
