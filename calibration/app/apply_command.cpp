@@ -16,14 +16,14 @@
 namespace polyfly {
 namespace {
 
-struct Arguments {
+struct ApplyArguments {
   std::vector<std::string> calibrations;
   std::string problem;
   std::string output;
   bool force = false;
 };
 
-int apply(const Arguments& arguments) {
+int apply(const ApplyArguments& arguments) {
   std::vector<std::string> inputs = arguments.calibrations;
   inputs.push_back(arguments.problem);
   checkOutputs({{arguments.output}}, inputs);
@@ -43,7 +43,7 @@ int apply(const Arguments& arguments) {
 }  // namespace
 
 void addApplyCommand(CLI::App& app, int* result) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ApplyArguments>();
   CLI::App* command =
       app.add_subcommand("apply", "Write calibrations into a problem file, with their provenance.");
   command

@@ -14,7 +14,7 @@
 namespace polyfly {
 namespace {
 
-struct Arguments : LogArguments {
+struct AttitudeArguments : LogArguments {
   std::string validation;
   std::vector<std::string> axes;
   std::vector<std::string> validation_windows;
@@ -23,7 +23,7 @@ struct Arguments : LogArguments {
   IdentifyOptions options;
 };
 
-AttitudeCalibration calibrate(const Arguments& arguments) {
+AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
   options.windows = parseWindows(arguments.windows);
   options.validation_windows = parseWindows(arguments.validation_windows);
@@ -53,7 +53,7 @@ AttitudeCalibration calibrate(const Arguments& arguments) {
   return calibration;
 }
 
-int run(const Arguments& arguments) {
+int run(const AttitudeArguments& arguments) {
   checkResults(arguments, arguments.report, arguments.validation);
   const AttitudeCalibration calibration = calibrate(arguments);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
@@ -68,7 +68,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addAttitudeCommand(CLI::App& app, int* result) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<AttitudeArguments>();
   CLI::App* command =
       app.add_subcommand("attitude", "Identify gain, lag and delay of roll, pitch, yaw rate and thrust.");
   declareLog(*command, *arguments);

@@ -14,16 +14,16 @@
 namespace polyfly {
 namespace {
 
-struct Arguments : LogArguments {
+struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
   std::vector<double> drag;
   std::string report;
 };
 
-using Find = std::function<void(const FlightSignals&, const Arguments&, MotionCalibration*)>;
+using Find = std::function<void(const FlightSignals&, const MotionArguments&, MotionCalibration*)>;
 
-int run(const std::string& kind, Arguments arguments, const Find& find) {
+int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   checkResults(arguments, arguments.report);
   MotionCalibration calibration;
   calibration.kind = kind;
@@ -58,21 +58,22 @@ void keep(MotionFit&& fit, MotionCalibration* calibration) {
   calibration->warnings = std::move(fit.warnings);
 }
 
-void bound(const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+void bound(const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
   const Motion motion = motionOf(signals, arguments.motion);
   calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
   calibration->traces = disturbanceTraces(motion, arguments.motion);
   calibration->warnings = judgeMotion(motion);
 }
 
-void findWind(const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+void findWind(const FlightSignals& signals, const MotionArguments& arguments,
+              MotionCalibration* calibration) {
   WindFit wind = fitWind(signals, arguments.motion.windows);
   calibration->north = std::move(wind.north);
   calibration->east = std::move(wind.east);
   keep(std::move(wind), calibration);
 }
 
-void declareMotion(CLI::App& command, Arguments& arguments) {
+void declareMotion(CLI::App& command, MotionArguments& arguments) {
   command.add_option("--gravity", arguments.motion.gravity, "Gravitational acceleration [m/s^2].")
       ->check(numberFrom(1.0, 30.0))
       ->capture_default_str();
@@ -83,18 +84,18 @@ void declareMotion(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
 }
 
-void declareNewtons(CLI::App& command, Arguments& arguments) {
+void declareNewtons(CLI::App& command, MotionArguments& arguments) {
   command.add_flag("--newtons", arguments.motion.newtons,
                    "The thrust command is in newtons, although it never exceeds 1.");
 }
 
-void declareMass(CLI::App& command, Arguments& arguments) {
+void declareMass(CLI::App& command, MotionArguments& arguments) {
   command.add_option("--mass", arguments.motion.mass, "Mass, if the thrust command is in newtons [kg].")
       ->check(numberAbove(0.0));
   declareNewtons(command, arguments);
 }
 
-void declareDrag(CLI::App& command, Arguments& arguments) {
+void declareDrag(CLI::App& command, MotionArguments& arguments) {
   command
       .add_option("--drag", arguments.drag, "Drag coefficients along x, y, z of the world, per mass [1/s].")
       ->check(finiteNumber())
@@ -102,7 +103,7 @@ void declareDrag(CLI::App& command, Arguments& arguments) {
 }
 
 CLI::App* add(CLI::App& app, const std::string& kind, const std::string& description, int* result,
-              const Find& find, const std::shared_ptr<Arguments>& arguments) {
+              const Find& find, const std::shared_ptr<MotionArguments>& arguments) {
   CLI::App* command = app.add_subcommand(kind, description);
   declareLog(*command, *arguments);
   command
@@ -115,7 +116,7 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
-  const auto limits = std::make_shared<Arguments>();
+  const auto limits = std::make_shared<MotionArguments>();
   CLI::App* command =
       add(app, "disturbance", "Bound the acceleration that thrust, attitude and drag do not explain.", result,
           bound, limits);
@@ -129,20 +130,20 @@ void addMotionCommands(CLI::App& app, int* result) {
       ->check(numberFrom(0.5, 0.9999))
       ->capture_default_str();
 
-  const auto drag = std::make_shared<Arguments>();
+  const auto drag = std::make_shared<MotionArguments>();
   command = add(
       app, "drag", "Identify the drag coefficients of the multirotor.", result,
-      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
         keep(fitDrag(motionOf(signals, arguments.motion)), calibration);
       },
       drag);
   declareMotion(*command, *drag);
   declareMass(*command, *drag);
 
-  const auto mass = std::make_shared<Arguments>();
+  const auto mass = std::make_shared<MotionArguments>();
   command = add(
       app, "mass", "Identify mass and hover thrust of the multirotor.", result,
-      [](const FlightSignals& signals, const Arguments& arguments, MotionCalibration* calibration) {
+      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
         keep(fitMass(motionOf(signals, arguments.motion), arguments.motion), calibration);
       },
       mass);
@@ -151,7 +152,7 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareDrag(*command, *mass);
 
   add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
-      std::make_shared<Arguments>());
+      std::make_shared<MotionArguments>());
 }
 
 }  // namespace polyfly

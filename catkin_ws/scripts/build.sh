@@ -18,7 +18,10 @@ catkinMake() {
 
 # catkinBuild TARGET...: with the libraries and tools that the plain build has made.
 catkinBuild() {
-  catkinMake build/catkin "-DPOLYFLY_BUILT=$root/build/release" "-DPOLYFLY_BIN_DIR=$root/build/bin" "$@"
+  local libraries
+  libraries=$(find build/release/lib -name 'lib*.a' -printf '%f\n' | sed 's/^lib\(.*\)\.a$/\1/' | sort | paste -sd ';')
+  catkinMake build/catkin "-DPOLYFLY_BUILT=$root/build/release" "-DPOLYFLY_BUILT_LIBRARIES=$libraries" \
+    "-DPOLYFLY_BIN_DIR=$root/build/bin" "$@"
 }
 
 # linkRosTools: the tools that need ROS libraries are built by catkin; build/bin points to them.
@@ -31,14 +34,21 @@ linkRosTools() {
   done
 }
 
-# buildAll TARGET STEP: the plain target (tools or all) and the workspace, in three steps.
-buildAll() {
+# What `./run demo` solves, flies and validates with: targets of the plain build, and of the workspace.
+demo_tools="offline_mpt_tool map_proposal multirotor_plant"
+demo_nodes="online_controller_ros polyfly_test_ros validate_bag"
+
+# buildBoth STEP "TARGET..." [CATKIN TARGET...]: the plain build and the workspace, of which all without targets.
+buildBoth() {
+  local step=$1 targets=$2
+  shift 2
   own bin
   own release
   own catkin
   step configure "configuring the plain build" configurePreset release
-  step "$2" "building the ROS-free libraries and tools" buildPreset release "$1"
-  step catkin "building the ROS packages" catkinBuild
+  # shellcheck disable=SC2086
+  step "$step" "building the ROS-free libraries and tools" buildPreset release $targets
+  step catkin "building the ROS packages" catkinBuild "$@"
   linkRosTools
 }
 
@@ -55,7 +65,7 @@ inWorkspace() {
 
 buildCommand() {
   startCommand 3 run
-  buildAll tools tools
+  buildBoth tools tools
   say "Built. The tools are in build/bin: $(ls build/bin | tr '\n' ' ')"
   say "For ROS: source build/catkin/devel/setup.bash"
 }

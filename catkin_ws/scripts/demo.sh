@@ -3,7 +3,8 @@
 
 demoCommand() {
   startCommand 6 run
-  buildAll tools tools
+  # shellcheck disable=SC2086
+  buildBoth tools "$demo_tools" $demo_nodes
   own demo
   step maps "solving the region maps of the three axes" solveAxes
   step flight "flying the figure over ROS topics" fly build/demo build/demo/maps

@@ -31,7 +31,7 @@ benchCommand() {
   local name names
   names=$(namesOrAll bench "${1:-}")
   startCommand $((3 + $(wc -w <<< "$names"))) run
-  buildAll tools tools
+  buildBoth tools tools
   own bench
   for name in $names; do
     rm -f "build/bench/$name.json" "build/bench/$name.txt"
@@ -44,7 +44,7 @@ experimentsCommand() {
   local name names
   names=$(namesOrAll experiments "${1:-}")
   startCommand $((3 + $(wc -w <<< "$names"))) run
-  buildAll tools tools
+  buildBoth tools tools
   own experiments
   for name in $names; do
     mkdir -p "build/experiments/$name"

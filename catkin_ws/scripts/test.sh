@@ -36,7 +36,7 @@ runCheck() {
 
 testCommand() {
   startCommand 6 run
-  buildAll all all
+  buildBoth all all
   own demo
   step tests "running the tests" runTests release
   step rostests "running the tests with ROS nodes" runRostests

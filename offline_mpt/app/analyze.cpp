@@ -11,7 +11,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kAnalyzeFooter[] =
     R"(The closed loop is theta+ = F theta + G u(theta) + E d + c. u is the map's law, and d any value in the
 model's set of disturbances. Signals are bound by name. offline_mpt/sets/README.md describes model files.
 
@@ -31,7 +31,7 @@ Examples:
   offline_mpt analyze lateral.map --model region_maps/problems/models/multirotor_lateral.yaml
   offline_mpt analyze lateral.map --model lateral.yaml --within safe_set.json --json report.json)";
 
-struct Options {
+struct AnalyzeArguments {
   std::string map;
   std::string model;
   std::string within;
@@ -69,7 +69,7 @@ class Phases {
   double begin_ = 0.0;
 };
 
-ExitCode analyzeMap(const Options& options) {
+ExitCode analyzeMap(const AnalyzeArguments& options) {
   checkOutputs({{options.json}}, {options.map, options.model, options.within});
   const RegionMap map = RegionMap::open(options.map);
   const SetModel model = loadModel(options.model);
@@ -95,11 +95,11 @@ ExitCode analyzeMap(const Options& options) {
 }  // namespace
 
 void addAnalyze(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AnalyzeArguments>();
   options->analyze.threads = defaultThreads();
   CLI::App* command = app.add_subcommand(
       "analyze", "Prove that a map's closed loop never leaves the map, or show how it leaves it.");
-  command->footer(kFooter);
+  command->footer(kAnalyzeFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("--model", options->model, "Model file: the dynamics of the parameters.")->required();
   command->add_option("--within", options->within,

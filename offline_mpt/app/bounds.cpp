@@ -9,7 +9,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kBoundsFooter[] =
     R"(FLIGHT has one row for each sampling time of the problem. The columns are its states and inputs, under
 their names. A row with a NaN splits the flight.
 
@@ -20,14 +20,14 @@ for that.
 Example:
   offline_mpt bounds aslquad_lateral.yaml hover.csv figure.csv --coverage 0.999 --every 5)";
 
-struct Options {
+struct BoundsArguments {
   std::string problem;
   std::vector<std::string> flights;
   std::string json;
   BoundsOptions bounds;
 };
 
-ExitCode bound(const Options& options) {
+ExitCode bound(const BoundsArguments& options) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.insert(inputs.end(), options.flights.begin(), options.flights.end());
   checkOutputs({{options.json}}, inputs);
@@ -47,10 +47,10 @@ ExitCode bound(const Options& options) {
 }  // namespace
 
 void addBounds(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BoundsArguments>();
   CLI::App* command =
       app.add_subcommand("bounds", "Compute the disturbance ranges of a robust MPC from recorded flights.");
-  command->footer(kFooter);
+  command->footer(kBoundsFooter);
   command->add_option("PROBLEM", options->problem, "Problem file of type robust_mpc.")->required();
   command->add_option("FLIGHT", options->flights, "CSV files of recorded flights.")->required();
   command

@@ -15,7 +15,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kCountFooter[] =
     R"(The command explores as solve does, but stores only the active sets: some tens of bytes each, where solve
 takes up to 2 kB. It counts the sets that are proven to be critical regions, also those that are not
 explored yet. Whenever it stops, its numbers are lower bounds: of the regions, and of the bytes of the
@@ -35,7 +35,7 @@ Examples:
   offline_mpt count big.json
   offline_mpt count big.json --map-limit 24G --proof big.count --time-limit 3600)";
 
-struct Options {
+struct CountArguments {
   std::string problem;
   std::string stats;
   CountOptions count;
@@ -49,7 +49,7 @@ std::string gigabytes(std::uint64_t bytes) {
   return text;
 }
 
-CountResult countWithProgress(const ParametricProgram& program, const Options& options) {
+CountResult countWithProgress(const ParametricProgram& program, const CountArguments& options) {
   CountOptions count = options.count;
   count.stop = &stopOnSignal();
   Progress progress(options.quiet);
@@ -63,11 +63,12 @@ CountResult countWithProgress(const ParametricProgram& program, const Options& o
   return countRegions(program, count);
 }
 
-bool tooLarge(const Options& options, const CountResult& result) {
+bool tooLarge(const CountArguments& options, const CountResult& result) {
   return options.count.map_limit > 0 && result.map_bytes > options.count.map_limit;
 }
 
-std::string statsJson(const ParametricProgram& program, const Options& options, const CountResult& result) {
+std::string statsJson(const ParametricProgram& program, const CountArguments& options,
+                      const CountResult& result) {
   nlohmann::ordered_json json;
   json["name"] = program.name;
   json["status"] = toString(result.status);
@@ -92,7 +93,7 @@ std::string statsJson(const ParametricProgram& program, const Options& options, 
   return json.dump(2) + "\n";
 }
 
-std::string text(const ParametricProgram& program, const Options& options, const CountResult& result) {
+std::string text(const ParametricProgram& program, const CountArguments& options, const CountResult& result) {
   const bool complete = result.status == ExploreStatus::kComplete;
   std::string line = program.name + ": " + toString(result.status) + ": ";
   if (complete) {
@@ -107,7 +108,7 @@ std::string text(const ParametricProgram& program, const Options& options, const
   return line;
 }
 
-ExitCode count(const Options& options) {
+ExitCode count(const CountArguments& options) {
   checkOutputs({{options.stats}, {options.count.proof, Output::Kind::kFile}},
                filesOfProblem(options.problem));
   const ParametricProgram program = loadProgram(options.problem);
@@ -125,11 +126,11 @@ ExitCode count(const Options& options) {
 }  // namespace
 
 void addCount(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CountArguments>();
   options->count.threads = defaultThreads();
   CLI::App* command =
       app.add_subcommand("count", "Count the regions of a map without computing it: does it fit?");
-  command->footer(kFooter);
+  command->footer(kCountFooter);
   command->add_option("PROBLEM", options->problem, "Problem file, .yaml or .json.")->required();
   command
       ->add_option("--map-limit", options->count.map_limit,

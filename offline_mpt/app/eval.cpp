@@ -9,7 +9,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kEvalFooter[] =
     R"(THETAS.csv has one parameter vector per row. A first row may name the columns, in any order. Without it
 they are in the order of `offline_mpt info MAP`. Lines that start with # are ignored.
 
@@ -20,7 +20,7 @@ Examples:
   offline_mpt eval lateral.map --csv thetas.csv
   offline_mpt eval lateral.map --csv thetas.csv -o commands.csv)";
 
-struct Options {
+struct EvalArguments {
   std::string map;
   std::string csv;
   std::string output;
@@ -63,7 +63,7 @@ std::string evaluateRows(const RegionMap& map, const std::vector<std::vector<dou
   return text;
 }
 
-ExitCode eval(const Options& options) {
+ExitCode eval(const EvalArguments& options) {
   checkOutputs({{options.output}}, {options.map, options.csv});
   const RegionMap map = RegionMap::open(options.map);
   std::vector<std::string> names;
@@ -80,9 +80,9 @@ ExitCode eval(const Options& options) {
 }  // namespace
 
 void addEval(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvalArguments>();
   CLI::App* command = app.add_subcommand("eval", "Look up parameter vectors from a CSV file.");
-  command->footer(kFooter);
+  command->footer(kEvalFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("--csv", options->csv, "CSV file with one parameter vector per row.")->required();
   command->add_option("-o,--output", options->output, "CSV file to write (default: standard output).");

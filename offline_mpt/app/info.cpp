@@ -11,14 +11,14 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kInfoFooter[] =
     R"(The command checks the whole file before it prints anything.
 
 Examples:
   offline_mpt info lateral.map
   offline_mpt info lateral.map --json)";
 
-struct Options {
+struct InfoArguments {
   std::string map;
   bool json = false;
 };
@@ -143,7 +143,7 @@ void printText(const RegionMap& map) {
   }
 }
 
-ExitCode info(const Options& options) {
+ExitCode info(const InfoArguments& options) {
   const RegionMap map = RegionMap::open(options.map);
   if (options.json) {
     printJson(map);
@@ -156,9 +156,9 @@ ExitCode info(const Options& options) {
 }  // namespace
 
 void addInfo(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "Show the content of a map and the cost of a look-up.");
-  command->footer(kFooter);
+  command->footer(kInfoFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_flag("--json", options->json, "Print JSON.");
   command->callback([options, &exit_code] { exit_code = info(*options); });

@@ -5,7 +5,7 @@
 
 namespace {
 
-const char kFooter[] =
+const char kMainFooter[] =
     R"(Examples:
   offline_mpt solve multirotor_lateral.yaml -o lateral.map
   offline_mpt count big.json --map-limit 24G
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   polyfly::endInWordsWithoutMemory("offline_mpt");
   CLI::App app("Solves parametric programs, writes region maps, and analyses and verifies them.",
                "offline_mpt");
-  app.footer(kFooter);
+  app.footer(kMainFooter);
   app.require_subcommand(1);
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
   polyfly::addSolve(app, exit_code);

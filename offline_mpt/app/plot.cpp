@@ -10,7 +10,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kPlotFooter[] =
     R"(Two parameters are on the axes. The others have the value of --at, else 0 if their range contains it, else
 the middle of their range. The colour of a region is the value of the first input. The command needs
 gnuplot.
@@ -19,14 +19,14 @@ Examples:
   offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg
   offline_mpt plot lateral.map --slice e_p,e_v --at u_ref=0.1 --at u_prev=0.1 -o lateral.png)";
 
-struct Options {
+struct PlotArguments {
   std::string map;
   std::string axes;
   std::vector<std::string> at;
   std::string output;
 };
 
-SliceRequest request(const Options& options) {
+SliceRequest request(const PlotArguments& options) {
   SliceRequest result;
   const std::size_t comma = options.axes.find(',');
   if (comma == std::string::npos || options.axes.find(',', comma + 1) != std::string::npos) {
@@ -46,7 +46,7 @@ SliceRequest request(const Options& options) {
   return result;
 }
 
-ExitCode plot(const Options& options) {
+ExitCode plot(const PlotArguments& options) {
   const SliceRequest slice_request = request(options);
   checkOutputs({{options.output}}, {options.map});
   plotSlice(RegionMap::open(options.map), slice_request, options.output);
@@ -56,9 +56,9 @@ ExitCode plot(const Options& options) {
 }  // namespace
 
 void addPlot(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlotArguments>();
   CLI::App* command = app.add_subcommand("plot", "Plot a slice through a map's regions.");
-  command->footer(kFooter);
+  command->footer(kPlotFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("--slice", options->axes, "Names of the two parameters on the axes: x,y.")->required();
   command->add_option("--at", options->at, "Value of another parameter: name=value. May be repeated.")

@@ -17,7 +17,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kReduceFooter[] =
     R"(Regions with the same law are joined where their union is convex:
 
   --merge optimal  Finds the fewest regions. Beyond 64 planes or 10,000 cells, it joins pairs.
@@ -39,7 +39,7 @@ Examples:
   offline_mpt reduce lateral.map -o small.map --merge optimal --separate
   offline_mpt verify small.map --reduced-from lateral.map)";
 
-struct Options {
+struct ReduceArguments {
   std::string map;
   std::string output;
   std::string stats;
@@ -69,7 +69,7 @@ class Image {
   void* place_;
 };
 
-ReduceResult reduceWithProgress(const RegionMap& map, const Options& options, double side_tolerance) {
+ReduceResult reduceWithProgress(const RegionMap& map, const ReduceArguments& options, double side_tolerance) {
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
   reduce_options.side_tolerance = side_tolerance;
@@ -88,7 +88,7 @@ struct Attempt {
 
 /// Where the proof fails, slivers were left out of the search tree that matter, or rounding made too much of
 /// them: they are added to the leaves, and trees that leave out thicker or thinner ones are tried.
-Attempt reduceAndProve(const RegionMap& map, const Options& options) {
+Attempt reduceAndProve(const RegionMap& map, const ReduceArguments& options) {
   constexpr int kMends = 5;
   Attempt attempt;
   for (const double share : {1.0, 3.0, 0.3}) {
@@ -106,7 +106,7 @@ Attempt reduceAndProve(const RegionMap& map, const Options& options) {
   return attempt;
 }
 
-ExitCode reduceMap(const Options& options) {
+ExitCode reduceMap(const ReduceArguments& options) {
   checkOutputs({{options.output, Output::Kind::kFile}, {options.stats}, {options.certificate}},
                {options.map});
   // Of no phase anything can be kept.
@@ -136,10 +136,10 @@ ExitCode reduceMap(const Options& options) {
 }  // namespace
 
 void addReduce(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReduceArguments>();
   options->reduce.threads = defaultThreads();
   CLI::App* command = app.add_subcommand("reduce", "Write a smaller map with the same answers.");
-  command->footer(kFooter);
+  command->footer(kReduceFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("-o,--output", options->output, "Map file to write.")->required();
   const std::map<std::string, MergeMethod> methods = {{"none", MergeMethod::kNone},

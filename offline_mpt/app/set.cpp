@@ -10,7 +10,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kSetFooter[] =
     R"(Set files are YAML or JSON. They have polyfly_set: 1 and A and b (A x <= b), A_eq and b_eq, box, or
 vertices. Numbers are exact as written: 0.1 is one tenth, and "1/3" is allowed. offline_mpt/sets/README.md
 describes model files. Without --float, all computations are exact, in fractions. The output shows rounded
@@ -29,7 +29,7 @@ Examples:
   offline_mpt set invariant model.yaml -o safe.json
   offline_mpt set check model.yaml safe.json)";
 
-struct Options {
+struct SetArguments {
   std::string first;
   std::string second;
   std::vector<int> keep;
@@ -42,12 +42,12 @@ struct Options {
   SetOutput output;
 };
 
-ExitCode yesOrNo(bool answer, const Options& options) {
+ExitCode yesOrNo(bool answer, const SetArguments& options) {
   options.output.printAnswer(answer);
   return answer ? ExitCode::kDone : ExitCode::kFailed;
 }
 
-ExitCode showVolume(const Options& options) {
+ExitCode showVolume(const SetArguments& options) {
   const ExactPolytope set = loadSet(options.first);
   if (options.floating) {
     options.output.printVolume(volume(rounded(set), options.tolerance));
@@ -57,7 +57,7 @@ ExitCode showVolume(const Options& options) {
   return ExitCode::kDone;
 }
 
-ExitCode showProjection(const Options& options) {
+ExitCode showProjection(const SetArguments& options) {
   const ExactPolytope set = loadSet(options.first);
   std::vector<int> keep;
   for (const int j : options.keep) keep.push_back(j - 1);
@@ -66,7 +66,7 @@ ExitCode showProjection(const Options& options) {
   return ExitCode::kDone;
 }
 
-ExitCode showInvariant(const Options& options) {
+ExitCode showInvariant(const SetArguments& options) {
   InvariantOptions invariant;
   invariant.exact = !options.floating;
   invariant.tolerance = options.tolerance;
@@ -80,17 +80,17 @@ ExitCode showInvariant(const Options& options) {
   return known ? ExitCode::kDone : ExitCode::kStopped;
 }
 
-ExitCode showCheck(const Options& options) {
+ExitCode showCheck(const SetArguments& options) {
   const SetModel model = loadModel(options.first);
   const InvarianceProof proof = proveInvariant(model, loadSet(options.second));
   options.output.printProof(proof);
   return proof.holds ? ExitCode::kDone : ExitCode::kFailed;
 }
 
-using Action = std::function<ExitCode(const Options&)>;
+using Action = std::function<ExitCode(const SetArguments&)>;
 
 /// Adds `set NAME` with one or two files.
-CLI::App* addAction(CLI::App* command, const std::shared_ptr<Options>& options, ExitCode& exit_code,
+CLI::App* addAction(CLI::App* command, const std::shared_ptr<SetArguments>& options, ExitCode& exit_code,
                     const char* name, const char* text, int files, const Action& action) {
   CLI::App* sub = command->add_subcommand(name, text);
   sub->add_option(files == 1 ? "FILE" : "FIRST", options->first, "Set or model file.")->required();
@@ -103,11 +103,11 @@ CLI::App* addAction(CLI::App* command, const std::shared_ptr<Options>& options, 
   return sub;
 }
 
-void addOutput(CLI::App* sub, const std::shared_ptr<Options>& options) {
+void addOutput(CLI::App* sub, const std::shared_ptr<SetArguments>& options) {
   sub->add_option("-o,--output", options->output.file, "Write the resulting set to this file, exactly.");
 }
 
-void addFloat(CLI::App* sub, const std::shared_ptr<Options>& options) {
+void addFloat(CLI::App* sub, const std::shared_ptr<SetArguments>& options) {
   CLI::Option* floating = sub->add_flag("--float", options->floating, "Compute in floating point.");
   sub->add_option("--tolerance", options->tolerance, "With --float: smaller distances count as zero.")
       ->check(numberAbove(0.0))
@@ -115,17 +115,18 @@ void addFloat(CLI::App* sub, const std::shared_ptr<Options>& options) {
       ->capture_default_str();
 }
 
-void addQuestions(CLI::App* command, const std::shared_ptr<Options>& options, ExitCode& exit_code) {
+void addQuestions(CLI::App* command, const std::shared_ptr<SetArguments>& options, ExitCode& exit_code) {
   addAction(command, options, exit_code, "equal", "Tell whether two sets are equal.", 2,
-            [](const Options& o) { return yesOrNo(equal(loadSet(o.first), loadSet(o.second)), o); });
+            [](const SetArguments& o) { return yesOrNo(equal(loadSet(o.first), loadSet(o.second)), o); });
   addAction(command, options, exit_code, "subset", "Tell whether FIRST is a subset of SECOND.", 2,
-            [](const Options& o) { return yesOrNo(contains(loadSet(o.second), loadSet(o.first)), o); });
-  addAction(command, options, exit_code, "contains", "Tell whether a point is in a set.", 1,
-            [](const Options& o) { return yesOrNo(contains(loadSet(o.first), parseNumbers(o.point)), o); })
+            [](const SetArguments& o) { return yesOrNo(contains(loadSet(o.second), loadSet(o.first)), o); });
+  addAction(
+      command, options, exit_code, "contains", "Tell whether a point is in a set.", 1,
+      [](const SetArguments& o) { return yesOrNo(contains(loadSet(o.first), parseNumbers(o.point)), o); })
       ->add_option("--point", options->point, "Numbers, separated by commas.")
       ->required();
   addAction(command, options, exit_code, "support", "Maximise a direction over a set.", 1,
-            [](const Options& o) {
+            [](const SetArguments& o) {
               o.output.printSupport(support(loadSet(o.first), parseNumbers(o.point)));
               return ExitCode::kDone;
             })
@@ -133,29 +134,31 @@ void addQuestions(CLI::App* command, const std::shared_ptr<Options>& options, Ex
       ->required();
 }
 
-void addOperations(CLI::App* command, const std::shared_ptr<Options>& options, ExitCode& exit_code) {
+void addOperations(CLI::App* command, const std::shared_ptr<SetArguments>& options, ExitCode& exit_code) {
   const auto add = [&](const char* name, const char* text, int files,
-                       const std::function<ExactPolytope(const Options&)>& operation) {
-    CLI::App* sub = addAction(command, options, exit_code, name, text, files, [operation](const Options& o) {
-      o.output.printSet(operation(o));
-      return ExitCode::kDone;
-    });
+                       const std::function<ExactPolytope(const SetArguments&)>& operation) {
+    CLI::App* sub =
+        addAction(command, options, exit_code, name, text, files, [operation](const SetArguments& o) {
+          o.output.printSet(operation(o));
+          return ExitCode::kDone;
+        });
     addOutput(sub, options);
     return sub;
   };
-  add("minimal", "Remove redundant rows.", 1, [](const Options& o) { return minimal(loadSet(o.first)); });
+  add("minimal", "Remove redundant rows.", 1,
+      [](const SetArguments& o) { return minimal(loadSet(o.first)); });
   add("intersect", "Intersect two sets.", 2,
-      [](const Options& o) { return minimal(intersect(loadSet(o.first), loadSet(o.second))); });
+      [](const SetArguments& o) { return minimal(intersect(loadSet(o.first), loadSet(o.second))); });
   add("minkowski", "Compute the Minkowski sum of two sets.", 2,
-      [](const Options& o) { return minkowskiSum(loadSet(o.first), loadSet(o.second)); });
+      [](const SetArguments& o) { return minkowskiSum(loadSet(o.first), loadSet(o.second)); });
   add("pontryagin", "Compute the Pontryagin difference FIRST - SECOND.", 2,
-      [](const Options& o) { return pontryaginDifference(loadSet(o.first), loadSet(o.second)); });
+      [](const SetArguments& o) { return pontryaginDifference(loadSet(o.first), loadSet(o.second)); });
   add("image", "Compute the image M x of a set.", 1,
-      [](const Options& o) { return affineImage(loadSet(o.first), parseMatrix(o.matrix)); })
+      [](const SetArguments& o) { return affineImage(loadSet(o.first), parseMatrix(o.matrix)); })
       ->add_option("--matrix", options->matrix, "Rows separated by semicolons: \"1,1;0,1\".")
       ->required();
   add("preimage", "Compute the points x with M x in a set.", 1,
-      [](const Options& o) { return minimal(preimage(loadSet(o.first), parseMatrix(o.matrix))); })
+      [](const SetArguments& o) { return minimal(preimage(loadSet(o.first), parseMatrix(o.matrix))); })
       ->add_option("--matrix", options->matrix, "Rows separated by semicolons: \"1,1;0,1\".")
       ->required();
 }
@@ -163,17 +166,17 @@ void addOperations(CLI::App* command, const std::shared_ptr<Options>& options, E
 }  // namespace
 
 void addSet(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SetArguments>();
   CLI::App* command = app.add_subcommand("set", "Compute with polytopes and invariant sets.");
-  command->footer(kFooter);
+  command->footer(kSetFooter);
   command->require_subcommand(1);
   addAction(command, options, exit_code, "info", "Show size, bounding box, inscribed ball and volume.", 1,
-            [](const Options& o) {
+            [](const SetArguments& o) {
               o.output.printInfo(loadSet(o.first));
               return ExitCode::kDone;
             });
   addAction(command, options, exit_code, "vertices", "List vertices (and rays of an unbounded set).", 1,
-            [](const Options& o) {
+            [](const SetArguments& o) {
               o.output.printGenerators(generators(loadSet(o.first)));
               return ExitCode::kDone;
             });

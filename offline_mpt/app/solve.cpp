@@ -25,7 +25,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kSolveFooter[] =
     R"(The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a parametric
 program in the generic form (.json). A robust MPC has no checkpoint, and no limit but --time-limit. The
 same problem gives the same bytes for any number of threads.
@@ -47,7 +47,7 @@ Examples:
   offline_mpt solve big.json -o big.map --resume
   mpirun -n 4 offline_mpt solve big.json -o big.map --threads 2)";
 
-struct Options {
+struct SolveArguments {
   std::string problem;
   std::string map;
   std::string stats;
@@ -68,7 +68,7 @@ struct Seconds {
   double write = 0.0;
 };
 
-std::string checkpointOf(const Options& options) { return options.map + ".checkpoint"; }
+std::string checkpointOf(const SolveArguments& options) { return options.map + ".checkpoint"; }
 
 bool exists(const std::string& path) {
   struct stat status = {};
@@ -102,7 +102,8 @@ class Session {
   bool left_ = false;
 };
 
-Partition exploreWithProgress(const ParametricProgram& program, const Options& options, ProcessGroup* group) {
+Partition exploreWithProgress(const ParametricProgram& program, const SolveArguments& options,
+                              ProcessGroup* group) {
   ExploreOptions explore_options = options.explore;
   explore_options.stop = &stopOnSignal(NextSignal::kIsTaken, options.time_limit);
   explore_options.checkpoint = checkpointOf(options);
@@ -165,7 +166,7 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
 }
 
 // True when the result may be written; says why not otherwise.
-bool mayWrite(const Options& options, const Partition& partition) {
+bool mayWrite(const SolveArguments& options, const Partition& partition) {
   if (partition.status == ExploreStatus::kComplete || options.force) return true;
   if (partition.regions.empty()) {
     std::fprintf(stderr, "offline_mpt: %s: %s before the first region, nothing was kept\n",
@@ -181,7 +182,7 @@ bool mayWrite(const Options& options, const Partition& partition) {
   return true;
 }
 
-void reportEnd(const Options& options, const Partition& partition, const RegionMap& map,
+void reportEnd(const SolveArguments& options, const Partition& partition, const RegionMap& map,
                const Seconds& seconds) {
   switch (partition.status) {
     case ExploreStatus::kComplete:
@@ -217,7 +218,7 @@ bool isStopped(const Partition& partition) {
 }
 
 // What stopped the exploration and where it can go on: said before the search tree takes its time.
-void reportStop(const Options& options, const Partition& partition) {
+void reportStop(const SolveArguments& options, const Partition& partition) {
   if (!isStopped(partition)) return;
   if (partition.stats.lost_process > 0) {
     std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost after %zu regions\n",
@@ -232,7 +233,7 @@ void reportStop(const Options& options, const Partition& partition) {
 // From here on a signal or the end of the time limit ends the program. Nothing of an unfinished search tree
 // can be kept, and the checkpoint holds the regions. An exploration that was stopped gets a tree if that is
 // quick.
-void limitTree(const Options& options, const Partition& partition) {
+void limitTree(const SolveArguments& options, const Partition& partition) {
   const std::string unwritten = options.map + ": not written: stopped while its search tree was built";
   const std::string regions = std::to_string(partition.regions.size()) + " regions";
   if (isStopped(partition)) {  // reportStop has said where they are
@@ -252,7 +253,7 @@ void limitTree(const Options& options, const Partition& partition) {
 }
 
 // Of a run that was stopped, or left a gap: whoever goes on should know what it will lead to.
-void reportUnbounded(const Options& options, const Partition& partition) {
+void reportUnbounded(const SolveArguments& options, const Partition& partition) {
   if (partition.unbounded_at.size() == 0 || partition.status == ExploreStatus::kUnbounded) return;
   std::fprintf(
       stderr,
@@ -261,7 +262,7 @@ void reportUnbounded(const Options& options, const Partition& partition) {
       options.map.c_str(), vectorText(partition.unbounded_at).c_str());
 }
 
-void checkFiles(const Options& options) {
+void checkFiles(const SolveArguments& options) {
   const std::string checkpoint = checkpointOf(options);
   checkOutputs({{options.map, Output::Kind::kFile}, {options.stats}, {checkpoint, Output::Kind::kFile}},
                filesOfProblem(options.problem));
@@ -273,12 +274,12 @@ void checkFiles(const Options& options) {
 }
 
 // That of an exploration which reached its end has served once its result is written or refused.
-void removeCheckpoint(const Options& options, const Partition& partition) {
+void removeCheckpoint(const SolveArguments& options, const Partition& partition) {
   if (!isStopped(partition)) ::unlink(checkpointOf(options).c_str());
 }
 
 MapContent encodeWithProgress(const ParametricProgram& program, const Partition& partition,
-                              const Options& options) {
+                              const SolveArguments& options) {
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
@@ -293,7 +294,7 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
   return content;
 }
 
-ExitCode lead(const Options& options, Session& session) {
+ExitCode lead(const SolveArguments& options, Session& session) {
   checkFiles(options);
   if (isRobustFile(options.problem)) {
     session.leave();
@@ -342,7 +343,7 @@ ExitCode lead(const Options& options, Session& session) {
 
 // A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
 // signal to all of them must leave process 0 the time to save.
-ExitCode assist(const Options& options, MpiGroup& group) {
+ExitCode assist(const SolveArguments& options, MpiGroup& group) {
   ignoreSignals();
   ParametricProgram program;
   try {
@@ -356,7 +357,7 @@ ExitCode assist(const Options& options, MpiGroup& group) {
   return ExitCode::kDone;
 }
 
-ExitCode solve(const Options& options) {
+ExitCode solve(const SolveArguments& options) {
   Session session;
   if (session.group() != nullptr && session.group()->rank() > 0) return assist(options, *session.group());
   return lead(options, session);
@@ -365,11 +366,11 @@ ExitCode solve(const Options& options) {
 }  // namespace
 
 void addSolve(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SolveArguments>();
   options->explore.threads = defaultThreads();
   CLI::App* command =
       app.add_subcommand("solve", "Solve a problem for all parameters and write the region map.");
-  command->footer(kFooter);
+  command->footer(kSolveFooter);
   command->add_option("PROBLEM", options->problem, "Problem file, .yaml or .json.")->required();
   command->add_option("-o,--output", options->map, "Map file to write.")->required();
   command->add_option("--stats", options->stats, "Write counts and times to this file as JSON.");

@@ -15,7 +15,7 @@
 namespace polyfly {
 namespace {
 
-const char kFooter[] =
+const char kVerifyFooter[] =
     R"(Half of the samples are uniform in the parameters' box. The others lie on and next to faces of random
 regions, where faces meet, and at the centres of regions. An interior-point method solves each sample; it
 shares no code with the solver. With H singular the minimiser may not be unique. Then the command compares
@@ -34,7 +34,7 @@ Examples:
   offline_mpt verify small.map --reduced-from lateral.map --certificate small.cert
   offline_mpt verify lateral.map --json report.json)";
 
-struct Options {
+struct VerifyArguments {
   std::string map;
   std::string problem;
   std::string json;
@@ -48,7 +48,7 @@ struct Options {
   double time_limit = 0.0;
 };
 
-ExitCode verifyMap(const Options& options) {
+ExitCode verifyMap(const VerifyArguments& options) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
   checkOutputs({{options.json}}, inputs);
@@ -86,7 +86,7 @@ ExitCode verifyMap(const Options& options) {
   return report.passed() ? ExitCode::kDone : ExitCode::kFailed;
 }
 
-void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
+void addExact(CLI::App* command, const std::shared_ptr<VerifyArguments>& options) {
   CLI::Option* exact = command->add_flag(
       "--exact", options->exact, "Prove or refute the map in rational arithmetic instead of sampling.");
   for (const char* sampling : {"--samples", "--seed", "--tolerance"})
@@ -115,11 +115,11 @@ void addExact(CLI::App* command, const std::shared_ptr<Options>& options) {
 }  // namespace
 
 void addVerify(CLI::App& app, ExitCode& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerifyArguments>();
   options->verify.threads = defaultThreads();
   CLI::App* command =
       app.add_subcommand("verify", "Compare a map with direct solutions of its problem, or prove it.");
-  command->footer(kFooter);
+  command->footer(kVerifyFooter);
   command->add_option("MAP", options->map, "Map file.")->required();
   command->add_option("--problem", options->problem, "Problem file (default: the problem text in the map).");
   command->add_option("--samples", options->verify.samples, "Number of samples.")

@@ -14,7 +14,7 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kLogInterval = 1.0;  // between two warnings [s]
+constexpr double kWarningInterval = 1.0;  // between two warnings [s]
 
 }  // namespace
 
@@ -103,9 +103,9 @@ void FlightReporter::logChange(const Answered& answered) {
   logged_reason_ = report.reason;
   const std::string text = describe(report, laws_.laws().parameters(answered.law));
   if (isAsAsked(report)) {
-    ROS_INFO_THROTTLE(kLogInterval, "MPC: %s", text.c_str());
+    ROS_INFO_THROTTLE(kWarningInterval, "MPC: %s", text.c_str());
   } else {
-    ROS_WARN_THROTTLE(kLogInterval, "MPC: %s", text.c_str());
+    ROS_WARN_THROTTLE(kWarningInterval, "MPC: %s", text.c_str());
   }
 }
 

@@ -13,7 +13,7 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kPollTime = 0.02;  // wall time between looks at the publishers [s]
+constexpr double kRecorderPollTime = 0.02;  // wall time between looks at the publishers [s]
 constexpr std::uint32_t kUnbounded = 0;
 constexpr bool kLatched = true;
 
@@ -50,7 +50,7 @@ FlightRecorder::FlightRecorder(const ros::NodeHandle& nh, const ros::NodeHandle&
       ros::WallDuration(linger), [this](const ros::WallTimerEvent&) { close(true); }, true, false);
   done_sub_ = nh_.subscribe<std_msgs::String>(
       "flight/summary", kUnbounded, [this](const std_msgs::String::ConstPtr&) { close_timer_.start(); });
-  ready_timer_ = nh_.createWallTimer(ros::WallDuration(kPollTime),
+  ready_timer_ = nh_.createWallTimer(ros::WallDuration(kRecorderPollTime),
                                      [this](const ros::WallTimerEvent&) { announceWhenConnected(); });
 }
 

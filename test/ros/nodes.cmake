@@ -12,6 +12,7 @@ target_include_directories(polyfly_test_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS}
 target_link_libraries(polyfly_test_ros PUBLIC multirotor_plant online_controller_ros ${catkin_LIBRARIES})
 add_dependencies(polyfly_test_ros ${catkin_EXPORTED_TARGETS})
 polyfly_warnings(polyfly_test_ros)
+polyfly_unity(polyfly_test_ros)
 
 foreach(node multirotor_plant figure_player flight_recorder latency_probe reconfigure_load command_echo)
   add_executable(${node}_node ros/${node}_main.cpp)

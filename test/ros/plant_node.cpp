@@ -19,9 +19,9 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 
-constexpr double kPollTime = 0.02;        // between looks at the connections before the start [s]
-constexpr double kClockTimeout = 0.1;     // wall time that /clock may take inside this process [s]
-constexpr double kMissedLogPeriod = 1.0;  // simulated time between complaints [s]
+constexpr double kConnectionPollTime = 0.02;  // between looks at the connections before the start [s]
+constexpr double kClockTimeout = 0.1;         // wall time that /clock may take inside this process [s]
+constexpr double kMissedLogPeriod = 1.0;      // simulated time between complaints [s]
 
 WallClock::duration wallSeconds(double seconds) {
   return std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(seconds));
@@ -188,7 +188,7 @@ bool PlantNode::waitForStart() {
       ros::requestShutdown();
       return false;
     }
-    pause(kPollTime);
+    pause(kConnectionPollTime);
     const std::lock_guard<std::mutex> lock(mutex_);
     if (stopping_ || !ros::ok()) {
       return false;

@@ -41,14 +41,14 @@ std::pair<int, double> allowedBeyond(double independent, double outside, double 
   return {beyond, reached};
 }
 
-double quantile(const std::vector<double>& sorted, double share) {
+double sortedQuantile(const std::vector<double>& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
   return sorted[below] + (place - std::floor(place)) * (sorted[above] - sorted[below]);
 }
 
-std::string text(const char* format, double one, double other) {
+std::string disturbanceText(const char* format, double one, double other) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, one, other);
   return buffer;
@@ -72,16 +72,16 @@ void checkStationarity(const Eigen::VectorXd& residual, DisturbanceBound* bound)
   const double independent = independentSamples(within, starts) / static_cast<double>(kParts);
   const double error = deviations.mean() / std::sqrt(std::max(1.0, independent));
   if (means.maxCoeff() - means.minCoeff() > 2.0 * kSignificant * error) {
-    bound->warnings.push_back(
-        text("The mean wanders between %.3g and %.3g m/s^2 from quarter to quarter: the bound is that of "
-             "this flight only.",
-             means.minCoeff(), means.maxCoeff()));
+    bound->warnings.push_back(disturbanceText(
+        "The mean wanders between %.3g and %.3g m/s^2 from quarter to quarter: the bound is that of "
+        "this flight only.",
+        means.minCoeff(), means.maxCoeff()));
   }
   if (deviations.maxCoeff() > kRestless * deviations.minCoeff()) {
-    bound->warnings.push_back(
-        text("The deviation lies between %.3g and %.3g m/s^2 from quarter to quarter: calm and rough times "
-             "are mixed.",
-             deviations.minCoeff(), deviations.maxCoeff()));
+    bound->warnings.push_back(disturbanceText(
+        "The deviation lies between %.3g and %.3g m/s^2 from quarter to quarter: calm and rough times "
+        "are mixed.",
+        deviations.minCoeff(), deviations.maxCoeff()));
   }
 }
 
@@ -102,20 +102,20 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
     bound.independent_samples = independentSamples(residual, starts);
     std::vector<double> sorted(residual.data(), residual.data() + residual.size());
     std::sort(sorted.begin(), sorted.end());
-    for (const double share : kShares) bound.quantiles.emplace_back(share, quantile(sorted, share));
+    for (const double share : kShares) bound.quantiles.emplace_back(share, sortedQuantile(sorted, share));
     // Both sides must hold.
     const double outside = 0.5 * (1.0 - limits.share);
     const auto [beyond, reached] =
         allowedBeyond(bound.independent_samples, outside, 1.0 - 0.5 * (1.0 - limits.confidence));
     const double share = beyond / bound.independent_samples;
-    bound.least = quantile(sorted, share);
-    bound.greatest = quantile(sorted, 1.0 - share);
+    bound.least = sortedQuantile(sorted, share);
+    bound.greatest = sortedQuantile(sorted, 1.0 - share);
     bound.confidence = std::max(0.0, 1.0 - 2.0 * (1.0 - reached));
     if (bound.confidence < limits.confidence) {
       bound.warnings.push_back(
-          text("The record tells as much as %.0f independent samples: the extremes hold with a "
-               "confidence of %.2g only. Fly longer.",
-               bound.independent_samples, bound.confidence));
+          disturbanceText("The record tells as much as %.0f independent samples: the extremes hold with a "
+                          "confidence of %.2g only. Fly longer.",
+                          bound.independent_samples, bound.confidence));
     }
     bound.supported = sound && bound.confidence >= limits.confidence;
     checkStationarity(residual, &bound);

@@ -9,9 +9,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kGravity = 9.8066;       // [m/s^2]
-constexpr double kThrustSmoothing = 0.1;  // half width of the mean over noisy accelerations [s]
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+constexpr double kStandardGravity = 9.8066;  // [m/s^2]
+constexpr double kThrustSmoothing = 0.1;     // half width of the mean over noisy accelerations [s]
 
 // How a signal may be called in a table: one of the stems, and one of the units behind it; any unit, or none,
 // where there is no list. The first pattern that matches a column wins. `sign` turns z down into z up.
@@ -66,7 +66,7 @@ double unitOf(const std::string& column) {
     return column.size() >= ending.size() &&
            column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
   };
-  return ends("_deg") || ends("_degps") ? kDegree : 1.0;
+  return ends("_deg") || ends("_degps") ? kRadiansPerDegree : 1.0;
 }
 
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
@@ -103,7 +103,7 @@ TimeSeries thrustFromVelocity(const FlightSignals& signals, CleaningCounts* coun
   for (std::size_t i = 0; i < thrust.time.size(); ++i) {
     const double upright =
         std::cos(interpolated(roll, thrust.time[i])) * std::cos(interpolated(pitch, thrust.time[i]));
-    thrust.value[i] = (thrust.value[i] + kGravity) / upright;
+    thrust.value[i] = (thrust.value[i] + kStandardGravity) / upright;
   }
   return thrust;
 }

@@ -9,7 +9,7 @@
 namespace polyfly {
 namespace {
 
-const char* const kAxes[] = {"x", "y", "z"};
+const char* const kMotionAxes[] = {"x", "y", "z"};
 constexpr double kLeastMotion = 0.1;       // rms of velocity [m/s] and of acceleration [m/s^2]
 constexpr double kLeastExpected = 0.1;     // deviation below which nothing can be said of the frame [m/s^2]
 constexpr double kLeastCorrelation = 0.5;  // of measured and expected acceleration
@@ -56,7 +56,7 @@ std::string judgeFrame(const Motion& motion, Eigen::Index axis) {
   return sentence(
       "Along %s the acceleration hardly follows the attitude (correlation %.2f, deviation expected %.2g "
       "m/s^2): angles or velocities are in another frame, or of another sign.",
-      kAxes[axis], correlation, rms(other));
+      kMotionAxes[axis], correlation, rms(other));
 }
 
 void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
@@ -97,7 +97,7 @@ std::vector<std::string> judgeMotion(const Motion& motion) {
 std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOptions& options) {
   std::vector<MotionTrace> traces;
   for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
-    traces.push_back(traceOf(motion, std::string("acceleration along ") + kAxes[axis], "m/s^2",
+    traces.push_back(traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
                              motion.acceleration.col(axis),
                              motion.expected.col(axis) - options.drag[axis] * motion.velocity.col(axis)));
   }
@@ -114,7 +114,7 @@ MotionFit fitDrag(const Motion& motion) {
     columns.col(1).setOnes();
     const Eigen::VectorXd left = motion.acceleration.col(axis) - motion.expected.col(axis);
     const Regression found = regress(columns, left, indices(motion.starts));
-    const std::string name = kAxes[axis];
+    const std::string name = kMotionAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
     result.parameters.back().supported = sound;
     judgeDrag(result.parameters.back(), &result.warnings);

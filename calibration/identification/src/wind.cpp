@@ -10,12 +10,12 @@
 namespace polyfly {
 namespace {
 
-constexpr int kRounds = 30;            // of Gauss and Newton
-constexpr double kConverged = 1e-9;    // [m/s] and of the scale
-constexpr double kLeastTurn = 3.1416;  // of the course, for a wind that can be told from the scale [rad]
-constexpr double kLeastScale = 0.6;    // of an airspeed sensor that is mounted at all
+constexpr int kWindRounds = 30;          // of Gauss and Newton
+constexpr double kConverged = 1e-9;      // [m/s] and of the scale
+constexpr double kLeastTurn = 3.1416;    // of the course, for a wind that can be told from the scale [rad]
+constexpr double kLeastWindScale = 0.6;  // of an airspeed sensor that is mounted at all
 constexpr double kGreatestScale = 1.6;
-constexpr double kDegree = 57.29577951308232;
+constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr double kLeastAirspeed = 1.0;  // [m/s]; on the ground there is no triangle
 
 struct Samples {
@@ -73,7 +73,7 @@ double turnOf(const Eigen::VectorXd& north, const Eigen::VectorXd& east) {
   return kFull - gap;
 }
 
-std::vector<double> list(const Eigen::VectorXd& values) {
+std::vector<double> listOf(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
 }
 
@@ -83,10 +83,10 @@ void judge(double turn, double scale, std::vector<std::string>* warnings) {
     std::snprintf(text, sizeof text,
                   "The flight turned by %.0f degrees only: wind and scale of the airspeed cannot be told "
                   "apart. Fly circles.",
-                  turn * kDegree);
+                  turn * kDegreesPerRadian);
     warnings->emplace_back(text);
   }
-  if (scale < kLeastScale || scale > kGreatestScale) {
+  if (scale < kLeastWindScale || scale > kGreatestScale) {
     std::snprintf(text, sizeof text,
                   "The airspeed's scale of %.2g is none of a sensor in flight: the vehicle stood, or the "
                   "airspeed is in another unit.",
@@ -101,7 +101,7 @@ WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& win
   const Samples samples = collect(signals, windows);
   Eigen::Vector3d at(0.0, 0.0, 1.0);  // wind to north and east, scale
   Regression step;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kWindRounds; ++round) {
     const Eigen::VectorXd north = samples.north.array() - at[0];
     const Eigen::VectorXd east = samples.east.array() - at[1];
     const Eigen::VectorXd through = (north.array().square() + east.array().square()).sqrt().max(kConverged);
@@ -120,12 +120,12 @@ WindFit fitWind(const FlightSignals& signals, const std::vector<TimeWindow>& win
   result.parameters = {{"wind_north", "m/s", at[0], step.standard_errors[0], step.half_widths[0]},
                        {"wind_east", "m/s", at[1], step.standard_errors[1], step.half_widths[1]},
                        {"airspeed_scale", "1", at[2], step.standard_errors[2], step.half_widths[2]}};
-  result.north = list(samples.north);
-  result.east = list(samples.east);
+  result.north = listOf(samples.north);
+  result.east = listOf(samples.east);
   const std::vector<std::size_t> starts = {0, samples.time.size()};
   result.traces = {{"speed through the air", "m/s", "airspeed [m/s]", samples.time, starts,
-                    list((north.array().square() + east.array().square()).sqrt()),
-                    list(at[2] * samples.airspeed), list(samples.airspeed)}};
+                    listOf((north.array().square() + east.array().square()).sqrt()),
+                    listOf(at[2] * samples.airspeed), listOf(samples.airspeed)}};
   return result;
 }
 

@@ -10,7 +10,6 @@ namespace {
 using Style = Series::Style;
 
 constexpr double kDegree = 57.29577951308232;
-constexpr const char* kMeasuredColor = "#9aa4ae";
 constexpr const char* kRejectedColor = "#f6dcd3";
 constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
@@ -40,8 +39,6 @@ Series ofPrediction(const std::vector<LoopSegment>& segments,
   }
   return ofSegments(predicted, label, color);
 }
-
-std::string withUnit(const std::string& name, const std::string& unit) { return name + " [" + unit + "]"; }
 
 ReportFigure selectionFigure(const AxisModel& axis) {
   ReportFigure result;

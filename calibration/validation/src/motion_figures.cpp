@@ -9,14 +9,9 @@ namespace {
 
 using Style = Series::Style;
 
-constexpr const char* kMeasuredColor = "#9aa4ae";
-constexpr std::size_t kDots = 3000;  // of a scatter, at most
+constexpr std::size_t kScatterDots = 3000;  // of a scatter, at most
 constexpr std::size_t kCirclePoints = 180;
 constexpr std::size_t kQuantilePoints = 400;
-
-std::string withUnit(const std::string& name, const std::string& unit) {
-  return unit == "1" || unit.empty() ? name : name + " [" + unit + "]";
-}
 
 std::vector<double> residualOf(const MotionTrace& trace) {
   std::vector<double> residual(trace.measured.size());
@@ -120,7 +115,7 @@ Panel scatterPanel(const MotionTrace& trace) {
   Series line;
   line.label = "model";
   line.color = palette::kVermilion;
-  const std::size_t stride = trace.depends.size() / kDots + 1;
+  const std::size_t stride = trace.depends.size() / kScatterDots + 1;
   std::size_t least = 0;
   std::size_t greatest = 0;
   for (std::size_t i = 0; i < trace.depends.size(); ++i) {
@@ -166,7 +161,7 @@ ReportFigure circleFigure(const MotionCalibration& calibration) {
   dots.label = "velocity over ground";
   dots.color = kMeasuredColor;
   dots.width = 3.0;
-  const std::size_t stride = calibration.north.size() / kDots + 1;
+  const std::size_t stride = calibration.north.size() / kScatterDots + 1;
   for (std::size_t i = 0; i < calibration.north.size(); i += stride) {
     dots.x.push_back(calibration.east[i]);
     dots.y.push_back(calibration.north[i]);

@@ -17,6 +17,12 @@ namespace polyfly {
 constexpr std::size_t kCurvePoints = 1200;  ///< of a curve that is drawn
 constexpr const char* kAxisColors[3] = {palette::kBlue, palette::kVermilion, palette::kGreen};
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  ///< a gap in a curve
+constexpr const char* kMeasuredColor = "#9aa4ae";
+
+/// "name [unit]", or the name alone where there is no unit.
+inline std::string withUnit(const std::string& name, const std::string& unit) {
+  return unit == "1" || unit.empty() ? name : name + " [" + unit + "]";
+}
 
 /// A curve over the samples, against seconds since the first; `value` gives kNothing where there is nothing
 /// to draw.

@@ -86,7 +86,7 @@ void writeComparison(const MapComparison& other, std::ostream& out) {
       << other.qp.max << "\n";
 }
 
-void writeProposal(const MapProposal& proposal, std::ostream& out) {
+void printProposal(const MapProposal& proposal, std::ostream& out) {
   out << "\n  what would have covered it, " << proposal.axis << " axis:\n";
   for (const MapProposal::Change& change : proposal.changes) {
     out << "    " << change.parameter << ": range [" << change.from[0] << ", " << change.from[1] << "] to ["
@@ -178,7 +178,7 @@ std::string toText(const ValidationReport& report) {
   }
   for (const std::string& sentence : report.warnings) out << "  warning: " << sentence << "\n";
   for (const MapComparison& other : report.comparisons) writeComparison(other, out);
-  for (const MapProposal& proposal : report.proposals) writeProposal(proposal, out);
+  for (const MapProposal& proposal : report.proposals) printProposal(proposal, out);
   return out.str();
 }
 

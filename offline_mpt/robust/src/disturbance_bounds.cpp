@@ -7,22 +7,13 @@
 #include <sstream>
 
 #include "polyfly_base/error.hpp"
+#include "rational_parts.hpp"
 
 namespace polyfly {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::size_t at(Eigen::Index index) { return static_cast<std::size_t>(index); }
-
-MatrixXd toDoubles(const RationalMatrix& matrix) {
-  MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
-}
 
 /// P(at least `count` of n samples lie in the tails that hold 1 - coverage): with the ranks that leave out
 /// `count` - 1 samples, the confidence that what is between holds `coverage`.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "rational_parts.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr double kPivot = 1e-10;         // least pivot
 constexpr double kDegenerate = 1e-12;    // reduced costs below this are alike in the ratio test
 constexpr std::uint64_t kRebuild = 400;  // pivots after which the dictionary is computed anew
 constexpr int kPatience = 2000;          // pivots before the slow rule that cannot cycle
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "rational_parts.hpp"
 #include "support/in_parallel.hpp"
 #include "whole_program.hpp"
 
@@ -17,8 +18,6 @@ constexpr double kInside = 1e-9;     // how far outside, of the way from the int
                                      // as feasible in floating point
 constexpr double kSupport = 1e-9;    // multipliers below this share of the greatest are none
 constexpr double kLeastRoom = 1e-9;  // of the interior point
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 Eigen::VectorXd rounded(const RationalVector& values) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "rational_parts.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
@@ -13,16 +14,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-MatrixXd toDoubles(const RationalMatrix& matrix) {
-  MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
-}
 
 /// X = A_s e + B_s U + G_s W + drift_s (Eq. 13).
 struct StackedModel {

@@ -4,12 +4,11 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/invariant_set.hpp"
+#include "rational_parts.hpp"
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// The states that decide how the bounded ones move: no other takes part.
 std::set<int> boundedClosure(const RobustProblem& problem) {

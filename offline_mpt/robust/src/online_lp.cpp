@@ -4,14 +4,13 @@
 
 #include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
+#include "rational_parts.hpp"
 #include "whole_program.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kSlack = 1e-11;  // of tau when the move is chosen
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 Eigen::VectorXd rounded(const Rational* first, Eigen::Index count) {
   Eigen::VectorXd result(count);

@@ -9,6 +9,7 @@
 #include "mpc_core/read_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/yaml_field.hpp"
+#include "rational_parts.hpp"
 #include "robust_fields.hpp"
 #include "robust_mpc/robust_problem.hpp"
 
@@ -62,14 +63,6 @@ void readSignals(const YamlField& model, RobustProblem& problem,
     setBounds(problem.disturbances.back(), disturbance_ranges.back());
   }
   if (problem.disturbances.empty()) model.at("disturbances").fail("must have at least one entry");
-}
-
-Eigen::MatrixXd toDoubles(const RationalMatrix& matrix) {
-  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
-  for (int i = 0; i < matrix.rows(); ++i) {
-    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
-  }
-  return result;
 }
 
 /// To a multiple of 2^-bits.

@@ -2,12 +2,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "rational_parts.hpp"
 #include "robust_mpc/prove_map.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 Rational moveAt(const RobustLaw::Region& region, const RationalVector& theta) {
   return dot(region.input_gain, theta) + region.input_offset;

@@ -7,6 +7,7 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
+#include "rational_parts.hpp"
 #include "robust_mpc/online_lp.hpp"
 
 namespace polyfly {
@@ -14,8 +15,6 @@ namespace {
 
 constexpr double kLawError = 1e-9;    // of the map's law, at vertices of its region
 constexpr double kPlaneError = 1e-9;  // of its planes [scaled]
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 void requireSameSignals(const RegionMap& map, const std::vector<Signal>& have,
                         const std::vector<Signal>& want, const char* kind) {

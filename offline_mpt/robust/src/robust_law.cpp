@@ -6,11 +6,10 @@
 
 #include "exact_linear.hpp"
 #include "polytope_sets/double_description.hpp"
+#include "rational_parts.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// A vertex of a face, with the facets that hold it; the last index stands for the plane u~_0 = K e.
 struct Corner {

@@ -4,11 +4,10 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "rational_parts.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// Coefficients of y, z and 1, in this order.
 using Affine = RationalVector;

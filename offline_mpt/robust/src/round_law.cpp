@@ -4,12 +4,11 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
+#include "rational_parts.hpp"
 #include "robust_mpc/robust_law.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 /// Region half-spaces in doubles, each row a distance where every range is [-1, 1]; scaled before rounding.
 Polytope scaledRegion(const RobustProblem& problem, const ExactPolytope& region) {

@@ -4,11 +4,10 @@
 #include <utility>
 
 #include "offline_mpt/exact_lp.hpp"
+#include "rational_parts.hpp"
 
 namespace polyfly {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 class Scaler {
  public:

@@ -14,8 +14,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kNearlySingular = 1e-8;  // share of the mean eigenvalue that is added to a singular H
-constexpr double kPositive = 1e-10;       // multipliers above this are active at a witness
+constexpr double kNearlySingular = 1e-8;       // share of the mean eigenvalue that is added to a singular H
+constexpr double kPositiveMultiplier = 1e-10;  // multipliers above this are active at a witness
 constexpr std::size_t kMostChanges =
     4;  // rows by which the active sets of a sliver and of regions about it differ
 
@@ -133,7 +133,7 @@ bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, c
     active.clear();
     for (int k = 0; k < qp.activeCount(); ++k) {
       const int row = qp.activeRows()[k];
-      if (!program.in_basis[row] && qp.lambda()(row) > kPositive) active.push_back(row);
+      if (!program.in_basis[row] && qp.lambda()(row) > kPositiveMultiplier) active.push_back(row);
     }
     std::sort(active.begin(), active.end());
     return true;

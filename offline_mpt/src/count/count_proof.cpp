@@ -5,8 +5,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 20;  // [bytes] written at a time
-constexpr std::size_t kWitnessBytes = 5;              // of each parameter
+constexpr std::size_t kProofPiece = std::size_t{1} << 20;  // [bytes] written at a time
+constexpr std::size_t kWitnessBytes = 5;                   // of each parameter
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void CountProof::add(const std::vector<int>& rows, const std::int64_t* witness) 
     for (std::size_t k = 0; k < kWitnessBytes; ++k, bits >>= 8)
       buffer_.push_back(static_cast<unsigned char>(bits & 0xffu));
   }
-  if (buffer_.size() >= kPiece) flush();
+  if (buffer_.size() >= kProofPiece) flush();
 }
 
 void CountProof::flush() {

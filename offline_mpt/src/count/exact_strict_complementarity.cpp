@@ -6,8 +6,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRounding = 0x1.0p-52;
-constexpr double kSafety = 100.0;  // by how much a value must exceed what rounding does
+constexpr double kDoubleRounding = 0x1.0p-52;
+constexpr double kExactSafety = 100.0;  // by how much a value must exceed what rounding does
 
 }  // namespace
 
@@ -44,7 +44,7 @@ bool ExactStrictComplementarity::positive(const std::vector<double>& affine, con
     value += affine[j] * kWitnessStep * static_cast<double>(witness.t[j]);
     size += std::abs(affine[j]);
   }
-  return value > kSafety * kRounding * size;
+  return value > kExactSafety * kDoubleRounding * size;
 }
 
 bool ExactStrictComplementarity::at(const std::vector<std::uint16_t>& active, const double* t, double radius,

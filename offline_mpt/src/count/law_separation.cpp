@@ -10,7 +10,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRegular = 1e-9;     // weight of |(z, t)|^2 that makes the search for bounds strictly convex
+constexpr double kBoundWeight =
+    1e-9;                             // weight of |(z, t)|^2 that makes the search for bounds strictly convex
 constexpr double kMostLeft = 0.5;     // of z_j that its weights may leave unexplained
 constexpr double kRoundingUp = 1.01;  // for the rounding of what is computed here
 constexpr double kLawErrors = 4.0;    // differences of laws that are written once, in kSameLaw: of each from
@@ -59,7 +60,7 @@ Eigen::MatrixXd findWeights(const ParametricProgram& program) {
     A.row(i) /= length(i);
     b(i) /= length(i);
   }
-  DenseQp qp(kRegular * Eigen::MatrixXd::Identity(n + p, n + p), A, program.equalities);
+  DenseQp qp(kBoundWeight * Eigen::MatrixXd::Identity(n + p, n + p), A, program.equalities);
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(2 * n, m);
   for (int j = 0; j < 2 * n; ++j) {
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p);

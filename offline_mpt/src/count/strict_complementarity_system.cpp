@@ -14,9 +14,10 @@ namespace {
 
 using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
-constexpr double kRounding = 0x1.0p-52;
+constexpr double kSystemRounding = 0x1.0p-52;
 constexpr double kWideRounding = 0x1.0p-62;
-constexpr double kDefinite = 1e-13;  // least eigenvalue of H with a unit diagonal that doubles can be sure of
+constexpr double kDefiniteUnitDiagonal =
+    1e-13;                           // least eigenvalue of H with a unit diagonal that doubles can be sure of
 constexpr double kMultiple = 1e-12;  // difference above which rows need no exact look
 
 /// Ratio of the eigenvalues of H scaled to a unit diagonal.
@@ -30,7 +31,8 @@ double condition(const ParametricProgram& program) {
     least = solver.eigenvalues()(0);
     greatest = solver.eigenvalues()(scale.size() - 1);
   }
-  if (least <= kDefinite * greatest) throw Error(program.name + ": H: must be positive definite to count");
+  if (least <= kDefiniteUnitDiagonal * greatest)
+    throw Error(program.name + ": H: must be positive definite to count");
   return greatest / least;
 }
 
@@ -90,7 +92,7 @@ StrictComplementaritySystem::StrictComplementaritySystem(const ParametricProgram
     : m(program.rowCount()),
       p(program.parameterCount()),
       length(m),
-      noise(kRounding + kWideRounding * condition(program) * program.variableCount()),
+      noise(kSystemRounding + kWideRounding * condition(program) * program.variableCount()),
       equalities(program.equalities),
       first_of(firstOfEach(program)) {
   Eigen::VectorXd centre(p), half(p);

@@ -7,10 +7,15 @@
 namespace polyfly {
 namespace {
 
-constexpr double kIndependent = 1e-9;  // squared distance of a unit row from the span of the others
-constexpr double kSafety = 100.0;      // by how much a value must exceed the estimate of what rounding does
+constexpr double kIndependentRow = 1e-9;  // squared distance of a unit row from the span of the others
+constexpr double kRoundingSafety =
+    100.0;  // by how much a value must exceed the estimate of what rounding does
 
-enum State : char { kInactive, kActive, kSilent };  // silent: equalities, multiples of active rows
+enum TestedRow : char {
+  kRowInactive,
+  kRowActive,
+  kRowSilent
+};  // silent: equalities, multiples of active rows
 
 }  // namespace
 
@@ -34,16 +39,16 @@ StrictComplementarityTest::StrictComplementarityTest(const StrictComplementarity
 // The rows of the set, and what must hold for each row.
 bool StrictComplementarityTest::take(const std::vector<int>& set) {
   active_.assign(system_.equalities.begin(), system_.equalities.end());
-  std::fill(state_.begin(), state_.end(), kInactive);
-  for (const int row : active_) state_[static_cast<std::size_t>(row)] = kSilent;
+  std::fill(state_.begin(), state_.end(), kRowInactive);
+  for (const int row : active_) state_[static_cast<std::size_t>(row)] = kRowSilent;
   for (const int row : set) {
-    if (state_[static_cast<std::size_t>(row)] != kInactive) return false;
-    state_[static_cast<std::size_t>(row)] = kActive;
+    if (state_[static_cast<std::size_t>(row)] != kRowInactive) return false;
+    state_[static_cast<std::size_t>(row)] = kRowActive;
     active_.push_back(row);
   }
   for (std::size_t i = 0; i < state_.size(); ++i) {
     const char first = state_[static_cast<std::size_t>(system_.first_of[i])];
-    if (state_[i] == kInactive && first == kActive) state_[i] = kSilent;
+    if (state_[i] == kRowInactive && first == kRowActive) state_[i] = kRowSilent;
   }
   return invert();
 }
@@ -59,7 +64,7 @@ bool StrictComplementarityTest::invert() {
       for (Eigen::Index i = 0; i < c; ++i) value -= L(r, i) * L(c, i);
       if (r > c) {
         L(r, c) = value / L(c, c);
-      } else if (value > kIndependent) {
+      } else if (value > kIndependentRow) {
         L(c, c) = std::sqrt(value);
       } else {
         return false;
@@ -121,9 +126,9 @@ bool StrictComplementarityTest::accept(const Eigen::VectorXd& t, double radius, 
   witness.law_apart = !gap_.empty();
   for (Eigen::Index i = 0; i < system_.m; ++i) {
     const char state = state_[static_cast<std::size_t>(i)];
-    if (state == kSilent) continue;
-    if (!(values_(i) > kSafety * doubts_(i) + radius * slopes_(i))) return false;
-    if (state == kInactive && witness.law_apart)
+    if (state == kRowSilent) continue;
+    if (!(values_(i) > kRoundingSafety * doubts_(i) + radius * slopes_(i))) return false;
+    if (state == kRowInactive && witness.law_apart)
       witness.law_apart = values_(i) > kClearlyApart * gap_[static_cast<std::size_t>(i)] / system_.length(i);
   }
   return true;
@@ -174,13 +179,13 @@ int StrictComplementarityTest::leaving(const std::vector<int>& set, int entering
   for (Eigen::Index r = 0; r < k; ++r)
     right_(r) = system_.gram(active_[static_cast<std::size_t>(r)], entering);
   const Eigen::VectorXd weights = inverse_ * right_;
-  if (system_.gram(entering, entering) - weights.dot(right_) > kIndependent) return kNone;
+  if (system_.gram(entering, entering) - weights.dot(right_) > kIndependentRow) return kNone;
   evaluate(from);
   double least = std::numeric_limits<double>::infinity();
   int first = kNone;
   for (Eigen::Index r = 0; r < k; ++r) {
     const int row = active_[static_cast<std::size_t>(r)];
-    if (state_[static_cast<std::size_t>(row)] != kActive || weights(r) <= kIndependent) continue;
+    if (state_[static_cast<std::size_t>(row)] != kRowActive || weights(r) <= kIndependentRow) continue;
     const double ratio = values_(row) / weights(r);
     if (ratio >= least) continue;
     least = ratio;
@@ -196,7 +201,7 @@ bool StrictComplementarityTest::onRay(const std::vector<int>& set, const double*
   differentiate(direction);
   double least = 0.0, most = edge(direction);
   for (Eigen::Index i = 0; i < system_.m; ++i) {
-    if (state_[static_cast<std::size_t>(i)] == kSilent) continue;
+    if (state_[static_cast<std::size_t>(i)] == kRowSilent) continue;
     const double value = values_(i), change = changes_(i);
     if (change > 0.0) {
       least = std::max(least, -value / change);

@@ -11,13 +11,13 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRank = 1e-11;  // relative size below which a pivot or length counts as zero
-constexpr double kRounding = 0x1.0p-52;
+constexpr double kProgramRank = 1e-11;  // relative size below which a pivot or length counts as zero
+constexpr double kEpsilon = 0x1.0p-52;
 constexpr double kSingularStart = 1e-6;  // the same of a singular H, relative to its mean eigenvalue
 constexpr double kLinearStart =
     1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
 constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
-constexpr double kSame = 1e-12;      // difference below which two right-hand sides are equal
+constexpr double kSameSide = 1e-12;  // difference below which two right-hand sides are equal
 
 /// Columns (t, 1) -> columns of theta: M theta + v = M half .* t + (M centre + v).
 Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
@@ -30,8 +30,8 @@ Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& 
 
 void addDomainRow(NormalisedProgram& out, const Eigen::VectorXd& a, double b, double scale) {
   const double length = a.norm();
-  if (length <= kRank * scale) {
-    if (b < -kRank * scale) out.domain_empty = true;
+  if (length <= kProgramRank * scale) {
+    if (b < -kProgramRank * scale) out.domain_empty = true;
     return;
   }
   for (int j = 0; j < out.p; ++j) out.domain.push_back(a(j) / length);
@@ -51,12 +51,12 @@ void setDomain(const ParametricProgram& program, NormalisedProgram& out) {
 }
 
 /// z = Z y + z_p (t, 1): what the equalities leave free.
-struct Elimination {
+struct EqualityElimination {
   Eigen::MatrixXd Z;
   Eigen::MatrixXd z_p;
 };
 
-Elimination eliminateEqualities(const ParametricProgram& program, const NormalisedProgram& out) {
+EqualityElimination eliminateEqualities(const ParametricProgram& program, const NormalisedProgram& out) {
   const int n = program.variableCount();
   const int count = static_cast<int>(program.equalities.size());
   if (count == 0) return {Eigen::MatrixXd::Identity(n, n), Eigen::MatrixXd::Zero(n, out.p + 1)};
@@ -70,13 +70,13 @@ Elimination eliminateEqualities(const ParametricProgram& program, const Normalis
   }
   const Eigen::MatrixXd rhs = affineInScaled(S, b, out);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A.transpose());
-  qr.setThreshold(kRank);
+  qr.setThreshold(kProgramRank);
   const int rank = static_cast<int>(qr.rank());
   const Eigen::MatrixXd Q = qr.householderQ();
   const Eigen::MatrixXd range = Q.leftCols(rank);
   Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
   if (rank > 0) z_p = range * (A * range).completeOrthogonalDecomposition().solve(rhs);
-  if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
+  if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
     throw Error(program.name +
                 ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
   }
@@ -91,7 +91,7 @@ Parallel compare(const NormalisedProgram& ld, const Eigen::MatrixXd& M, int i, i
   if ((M.row(i) - M.row(k)).cwiseAbs().maxCoeff() > kParallel) return Parallel::kNo;
   const Eigen::VectorXd difference = ld.D.row(i) - ld.D.row(k);
   const double spread = difference.head(ld.p).cwiseAbs().sum();  // greatest change over the box
-  const double scale = kSame * (1.0 + ld.D.row(k).cwiseAbs().maxCoeff());
+  const double scale = kSameSide * (1.0 + ld.D.row(k).cwiseAbs().maxCoeff());
   if (difference(ld.p) - spread >= -scale) return Parallel::kImplied;
   if (difference(ld.p) + spread <= 0.0) return Parallel::kReplaces;
   return Parallel::kNo;
@@ -147,7 +147,8 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
   if (vanishes(ld.H, ld.source.H)) {
     ld.linear = true;
     ld.cost = ld.F;
-    ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kRank) * Eigen::MatrixXd::Identity(ld.n, ld.n);
+    ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kProgramRank) *
+           Eigen::MatrixXd::Identity(ld.n, ld.n);
     return Eigen::MatrixXd::Identity(ld.n, ld.n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(ld.H);
@@ -171,7 +172,7 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
 NormalisedProgram normalise(const ParametricProgram& program) {
   NormalisedProgram ld;
   ld.source = program;
-  ld.rounding = kRounding;
+  ld.rounding = kEpsilon;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);
   ld.half.resize(ld.p);
@@ -181,7 +182,7 @@ NormalisedProgram normalise(const ParametricProgram& program) {
   }
   setDomain(program, ld);
 
-  const Elimination free = eliminateEqualities(program, ld);
+  const EqualityElimination free = eliminateEqualities(program, ld);
   ld.n = static_cast<int>(free.Z.cols());
   ld.H = free.Z.transpose() * program.H * free.Z;
   ld.F = free.Z.transpose() * (affineInScaled(program.F, program.f, ld) + program.H * free.z_p);
@@ -202,7 +203,7 @@ NormalisedProgram normalise(const ParametricProgram& program) {
     if (isEquality(program, i)) continue;
     const Eigen::VectorXd m_row = lower.solve(A_all.row(i).transpose());
     const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S_all.row(i).cwiseAbs().maxCoeff());
-    if (A_all.row(i).norm() <= kRank * scale) {
+    if (A_all.row(i).norm() <= kProgramRank * scale) {
       addDomainRow(ld, -S_all.row(i).head(ld.p), S_all(i, ld.p), scale);
       continue;
     }

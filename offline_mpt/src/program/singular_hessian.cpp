@@ -11,11 +11,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRank = 1e-11;     // relative pivot below which equalities count as dependent
-constexpr double kInRange = 1e-11;  // relative part outside the range of H that is rounding
-constexpr int kPenalties = 40;      // powers of 4 that are tried as a penalty
+constexpr double kEqualityRank = 1e-11;  // relative pivot below which equalities count as dependent
+constexpr double kInRange = 1e-11;       // relative part outside the range of H that is rounding
+constexpr int kPenalties = 40;           // powers of 4 that are tried as a penalty
 
-std::vector<Rational> exactly(const Eigen::MatrixXd& matrix) {
+std::vector<Rational> fractionsOf(const Eigen::MatrixXd& matrix) {
   std::vector<Rational> values;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     for (Eigen::Index j = 0; j < matrix.cols(); ++j) values.emplace_back(matrix(i, j));
@@ -40,7 +40,7 @@ std::vector<Rational> product(const std::vector<Rational>& left, const std::vect
 class Range {
  public:
   Range(const ParametricProgram& program, const std::vector<int>& basis, double penalty)
-      : n_(program.variableCount()), whole_(exactly(0.5 * (program.H + program.H.transpose()))) {
+      : n_(program.variableCount()), whole_(fractionsOf(0.5 * (program.H + program.H.transpose()))) {
     Eigen::MatrixXd H = 0.5 * (program.H + program.H.transpose());
     for (const int row : basis) {
       H += penalty * program.A.row(row).transpose() * program.A.row(row);
@@ -75,7 +75,7 @@ class Range {
   /// The vector lies in the range of H without rounding.
   bool holdsExactly(const Eigen::VectorXd& vector) const {
     std::vector<Rational> rows = whole_;
-    for (const Rational& value : exactly(vector)) rows.push_back(value);
+    for (const Rational& value : fractionsOf(vector)) rows.push_back(value);
     return static_cast<int>(independentRows(wholeRows(rows, n_)).size()) == rank_;
   }
 
@@ -83,15 +83,15 @@ class Range {
   std::vector<Rational> nearest(const Eigen::VectorXd& vector) const {
     const Eigen::VectorXd weights = vectors_.transpose() * vector;
     if (exact_)
-      return product(whole_, exactly((vectors_ * weights.cwiseQuotient(positive_)).transpose()), n_);
+      return product(whole_, fractionsOf((vectors_ * weights.cwiseQuotient(positive_)).transpose()), n_);
     const Eigen::VectorXd part = weights.cwiseQuotient(positive_.cwiseSqrt());
-    return product(root(), exactly(part.transpose()), rank_);
+    return product(root(), fractionsOf(part.transpose()), rank_);
   }
 
   std::vector<Rational> nearestHessian() const { return product(root(), root(), rank_); }
 
  private:
-  std::vector<Rational> root() const { return exactly(vectors_ * positive_.cwiseSqrt().asDiagonal()); }
+  std::vector<Rational> root() const { return fractionsOf(vectors_ * positive_.cwiseSqrt().asDiagonal()); }
 
   int n_;
   int rank_ = 0;
@@ -111,7 +111,7 @@ bool isSingular(const ParametricProgram& program, const std::vector<int>& basis)
     for (std::size_t k = 0; k < basis.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) = program.A.row(basis[k]);
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-    qr.setThreshold(kRank);
+    qr.setThreshold(kEqualityRank);
     const Eigen::MatrixXd Q = qr.householderQ();
     Z = Q.rightCols(n - qr.rank());
   }

@@ -10,11 +10,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMargin = 1e-9;     // margins below this count as none [rows of unit length]
-constexpr double kRounding = 1e-7;   // by how much rounding may take a margin of zero below zero
-constexpr double kRegular = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
-constexpr double kImplied = 1e-4;    // share of the margin's price above which a row counts as blocking
-constexpr double kOpposite = 1e-14;  // entries of two unit rows that cancel up to this are opposite
+constexpr double kLeastMargin = 1e-9;     // margins below this count as none [rows of unit length]
+constexpr double kMarginRounding = 1e-7;  // by how much rounding may take a margin of zero below zero
+constexpr double kSlaterWeight = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
+constexpr double kImplied = 1e-4;         // share of the margin's price above which a row counts as blocking
+constexpr double kOppositeRows = 1e-14;   // entries of two unit rows that cancel up to this are opposite
 constexpr double kSmallColumn =
     1e-2;  // variables with greater entries in a row of length one stay as they are
 constexpr double kNoLength =
@@ -22,14 +22,14 @@ constexpr double kNoLength =
 
 /// max r over (z, t, r): rows of the program in scaled parameters with slack r, r <= 1. Box rows follow, then
 /// A_theta's.
-struct Search {
+struct SlaterSearch {
   Eigen::MatrixXd A;
   Eigen::VectorXd b;
   int domain = 0;  ///< first row of the parameters' own
 };
 
 /// Rows of length one.
-void normalise(Search& search) {
+void normalise(SlaterSearch& search) {
   for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
     const double length = search.A.row(i).norm();
     const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
@@ -41,7 +41,7 @@ void normalise(Search& search) {
 
 /// Where the box is so large that z must be too, z is counted in greater units: small weights do not hold it
 /// back then. False when nothing changed.
-bool scaleVariables(Search& search, int n) {
+bool scaleVariables(SlaterSearch& search, int n) {
   bool scaled = false;
   for (int j = 0; j < n; ++j) {
     const double largest = search.A.col(j).cwiseAbs().maxCoeff();
@@ -52,7 +52,7 @@ bool scaleVariables(Search& search, int n) {
   return scaled;
 }
 
-Search assemble(const ParametricProgram& program) {
+SlaterSearch assemble(const ParametricProgram& program) {
   const int n = program.variableCount();
   const int p = program.parameterCount();
   const int m = program.rowCount();
@@ -62,7 +62,7 @@ Search assemble(const ParametricProgram& program) {
     centre(j) = 0.5 * (program.parameters[j].lower + program.parameters[j].upper);
     half(j) = 0.5 * (program.parameters[j].upper - program.parameters[j].lower);
   }
-  Search search;
+  SlaterSearch search;
   search.domain = m;
   search.A = Eigen::MatrixXd::Zero(m + 2 * p + k + 1, n + p + 1);
   search.b = Eigen::VectorXd::Zero(m + 2 * p + k + 1);
@@ -102,7 +102,7 @@ void addOpposite(ParametricProgram& program) {
   for (int i = 0; i < program.rowCount(); ++i) {
     for (int k = 0; k < i && !rows.row(i).isZero(0.0); ++k) {
       const double size = rows.row(i).cwiseAbs().maxCoeff();
-      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > kOpposite * size) continue;
+      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > kOppositeRows * size) continue;
       for (const int row : {i, k}) {
         if (!isEquality(program, row)) program.equalities.push_back(row);
       }
@@ -112,7 +112,7 @@ void addOpposite(ParametricProgram& program) {
 }
 
 /// Rows that keep the margin at zero; false when only the parameters' own rows do.
-bool addImplied(const DenseQp& qp, const Search& search, ParametricProgram& program) {
+bool addImplied(const DenseQp& qp, const SlaterSearch& search, ParametricProgram& program) {
   bool added = false;
   for (int row = 0; row < search.domain; ++row) {
     if (qp.lambda()(row) <= kImplied) continue;
@@ -131,15 +131,16 @@ SlaterPoint findSlaterPoint(ParametricProgram& program) {
   const int p = program.parameterCount();
   addOpposite(program);
   for (;;) {
-    const Search search = assemble(program);
-    const Eigen::MatrixXd H = kRegular * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
+    const SlaterSearch search = assemble(program);
+    const Eigen::MatrixXd H = kSlaterWeight * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
     g(n + p) = -1.0;
     DenseQp qp(H, search.A, program.equalities);
     if (qp.solve(g.data(), search.b.data()) != QpStatus::kOptimal) return {};
     const double margin = qp.z()(n + p);
-    if (margin < -kRounding) return {};  // nearer to zero, it is for the rows as equalities to contradict
-    if (margin > kMargin) return {true, qp.z().segment(n, p)};
+    if (margin < -kMarginRounding)
+      return {};  // nearer to zero, it is for the rows as equalities to contradict
+    if (margin > kLeastMargin) return {true, qp.z().segment(n, p)};
     if (!addImplied(qp, search, program)) {
       throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");
     }

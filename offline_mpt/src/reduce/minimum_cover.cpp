@@ -7,9 +7,9 @@ namespace {
 
 std::size_t bitsIn(std::uint64_t word) { return static_cast<std::size_t>(__builtin_popcountll(word)); }
 
-class Search {
+class CoverSearch {
  public:
-  Search(std::size_t size, const std::vector<BitSet>& sets, std::uint64_t node_limit)
+  CoverSearch(std::size_t size, const std::vector<BitSet>& sets, std::uint64_t node_limit)
       : size_(size), sets_(sets), nodes_left_(node_limit), holders_(size) {
     for (std::size_t s = 0; s < sets.size(); ++s) {
       for (std::size_t i = 0; i < size; ++i) {
@@ -126,7 +126,7 @@ void BitSet::remove(const BitSet& other) {
 }
 
 MinimumCover minimumCover(std::size_t size, const std::vector<BitSet>& sets, std::uint64_t node_limit) {
-  return Search(size, sets, node_limit).run();
+  return CoverSearch(size, sets, node_limit).run();
 }
 
 }  // namespace polyfly

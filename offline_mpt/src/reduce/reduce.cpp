@@ -23,8 +23,8 @@ namespace {
 constexpr double kSlackShare =
     0.125;  // of the map's tolerance: how far regions may be off when they are joined
 constexpr double kEmptyInterior =
-    1e-11;                          // regions with a smaller inscribed ball are left as they are [scaled]
-constexpr double kConstant = 1e-6;  // greatest change of a constant input over the box, relative as laws
+    1e-11;  // regions with a smaller inscribed ball are left as they are [scaled]
+constexpr double kConstantInput = 1e-6;  // greatest change of a constant input over the box, relative as laws
 constexpr std::size_t kMostFallbacks = 64;
 
 /// Regions of the map with the same law.
@@ -134,7 +134,7 @@ class Reducer {
     double best_value = 0.0;
     const std::size_t p = map_.parameters().size();
     for (LawGroup& group : groups_) {
-      if (!isConstantLaw(map_, group.law, kConstant)) continue;
+      if (!isConstantLaw(map_, group.law, kConstantInput)) continue;
       const double value = map_.law(group.law)[p];
       if (best != nullptr && (upper ? value <= best_value : value >= best_value)) continue;
       best = &group;
@@ -144,7 +144,7 @@ class Reducer {
     const Signal& input = map_.inputs().front();
     const double bound = upper ? input.upper : input.lower;
     const double scale = lawScales(map_).front();
-    if (std::isfinite(bound) && std::abs(best_value - bound) > kConstant * scale) return nullptr;
+    if (std::isfinite(bound) && std::abs(best_value - bound) > kConstantInput * scale) return nullptr;
     return best;
   }
 

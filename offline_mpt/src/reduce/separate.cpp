@@ -6,9 +6,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMargin = 1e-6;    // least distance of the pieces from the plane between them [scaled]
-constexpr double kAccurate = 0.5;   // share of the margin that every piece must keep
-constexpr double kNothing = 1e-10;  // a part of a piece whose largest ball is smaller is left out [scaled]
+constexpr double kPlaneMargin = 1e-6;  // least distance of the pieces from the plane between them [scaled]
+constexpr double kAccurate = 0.5;      // share of the margin that every piece must keep
+constexpr double kNoPiece = 1e-10;     // a part of a piece whose largest ball is smaller is left out [scaled]
 constexpr double kSharp =
     1e-12;                    // fallback regions must not reach beyond the domain, even by little [scaled]
 constexpr int kRounds = 400;  // of finding points that a plane must respect
@@ -32,7 +32,7 @@ class Separator {
     for (const ConvexCell& piece : below) addPoint(piece.centre.data(), 1.0);
     for (int round = 0; round < kRounds; ++round) {
       double margin = 0.0;
-      if (!solve(plane, margin) || margin < kMargin) return false;
+      if (!solve(plane, margin) || margin < kPlaneMargin) return false;
       const bool above_kept = respects(above, plane, margin, -1.0);
       const bool below_kept = respects(below, plane, margin, 1.0);
       if (above_kept && below_kept) return true;
@@ -106,9 +106,9 @@ class Separator {
   std::vector<double> rows_;
 };
 
-class CellSplitter {
+class PieceSplitter {
  public:
-  CellSplitter(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain, std::size_t limit)
+  PieceSplitter(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain, std::size_t limit)
       : geometry_(geometry), planes_(planes), domain_(domain), limit_(limit), separator_(geometry) {}
 
   Separation run(Pieces upper, Pieces lower) {
@@ -176,7 +176,7 @@ class CellSplitter {
     if (last != 0) part.piece.rows.push_back(last);
     part.piece.centre = domain_.centre;
     geometry_.describe(part.piece);
-    if (part.piece.radius <= kNothing) return;
+    if (part.piece.radius <= kNoPiece) return;
     part.piece.rows = geometry_.minimal(part.piece, kSharp);
     result_.fallbacks.push_back(std::move(part));
   }
@@ -188,7 +188,7 @@ class CellSplitter {
         piece.rows.push_back(row);
         piece.points.clear();
         geometry_.describe(piece);
-        if (piece.radius <= kNothing) continue;
+        if (piece.radius <= kNoPiece) continue;
       }
       kept.push_back(std::move(piece));
     }
@@ -229,7 +229,7 @@ ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, con
 Separation separate(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain,
                     const std::vector<ConvexCell>& upper, const std::vector<ConvexCell>& lower,
                     std::size_t limit) {
-  return CellSplitter(geometry, planes, domain, limit).run(upper, lower);
+  return PieceSplitter(geometry, planes, domain, limit).run(upper, lower);
 }
 
 }  // namespace polyfly

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLarge = 1500;           // regions above which a tree is built more cheaply
 constexpr std::size_t kManyMembers = 200;      // members above which estimates are trusted
 constexpr std::size_t kMembersScored = 8192;   // that planes are scored by, evenly drawn from more
-constexpr std::size_t kHopeless = 64;          // planes tried before regions count as inseparable
+constexpr std::size_t kPlanesTried = 64;       // planes tried before regions count as inseparable
 constexpr std::size_t kEntangled = 24;         // members above which a cell is split in any case
 constexpr double kLateDepth = 4.0;             // beyond that of a balanced tree
 constexpr double kRepeated = 1.6;              // members on both sides together, relative to those before
@@ -164,7 +164,7 @@ class TreeGrower {
     std::vector<unsigned char> sides, best_sides;
     Estimate best;
     bool found = false;
-    for (std::size_t i = 0; i < estimates.size() && i < kHopeless; ++i) {
+    for (std::size_t i = 0; i < estimates.size() && i < kPlanesTried; ++i) {
       if (i >= tried && found) break;
       if (found && estimates[i].fuller() > best.fuller()) break;
       const Estimate exact = splitExactly(members, estimates[i].plane, sides);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "offline_mpt/interior_point_qp.hpp"
+#include "verify/interior_point_parts.hpp"
 
 namespace polyfly {
 namespace {
@@ -14,13 +15,10 @@ constexpr double kActiveBias[] = {1.0, 1e3, 1e-3,
                                   1e6};  // a row is active if its multiplier exceeds so many slacks
 constexpr double kPolished = 1e-11;      // residual that needs no other guess [scaled]
 constexpr int kMaxPolishRounds = 8;
-constexpr double kPolishStart = 1e-3;     // residual below which the active set is worth guessing [scaled]
-constexpr double kRankTolerance = 1e-11;  // relative, in rank-revealing factorisations
+constexpr double kPolishStart = 1e-3;  // residual below which the active set is worth guessing [scaled]
 constexpr double kWrongSign =
     1e-12;  // a multiplier or slack below minus this changes the active set [scaled]
 constexpr double kSolveTolerance = 1e-10;  // relative residual at which an LU solution is trusted
-
-double maxAbs(const Eigen::VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 
 }  // namespace
 

@@ -5,13 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "verify/interior_point_parts.hpp"
+
 namespace polyfly {
 namespace {
 
 constexpr int kMaxIterations = 80;
 constexpr int kMehrotraIterations = 30;
 constexpr double kPlainCentring = 0.2;  // of the mean product, after those
-constexpr double kRounding = 1e-15;     // of a row [scaled]
+constexpr double kRowRounding = 1e-15;  // of a row [scaled]
 constexpr int kMaxStalledSteps = 4;
 constexpr double kStalledStep = 1e-6;           // a shorter step is no progress
 constexpr double kStepFraction = 0.995;         // of the way to the boundary, at first
@@ -21,7 +23,6 @@ constexpr double kEarlyGapGoal = 1e-12;     // mean complementarity product, whe
 constexpr double kGapGoal = 1e-14;          // the same, when they are not
 constexpr double kCarefulGapGoal = 1e-22;   // tells multipliers from slacks of 1e-10
 constexpr double kLateResidualGoal = 1e-6;  // residuals that the final correction can take away [scaled]
-constexpr double kRankTolerance = 1e-11;    // relative, in rank-revealing factorisations
 constexpr double kRowTolerance =
     1e-11;                             // a row shorter than this times its norm is implied by the equalities
 constexpr double kConsistency = 1e-9;  // equalities off by less hold [scaled]
@@ -30,8 +31,6 @@ constexpr double kCertificateSum = 1e2;    // multipliers must have grown so far
 constexpr double kCertificateRadius = 1e7;  // a Farkas certificate excludes all solutions up to this norm
 constexpr double kRayGrowth = 1e6;          // iterates must have grown so far before unboundedness is tried
 constexpr double kRayTolerance = 1e-7;      // relative, for a direction of unlimited descent
-
-double maxAbs(const Eigen::VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 
 }  // namespace
 
@@ -277,7 +276,7 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     }
     // What is left is rounding: chasing it would push slacks smaller than it across zero.
     for (Eigen::Index i = 0; i < r_primal_.size(); ++i) {
-      if (std::abs(r_primal_[i]) <= kRounding * (1.0 + std::abs(b_y_[i]))) r_primal_[i] = 0.0;
+      if (std::abs(r_primal_[i]) <= kRowRounding * (1.0 + std::abs(b_y_[i]))) r_primal_[i] = 0.0;
     }
     if (provesInfeasible()) return End::kInfeasible;
     if (provesUnbounded()) return End::kUnbounded;

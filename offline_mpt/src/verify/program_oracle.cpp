@@ -10,14 +10,14 @@
 namespace polyfly {
 namespace {
 
-constexpr double kOpposite = 1e-12;     // entries of two unit rows that cancel up to this are opposite
+constexpr double kOppositeEntries = 1e-12;  // entries of two unit rows that cancel up to this are opposite
 constexpr double kParameterSet = 1e-9;  // how far outside A_theta theta <= b_theta counts as inside [scaled]
-constexpr double kDefinite = 1e-10;     // least eigenvalue over the greatest that counts as positive
-constexpr double kRank = 1e-11;         // relative, of the equalities
-constexpr double kUsableResidual = 1e-9;  // of the auxiliary programs
+constexpr double kLeastEigenvalue = 1e-10;  // least eigenvalue over the greatest that counts as positive
+constexpr double kOracleRank = 1e-11;       // relative, of the equalities
+constexpr double kUsableResidual = 1e-9;    // of the auxiliary programs
 constexpr double kCertainDistance =
     1e-8;  // a greater distance to the feasible set is not a matter of rounding
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kOracleInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<int> allEqualities(const ParametricProgram& program) {
@@ -32,7 +32,7 @@ std::vector<int> allEqualities(const ParametricProgram& program) {
   for (Eigen::Index i = 0; i < m; ++i) {
     if (program.A.row(i).norm() == 0.0) continue;
     for (Eigen::Index j = i + 1; j < m; ++j) {
-      if ((rows.row(i) + rows.row(j)).cwiseAbs().maxCoeff() <= kOpposite) {
+      if ((rows.row(i) + rows.row(j)).cwiseAbs().maxCoeff() <= kOppositeEntries) {
         result.push_back(static_cast<int>(i));
         break;
       }
@@ -94,7 +94,7 @@ bool definiteOnNullSpace(const ParametricProgram& program, const std::vector<int
       transposed.col(static_cast<Eigen::Index>(i)) = program.A.row(equalities[i]).transpose();
     }
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kRank);
+    qr.setThreshold(kOracleRank);
     qr.compute(transposed);
     const Eigen::MatrixXd Q = qr.householderQ() * N;
     N = Q.rightCols(n - qr.rank());
@@ -103,7 +103,8 @@ bool definiteOnNullSpace(const ParametricProgram& program, const std::vector<int
   const Eigen::MatrixXd reduced = N.transpose() * program.H * N;
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(reduced, Eigen::EigenvaluesOnly).eigenvalues();
-  return values.minCoeff() > kDefinite * std::max(values.maxCoeff(), std::numeric_limits<double>::min());
+  return values.minCoeff() >
+         kLeastEigenvalue * std::max(values.maxCoeff(), std::numeric_limits<double>::min());
 }
 
 }  // namespace
@@ -182,7 +183,7 @@ double ProgramOracle::distanceToFeasible(const Eigen::VectorXd& theta) {
     distance_bounds_.tail(program_->A_theta.rows()) = program_->b_theta - program_->A_theta * theta;
   }
   const InteriorPointSolution& solution = distance_.solve(distance_cost_, distance_bounds_);
-  if (solution.status == InteriorPointStatus::kInfeasible) return kInfinity;
+  if (solution.status == InteriorPointStatus::kInfeasible) return kOracleInfinity;
   if (!(solution.residual <= kUsableResidual)) return kUnknown;
   return std::max(0.0, solution.objective);
 }
@@ -220,7 +221,7 @@ double ProgramOracle::objectiveWithOutput(const Eigen::VectorXd& theta, const Ei
   bounds.head(m) += give;
   bounds.tail(q) = u - program_->C * theta - program_->c;
   const InteriorPointSolution& solution = with_output_.solve(g, bounds);
-  if (solution.status == InteriorPointStatus::kInfeasible) return kInfinity;
+  if (solution.status == InteriorPointStatus::kInfeasible) return kOracleInfinity;
   if (!(solution.residual <= kUsableResidual)) return kUnknown;
   return solution.objective;
 }

@@ -10,13 +10,14 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFeasible = 1e-11;   // violation of a normalised row that is left alone, relative to 1 + |d|
-constexpr double kDependent = 1e-10;  // pivot below which a row depends on the active ones
-constexpr double kVoidRow = 1e-13;    // squared length below which a row constrains nothing
-constexpr int kPolishRounds = 10;     // restarts after rounding has spoilt the multipliers
-constexpr double kRounding =
+constexpr double kDenseFeasible =
+    1e-11;  // violation of a normalised row that is left alone, relative to 1 + |d|
+constexpr double kDenseDependent = 1e-10;  // pivot below which a row depends on the active ones
+constexpr double kVoidRow = 1e-13;         // squared length below which a row constrains nothing
+constexpr int kPolishRounds = 10;          // restarts after rounding has spoilt the multipliers
+constexpr double kDenseRounding =
     1e-13;  // multipliers above minus this, relative to the largest, count as non-negative
-constexpr double kNegative = 1e-12;  // direction entries below this do not block
+constexpr double kDenseNegative = 1e-12;  // direction entries below this do not block
 
 }  // namespace
 
@@ -76,7 +77,7 @@ QpStatus DenseQp::solve(const double* g, const double* b, bool warm) noexcept {
     if (satisfy(row) != StepResult::kAdded) return QpStatus::kInfeasible;
   }
   for (int i = 0; i < m_; ++i) {
-    if (is_void_[i] && (d_(i) < -kFeasible || (is_equality_[i] && d_(i) > kFeasible))) {
+    if (is_void_[i] && (d_(i) < -kDenseFeasible || (is_equality_[i] && d_(i) > kDenseFeasible))) {
       return QpStatus::kInfeasible;
     }
   }
@@ -111,7 +112,7 @@ void DenseQp::warmStart() noexcept {
   for (;;) {
     resolveMultipliers();
     int worst = -1;
-    double least = -kRounding * (1.0 + largestMultiplier());
+    double least = -kDenseRounding * (1.0 + largestMultiplier());
     for (int j = 0; j < active_count_; ++j) {
       const int row = active_[j];
       if (!is_equality_[row] && lambda_(row) < least) {
@@ -141,18 +142,18 @@ DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
     double dual_step = std::numeric_limits<double>::infinity();
     for (int j = 0; j < active_count_; ++j) {
       const double decrease = sign * direction_(j);
-      if (is_equality_[active_[j]] || decrease <= kNegative) continue;
+      if (is_equality_[active_[j]] || decrease <= kDenseNegative) continue;
       const double step = std::max(0.0, lambda_(active_[j])) / decrease;
       if (step < dual_step) {
         dual_step = step;
         blocking = j;
       }
     }
-    const bool independent = active_count_ < n_ && curvature > kDependent;
+    const bool independent = active_count_ < n_ && curvature > kDenseDependent;
     const double primal_step = independent ? std::max(0.0, -sign * slack_(row)) / curvature
                                            : std::numeric_limits<double>::infinity();
     if (!independent && blocking < 0) {
-      const bool holds = std::abs(slack_(row)) <= 1e3 * kFeasible * (1.0 + std::abs(d_(row)));
+      const bool holds = std::abs(slack_(row)) <= 1e3 * kDenseFeasible * (1.0 + std::abs(d_(row)));
       return holds ? StepResult::kAdded : StepResult::kInfeasible;
     }
     const double step = std::min(primal_step, dual_step);
@@ -178,7 +179,7 @@ bool DenseQp::append(int row) noexcept {
   }
   double pivot = gram_(row, row);
   for (int i = 0; i < k; ++i) pivot -= factor_(k, i) * factor_(k, i);
-  if (!(pivot > 0.1 * kDependent)) return false;
+  if (!(pivot > 0.1 * kDenseDependent)) return false;
   factor_(k, k) = std::sqrt(pivot);
   active_[k] = row;
   is_active_[row] = 1;
@@ -249,7 +250,7 @@ int DenseQp::mostViolated() const noexcept {
   double least = 0.0;
   for (int i = 0; i < m_; ++i) {
     if (is_active_[i] || is_void_[i] || is_equality_[i]) continue;
-    if (slack_(i) < least && slack_(i) < -kFeasible * (1.0 + std::abs(d_(i)))) {
+    if (slack_(i) < least && slack_(i) < -kDenseFeasible * (1.0 + std::abs(d_(i)))) {
       least = slack_(i);
       worst = i;
     }

@@ -9,7 +9,7 @@
 namespace polyfly {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// Index of the one entry of a row that is not 0; -1 if there are none or several.
 int singleEntry(const Eigen::MatrixXd& A, Eigen::Index row) {
@@ -62,8 +62,8 @@ void OnlineProgram::setBounds(const double* theta) noexcept {
   const Eigen::Map<const Eigen::VectorXd> parameters(theta, program_.parameterCount());
   b_ = program_.b;
   b_.noalias() += program_.S * parameters;
-  lower_.setConstant(-kInfinity);
-  upper_.setConstant(kInfinity);
+  lower_.setConstant(-kNoBound);
+  upper_.setConstant(kNoBound);
   for (const Bound& bound : bounds_) {
     const double value = b_(bound.row) / bound.entry;
     const bool equality = is_equality_[static_cast<std::size_t>(bound.row)] != 0;
@@ -76,7 +76,7 @@ void OnlineProgram::setBounds(const double* theta) noexcept {
     const int row = rows_[k];
     const auto i = static_cast<Eigen::Index>(k);
     row_upper_(i) = b_(row);
-    row_lower_(i) = is_equality_[static_cast<std::size_t>(row)] != 0 ? b_(row) : -kInfinity;
+    row_lower_(i) = is_equality_[static_cast<std::size_t>(row)] != 0 ? b_(row) : -kNoBound;
   }
 }
 

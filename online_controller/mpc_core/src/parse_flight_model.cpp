@@ -7,12 +7,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 std::vector<Signal> readSignals(const YamlField& list, bool with_range) {
   std::vector<Signal> signals;
   for (const YamlField& field : list.items()) {
-    Signal signal{field.at("name").name(), field.at("unit").unit(), -kInfinity, kInfinity};
+    Signal signal{field.at("name").name(), field.at("unit").unit(), -kNoLimit, kNoLimit};
     if (with_range) field.at("range").range(&signal.lower, &signal.upper);
     signals.push_back(std::move(signal));
   }

@@ -4,17 +4,18 @@
 # A package is built by catkin when CATKIN_DEVEL_PREFIX is defined, else by plain CMake from the
 # project's root. ROS code is built by catkin only.
 #
-# POLYFLY_BUILT, the folder of a plain build, and POLYFLY_BIN_DIR, that of its tools, let catkin use what is built
-# there; without them it builds all itself.
+# POLYFLY_BUILT, the folder of a plain build, POLYFLY_BUILT_LIBRARIES, the names of its libraries, and POLYFLY_BIN_DIR,
+# the folder of its tools, let catkin use what is built there; without them it builds all itself.
 
-# polyfly_library(NAME SOURCES file... [LINK target...] [PRIVATE target...] [INCLUDE folder...] [PRIVATE_INCLUDE folder...])
-#   A library with the package's include/ folder, and others of the package.
+# polyfly_library(NAME [UNITY] SOURCES file... [LINK target...] [PRIVATE target...] [INCLUDE folder...]
+#     [PRIVATE_INCLUDE folder...])
+#   A library with the package's include/ folder, and others of the package. UNITY: see polyfly_unity.
 function(polyfly_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE" ${ARGN})
   list(TRANSFORM ARG_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   list(TRANSFORM ARG_PRIVATE_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   set(headers "${CMAKE_CURRENT_SOURCE_DIR}/include" ${ARG_INCLUDE})
-  if(DEFINED POLYFLY_BUILT AND EXISTS "${POLYFLY_BUILT}/lib/lib${name}.a")
+  if(name IN_LIST POLYFLY_BUILT_LIBRARIES)
     add_library(${name} STATIC IMPORTED GLOBAL)
     set_target_properties(${name} PROPERTIES IMPORTED_LOCATION "${POLYFLY_BUILT}/lib/lib${name}.a")
     target_compile_features(${name} INTERFACE cxx_std_17)
@@ -34,6 +35,9 @@ function(polyfly_library name)
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
   polyfly_warnings(${name})
   polyfly_precompiled(${name} library)
+  if(ARG_UNITY)
+    polyfly_unity(${name})
+  endif()
   if(DEFINED CATKIN_DEVEL_PREFIX)
     install(TARGETS ${name} ARCHIVE DESTINATION lib LIBRARY DESTINATION lib)
     if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include)
@@ -47,10 +51,10 @@ function(polyfly_library name)
   endif()
 endfunction()
 
-# polyfly_tool(NAME SOURCES file... [LINK target...])
+# polyfly_tool(NAME [UNITY] SOURCES file... [LINK target...])
 #   A command-line tool; plain CMake leaves it in the preset's bin folder, catkin where rosrun looks.
 function(polyfly_tool name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK" ${ARGN})
   if(DEFINED POLYFLY_BUILT AND DEFINED POLYFLY_BIN_DIR AND EXISTS "${POLYFLY_BIN_DIR}/${name}")
     set(folder "${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME}")
     file(MAKE_DIRECTORY "${folder}")
@@ -72,6 +76,9 @@ function(polyfly_tool name)
   endif()
   polyfly_warnings(${name}_tool)
   polyfly_precompiled(${name}_tool tool)
+  if(ARG_UNITY)
+    polyfly_unity(${name}_tool)
+  endif()
 endfunction()
 
 # polyfly_test(NAME [THREADS] [ALLOCATIONS] SOURCES file... [LINK target...])
@@ -139,6 +146,15 @@ endfunction()
 # polyfly_test_options(TARGET): tests are compiled more often than run.
 function(polyfly_test_options name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# polyfly_unity(TARGET)
+#   Compiles up to eight files of a target together, so that the templates that they share are compiled once. Names
+#   without linkage must differ within such a target. The clang preset compiles each file alone.
+function(polyfly_unity name)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
 endfunction()
 
 # polyfly_precompiled(TARGET library|tool|test)

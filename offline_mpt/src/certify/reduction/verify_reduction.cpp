@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSlackShare = 0.5;  // of the maps' tolerance
 constexpr std::size_t kFew = 16;     // regions that are tried without asking the tree which ones matter
-constexpr double kNear =
+constexpr double kNearRegion =
     0.01;  // regions farther from a sliver's point are looked at only if that fails [scaled]
 constexpr std::size_t kMostLost = 100;  // parts of a region that are reported
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
@@ -98,13 +98,13 @@ class ReductionProof {
   /// Every part of a region of the original is answered, with its law or, in slivers that the tree leaves to
   /// a neighbour, with the law of a region that holds it within the slack too.
   Finding checkOriginal(std::uint32_t region) const {
-    Finding finding = checkOriginal(region, kNear);
+    Finding finding = checkOriginal(region, kNearRegion);
     return finding.defects.empty() ? finding : checkOriginal(region, kAnywhere);
   }
 
   /// What a region of the reduced map claims belongs to its law.
   Finding checkReduced(std::uint32_t region) const {
-    Finding finding = checkReduced(region, kNear);
+    Finding finding = checkReduced(region, kNearRegion);
     return finding.defects.empty() ? finding : checkReduced(region, kAnywhere);
   }
 

@@ -9,8 +9,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kMostSets = 32;  // in a batch for another process
-constexpr std::size_t kAhead = 3;      // batches with a process for each of its threads, so that none waits
+constexpr std::size_t kMostSetsSent = 32;  // in a batch for another process
+constexpr std::size_t kAhead = 3;  // batches with a process for each of its threads, so that none waits
 
 std::string nameOf(int rank) { return "process " + std::to_string(rank); }
 
@@ -108,7 +108,7 @@ bool Coordinator::sendBatches() {
   for (int rank = 1; rank < group_.size(); ++rank) {
     RankState& member = ranks_[static_cast<std::size_t>(rank)];
     while (member.working.size() + member.back.size() < kAhead * member.threads) {
-      Batch* const batch = scheduler_.tryPop(kMostSets);
+      Batch* const batch = scheduler_.tryPop(kMostSetsSent);
       if (batch == nullptr) return any;
       member.working.push_back(batch);
       std::vector<std::byte> message = groupMessage(GroupMessage::kBatch);

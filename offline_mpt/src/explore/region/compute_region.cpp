@@ -15,9 +15,9 @@ constexpr double kLinearProbe =
     1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
 constexpr double kClearlyInside =
     1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
-constexpr double kEdge =
+constexpr double kProbeEdge =
     1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
-constexpr double kActive = 1e-10;  // multipliers below this are not active in a starting point
+constexpr double kActiveMultiplier = 1e-10;  // multipliers below this are not active in a starting point
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
 Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double step) {
@@ -47,9 +47,9 @@ void probeFacet(const NormalisedProgram& program, RegionSolver& worker, const De
   };
   if (held(-kClearlyInside)) return;
   ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, widen * kEdge, kActive, active))
+  if (!activeSetAt(program, worker.qp, probe, widen * kProbeEdge, kActiveMultiplier, active))
     return;  // the edge of the feasible set
-  if (!activeSetAt(program, worker.qp, probe, 0.0, kActive, active)) return;
+  if (!activeSetAt(program, worker.qp, probe, 0.0, kActiveMultiplier, active)) return;
   out.addNeighbour(active, degenerate.facet);
   if (held(kProbeTolerance) || worker.builder.holds(active, probe.data(), kProbeTolerance)) return;
   Region optimal;
@@ -99,7 +99,7 @@ void crossFacets(const NormalisedProgram& program, RegionSolver& worker, const A
 // The edge of the feasible set after all.
 bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe) {
   const std::optional<double> slack = feasibleSlack(program, probe);
-  return slack && *slack <= kEdge;
+  return slack && *slack <= kProbeEdge;
 }
 
 void RegionResult::clear() {
@@ -130,7 +130,8 @@ void computeRegion(const NormalisedProgram& program, RegionSolver& worker, const
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionSolver& worker,
                ActiveSet& active) {
-  const double least = program.semidefinite ? 0.0 : kActive;  // where they are as small as what is added to H
+  const double least =
+      program.semidefinite ? 0.0 : kActiveMultiplier;  // where they are as small as what is added to H
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   Region region;

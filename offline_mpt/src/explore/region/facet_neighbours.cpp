@@ -10,15 +10,15 @@
 namespace polyfly {
 namespace {
 
-constexpr double kAdded[] = {1e-6, 1e-8, 1e-4, 1e-9};        // to H, shares of its mean eigenvalue
-constexpr double kSteps[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};  // behind the facet [scaled]
-constexpr double kMultiplier = 1e-4;  // multipliers below this share of what is added to H are not active
-constexpr double kEdge = 1e-9;        // a point whose rows cannot all keep this slack lies at the edge
-constexpr double kThinPiece = 1e-9;   // parts of a facet with a smaller inscribed ball are left [scaled]
-constexpr double kParallel = 1e-9;    // sine below which two planes are parallel
-constexpr double kHolds = 1e-8;       // a region holds a point of its own facet within this [scaled]
-constexpr double kGrows = 20.0;       // |z| that grows so much when a hundredth is added to H has no limit
-constexpr double kFar = 1e3;          // and exceeds this, relative to the rows' distances
+constexpr double kAdded[] = {1e-6, 1e-8, 1e-4, 1e-9};              // to H, shares of its mean eigenvalue
+constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};  // behind the facet [scaled]
+constexpr double kMultiplier = 1e-4;      // multipliers below this share of what is added to H are not active
+constexpr double kFacetEdge = 1e-9;       // a point whose rows cannot all keep this slack lies at the edge
+constexpr double kThinPiece = 1e-9;       // parts of a facet with a smaller inscribed ball are left [scaled]
+constexpr double kParallelPlanes = 1e-9;  // sine below which two planes are parallel
+constexpr double kHolds = 1e-8;           // a region holds a point of its own facet within this [scaled]
+constexpr double kGrows = 20.0;  // |z| that grows so much when a hundredth is added to H has no limit
+constexpr double kFar = 1e3;     // and exceeds this, relative to the rows' distances
 constexpr std::size_t kMostPieces = 20'000;
 
 }  // namespace
@@ -52,7 +52,7 @@ bool FacetNeighbours::restrict(const Facet& facet, int sign, ConvexCell& piece) 
   const Eigen::VectorXd along = sign * (basis_.transpose() * a);
   const double bound = sign * (facet.row[program_.p] - a.dot(foot_));
   const double length = along.norm();
-  if (length <= kParallel) return bound >= -kThinPiece;
+  if (length <= kParallelPlanes) return bound >= -kThinPiece;
   for (const double value : along) piece.push_back(value / length);
   piece.push_back(bound / length);
   return true;
@@ -80,7 +80,8 @@ bool FacetNeighbours::takeRegion(const ActiveSet& active) {
 
 FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   ActiveSet active;
-  if (!activeSetAt(program_, qps_[0], t + kSteps[3] * normal_, kEdge, 0.0, active)) return Behind::kEdge;
+  if (!activeSetAt(program_, qps_[0], t + kBehindFacet[3] * normal_, kFacetEdge, 0.0, active))
+    return Behind::kEdge;
   const double mean = program_.curvature.trace() / program_.n;
   const auto holds = [&](const Region& region) {
     return std::all_of(region.facets.begin(), region.facets.end(), [&](const Facet& facet) {
@@ -88,14 +89,14 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
       return a.dot(t) <= facet.row[program_.p] + kHolds;
     });
   };
-  for (const double step : kSteps) {
+  for (const double step : kBehindFacet) {
     const Eigen::VectorXd probe = t + step * normal_;
     for (std::size_t k = 0; k < qps_.size(); ++k) {
       if (!activeSetAt(program_, qps_[k], probe, 0.0, kMultiplier * kAdded[k] * mean, active)) continue;
       if (takeRegion(active) && holds(behind_.back())) return Behind::kRegion;
     }
   }
-  const Eigen::VectorXd probe = t + kSteps[3] * normal_;
+  const Eigen::VectorXd probe = t + kBehindFacet[3] * normal_;
   double lengths[2] = {0.0, 0.0};
   for (const std::size_t k : {0u, 1u}) {
     if (activeSetAt(program_, qps_[k], probe, 0.0, 0.0, active)) lengths[k] = qps_[k].z().norm();
@@ -161,7 +162,7 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
       pieces.push_back(piece);
       continue;
     }
-    const Eigen::VectorXd probe = t + std::min(kSteps[1], 0.5 * room(t)) * normal_;
+    const Eigen::VectorXd probe = t + std::min(kBehindFacet[1], 0.5 * room(t)) * normal_;
     unresolved.insert(unresolved.end(), probe.data(), probe.data() + program_.p);
   }
   for (const ActiveSet& active : behind_sets_) found.push({active.data(), active.size()});

@@ -7,9 +7,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kConstant = 1e-11;  // relative slope below which a row does not depend on the parameters
-constexpr double kFlatness = 1e-8;   // how far rows overlap, or part, with nothing between them [scaled]
-constexpr double kOpposite = 1e-6 - 1.0;  // product of unit rows below which they are opposite
+constexpr double kConstantRow = 1e-11;  // relative slope below which a row does not depend on the parameters
+constexpr double kFlatness = 1e-8;      // how far rows overlap, or part, with nothing between them [scaled]
+constexpr double kOppositeProduct = 1e-6 - 1.0;  // product of unit rows below which they are opposite
 
 }  // namespace
 
@@ -118,13 +118,13 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   const double constant = affine[program_.p];
   const double blurred = kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
-  if (meets_box && noise > kConstant * scale && length <= blurred) doubtful_ = true;
-  if (length <= kConstant * scale) {
-    if (constant < -kConstant * scale) {
+  if (meets_box && noise > kConstantRow * scale && length <= blurred) doubtful_ = true;
+  if (length <= kConstantRow * scale) {
+    if (constant < -kConstantRow * scale) {
       status = BuildStatus::kEmptyInterior;
       return false;
     }
-    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstant * scale) {
+    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstantRow * scale) {
       status = BuildStatus::kWeaklyActive;
       return false;
     }
@@ -229,7 +229,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
     const std::size_t before = origins_.size();
     const double noise = (program_.semidefinite ? growth() : program_.rounding) * (D_size_[i] + size_);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
-    if (origins_.size() == before && scratch_[program_.p] <= kConstant * scale) {
+    if (origins_.size() == before && scratch_[program_.p] <= kConstantRow * scale) {
       idle_.push_back(static_cast<std::uint16_t>(i));
     }
   }
@@ -352,7 +352,7 @@ bool RegionBuilder::isFlat(const Region& region) const {
     if (rows_[static_cast<std::size_t>(i) * width_ + program_.p] - row(i).dot(centre) >
         region.radius + kFlatness)
       continue;
-    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOpposite; }))
+    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOppositeProduct; }))
       return true;
     tight.push_back(i);
   }
