@@ -38,7 +38,8 @@ Integer solve(std::vector<Row>& system, std::size_t required) {
     previous = system[k][column];
   }
   for (std::size_t i = unknown_of.size(); i < size; ++i) {
-    for (const Integer& value : system[i]) require(value == 0, "active rows do not pay for the cost");
+    for (const Integer& value : system[i])
+      require(value == 0, "the cost is not in the span of the active rows");
   }
   std::vector<Row> solution(size, Row(system.empty() ? 0 : system[0].size()));
   for (std::size_t k = 0; k < unknown_of.size(); ++k) {
@@ -52,7 +53,7 @@ Integer solve(std::vector<Row>& system, std::size_t required) {
 }  // namespace
 
 /// H z + A'lambda = -cost, A z = bound over the active rows. Of a linear program, H = I without cost gives
-/// the shortest z, and the cost alone, in a second group of right-hand sides, the prices.
+/// the shortest z, and the cost alone, in a second group of right-hand sides, the cost multipliers.
 std::vector<Row> Certificate::optimalitySystem(const std::vector<std::size_t>& rows) const {
   const std::size_t size = n_ + rows.size(), width = p_ + 1;
   std::vector<Row> system;
@@ -73,8 +74,8 @@ std::vector<Row> Certificate::optimalitySystem(const std::vector<std::size_t>& r
   return system;
 }
 
-/// Of a singular H, unknowns z, prices, multipliers, y:
-/// H z + A'price = -cost, A z = bound, H y + z + A'multiplier = 0, A y = 0.
+/// Of a singular H, unknowns z, cost multipliers, multipliers, y:
+/// H z + A'mu = -cost, A z = bound, H y + z + A'multiplier = 0, A y = 0.
 std::vector<Row> Certificate::limitSystem(const std::vector<std::size_t>& rows) const {
   const std::size_t k = rows.size(), size = 2 * (n_ + k), y = n_ + 2 * k;
   std::vector<Row> system;
@@ -121,12 +122,12 @@ Region Certificate::describe(std::size_t index) const {
   std::vector<Row> z;
   for (std::size_t i = 0; i < n_; ++i) {
     z.push_back(part(i, 0));
-    require(!linear_ || is_zero(part(i, 1)), "active rows do not pay for the cost");
+    require(!linear_ || is_zero(part(i, 1)), "the cost is not in the span of the active rows");
   }
   for (std::size_t r = basis_.size(); r < rows.size(); ++r) {
-    const Row price = linear_ ? part(n_ + r, 1) : singular_ ? part(n_ + r, 0) : Row(width);
-    const bool priced = !is_zero(price);
-    const Row own = priced ? price : part(n_ + r + (singular_ ? rows.size() : 0), 0);
+    const Row cost_multiplier = linear_ ? part(n_ + r, 1) : singular_ ? part(n_ + r, 0) : Row(width);
+    const bool by_cost = !is_zero(cost_multiplier);
+    const Row own = by_cost ? cost_multiplier : part(n_ + r + (singular_ ? rows.size() : 0), 0);
     region.rows[(priced ? "p" : "m") + std::to_string(rows[r])] = primitive(own);
   }
   addSlacks(z, determinant, std::set<std::size_t>(rows.begin(), rows.end()), region);

@@ -102,8 +102,8 @@ TEST(DoubleDoubleRegionSolver, AgreesWithRationalArithmeticWhereRowsAreNearlyDep
       ExactDescription exact(reduced);
       Random random(seed);
       const auto active = activeSet(reduced.m, reduced.n, random);
-      if (!by_digits.computeRegion(active)) continue;
-      ASSERT_TRUE(exact.computeRegion(active));
+      if (!by_digits.solve(active)) continue;
+      ASSERT_TRUE(exact.solve(active));
       ++described;
       Compared multipliers, others;
       std::vector<double> found(static_cast<std::size_t>(reduced.p) + 1), truth(found.size());
@@ -134,7 +134,7 @@ TEST(DoubleDoubleRegionSolver, SlacksAreRoundedOnce) {
   const NormalisedProgram reduced = normalise(nearlyDependent(3, 1e-5));
   DoubleDoubleRegionSolver by_digits(reduced);
   ExactDescription exact(reduced);
-  ASSERT_TRUE(by_digits.computeRegion({0, 1, 4}) && exact.computeRegion({0, 1, 4}));
+  ASSERT_TRUE(by_digits.solve({0, 1, 4}) && exact.solve({0, 1, 4}));
   std::vector<double> found(4), truth(4);
   for (int row = 0; row < reduced.m; ++row) {
     by_digits.slack(row, found.data());
@@ -146,16 +146,16 @@ TEST(DoubleDoubleRegionSolver, SlacksAreRoundedOnce) {
 
 TEST(DoubleDoubleRegionSolver, LeavesToRationalArithmeticWhatItCannotDecide) {
   const std::vector<std::uint16_t> both = {0, 1};
-  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(nearlyDependent(1, 1e-9))).computeRegion(both));
+  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(nearlyDependent(1, 1e-9))).solve(both));
   ParametricProgram program = madeProgram(1, {4, 8, 2});
-  EXPECT_TRUE(DoubleDoubleRegionSolver(normalise(program)).computeRegion(both));
+  EXPECT_TRUE(DoubleDoubleRegionSolver(normalise(program)).solve(both));
   program.equalities = {7};
-  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(program)).computeRegion(both));
+  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(program)).solve(both));
   program.equalities.clear();
   program.H.setZero();
   program.F.setZero();
   program.f.setOnes();
-  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(program)).computeRegion(both));
+  EXPECT_FALSE(DoubleDoubleRegionSolver(normalise(program)).solve(both));
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(Certify, RecognisesInequalitiesThatAreEqualities) {
 }
 
 TEST(Certify, FindsTheEdgeThatARowWithoutMultiplierMakes) {
-  // z_0 <= 0 is tight everywhere at no price; with -z_0 <= theta_0 it ends the feasible set at theta_0 = 0.
+  // z_0 <= 0 is tight everywhere without a multiplier; with -z_0 <= theta_0 it ends the feasible set at theta_0 = 0.
   ParametricProgram program = randomProgram(2, 4, 2, 1);
   program.H.setIdentity();
   program.f.setZero();

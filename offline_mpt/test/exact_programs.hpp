@@ -29,7 +29,7 @@ ParametricProgram touching(unsigned seed);
 /// makes them contradict each other, else with rows that rounding makes independent.
 ParametricProgram redundantEqualities(unsigned seed, bool whole);
 
-/// min |z|_1-like linear program: H = 0, with prices, ties and a cost that does not depend on theta.
+/// min |z|_1-like linear program: H = 0, with cost multipliers, ties and a cost that does not depend on theta.
 ParametricProgram smallLinearProgram();
 
 /// The double integrator with the sum of |state| and |input| / 2 as cost: H = 0, z holds inputs, bounds of

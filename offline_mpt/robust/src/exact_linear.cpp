@@ -19,8 +19,8 @@ void eliminate(std::vector<Integer>& row, const std::vector<Integer>& pivot_row,
 
 }  // namespace
 
-ExactSolution solveWhole(std::vector<std::vector<Integer>> rows, int unknowns) {
-  ExactSolution solution;
+IntegerSolution solveIntegers(std::vector<std::vector<Integer>> rows, int unknowns) {
+  IntegerSolution solution;
   const auto n = static_cast<std::size_t>(unknowns);
   std::vector<std::size_t> pivot_columns;
   Integer previous(1);

@@ -16,11 +16,11 @@ struct CommonFraction {
 /// A solution of the rows (coefficients, then right-hand side), by Bareiss' elimination in whole numbers.
 /// Unknowns that no row determines are 0. `consistent` tells whether every row holds, `unique` whether every
 /// unknown is determined; rows that contradict those before them are passed over.
-struct ExactSolution {
+struct IntegerSolution {
   CommonFraction x;
   bool consistent = true;
   bool unique = true;
 };
-ExactSolution solveWhole(std::vector<std::vector<Integer>> rows, int unknowns);
+IntegerSolution solveIntegers(std::vector<std::vector<Integer>> rows, int unknowns);
 
 }  // namespace polyfly

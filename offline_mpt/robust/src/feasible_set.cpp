@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
+#include "integer_program.hpp"
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
 #include "support/in_parallel.hpp"
-#include "whole_program.hpp"
 
 namespace polyfly {
 namespace {
@@ -253,7 +253,7 @@ class Projection {
 
   const RobustProgram& program_;
   const ProjectOptions& options_;
-  WholeProgram whole_;
+  IntegerProgram whole_;
   Eigen::VectorXd centre_;
   ScenarioLp gauge_;
   DoubleDescription cone_;

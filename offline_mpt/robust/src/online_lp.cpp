@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "integer_program.hpp"
 #include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
-#include "whole_program.hpp"
 
 namespace polyfly {
 namespace {
@@ -80,7 +80,7 @@ struct OnlineLp::Parts {
   }
 
   RobustProgram program;
-  WholeProgram whole;
+  IntegerProgram whole;
   RationalVector preferred;
   Rational floor;
   std::unique_ptr<ScenarioLp> least_peak;
@@ -122,7 +122,7 @@ namespace {
 /// min tau, or with a given tau min |u~_0 - preferred|, over columns z, u~_0, tau, distance.
 class ExactOnline {
  public:
-  ExactOnline(const RobustProgram& program, const WholeProgram& whole, const RationalVector& theta)
+  ExactOnline(const RobustProgram& program, const IntegerProgram& whole, const RationalVector& theta)
       : program_(program), whole_(whole), theta_(theta), nz_(program.prediction_count) {
     lp_.addColumns(nz_ + 3);
     for (int j = 0; j < nz_ + 2; ++j) lp_.setColumnBounds(j, ExactLp::Bound::kFree, Rational(0), Rational(0));
@@ -163,8 +163,8 @@ class ExactOnline {
 
  private:
   void add(const Scenario& which) {
-    const WholeScenario part = whole_.scenario(which);
-    const WholeRow& from = whole_.rows()[at(which.row)];
+    const IntegerScenario part = whole_.scenario(which);
+    const IntegerRow& from = whole_.rows()[at(which.row)];
     const int row = lp_.addRows(1);
     for (int j = 0; j < nz_; ++j) {
       if (part.z[at(j)] != 0) lp_.setCoefficient(row, j, Rational(part.z[at(j)]));
@@ -194,7 +194,7 @@ class ExactOnline {
   }
 
   const RobustProgram& program_;
-  const WholeProgram& whole_;
+  const IntegerProgram& whole_;
   const RationalVector& theta_;
   int nz_;
   ExactLp lp_;

@@ -3,7 +3,7 @@
 
 #include "../../test/glpk_lp.hpp"
 #include "../../test/random.hpp"
-#include "../src/whole_program.hpp"
+#include "../src/integer_program.hpp"
 #include "made_robust.hpp"
 
 namespace polyfly {
@@ -73,14 +73,14 @@ TEST(DualSimplex, ForgetsSlackRowsOnly) {
 
 TEST(WholeElimination, SolvesChecksAndTellsWhatIsFree) {
   using Rows = std::vector<std::vector<Integer>>;
-  ExactSolution solution = solveWhole(Rows{{2, 1, 5}, {1, -3, -8}}, 2);
+  IntegerSolution solution = solveIntegers(Rows{{2, 1, 5}, {1, -3, -8}}, 2);
   EXPECT_TRUE(solution.consistent && solution.unique);
   EXPECT_EQ(solution.x.numerators[0], solution.x.denominator);
   EXPECT_EQ(solution.x.numerators[1], 3 * solution.x.denominator);
-  solution = solveWhole(Rows{{2, 1, 5}, {4, 2, 10}, {0, 0, 0}}, 2);
+  solution = solveIntegers(Rows{{2, 1, 5}, {4, 2, 10}, {0, 0, 0}}, 2);
   EXPECT_TRUE(solution.consistent);
   EXPECT_FALSE(solution.unique);
-  solution = solveWhole(Rows{{2, 1, 5}, {4, 2, 11}}, 2);
+  solution = solveIntegers(Rows{{2, 1, 5}, {4, 2, 11}}, 2);
   EXPECT_FALSE(solution.consistent);
   Random random(4);
   for (int trial = 0; trial < 50; ++trial) {
@@ -98,7 +98,7 @@ TEST(WholeElimination, SolvesChecksAndTellsWhatIsFree) {
       row.push_back(sum);
       rows.push_back(row);
     }
-    solution = solveWhole(rows, n);
+    solution = solveIntegers(rows, n);
     ASSERT_TRUE(solution.consistent);
     for (const std::vector<Integer>& row : rows) {
       Integer sum;
@@ -115,7 +115,7 @@ TEST(ExactCut, DecidesAnyPoint) {
   made.horizon = 4;
   made.stack = "shift";
   const RobustProgram program = buildRobustProgram(made.problem());
-  const WholeProgram whole(program);
+  const IntegerProgram whole(program);
   const FeasibleSet set = projectFeasibleSet(program);
   Random random(9);
   int cut = 0, left = 0;

@@ -290,7 +290,7 @@ void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<Ex
   for (const ExactOrigin& origin : origins) {
     const std::vector<int> changed = changedSet(check.active, origin);
     if (take(changed)) return;
-    for (int row = 0; row < program.m && program.hasPrices(); ++row) {
+    for (int row = 0; row < program.m && program.hasCostMultipliers(); ++row) {
       const auto at = static_cast<std::size_t>(row);
       const bool active = std::binary_search(changed.begin(), changed.end(), row);
       const auto kind = active ? ExactOrigin::Kind::kMultiplier : ExactOrigin::Kind::kSlack;
@@ -324,7 +324,7 @@ FacetCoverKind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, s
   }
   for (const ExactOrigin& origin : origins) {
     // Where H is singular and not zero, multipliers may change from one side to the other.
-    if (origin.kind == ExactOrigin::Kind::kPrice || context_.program.semidefinite) continue;
+    if (origin.kind == ExactOrigin::Kind::kCostMultiplier || context_.program.semidefinite) continue;
     const int other = find(changedSet(check.active, origin));
     if (other < 0 || checks_[static_cast<std::size_t>(other)].point.empty()) continue;
     text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";

@@ -58,7 +58,7 @@ class FacetCoverProof {
   std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated
 };
 
-/// The active set across a facet of this origin, if one row changes: the row of a multiplier or price leaves,
+/// The active set across a facet of this origin, if one row changes: the row of a multiplier or cost multiplier leaves,
 /// that of a slack joins.
 std::vector<int> changedSet(std::vector<int> active, const ExactOrigin& origin);
 

@@ -59,8 +59,8 @@ std::string describeOrigin(const ExactOrigin& origin) {
   switch (origin.kind) {
     case ExactOrigin::Kind::kMultiplier:
       return "the multiplier of row " + std::to_string(origin.index);
-    case ExactOrigin::Kind::kPrice:
-      return "the price of row " + std::to_string(origin.index);
+    case ExactOrigin::Kind::kCostMultiplier:
+      return "the cost multiplier of row " + std::to_string(origin.index);
     case ExactOrigin::Kind::kSlack:
       return "the slack of row " + std::to_string(origin.index);
     case ExactOrigin::Kind::kDomain:
@@ -308,8 +308,9 @@ RegionCheck checkRegion(const CheckContext& context, std::uint32_t index) {
   if (status != ExactStatus::kRegion) {
     const char* reason = !valid ? "its active set names rows that the program has not"
                          : status == ExactStatus::kDependent ? "its active rows are linearly dependent"
-                         : status == ExactStatus::kUnpaid    ? "no prices of its active rows make up the cost"
-                                                             : "an equality does not hold in it";
+                         : status == ExactStatus::kCostNotSpanned
+                             ? "the cost is not in the span of its active rows"
+                             : "an equality does not hold in it";
     check.defects.push_back(makeDefect(Defect::Kind::kActiveSet, index, -1, reason));
     return check;
   }

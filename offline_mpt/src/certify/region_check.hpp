@@ -21,7 +21,7 @@ struct CheckedFacet {
 struct RegionCheck {
   bool described = false;            ///< the optimality conditions could be solved
   std::vector<int> active;           ///< without equalities, ascending
-  bool is_sliver = false;            ///< not in the map, see exact_slivers.hpp
+  bool is_sliver = false;            ///< not in the map, see slivers.hpp
   std::vector<CheckedFacet> facets;  ///< as the map lists them, then those that it leaves out
   std::vector<ExactRow> listed;      ///< their exact rows; empty in large maps, where they take too much
   std::vector<int> idle;             ///< inequalities outside the active set that are tight everywhere

@@ -71,7 +71,7 @@ class CountWorker : public Worker {
     for (double& entry : direction_) entry /= std::sqrt(squared);
     leaving_ = facet.origin.kind == RowOrigin::Kind::kSlack
                    ? test_.leaving(named(active()), names_[facet.origin.index], from_.data())
-                   : StrictComplementarityTest::kNone;
+                   : StrictComplementarityCheck::kNone;
     facet_ = f;
   }
 
@@ -106,15 +106,15 @@ class CountWorker : public Worker {
   const std::vector<int>& names_;
   const CountState& state_;
   RegionSolver worker_;
-  StrictComplementarityTest test_;
+  StrictComplementarityCheck test_;
   ExactStrictComplementarity exact_;
   ActiveSet active_;
   RegionResult described_;
   std::vector<int> rows_;
-  std::vector<char> proven_;                        // of the neighbours
-  std::uint32_t facet_ = kNoFacet;                  // which the next three are of
-  std::vector<double> from_, direction_;            // of the ray behind it
-  int leaving_ = StrictComplementarityTest::kNone;  // row of the set that a new one replaces there
+  std::vector<char> proven_;                         // of the neighbours
+  std::uint32_t facet_ = kNoFacet;                   // which the next three are of
+  std::vector<double> from_, direction_;             // of the ray behind it
+  int leaving_ = StrictComplementarityCheck::kNone;  // row of the set that a new one replaces there
   Witness witness_;
 };
 

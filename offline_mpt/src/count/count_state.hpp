@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "count/law_separation.hpp"
-#include "count/strict_complementarity_test.hpp"
+#include "count/strict_complementarity_check.hpp"
 #include "explore/parallel/worker_pool.hpp"
 #include "explore/region/region_builder.hpp"
 #include "explore/state/set_queue.hpp"

@@ -49,8 +49,7 @@ bool ExactStrictComplementarity::positive(const std::vector<double>& affine, con
 
 bool ExactStrictComplementarity::at(const std::vector<std::uint16_t>& active, const double* t, double radius,
                                     Witness& witness) {
-  if (radius < StrictComplementarityTest::kLeastRadius || !coversRows(active) ||
-      !exact_.computeRegion(active))
+  if (radius < StrictComplementarityCheck::kLeastRadius || !coversRows(active) || !exact_.solve(active))
     return false;
   witness.t.resize(static_cast<std::size_t>(system_.p));
   for (std::size_t j = 0; j < witness.t.size(); ++j) witness.t[j] = std::llround(t[j] / kWitnessStep);

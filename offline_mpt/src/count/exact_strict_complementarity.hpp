@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "count/strict_complementarity_test.hpp"
+#include "count/strict_complementarity_check.hpp"
 #include "exact_kkt/exact_description.hpp"
 
 namespace polyfly {
 
-/// What StrictComplementarityTest::at asks, where doubles leave it in doubt: of sets whose rows nearly depend on each other.
+/// What StrictComplementarityCheck::at asks, where doubles leave it in doubt: of sets whose rows nearly depend on each other.
 /// Multipliers and slacks are functions of t that were found in rational arithmetic and rounded once. One
 /// object, one thread.
 class ExactStrictComplementarity {

@@ -33,7 +33,7 @@ ExactDescription::Source::Source(const NormalisedProgram& reduced)
     : program(reduced.source, adjustmentOf(reduced.source)),
       usable(program.n - static_cast<int>(program.basis.size()) == reduced.n) {}
 
-bool ExactDescription::computeRegion(const std::vector<std::uint16_t>& active) {
+bool ExactDescription::solve(const std::vector<std::uint16_t>& active) {
   if (!source_) source_.emplace(reduced_);
   if (!source_->usable) return false;
   active_ = active;
@@ -55,8 +55,8 @@ void ExactDescription::multiplier(std::size_t place, double* affine) const {
           affine);
 }
 
-void ExactDescription::price(std::size_t place, double* affine) const {
-  unknown(place, &ExactSolution::price, source_->program.H_exponent, affine);
+void ExactDescription::costMultiplier(std::size_t place, double* affine) const {
+  unknown(place, &ExactSolution::costMultiplier, source_->program.H_exponent, affine);
 }
 
 void ExactDescription::unknown(std::size_t place, const Integer& (ExactSolution::*of)(int, int) const,

@@ -18,7 +18,7 @@ class ExactDescription {
 
   /// False where the set cannot be described: its rows are dependent, or the program's equalities hold up to
   /// rounding only.
-  bool computeRegion(const std::vector<std::uint16_t>& active);
+  bool solve(const std::vector<std::uint16_t>& active);
 
   /// Of the program, once a set was described: the program without rounding leaves as many variables free.
   bool usable() const { return source_ && source_->usable; }
@@ -28,7 +28,7 @@ class ExactDescription {
   /// Of active row `place`, in the order given.
   void multiplier(std::size_t place, double* affine) const;
   /// Where H is singular: what the cost asks of active row `place`.
-  void price(std::size_t place, double* affine) const;
+  void costMultiplier(std::size_t place, double* affine) const;
   /// Of row `row` of the reduced program.
   void slack(int row, double* affine) const;
   /// q rows

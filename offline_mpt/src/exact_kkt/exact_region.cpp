@@ -8,7 +8,7 @@ namespace polyfly {
 namespace {
 
 /// The optimality conditions with one right-hand side for each parameter and the constant; a linear program
-/// has a second group, for prices.
+/// has a second group, for cost multipliers.
 IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<int>& rows) {
   const int n = program.n;
   const int k = static_cast<int>(rows.size());
@@ -25,10 +25,10 @@ IntegerMatrix optimalitySystem(const ExactProgram& program, const std::vector<in
   return system;
 }
 
-/// The same for H singular and not zero, as the limit of H + eps I: unknowns are z, the prices, the
+/// The same for H singular and not zero, as the limit of H + eps I: unknowns are z, the cost multipliers, the
 /// multipliers, and y, by which z changes with eps.
 ///
-///     H z + A'price = -cost,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
+///     H z + A'mu = -cost,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
 IntegerMatrix limitSystem(const ExactProgram& program, const std::vector<int>& rows) {
   const int n = program.n;
   const int k = static_cast<int>(rows.size());
@@ -180,12 +180,12 @@ ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<
   system_ = optimalitySystem(program, rows_);
   first_ = system_.rows();
   multipliers_ = n_;
-  price_column_ = first_ + width_;
+  cost_column_ = first_ + width_;
   if (!solveExactly(system_, determinant_)) return ExactStatus::kDependent;
   if (!program.linear) return ExactStatus::kRegion;
   for (int i = 0; i < n_; ++i) {
     for (int j = 0; j < width_; ++j) {
-      if (system_(i, first_ + width_ + j) != 0) return ExactStatus::kUnpaid;
+      if (system_(i, first_ + width_ + j) != 0) return ExactStatus::kCostNotSpanned;
     }
   }
   return ExactStatus::kRegion;
@@ -193,13 +193,13 @@ ExactStatus ExactSolution::solve(const ExactProgram& program, const std::vector<
 
 ExactStatus ExactSolution::solveLimit(const ExactProgram& program) {
   system_ = limitSystem(program, rows_);
-  first_ = price_column_ = system_.rows();
+  first_ = cost_column_ = system_.rows();
   multipliers_ = n_ + static_cast<int>(rows_.size());
   switch (solveExactly(system_, multipliers_ + static_cast<int>(rows_.size()), determinant_)) {
     case ExactSolve::kDependent:
       return ExactStatus::kDependent;
     case ExactSolve::kInconsistent:
-      return ExactStatus::kUnpaid;
+      return ExactStatus::kCostNotSpanned;
     case ExactSolve::kSolved:
       break;
   }
@@ -248,15 +248,15 @@ ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>&
   for (const int row : rows) is_used[row] = 1;
   for (std::size_t k = program.basis.size(); k < rows.size(); ++k) {
     const int r = static_cast<int>(k);
-    std::vector<Integer> multiplier, price;
+    std::vector<Integer> multiplier, cost_multiplier;
     for (int j = 0; j <= program.p; ++j) {
       multiplier.push_back(solution.multiplier(r, j));
-      if (program.hasPrices()) price.push_back(solution.price(r, j));
+      if (program.hasCostMultipliers()) cost_multiplier.push_back(solution.costMultiplier(r, j));
     }
-    const bool priced = program.hasPrices() && !isZero(price);
+    const bool by_cost = program.hasCostMultipliers() && !isZero(cost_multiplier);
     region.rows.push_back(
-        makeRow({priced ? ExactOrigin::Kind::kPrice : ExactOrigin::Kind::kMultiplier, rows[k]},
-                priced ? std::move(price) : std::move(multiplier)));
+        makeRow({by_cost ? ExactOrigin::Kind::kCostMultiplier : ExactOrigin::Kind::kMultiplier, rows[k]},
+                by_cost ? std::move(cost_multiplier) : std::move(multiplier)));
   }
   if (!addSlacks(program, solution, is_used, region)) return ExactStatus::kInconsistent;
   for (int i = 0; i < program.domain.rows(); ++i) {

@@ -12,12 +12,12 @@ namespace polyfly {
 /// Where a half-space of a region comes from.
 struct ExactOrigin {
   enum class Kind : std::uint8_t {
-    kMultiplier,  ///< of row `index` of the program, >= 0
-    kPrice,       ///< the same where H is singular and the cost decides it
-    kSlack,       ///< of row `index`, >= 0
-    kDomain,      ///< row `index` of A_theta
-    kBox,         ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
-    kExcess,      ///< minus the slack of row `index`, an equality that is dropped
+    kMultiplier,      ///< of row `index` of the program, >= 0
+    kCostMultiplier,  ///< the same where H is singular and the cost decides it
+    kSlack,           ///< of row `index`, >= 0
+    kDomain,          ///< row `index` of A_theta
+    kBox,             ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
+    kExcess,          ///< minus the slack of row `index`, an equality that is dropped
   };
   Kind kind = Kind::kDomain;
   int index = 0;
@@ -49,9 +49,9 @@ struct ExactRegion {
 
 enum class ExactStatus : std::uint8_t {
   kRegion,
-  kDependent,     ///< the active rows are linearly dependent
-  kUnpaid,        ///< H singular: no prices of these rows make up the cost
-  kInconsistent,  ///< an equality does not hold
+  kDependent,       ///< the active rows are linearly dependent
+  kCostNotSpanned,  ///< H singular: the cost is not in the span of these rows
+  kInconsistent,    ///< an equality does not hold
 };
 
 /// The optimality conditions of one active set, solved: each unknown is an affine function of t, p + 1 whole
@@ -68,7 +68,7 @@ class ExactSolution {
   /// Of rows()[r].
   const Integer& multiplier(int r, int j) const { return system_(multipliers_ + r, j + first_); }
   /// Of rows()[r], where H is singular.
-  const Integer& price(int r, int j) const { return system_(n_ + r, j + price_column_); }
+  const Integer& costMultiplier(int r, int j) const { return system_(n_ + r, j + cost_column_); }
   /// bound - A z of a row, over the denominator.
   std::vector<Integer> slack(const ExactProgram& program, int row) const;
   /// q x (p + 1), u = law (t, 1)
@@ -81,7 +81,7 @@ class ExactSolution {
   IntegerMatrix system_;
   Integer determinant_;
   int n_ = 0, first_ = 0, width_ = 0;
-  int multipliers_ = 0, price_column_ = 0;  // where they stand in system_
+  int multipliers_ = 0, cost_column_ = 0;  // where they stand in system_
 };
 
 /// Solves the optimality conditions for one active set, which may name equalities or not.

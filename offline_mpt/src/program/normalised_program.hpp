@@ -29,7 +29,7 @@ inline bool vanishes(const Eigen::MatrixXd& reduced, const Eigen::MatrixXd& H) {
 ///
 /// A linear program (H = 0) is the limit of H = eps I for eps -> 0, taken symbolically: of all optima the one
 /// of least length |z| is chosen, which is unique and, where the cost does not depend on theta, continuous.
-/// Multipliers are then prices / eps + lambda with cost + M' prices = 0, and all of the above holds with the
+/// Multipliers are then cost multipliers / eps + lambda with cost + M' cost multipliers = 0, and all of the above holds with the
 /// lambda of order one. H that is singular otherwise is the limit of H + eps I, which the equation above does
 /// not describe: ShortestOptimum does. D, U and V are then those of H = I without cost.
 struct NormalisedProgram {

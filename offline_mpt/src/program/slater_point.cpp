@@ -13,8 +13,8 @@ namespace {
 constexpr double kLeastMargin = 1e-9;     // margins below this count as none [rows of unit length]
 constexpr double kMarginRounding = 1e-7;  // by how much rounding may take a margin of zero below zero
 constexpr double kSlaterWeight = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
-constexpr double kImplied = 1e-4;         // share of the margin's price above which a row counts as blocking
-constexpr double kOppositeRows = 1e-14;   // entries of two unit rows that cancel up to this are opposite
+constexpr double kImplied = 1e-4;  // share of the margin's multiplier above which a row counts as blocking
+constexpr double kOppositeRows = 1e-14;  // entries of two unit rows that cancel up to this are opposite
 constexpr double kSmallColumn =
     1e-2;  // variables with greater entries in a row of length one stay as they are
 constexpr double kNoLength =

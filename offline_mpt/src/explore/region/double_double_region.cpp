@@ -130,7 +130,7 @@ void DoubleDoubleRegionSolver::layOutputs(const Numbers& centre, const Numbers& 
   }
 }
 
-bool DoubleDoubleRegionSolver::computeRegion(const std::vector<std::uint16_t>& active) {
+bool DoubleDoubleRegionSolver::solve(const std::vector<std::uint16_t>& active) {
   if (!usable_ || active.size() > n_ || !factorise(active)) return false;
   solveFactor(active);
   point_ = free_;

@@ -20,7 +20,7 @@ class DoubleDoubleRegionSolver {
   explicit DoubleDoubleRegionSolver(const NormalisedProgram& reduced);
 
   /// False where it may mislead: the rows depend on each other too nearly, or the program is another kind.
-  bool computeRegion(const std::vector<std::uint16_t>& active);
+  bool solve(const std::vector<std::uint16_t>& active);
 
   // Of the set that was described last, in the units of NormalisedProgram; affine functions of t are p + 1
   // numbers, constant last.

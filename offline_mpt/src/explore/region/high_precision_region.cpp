@@ -2,10 +2,10 @@
 
 namespace polyfly {
 
-bool HighPrecisionRegionSolver::computeRegion(const std::vector<std::uint16_t>& active) {
+bool HighPrecisionRegionSolver::solve(const std::vector<std::uint16_t>& active) {
   if (!long_) long_.emplace(reduced_);
-  is_long_ = long_->computeRegion(active);
-  return is_long_ || exact_.computeRegion(active);
+  is_long_ = long_->solve(active);
+  return is_long_ || exact_.solve(active);
 }
 
 void HighPrecisionRegionSolver::multiplier(std::size_t place, double* affine) const {

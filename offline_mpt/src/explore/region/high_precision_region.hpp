@@ -18,7 +18,7 @@ class HighPrecisionRegionSolver {
 
   /// False where the set cannot be described: its rows are dependent, or the program's equalities hold up to
   /// rounding only.
-  bool computeRegion(const std::vector<std::uint16_t>& active);
+  bool solve(const std::vector<std::uint16_t>& active);
 
   /// Of a set that could not be described: by its own fault, not the program's.
   bool isNoSolution() const { return exact_.usable(); }
@@ -29,7 +29,7 @@ class HighPrecisionRegionSolver {
   /// Of active row `place`, in the order given.
   void multiplier(std::size_t place, double* affine) const;
   /// Where H is singular: what the cost asks of active row `place`.
-  void price(std::size_t place, double* affine) const { exact_.price(place, affine); }
+  void costMultiplier(std::size_t place, double* affine) const { exact_.costMultiplier(place, affine); }
   /// Of row `row` of the reduced program.
   void slack(int row, double* affine) const;
   /// q rows

@@ -147,53 +147,58 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   return true;
 }
 
-// Prices of the active rows, -gram^-1 M cost. False unless they pay for the whole cost with no price negative
+// Cost multipliers of the active rows, -gram^-1 M cost. False unless the cost is in their span and none is negative
 // everywhere.
-bool RegionBuilder::priceOut(const ActiveSet& active) {
+bool RegionBuilder::findCostMultipliers(const ActiveSet& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
-  prices_.resize(multipliers_.size());
+  cost_multipliers_.resize(multipliers_.size());
   if (is_accurate_) {
-    for (std::size_t r = 0; r < active.size(); ++r) accurate_.price(r, prices_.data() + r * width_);
+    for (std::size_t r = 0; r < active.size(); ++r)
+      accurate_.costMultiplier(r, cost_multipliers_.data() + r * width_);
     return true;
   }
   if (program_.semidefinite) {
-    for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
-      shortest_.price(r, prices_.data() + r * width_);
-    return is_paid_;
+    for (std::size_t r = 0; cost_spanned_ && r < active.size(); ++r)
+      shortest_.costMultiplier(r, cost_multipliers_.data() + r * width_);
+    return cost_spanned_;
   }
   for (Eigen::Index r = 0; r < k; ++r) {
     for (int j = 0; j < width_; ++j)
-      prices_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
+      cost_multipliers_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
   }
-  solveFactor(prices_.data(), active.size(), width_);
+  solveFactor(cost_multipliers_.data(), active.size(), width_);
   const double scale = program_.cost.cwiseAbs().maxCoeff();
   Eigen::MatrixXd rest = program_.cost;
   for (Eigen::Index r = 0; r < k; ++r) {
     for (int j = 0; j < width_; ++j)
-      rest.col(j) += prices_[r * width_ + j] * program_.M.row(active[r]).transpose();
+      rest.col(j) += cost_multipliers_[r * width_ + j] * program_.M.row(active[r]).transpose();
   }
   double greatest = 0.0;
-  for (const double price : prices_) greatest = std::max(greatest, std::abs(price));
-  if (kErrorMargin * growth() * greatest > kUnpaid * scale) doubtful_ = true;
-  return rest.cwiseAbs().maxCoeff() <= kUnpaid * scale;
+  for (const double cost_multiplier : cost_multipliers_)
+    greatest = std::max(greatest, std::abs(cost_multiplier));
+  if (kErrorMargin * growth() * greatest > kCostResidual * scale) doubtful_ = true;
+  return rest.cwiseAbs().maxCoeff() <= kCostResidual * scale;
 }
 
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
-  double price_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
+  double cost_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
   if (program_.semidefinite) {
-    for (const double price : prices_) price_scale = std::max(price_scale, std::abs(price));
+    for (const double cost_multiplier : cost_multipliers_)
+      cost_scale = std::max(cost_scale, std::abs(cost_multiplier));
   }
-  const double zero = program_.linear ? kUnpaid * price_scale : 0.0;  // prices below this are
+  const double zero = program_.linear ? kCostResidual * cost_scale : 0.0;  // cost multipliers below this are
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear || program_.semidefinite) {
-      const double* price = prices_.data() + r * width_;
-      const double largest = std::abs(*std::max_element(
-          price, price + width_, [](double a, double b) { return std::abs(a) < std::abs(b); }));
-      if (largest > zero) {  // the multiplier's sign is the price's
-        for (int j = 0; j < width_; ++j) scratch_[j] = std::abs(price[j]) > zero ? price[j] : 0.0;
-        if (!addRow(scratch_.data(), {RowOrigin::Kind::kPrice, active[r]}, price_scale, growth() * largest,
-                    status))
+      const double* cost_multiplier = cost_multipliers_.data() + r * width_;
+      const double largest =
+          std::abs(*std::max_element(cost_multiplier, cost_multiplier + width_,
+                                     [](double a, double b) { return std::abs(a) < std::abs(b); }));
+      if (largest > zero) {  // the multiplier's sign is the cost multiplier's
+        for (int j = 0; j < width_; ++j)
+          scratch_[j] = std::abs(cost_multiplier[j]) > zero ? cost_multiplier[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]}, cost_scale,
+                    growth() * largest, status))
           return status;
         continue;
       }
@@ -268,16 +273,16 @@ bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
 
 // The same where H is singular and not zero.
 bool RegionBuilder::findShortest(const ActiveSet& active) {
-  const ShortestOptimum::Outcome outcome = shortest_.computeRegion(active);
+  const ShortestOptimum::Outcome outcome = shortest_.solve(active);
   doubtful_ = doubtful_ || shortest_.doubtful();
-  is_paid_ = outcome != ShortestOptimum::Outcome::kUnpaid;
+  cost_spanned_ = outcome != ShortestOptimum::Outcome::kCostNotSpanned;
   if (outcome == ShortestOptimum::Outcome::kDependent) return false;
-  for (std::size_t r = 0; is_paid_ && r < active.size(); ++r)
+  for (std::size_t r = 0; cost_spanned_ && r < active.size(); ++r)
     shortest_.multiplier(r, multipliers_.data() + r * width_);
   return true;
 }
 
-// What rounding does to multipliers and prices, relative to their size.
+// What rounding does to multipliers and cost multipliers, relative to their size.
 double RegionBuilder::growth() const {
   return program_.semidefinite ? shortest_.noise() : program_.rounding / pivot_;
 }
@@ -287,7 +292,8 @@ BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
   plane_error_ = 0.0;
   doubtful_ = false;
   if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
-  if ((program_.linear || program_.semidefinite) && !priceOut(active)) return BuildStatus::kEmptyInterior;
+  if ((program_.linear || program_.semidefinite) && !findCostMultipliers(active))
+    return BuildStatus::kEmptyInterior;
 
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
@@ -320,7 +326,7 @@ bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) cons
 }
 
 bool RegionBuilder::describeAccurately(const ActiveSet& active) {
-  is_accurate_ = accurate_.computeRegion(active);
+  is_accurate_ = accurate_.solve(active);
   return is_accurate_;
 }
 
@@ -375,7 +381,7 @@ BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance,
   region.tight.insert(region.tight.end(), idle_.begin(), idle_.end());
   std::sort(region.tight.begin(), region.tight.end());
   region.by_slack = std::none_of(origins_.begin(), origins_.end(), [](const RowOrigin& origin) {
-    return origin.kind == RowOrigin::Kind::kMultiplier || origin.kind == RowOrigin::Kind::kPrice;
+    return origin.kind == RowOrigin::Kind::kMultiplier || origin.kind == RowOrigin::Kind::kCostMultiplier;
   });
   region.facets.resize(minimal_.facets.size());
   for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {

@@ -17,9 +17,9 @@ using ActiveSet = std::vector<std::uint16_t>;
 
 /// Where a half-space of a region comes from.
 struct RowOrigin {
-  enum class Kind : std::uint8_t { kMultiplier, kPrice, kSlack, kDomain };
+  enum class Kind : std::uint8_t { kMultiplier, kCostMultiplier, kSlack, kDomain };
   Kind kind = Kind::kDomain;
-  int index = 0;  ///< row of the program (multiplier, price, slack) or of the domain
+  int index = 0;  ///< row of the program (multiplier, cost multiplier, slack) or of the domain
 };
 
 /// A half-space that bounds a region, and what lies behind it.
@@ -115,7 +115,7 @@ class RegionBuilder {
   void enter(const ActiveSet& active, int leaving, ActiveSetList& sets) const;
   BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
-  bool priceOut(const ActiveSet& active);
+  bool findCostMultipliers(const ActiveSet& active);
 
   static constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
   static constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
@@ -123,8 +123,8 @@ class RegionBuilder {
   static constexpr double kSafePivot = 1e-6;
   static constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
   static constexpr double kDistant = 1e-7;       // the same, below which estimates of errors mislead too
-  /// Part of the cost that prices may leave, relative to its largest entry.
-  static constexpr double kUnpaid = 1e-9;
+  /// Residual of the cost outside the span of the active rows, relative to its largest entry.
+  static constexpr double kCostResidual = 1e-9;
 
   const NormalisedProgram& program_;
   double facet_tolerance_;
@@ -133,14 +133,14 @@ class RegionBuilder {
   std::vector<double> gram_;  // row-major copies, so that the inner loops run along memory
   std::vector<double> D_;
   std::vector<double> M_;
-  std::vector<double> factor_;       // lower triangle, k x k
-  std::vector<double> inverse_;      // of its diagonal
-  std::vector<double> multipliers_;  // k x (p + 1)
-  std::vector<double> prices_;       // as multipliers_, of a linear program
-  double size_ = 0.0;                // greatest of multipliers_
-  double pivot_ = 1.0;               // least of the factor's diagonal
-  ShortestOptimum shortest_;         // describes the set where H is singular and not zero
-  bool is_paid_ = true;              // by prices, there
+  std::vector<double> factor_;            // lower triangle, k x k
+  std::vector<double> inverse_;           // of its diagonal
+  std::vector<double> multipliers_;       // k x (p + 1)
+  std::vector<double> cost_multipliers_;  // as multipliers_, of a linear program
+  double size_ = 0.0;                     // greatest of multipliers_
+  double pivot_ = 1.0;                    // least of the factor's diagonal
+  ShortestOptimum shortest_;              // describes the set where H is singular and not zero
+  bool cost_spanned_ = true;              // by cost multipliers, there
   HighPrecisionRegionSolver accurate_;
   bool is_accurate_ = false;         // the set is described by accurate_
   bool doubtful_ = false;            // rounding decided whether a row is constant

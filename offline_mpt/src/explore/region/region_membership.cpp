@@ -25,7 +25,7 @@ bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, d
   plane_error_ = 0.0;
   doubtful_ = false;
   if (!findMultipliers(active, scale)) return false;
-  if (program_.linear && !priceOut(active)) return false;
+  if (program_.linear && !findCostMultipliers(active)) return false;
   clearRows();
   if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
   return holdsSlacks(active, t, tolerance, scale);

@@ -92,20 +92,23 @@ bool RegionBuilder::depends(const ActiveSet& active, int row) {
 }
 
 // A row that depends on the active ones can only join where one of them leaves. With row = sum w_j active_j,
-// raising its multiplier lowers those with w_j > 0; if there are none, the program is infeasible beyond the
-// facet. Constant prices tell which goes first: those of least price / w_j. Of the others, whose multipliers
-// tell it at each place, that which goes first at the crossing comes first; its place in `active`, none: -1.
+// raising its multiplier lowers those with w_j > 0. If there are none, the program is infeasible beyond the
+// facet. Constant cost multipliers tell which row leaves first: those of least cost multiplier / w_j.
+// Otherwise the row leaves first whose multiplier reaches zero first at the crossing. Returns its place in
+// `active`, or -1.
 int RegionBuilder::exchange(const ActiveSet& active, int row, ActiveSetList& sets) const {
-  const auto price = [&](std::size_t r) { return prices_[r * width_ + program_.p] / weights_[r]; };
-  const bool constant_prices =
+  const auto cost_multiplier = [&](std::size_t r) {
+    return cost_multipliers_[r * width_ + program_.p] / weights_[r];
+  };
+  const bool constant_costs =
       program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t r = 0; constant_prices && r < active.size(); ++r) {
-    if (weights_[r] > kExchange) least = std::min(least, price(r));
+  for (std::size_t r = 0; constant_costs && r < active.size(); ++r) {
+    if (weights_[r] > kExchange) least = std::min(least, cost_multiplier(r));
   }
-  if (constant_prices) least += kUnpaid * (1.0 + std::abs(least));
+  if (constant_costs) least += kCostResidual * (1.0 + std::abs(least));
   const auto leaves = [&](std::size_t r) {
-    return weights_[r] > kExchange && (!constant_prices || price(r) <= least);
+    return weights_[r] > kExchange && (!constant_costs || cost_multiplier(r) <= least);
   };
   int first = -1;
   double goes_at = std::numeric_limits<double>::infinity();
@@ -172,7 +175,7 @@ double RegionBuilder::valueOf(const double* affine, const double* t) const {
   return value;
 }
 
-// A price vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
+// A cost multiplier vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
 // one stops it. Which one depends on the parameter, so all rows ahead are candidates.
 void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& sets) const {
   const ActiveSet kept = without(active, leaving);
@@ -196,11 +199,11 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region
   const RowSpan all = spanOf(active);
   const int index = facet.origin.index;
   const std::size_t before = sets.size();
-  if (facet.origin.kind == RowOrigin::Kind::kPrice && program_.semidefinite) {
+  if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier && program_.semidefinite) {
     sets.push(all, index);
     return Crossing::kDegenerate;
   }
-  if (facet.origin.kind == RowOrigin::Kind::kPrice) {
+  if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier) {
     enter(active, index, sets);
     return sets.size() == before ? Crossing::kEdge : Crossing::kDegenerate;
   }

@@ -27,7 +27,7 @@ bool ShortestOptimum::isZero(double part, double whole) {
 
 // With A' = Y T and Z an orthonormal basis of what A leaves free, z = Y T^-1' bound + Z v; v is the shortest
 // that solves (Z'HZ) v = -Z'(cost + H z).
-ShortestOptimum::Outcome ShortestOptimum::computeRegion(const std::vector<std::uint16_t>& active) {
+ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
   const Eigen::Index n = program_.n;
   doubtful_ = false;
@@ -62,7 +62,7 @@ ShortestOptimum::Outcome ShortestOptimum::computeRegion(const std::vector<std::u
     for (Eigen::Index i = 0; i < n - k; ++i) {
       const double curvature = solver.eigenvalues()(i);
       if (isZero(curvature, greatest_)) {
-        if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kUnpaid;
+        if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kCostNotSpanned;
         continue;
       }
       noise_ = std::max(noise_, program_.rounding * greatest_ / curvature);
@@ -72,10 +72,10 @@ ShortestOptimum::Outcome ShortestOptimum::computeRegion(const std::vector<std::u
     z_ += Z * v;
   }
   if (k == 0) return Outcome::kDescribed;
-  prices_ = -upper.solve(Y.transpose() * (program_.curvature * z_ + program_.cost));
+  cost_multipliers_ = -upper.solve(Y.transpose() * (program_.curvature * z_ + program_.cost));
   multipliers_ = -upper.solve(Y.transpose() * (program_.curvature * Z * w + z_));
   for (Eigen::Index r = 0; r < k; ++r) {
-    if (isZero(prices_.row(r).cwiseAbs().maxCoeff(), size)) prices_.row(r).setZero();
+    if (isZero(cost_multipliers_.row(r).cwiseAbs().maxCoeff(), size)) cost_multipliers_.row(r).setZero();
   }
   return Outcome::kDescribed;
 }
@@ -84,8 +84,8 @@ void ShortestOptimum::multiplier(std::size_t place, double* affine) const {
   for (int j = 0; j <= program_.p; ++j) affine[j] = multipliers_(static_cast<Eigen::Index>(place), j);
 }
 
-void ShortestOptimum::price(std::size_t place, double* affine) const {
-  for (int j = 0; j <= program_.p; ++j) affine[j] = prices_(static_cast<Eigen::Index>(place), j);
+void ShortestOptimum::costMultiplier(std::size_t place, double* affine) const {
+  for (int j = 0; j <= program_.p; ++j) affine[j] = cost_multipliers_(static_cast<Eigen::Index>(place), j);
 }
 
 void ShortestOptimum::slack(int row, double* affine) const {

@@ -10,12 +10,12 @@ namespace polyfly {
 
 /// Describes active sets of a program whose H is singular and not zero: the limit of H + eps I for eps -> 0,
 /// taken symbolically, which is the shortest of all optima. The multipliers of H + eps I are
-/// price + eps multiplier:
+/// cost multiplier + eps multiplier:
 ///
-///     H z + cost + A'price = 0,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
+///     H z + cost + A'mu = 0,   A z = bound,   H y + z + A'multiplier = 0,   A y = 0
 ///
-/// with y the change of z with eps. Prices and multipliers are unique where the rows are independent. z is
-/// the shortest optimum where every row's slack is at least zero, and its price, or, where that is zero for
+/// with y the change of z with eps. Cost multipliers and multipliers are unique where the rows are independent. z is
+/// the shortest optimum where every row's slack is at least zero, and its cost multiplier, or, where that is zero for
 /// all parameters, its multiplier. One object, one thread.
 class ShortestOptimum {
  public:
@@ -23,11 +23,11 @@ class ShortestOptimum {
 
   enum class Outcome {
     kDescribed,
-    kDependent,  ///< the rows are
-    kUnpaid      ///< z can go on for ever: no prices of these rows make up the cost
+    kDependent,      ///< the rows are
+    kCostNotSpanned  ///< z can go on for ever: the cost is not in the span of these rows
   };
   /// Rows of the reduced program. After kDescribed the rest has an answer, in the units of NormalisedProgram.
-  Outcome computeRegion(const std::vector<std::uint16_t>& active);
+  Outcome solve(const std::vector<std::uint16_t>& active);
 
   /// Rounding may have decided what is zero.
   bool doubtful() const { return doubtful_; }
@@ -37,17 +37,17 @@ class ShortestOptimum {
   // Affine functions of t are p + 1 numbers, constant last.
 
   void multiplier(std::size_t place, double* affine) const;  ///< of active row `place`, in the order given
-  void price(std::size_t place, double* affine) const;       ///< zeros where only rounding is left
-  void slack(int row, double* affine) const;                 ///< of row `row` of the reduced program
-  void law(std::vector<double>& out) const;                  ///< q rows
+  void costMultiplier(std::size_t place, double* affine) const;  ///< zeros where only rounding is left
+  void slack(int row, double* affine) const;                     ///< of row `row` of the reduced program
+  void law(std::vector<double>& out) const;                      ///< q rows
 
  private:
   bool isZero(double part, double whole);
 
   const NormalisedProgram& program_;
-  double greatest_ = 0.0;   // eigenvalue of the curvature
-  Eigen::MatrixXd z_;       // n x (p + 1)
-  Eigen::MatrixXd prices_;  // as many rows as the set
+  double greatest_ = 0.0;             // eigenvalue of the curvature
+  Eigen::MatrixXd z_;                 // n x (p + 1)
+  Eigen::MatrixXd cost_multipliers_;  // as many rows as the set
   Eigen::MatrixXd multipliers_;
   double noise_ = 0.0;
   bool doubtful_ = false;

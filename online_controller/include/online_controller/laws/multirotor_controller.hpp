@@ -23,8 +23,7 @@ namespace polyfly {
 /// Each step answers with a finite command within the limits. Where the laws have no answer:
 /// - a parameter out of its range is clipped to it and the law evaluated there (kClipped);
 /// - no region, or NaN or absurd numbers in odometry or reference: the last command is repeated (kHoldLast)
-/// for at
-///   most options.hold_periods samples, then level attitude and hover thrust (kLevel);
+///   for at most options.hold_periods samples, then level attitude and hover thrust (kLevel);
 /// - level at once when there is no command to repeat, and on silence;
 /// - the next sample that has an answer ends it. Bad numbers never reach the observer.
 ///

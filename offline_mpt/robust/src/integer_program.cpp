@@ -1,4 +1,4 @@
-#include "whole_program.hpp"
+#include "integer_program.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -29,7 +29,7 @@ class Scaler {
   Integer scale_{1};
 };
 
-WholeRow wholeRow(const RobustProgram::Row& row) {
+IntegerRow wholeRow(const RobustProgram::Row& row) {
   Scaler scaler;
   scaler.include(row.y);
   scaler.include(row.z);
@@ -38,7 +38,7 @@ WholeRow wholeRow(const RobustProgram::Row& row) {
     scaler.include(term.constant);
     scaler.include(term.z);
   }
-  WholeRow result{scaler.whole(row.y), scaler.whole(row.z), {}, scaler.whole(row.bound), scaler.scale()};
+  IntegerRow result{scaler.whole(row.y), scaler.whole(row.z), {}, scaler.whole(row.bound), scaler.scale()};
   for (const RobustProgram::Term& term : row.terms)
     result.terms.push_back({scaler.whole(term.constant), scaler.whole(term.z)});
   return result;
@@ -60,16 +60,16 @@ std::vector<Integer> coneRow(const ExactHalfSpace& half_space) {
   return wholeNumbers(row);
 }
 
-WholeProgram::WholeProgram(const RobustProgram& program)
+IntegerProgram::IntegerProgram(const RobustProgram& program)
     : law_size_(program.lawSize()), prediction_count_(program.prediction_count) {
   for (const RobustProgram::Row& row : program.rows) rows_.push_back(wholeRow(row));
 }
 
-WholeScenario WholeProgram::scenario(const Scenario& which) const {
-  const WholeRow& row = rows_[at(which.row)];
-  WholeScenario result{row.z, row.bound};
+IntegerScenario IntegerProgram::scenario(const Scenario& which) const {
+  const IntegerRow& row = rows_[at(which.row)];
+  IntegerScenario result{row.z, row.bound};
   for (std::size_t t = 0; t < row.terms.size(); ++t) {
-    const WholeRow::Term& term = row.terms[t];
+    const IntegerRow::Term& term = row.terms[t];
     const bool negative = which.negative[t];
     if (negative) {
       result.bound += term.constant;
@@ -87,9 +87,9 @@ WholeScenario WholeProgram::scenario(const Scenario& which) const {
   return result;
 }
 
-std::optional<FeasibleSet::Facet> WholeProgram::combine(const std::vector<Scenario>& scenarios) const {
+std::optional<FeasibleSet::Facet> IntegerProgram::combine(const std::vector<Scenario>& scenarios) const {
   if (scenarios.empty()) return std::nullopt;
-  std::vector<WholeScenario> parts;
+  std::vector<IntegerScenario> parts;
   for (const Scenario& which : scenarios) parts.push_back(scenario(which));
   // the first weight is 1; the others make the predictions cancel
   const int unknowns = static_cast<int>(parts.size()) - 1;
@@ -100,7 +100,7 @@ std::optional<FeasibleSet::Facet> WholeProgram::combine(const std::vector<Scenar
     row.push_back(-parts[0].z[j]);
     rows.push_back(std::move(row));
   }
-  const ExactSolution solution = solveWhole(std::move(rows), unknowns);
+  const IntegerSolution solution = solveIntegers(std::move(rows), unknowns);
   if (!solution.consistent || !solution.unique) return std::nullopt;
   RationalVector weights{Rational(solution.x.denominator)};
   for (const Integer& value : solution.x.numerators) {
@@ -110,13 +110,13 @@ std::optional<FeasibleSet::Facet> WholeProgram::combine(const std::vector<Scenar
   return facetOf(scenarios, weights);
 }
 
-FeasibleSet::Facet WholeProgram::facetOf(const std::vector<Scenario>& scenarios,
-                                         const RationalVector& weights) const {
+FeasibleSet::Facet IntegerProgram::facetOf(const std::vector<Scenario>& scenarios,
+                                           const RationalVector& weights) const {
   FeasibleSet::Facet facet;
   RationalVector sum(at(law_size_) + 1);
   for (std::size_t k = 0; k < scenarios.size(); ++k) {
     if (weights[k] == 0) continue;
-    const WholeRow& row = rows_[at(scenarios[k].row)];
+    const IntegerRow& row = rows_[at(scenarios[k].row)];
     for (std::size_t j = 0; j < at(law_size_); ++j) sum[j] += weights[k] * row.y[j];
     sum.back() += weights[k] * scenario(scenarios[k]).bound;
     facet.parts.push_back({scenarios[k].row, scenarios[k].negative, weights[k] * row.scale});
@@ -128,11 +128,11 @@ FeasibleSet::Facet WholeProgram::facetOf(const std::vector<Scenario>& scenarios,
 }
 
 // Everything times y[0] * z.denominator.
-Integer WholeProgram::excess(const WholeRow& row, const HomogeneousPoint& y, const CommonFraction& z,
-                             std::vector<bool>* negative) const {
+Integer IntegerProgram::excess(const IntegerRow& row, const HomogeneousPoint& y, const CommonFraction& z,
+                               std::vector<bool>* negative) const {
   const Integer common = y[0] * z.denominator;
   Integer sum = dotPoint(row.y, y) * z.denominator + dot(row.z, z.numerators) - row.bound * common;
-  for (const WholeRow::Term& term : row.terms) {
+  for (const IntegerRow::Term& term : row.terms) {
     Integer value = term.constant * common + dot(term.z, z.numerators);
     if (negative != nullptr) negative->push_back(value < 0);
     sum += abs(value);
@@ -140,12 +140,12 @@ Integer WholeProgram::excess(const WholeRow& row, const HomogeneousPoint& y, con
   return sum;
 }
 
-bool WholeProgram::holds(const HomogeneousPoint& y, const CommonFraction& z) const {
+bool IntegerProgram::holds(const HomogeneousPoint& y, const CommonFraction& z) const {
   return std::all_of(rows_.begin(), rows_.end(),
-                     [&](const WholeRow& row) { return excess(row, y, z, nullptr) <= 0; });
+                     [&](const IntegerRow& row) { return excess(row, y, z, nullptr) <= 0; });
 }
 
-std::vector<Scenario> WholeProgram::broken(const HomogeneousPoint& y, const CommonFraction& z) const {
+std::vector<Scenario> IntegerProgram::broken(const HomogeneousPoint& y, const CommonFraction& z) const {
   std::vector<Scenario> result;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Scenario scenario{static_cast<int>(i), {}};
@@ -154,19 +154,19 @@ std::vector<Scenario> WholeProgram::broken(const HomogeneousPoint& y, const Comm
   return result;
 }
 
-CommonFraction WholeProgram::predictionAt(const HomogeneousPoint& y,
-                                          const std::vector<Scenario>& tight) const {
+CommonFraction IntegerProgram::predictionAt(const HomogeneousPoint& y,
+                                            const std::vector<Scenario>& tight) const {
   std::vector<std::vector<Integer>> rows;
   for (const Scenario& which : tight) {
-    WholeScenario part = scenario(which);
+    IntegerScenario part = scenario(which);
     std::vector<Integer> row = std::move(part.z);
     row.push_back(part.bound * y[0] - dotPoint(rows_[at(which.row)].y, y));
     rows.push_back(std::move(row));
   }
-  return solveWhole(std::move(rows), prediction_count_).x;
+  return solveIntegers(std::move(rows), prediction_count_).x;
 }
 
-std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
+std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
                                            const std::vector<Scenario>& start, CommonFraction& prediction) {
   ExactLp lp;
   lp.addColumns(program.predictionCount());
@@ -174,7 +174,7 @@ std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const Ho
     lp.setColumnBounds(j, ExactLp::Bound::kFree, Rational(0), Rational(0));
   std::vector<Scenario> scenarios;
   const auto add = [&](const Scenario& which) {
-    const WholeScenario part = program.scenario(which);
+    const IntegerScenario part = program.scenario(which);
     const int row = lp.addRows(1);
     for (int j = 0; j < program.predictionCount(); ++j) {
       if (part.z[at(j)] != 0) lp.setCoefficient(row, j, Rational(part.z[at(j)]));

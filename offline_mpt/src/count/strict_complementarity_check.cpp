@@ -1,4 +1,4 @@
-#include "count/strict_complementarity_test.hpp"
+#include "count/strict_complementarity_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ enum TestedRow : char {
 }  // namespace
 
 bool insideDomain(const StrictComplementaritySystem& system, const Witness& witness) {
-  constexpr double kMargin = StrictComplementarityTest::kLeastRadius / 2.0;
+  constexpr double kMargin = StrictComplementarityCheck::kLeastRadius / 2.0;
   Eigen::VectorXd t(system.p);
   for (int j = 0; j < system.p; ++j)
     t(j) = kWitnessStep * static_cast<double>(witness.t[static_cast<std::size_t>(j)]);
@@ -32,12 +32,12 @@ bool insideDomain(const StrictComplementaritySystem& system, const Witness& witn
   return true;
 }
 
-StrictComplementarityTest::StrictComplementarityTest(const StrictComplementaritySystem& system,
-                                                     const std::vector<double>& gap)
+StrictComplementarityCheck::StrictComplementarityCheck(const StrictComplementaritySystem& system,
+                                                       const std::vector<double>& gap)
     : system_(system), gap_(gap), size_(system.gram.cwiseAbs()), state_(static_cast<std::size_t>(system.m)) {}
 
 // The rows of the set, and what must hold for each row.
-bool StrictComplementarityTest::take(const std::vector<int>& set) {
+bool StrictComplementarityCheck::take(const std::vector<int>& set) {
   active_.assign(system_.equalities.begin(), system_.equalities.end());
   std::fill(state_.begin(), state_.end(), kRowInactive);
   for (const int row : active_) state_[static_cast<std::size_t>(row)] = kRowSilent;
@@ -54,7 +54,7 @@ bool StrictComplementarityTest::take(const std::vector<int>& set) {
 }
 
 // The inverse of gram of the active rows, by its Cholesky factor; false where they depend on each other.
-bool StrictComplementarityTest::invert() {
+bool StrictComplementarityCheck::invert() {
   const auto k = static_cast<Eigen::Index>(active_.size());
   Eigen::MatrixXd& L = factor_;
   L.setZero(k, k);
@@ -83,7 +83,7 @@ bool StrictComplementarityTest::invert() {
 }
 
 // Multipliers and slacks for D (t, 1) = `distances`; multipliers in the places of the active rows' slacks.
-void StrictComplementarityTest::solve(const Eigen::VectorXd& distances, Eigen::VectorXd& values) {
+void StrictComplementarityCheck::solve(const Eigen::VectorXd& distances, Eigen::VectorXd& values) {
   const auto k = static_cast<Eigen::Index>(active_.size());
   right_.resize(k);
   for (Eigen::Index r = 0; r < k; ++r) right_(r) = distances(active_[static_cast<std::size_t>(r)]);
@@ -96,7 +96,7 @@ void StrictComplementarityTest::solve(const Eigen::VectorXd& distances, Eigen::V
 
 // What becomes of changes of the rows' distances D (t, 1), from above: of multipliers, and of slacks with
 // them.
-void StrictComplementarityTest::carry(const Eigen::VectorXd& distances, Eigen::VectorXd& values) {
+void StrictComplementarityCheck::carry(const Eigen::VectorXd& distances, Eigen::VectorXd& values) {
   const auto k = static_cast<Eigen::Index>(active_.size());
   right_.resize(k);
   for (Eigen::Index r = 0; r < k; ++r) right_(r) = distances(active_[static_cast<std::size_t>(r)]);
@@ -109,7 +109,7 @@ void StrictComplementarityTest::carry(const Eigen::VectorXd& distances, Eigen::V
 
 // What rounding may do to values_, about: what it does where the rows' distances meet the multipliers,
 // carried on.
-void StrictComplementarityTest::findDoubts() {
+void StrictComplementarityCheck::findDoubts() {
   distances_ = system_.reach;
   for (const int row : active_) distances_ += std::abs(values_(row)) * size_.col(row);
   distances_ *= system_.noise * (static_cast<double>(active_.size()) + 2.0);
@@ -117,7 +117,7 @@ void StrictComplementarityTest::findDoubts() {
 }
 
 // Whether all of values_, at t, are as they must be: clearly positive, and for `radius` around t.
-bool StrictComplementarityTest::accept(const Eigen::VectorXd& t, double radius, Witness& witness) {
+bool StrictComplementarityCheck::accept(const Eigen::VectorXd& t, double radius, Witness& witness) {
   witness.t.resize(static_cast<std::size_t>(system_.p));
   for (int j = 0; j < system_.p; ++j)
     witness.t[static_cast<std::size_t>(j)] = std::llround(t(j) / kWitnessStep);
@@ -134,7 +134,7 @@ bool StrictComplementarityTest::accept(const Eigen::VectorXd& t, double radius, 
   return true;
 }
 
-void StrictComplementarityTest::evaluate(const double* t) {
+void StrictComplementarityCheck::evaluate(const double* t) {
   point_ = Eigen::Map<const Eigen::VectorXd>(t, system_.p);
   distances_.noalias() = system_.D.leftCols(system_.p) * point_;
   distances_ += system_.D.col(system_.p);
@@ -142,7 +142,7 @@ void StrictComplementarityTest::evaluate(const double* t) {
 }
 
 // Where a ray leaves the box or A_theta.
-double StrictComplementarityTest::edge(const double* direction) const {
+double StrictComplementarityCheck::edge(const double* direction) const {
   double most = 2.0 * std::sqrt(static_cast<double>(system_.p));
   const auto clip = [&](double room, double change) {
     if (change > 0.0) most = std::min(most, room / change);
@@ -158,21 +158,21 @@ double StrictComplementarityTest::edge(const double* direction) const {
 }
 
 // How values_ change along a ray.
-void StrictComplementarityTest::differentiate(const double* direction) {
+void StrictComplementarityCheck::differentiate(const double* direction) {
   distances_.noalias() =
       system_.D.leftCols(system_.p) * Eigen::Map<const Eigen::VectorXd>(direction, system_.p);
   solve(distances_, changes_);
 }
 
-bool StrictComplementarityTest::at(const std::vector<int>& set, const double* t, double radius,
-                                   Witness& witness) {
+bool StrictComplementarityCheck::at(const std::vector<int>& set, const double* t, double radius,
+                                    Witness& witness) {
   if (radius < kLeastRadius || !take(set)) return false;
   evaluate(t);
   slopes_.setZero(system_.m);
   return accept(point_, 0.0, witness);
 }
 
-int StrictComplementarityTest::leaving(const std::vector<int>& set, int entering, const double* from) {
+int StrictComplementarityCheck::leaving(const std::vector<int>& set, int entering, const double* from) {
   if (!take(set)) return kNone;
   const auto k = static_cast<Eigen::Index>(active_.size());
   right_.resize(k);
@@ -194,8 +194,8 @@ int StrictComplementarityTest::leaving(const std::vector<int>& set, int entering
   return first;
 }
 
-bool StrictComplementarityTest::onRay(const std::vector<int>& set, const double* from,
-                                      const double* direction, Witness& witness) {
+bool StrictComplementarityCheck::onRay(const std::vector<int>& set, const double* from,
+                                       const double* direction, Witness& witness) {
   if (!take(set)) return false;
   evaluate(from);
   differentiate(direction);

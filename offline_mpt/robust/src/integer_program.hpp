@@ -10,7 +10,7 @@
 namespace polyfly {
 
 /// A row of a RobustProgram in whole numbers: the row times `scale`.
-struct WholeRow {
+struct IntegerRow {
   struct Term {
     Integer constant;
     std::vector<Integer> z;
@@ -23,7 +23,7 @@ struct WholeRow {
 };
 
 /// One scenario: y . y + z . z <= bound.
-struct WholeScenario {
+struct IntegerScenario {
   std::vector<Integer> z;
   Integer bound;
 };
@@ -31,14 +31,14 @@ struct WholeScenario {
 /// A vertex in homogeneous whole numbers: y = values[1..] / values[0].
 using HomogeneousPoint = std::vector<Integer>;
 
-class WholeProgram {
+class IntegerProgram {
  public:
-  explicit WholeProgram(const RobustProgram& program);
+  explicit IntegerProgram(const RobustProgram& program);
 
-  const std::vector<WholeRow>& rows() const { return rows_; }
+  const std::vector<IntegerRow>& rows() const { return rows_; }
   int lawSize() const { return law_size_; }
   int predictionCount() const { return prediction_count_; }
-  WholeScenario scenario(const Scenario& which) const;
+  IntegerScenario scenario(const Scenario& which) const;
 
   /// The weights, unique up to a factor, with which the scenarios' predictions cancel, as a facet; none when
   /// there are none, or they are not unique, or one is negative.
@@ -55,17 +55,17 @@ class WholeProgram {
   std::vector<Scenario> broken(const HomogeneousPoint& y, const CommonFraction& z) const;
 
  private:
-  Integer excess(const WholeRow& row, const HomogeneousPoint& y, const CommonFraction& z,
+  Integer excess(const IntegerRow& row, const HomogeneousPoint& y, const CommonFraction& z,
                  std::vector<bool>* negative) const;
 
   int law_size_;
   int prediction_count_;
-  std::vector<WholeRow> rows_;
+  std::vector<IntegerRow> rows_;
 };
 
 /// Decides by exact linear programs whether y has a prediction, and stores it; a facet that cuts y off where
 /// it has none.
-std::optional<FeasibleSet::Facet> exactCut(const WholeProgram& program, const HomogeneousPoint& y,
+std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
                                            const std::vector<Scenario>& start, CommonFraction& prediction);
 
 /// a . y <= b as a row of the cone over (1, y).

@@ -20,19 +20,19 @@ struct Witness {
   bool law_apart = false;       ///< its law is no other's, see LawSeparation
 };
 
-/// Shows that active sets computeRegion critical regions with an interior: at some parameter strictly inside the
+/// Shows that active sets have critical regions with an interior. At some parameter strictly inside the
 /// box and A_theta, the active rows (with the equalities) are independent, their multipliers positive and the
 /// slacks of all other rows, too, by far more than rounding can change. H being positive definite, that is
 /// the one solution there; multipliers and slacks are continuous, so the set is optimal in a ball around it,
 /// of radius kLeastRadius at least. A row that is an exact positive multiple of an active one says nothing.
 /// One object, one thread.
-class StrictComplementarityTest {
+class StrictComplementarityCheck {
  public:
   static constexpr double kLeastRadius = 2e-9;  ///< twice what `solve` keeps [scaled]
   static constexpr int kNone = -1;              ///< no row
 
   /// `gap`: m, slacks beyond which laws are apart, of rows of unit length; empty: never.
-  StrictComplementarityTest(const StrictComplementaritySystem& system, const std::vector<double>& gap);
+  StrictComplementarityCheck(const StrictComplementaritySystem& system, const std::vector<double>& gap);
 
   /// Looks along from + s direction, s > 0, |direction| = 1. `set`: rows of the program without equalities.
   bool onRay(const std::vector<int>& set, const double* from, const double* direction, Witness& witness);
