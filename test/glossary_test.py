@@ -23,7 +23,7 @@ def words_of(name):
 
 
 def sources():
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.cpp", "*.hpp"], cwd=ROOT, check=True,
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.cpp", "*.hpp", "*.py"], cwd=ROOT, check=True,
                             capture_output=True, text=True).stdout.split()
     return [path for path in listed if (ROOT / path).is_file()]
 

@@ -62,7 +62,7 @@ void bound(const FlightSignals& signals, const MotionArguments& arguments, Motio
   const Motion motion = motionOf(signals, arguments.motion);
   calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
   calibration->traces = disturbanceTraces(motion, arguments.motion);
-  calibration->warnings = judgeMotion(motion);
+  calibration->warnings = checkMotion(motion);
 }
 
 void findWind(const FlightSignals& signals, const MotionArguments& arguments,

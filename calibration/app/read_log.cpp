@@ -104,7 +104,7 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   options.choice = choice;
   options.topics = arguments.topics;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
-  if (!arguments.quiet) options.ask = askWhereThereIsATerminal();
+  if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
   provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;

@@ -93,7 +93,7 @@ std::unique_ptr<Aircraft> aircraftOf(const Case& chosen) {
     RoughOptions options;
     options.wind = wind;
     options.gust = 0.7;
-    return std::make_unique<RoughAircraft>(options, start, 1);
+    return std::make_unique<PerturbedAircraft>(options, start, 1);
   }
   if (chosen.plant == "six_dof") {
     SixDofOptions options;

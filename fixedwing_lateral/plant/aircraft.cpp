@@ -61,7 +61,8 @@ AircraftState ChapterAircraft::state() const {
   return state;
 }
 
-RoughAircraft::RoughAircraft(const RoughOptions& options, const AircraftState& start, std::uint32_t seed)
+PerturbedAircraft::PerturbedAircraft(const RoughOptions& options, const AircraftState& start,
+                                     std::uint32_t seed)
     : options_(options),
       gusts_(levelGusts(options), seed),
       delayed_(static_cast<std::size_t>(std::lround(options.roll_delay / kStep)), start.roll),
@@ -75,18 +76,18 @@ RoughAircraft::RoughAircraft(const RoughOptions& options, const AircraftState& s
       airspeed_(options.airspeed),
       altitude_(options.altitude) {}
 
-void RoughAircraft::fly(double roll_reference, double duration) {
+void PerturbedAircraft::fly(double roll_reference, double duration) {
   const int steps = stepsIn(duration);
   for (int i = 0; i < steps; ++i) step(roll_reference, duration / steps);
 }
 
-Eigen::Vector2d RoughAircraft::wind() const {
+Eigen::Vector2d PerturbedAircraft::wind() const {
   const Eigen::Vector2d ahead(std::cos(heading_), std::sin(heading_));
   const Eigen::Vector2d right(-ahead.y(), ahead.x());
   return options_.wind + gusts_.velocity().x() * ahead + gusts_.velocity().y() * right;
 }
 
-void RoughAircraft::step(double roll_reference, double step) {
+void PerturbedAircraft::step(double roll_reference, double step) {
   gusts_.step(airspeed_, step);
   delayed_.push_back(roll_reference);
   const double reference = options_.roll_gain * delayed_.front() + options_.roll_trim;
@@ -112,7 +113,7 @@ void RoughAircraft::step(double roll_reference, double step) {
   time_ += step;
 }
 
-AircraftState RoughAircraft::state() const {
+AircraftState PerturbedAircraft::state() const {
   AircraftState state;
   state.stamp = time_;
   state.position = position_;

@@ -138,7 +138,7 @@ void LateralNode::onOdometry(const nav_msgs::Odometry::ConstPtr& message) {
   const bool first = !has_odometry_;
   has_odometry_ = true;
   odometry_header_ = message->header;
-  if (first) judgeEarlyMission();
+  if (first) checkEarlyMission();
   altitude_ = message->pose.pose.position.z;
   input_.state = toAircraftState(*message);
   const bool has_rate = std::abs((message->header.stamp - imu_stamp_).toSec()) <= setup_.imu_timeout;
@@ -179,7 +179,7 @@ void LateralNode::requireFrame(const std::string& frame) const {
   throw polyfly::Error("mission: frame '" + frame + "' is not that of the odometry, '" + agreed + "'");
 }
 
-void LateralNode::judgeEarlyMission() {
+void LateralNode::checkEarlyMission() {
   try {
     requireFrame(mission_frame_);
   } catch (const polyfly::Error& error) {

@@ -135,7 +135,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.segment = track_.index();
   output_.segment_count = track_.count();
   output_.loitering = track_.isLoitering();
-  judgeSegment(state);
+  checkSegment(state);
 
   if (!input.engaged) {
     needs_restart_ = true;
@@ -279,7 +279,7 @@ LateralConditions LateralGuidance::presentConditions() const noexcept {
 
 // How far off the segment is, and whether it can be flown: a reason that comes and goes with each gust says
 // nothing.
-void LateralGuidance::judgeSegment(const AircraftState& state) noexcept {
+void LateralGuidance::checkSegment(const AircraftState& state) noexcept {
   output_.segment_roll = 0.0;
   output_.error = TrackError{};
   if (!track_.empty()) {

@@ -109,7 +109,7 @@ TEST(Flight, AnAircraftThatItDoesNotKnow) {
     const Mission mission = boxFigure();
     RoughOptions options;
     if (windy) options.wind = kHalfAirspeed;
-    RoughAircraft aircraft(options, atOrigin(), 5);
+    PerturbedAircraft aircraft(options, atOrigin(), 5);
     const Flight flight = flyNmpc(mission, aircraft);
     expectInOrder(flight, mission);
     EXPECT_LT(flight.metrics.converged, 3.0);
@@ -148,7 +148,7 @@ TEST(Flight, AircraftThatItDoesNotKnowInGusts) {
     RoughOptions options;
     options.wind = kHalfAirspeed;
     options.gust = 0.7;
-    RoughAircraft rough(options, atOrigin(), seed);
+    PerturbedAircraft rough(options, atOrigin(), seed);
     for (Aircraft* aircraft : {static_cast<Aircraft*>(&six), static_cast<Aircraft*>(&rough)}) {
       const Flight flight = flyNmpc(mission, *aircraft, late, 240.0, closeTracking());
       expectInOrder(flight, mission);
@@ -201,7 +201,7 @@ TEST(Flight, AnHourOfSegmentsGustsAndDropouts) {
   RoughOptions options;
   options.gust = 1.0;
   options.wind = {2.0, -2.0};
-  RoughAircraft rough(options, atOrigin(), 3);
+  PerturbedAircraft rough(options, atOrigin(), 3);
   SixDofOptions rigid;
   rigid.turbulence = 7.0;
   rigid.wind = {2.0, -2.0};
@@ -254,7 +254,7 @@ TEST(Flight, AircraftDrawnAtRandom) {
     options.turn_gain = between(0.8, 1.1);
     options.gust = between(0.0, 1.2);
     options.wind = {between(-4.0, 4.0), between(-4.0, 4.0)};
-    RoughAircraft aircraft(options, atOrigin(), seed);
+    PerturbedAircraft aircraft(options, atOrigin(), seed);
     SensorOptions noise;
     noise.position_noise = 0.3;
     noise.angle_noise = 0.01;
@@ -272,18 +272,18 @@ TEST(Flight, AircraftDrawnAtRandom) {
 TEST(Flight, IsTheSameEveryTime) {
   RoughOptions options;
   options.gust = 1.0;
-  RoughAircraft one(options, atOrigin(), 9);
-  RoughAircraft other(options, atOrigin(), 9);
+  PerturbedAircraft one(options, atOrigin(), 9);
+  PerturbedAircraft other(options, atOrigin(), 9);
   const Flight first = flyNmpc(dubinsFigure(), one, {}, 30.0);
   const Flight second = flyNmpc(dubinsFigure(), other, {}, 30.0);
   for (std::size_t i = 0; i < first.samples.size(); ++i)
     EXPECT_EQ(first.samples[i].roll_reference, second.samples[i].roll_reference);
 }
 
-TEST(RoughAircraft, HasGustsOfTheStatedStrength) {
+TEST(PerturbedAircraft, HasGustsOfTheStatedStrength) {
   RoughOptions options;
   options.gust = 1.5;
-  RoughAircraft aircraft(options, atOrigin(), 17);
+  PerturbedAircraft aircraft(options, atOrigin(), 17);
   Vector2d sum = Vector2d::Zero();
   Vector2d squares = Vector2d::Zero();
   constexpr int kCount = 40000;

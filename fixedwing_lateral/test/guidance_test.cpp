@@ -384,7 +384,7 @@ TEST(GuidanceOptions, FirstMoveWithDelayAndMoreIterationsFlyToo) {
   LateralGuidance guidance(options, "test");
   guidance.setMission(missionThrough({{0.0, 0.0}, {4000.0, 0.0}}, {}, "test"));
   RoughOptions rough;
-  RoughAircraft aircraft(rough, start(), 1);
+  PerturbedAircraft aircraft(rough, start(), 1);
   Sensors sensors({}, 1);
   const auto samples = flyLaw(aircraft, sensors, lawOf(guidance), options.period, 40.0);
   EXPECT_LT(std::abs(samples.back().output.error.track), 2.0);

@@ -106,7 +106,7 @@ TEST(LateralObserver, LearnsNothingFromTheModelItself) {
 }
 
 TEST(LateralObserver, DoesNotMindWhereAHeadingIsWrapped) {
-  RoughAircraft aircraft(RoughOptions{}, {}, 1);
+  PerturbedAircraft aircraft(RoughOptions{}, {}, 1);
   LateralObserver counted{LateralModel{}};
   LateralObserver wrapped{LateralModel{}};
   for (int i = 0; i < 4000; ++i) {  // round and round
@@ -127,7 +127,7 @@ TEST(LateralObserver, LearnsTheErrorsOfAnAircraft) {
   options.turn_gain = 0.9;
   options.turn_lag = 0.05;  // a long one, in swings, looks like a loss of gain
   options.load_drag = 0.0;
-  RoughAircraft aircraft(options, {}, 1);
+  PerturbedAircraft aircraft(options, {}, 1);
   const LateralObserver observer = learnt(aircraft, 300.0);
   const LateralModel model;
   EXPECT_NEAR(observer.rollBias(), model.a0 / model.b0 * options.roll_trim, 0.01);

@@ -96,7 +96,7 @@ Flown fly(const Mission& mission, double airspeed, const Vector2d& wind, const A
   plant.airspeed = airspeed;
   plant.wind = wind;
   plant.gust = gust;
-  RoughAircraft aircraft(plant, start, 2);
+  PerturbedAircraft aircraft(plant, start, 2);
   Sensors sensors({}, 1);
   Flown flown;
   double before = 0.0;

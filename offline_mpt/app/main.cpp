@@ -25,7 +25,7 @@ Exit codes:
 }  // namespace
 
 int main(int argc, char** argv) {
-  polyfly::endInWordsWithoutMemory("offline_mpt");
+  polyfly::installOutOfMemoryHandler("offline_mpt");
   CLI::App app("Solves parametric programs, writes region maps, and analyses and verifies them.",
                "offline_mpt");
   app.footer(kMainFooter);

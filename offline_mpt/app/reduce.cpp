@@ -89,12 +89,12 @@ struct Attempt {
 /// Where the proof fails, slivers were left out of the search tree that matter, or rounding made too much of
 /// them: they are added to the leaves, and trees that leave out thicker or thinner ones are tried.
 Attempt reduceAndProve(const RegionMap& map, const ReduceArguments& options) {
-  constexpr int kMends = 5;
+  constexpr int kMaxRepairs = 5;
   Attempt attempt;
   for (const double share : {1.0, 3.0, 0.3}) {
     ReduceResult result = reduceWithProgress(map, options, share * options.reduce.side_tolerance);
     attempt.stats = result.stats;
-    for (int mends = 0; mends <= kMends; ++mends) {
+    for (int repairs = 0; repairs <= kMaxRepairs; ++repairs) {
       attempt.image = std::make_unique<Image>(result.content);
       if (options.no_proof) return attempt;
       attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,

@@ -53,7 +53,7 @@ void confirm(const checker::Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  polyfly::endInWordsWithoutMemory("check_certificate");
+  polyfly::installOutOfMemoryHandler("check_certificate");
   return checker::run(
       {"check_certificate", polyfly::kVersion, kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
       confirm);

@@ -44,7 +44,7 @@ void confirm(const checker::Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  polyfly::endInWordsWithoutMemory("check_count");
+  polyfly::installOutOfMemoryHandler("check_count");
   return checker::run({"check_count", polyfly::kVersion, kUsage, {"--problem", "--map-limit", "--threads"}},
                       argc, argv, confirm);
 }

@@ -21,14 +21,14 @@ namespace {
 constexpr std::size_t kTooMuch = PTRDIFF_MAX;
 
 void allocateInGmp() {
-  endInWordsWithoutMemory("tool");
+  installOutOfMemoryHandler("tool");
   void* (*allocate)(std::size_t) = nullptr;
   mp_get_memory_functions(&allocate, nullptr, nullptr);
   allocate(kTooMuch);
 }
 
 void reallocateInGmp() {
-  endInWordsWithoutMemory("tool");
+  installOutOfMemoryHandler("tool");
   void* (*allocate)(std::size_t) = nullptr;
   void* (*reallocate)(void*, std::size_t, std::size_t) = nullptr;
   mp_get_memory_functions(&allocate, &reallocate, nullptr);
@@ -37,7 +37,7 @@ void reallocateInGmp() {
 
 template <class Thrown>
 void throwInAThread(const Thrown& thrown) {
-  endInWordsWithoutMemory("tool");
+  installOutOfMemoryHandler("tool");
   std::thread([&thrown] { throw Thrown(thrown); }).join();
 }
 

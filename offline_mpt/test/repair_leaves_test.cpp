@@ -25,7 +25,7 @@ int mendUntilProven(const RegionMap& original, MapContent& content, ReductionRep
   }
 }
 
-TEST(MendLeaves, LongAndThinSliversAreProven) {
+TEST(RepairLeaves, LongAndThinSliversAreProven) {
   int mended = 0;
   for (unsigned seed = 16; seed <= 25; ++seed) {
     const ParametricProgram program = illConditioned(3, 5, 3, seed);

@@ -44,7 +44,7 @@ ConfigThread::ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle&
       table_(tableOf(setup_, names)),
       bounds_(table_.bounds()),
       reconfigure_(
-          private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return bakedIn(); }),
+          private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return fixedInMaps(); }),
       display_(handle_),
       diagnostics_(handle_, private_handle_, record, laws),
       swap_service_(handle_.advertiseService("swap_maps", &ConfigThread::onSwapMaps, this)),
@@ -66,7 +66,7 @@ void ConfigThread::noteInForce() {
 }
 
 // The maps hold the solution for the values that they were solved with.
-std::string ConfigThread::bakedIn() const {
+std::string ConfigThread::fixedInMaps() const {
   if (setup_.sources->explicit_maps.empty()) return "no region maps are loaded";
   const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
   std::ostringstream text;

@@ -257,7 +257,7 @@ bool FlightInterface::onResetObserver(std_srvs::Empty::Request&, std_srvs::Empty
 }
 
 bool FlightInterface::onCalibrate(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  const char* refusal = flight_.whyNoHover();
+  const char* refusal = flight_.hoverRefusal();
   if (refusal == nullptr) observer_.calibrate();
   return answer("calibrate the observer", refusal);
 }

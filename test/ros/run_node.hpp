@@ -6,7 +6,7 @@
 
 namespace polyfly_ros {
 
-/// The stand-alone twin of a nodelet: the same class, its own process.
+/// Runs the class of a nodelet as a process of its own.
 template <class Node>
 int runNode(int argc, char** argv, const char* name) {
   ros::init(argc, argv, name);

@@ -347,17 +347,17 @@ TEST(MultirotorPlant, ACommandThatIsNotFiniteIsIgnored) {
   const PlantOptions options;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   MultirotorPlant plant(options, hovering(options));
-  MultirotorPlant twin(options, hovering(options));
+  MultirotorPlant same(options, hovering(options));
   const AttitudeCommand good = command(0.1, 0.0, 0.0, options.mass * options.gravity);
   plant.advance(good);
-  twin.advance(good);
+  same.advance(good);
   plant.advance(command(nan, 0.0, 0.0, 10.0));
-  twin.advance(good);
+  same.advance(good);
   plant.advance(command(0.0, 0.0, 0.0, std::numeric_limits<double>::infinity()));
-  twin.advance(good);
+  same.advance(good);
   EXPECT_EQ(plant.ignoredCommands(), 2);
-  EXPECT_EQ(plant.state().position, twin.state().position);
-  EXPECT_EQ(plant.state().roll, twin.state().roll);
+  EXPECT_EQ(plant.state().position, same.state().position);
+  EXPECT_EQ(plant.state().roll, same.state().roll);
 }
 
 void expectRefused(const PlantOptions& options, const std::string& key) {

@@ -91,7 +91,7 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
                                                const BoundOptions& limits) {
   const std::vector<Eigen::Index> starts(motion.starts.begin(), motion.starts.end());
   std::vector<DisturbanceBound> bounds;
-  const bool sound = judgeMotion(motion).empty();
+  const bool sound = checkMotion(motion).empty();
   for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
     const Eigen::VectorXd residual = motion.acceleration.col(axis) - motion.expected.col(axis) +
                                      options.drag[axis] * motion.velocity.col(axis);

@@ -47,7 +47,7 @@ FittedParameter parameterOf(const std::string& name, const std::string& unit, co
 }
 
 // Whether the vehicle accelerates along an axis where it tilts at all.
-std::string judgeFrame(const Motion& motion, Eigen::Index axis) {
+std::string checkFrame(const Motion& motion, Eigen::Index axis) {
   const Eigen::VectorXd one = motion.acceleration.col(axis).array() - motion.acceleration.col(axis).mean();
   const Eigen::VectorXd other = motion.expected.col(axis).array() - motion.expected.col(axis).mean();
   if (rms(other) < kLeastExpected) return "";
@@ -59,7 +59,7 @@ std::string judgeFrame(const Motion& motion, Eigen::Index axis) {
       kMotionAxes[axis], correlation, rms(other));
 }
 
-void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
+void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
   const double allowed = std::max(kVagueDrag, kVagueShare * std::abs(drag.value));
   // An error of zero is that of a velocity that never changed.
   if (!(drag.half_width > 0.0 && drag.half_width <= allowed)) {
@@ -77,7 +77,7 @@ void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
 
 }  // namespace
 
-std::vector<std::string> judgeMotion(const Motion& motion) {
+std::vector<std::string> checkMotion(const Motion& motion) {
   std::vector<std::string> warnings;
   const double speed = std::sqrt(motion.velocity.rowwise().squaredNorm().mean());
   const double acceleration = std::sqrt(motion.acceleration.rowwise().squaredNorm().mean());
@@ -88,7 +88,7 @@ std::vector<std::string> judgeMotion(const Motion& motion) {
                  speed, acceleration));
   }
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    const std::string frame = judgeFrame(motion, axis);
+    const std::string frame = checkFrame(motion, axis);
     if (!frame.empty()) warnings.push_back(frame);
   }
   return warnings;
@@ -106,7 +106,7 @@ std::vector<MotionTrace> disturbanceTraces(const Motion& motion, const MotionOpt
 
 MotionFit fitDrag(const Motion& motion) {
   MotionFit result;
-  result.warnings = judgeMotion(motion);
+  result.warnings = checkMotion(motion);
   const bool sound = result.warnings.empty();
   for (Eigen::Index axis = 0; axis < (motion.thrust_known ? 3 : 2); ++axis) {
     Eigen::MatrixXd columns(motion.velocity.rows(), 2);
@@ -117,7 +117,7 @@ MotionFit fitDrag(const Motion& motion) {
     const std::string name = kMotionAxes[axis];
     result.parameters.push_back(parameterOf("drag_" + name, "1/s", found, 0));
     result.parameters.back().supported = sound;
-    judgeDrag(result.parameters.back(), &result.warnings);
+    checkDrag(result.parameters.back(), &result.warnings);
     result.parameters.push_back(parameterOf("offset_" + name, "m/s^2", found, 1));
     MotionTrace trace = traceOf(motion, "unexplained acceleration along " + name, "m/s^2", left,
                                 columns * found.coefficients);
@@ -134,7 +134,7 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
       (motion.acceleration.col(2) + options.drag.z() * motion.velocity.col(2)).array() + options.gravity;
   const Regression found = regress(load, motion.lift, indices(motion.starts));
   MotionFit result;
-  result.warnings = judgeMotion(motion);
+  result.warnings = checkMotion(motion);
   const char* unit = motion.lift_is_share ? "1" : "N";
   if (motion.lift_is_share) {
     result.parameters = {parameterOf("hover_command", unit, found, 0, options.gravity)};

@@ -166,10 +166,10 @@ TEST(Motion, SaysThatTheFrameIsWrong) {
   options.mass = kMass;
   options.drag = made.drag;
   FlightSignals signals = makeMotion(made, 6);
-  EXPECT_TRUE(judgeMotion(motionOf(signals, options)).empty());
+  EXPECT_TRUE(checkMotion(motionOf(signals, options)).empty());
   // Roll and pitch counted the other way round, as with y right and z down.
   for (double& value : signals.series["pitch"].value) value = -value;
-  const auto wrong = judgeMotion(motionOf(signals, options));
+  const auto wrong = checkMotion(motionOf(signals, options));
   ASSERT_FALSE(wrong.empty());
   EXPECT_NE(wrong[0].find("frame"), std::string::npos);
 }
@@ -180,7 +180,7 @@ TEST(Motion, SaysThatTheVehicleStands) {
     const bool angle = name == "roll" || name == "pitch" || name == "yaw";
     for (double& value : series.value) value = angle ? 0.05 : 0.001;
   }
-  const auto warnings = judgeMotion(motionOf(signals, {}));
+  const auto warnings = checkMotion(motionOf(signals, {}));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("hardly moves"), std::string::npos);
   const MotionFit drag = fitDrag(motionOf(signals, {}));

@@ -185,9 +185,8 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
                              polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
-  const polyfly::FlightLog log =
-      polyfly_ros::readBag(bag, arguments.topics, progress,
-                           arguments.quiet ? polyfly::Ask() : polyfly::askWhereThereIsATerminal());
+  const polyfly::FlightLog log = polyfly_ros::readBag(
+      bag, arguments.topics, progress, arguments.quiet ? polyfly::Ask() : polyfly::promptIfTerminal());
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
@@ -262,7 +261,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  polyfly::endInWordsWithoutMemory("validate_bag");  // proposals are counted with GMP
+  polyfly::installOutOfMemoryHandler("validate_bag");  // proposals are counted with GMP
   CLI::App app("Replays a recorded flight through the controller and its region maps, and judges both.",
                "validate_bag");
   Arguments arguments;

@@ -10,7 +10,7 @@
 namespace polyfly {
 namespace {
 
-// Where the flight left the map and what the controller did; of many stretches the longest.
+// The longest excursions from the map, with the answers of the controller.
 void writeExcursions(const std::vector<Excursion>& excursions, std::ostream& out) {
   constexpr std::size_t kShown = 5;
   std::vector<const Excursion*> longest;

@@ -128,7 +128,7 @@ class LateralGuidance {
   LateralConditions presentConditions() const noexcept;
   void beginSegment(Reversal reversal) noexcept;
   void chooseReversal(const AircraftState& state) noexcept;
-  void judgeSegment(const AircraftState& state) noexcept;
+  void checkSegment(const AircraftState& state) noexcept;
   double upwindReference(double heading) const noexcept;
   void command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept;
 

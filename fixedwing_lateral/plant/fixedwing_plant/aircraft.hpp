@@ -64,9 +64,9 @@ struct RoughOptions {
   double gust_roll = 0.15;         ///< roll acceleration by cross gust [rad/s^2 per m/s]
 };
 
-class RoughAircraft : public Aircraft {
+class PerturbedAircraft : public Aircraft {
  public:
-  RoughAircraft(const RoughOptions& options, const AircraftState& start, std::uint32_t seed);
+  PerturbedAircraft(const RoughOptions& options, const AircraftState& start, std::uint32_t seed);
 
   void fly(double roll_reference, double duration) override;
   AircraftState state() const override;

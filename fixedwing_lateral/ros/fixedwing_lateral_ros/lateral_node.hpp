@@ -63,7 +63,7 @@ class LateralNode {
   void onTimer();
   void onReconfigure();
   void requireFrame(const std::string& frame) const;
-  void judgeEarlyMission();
+  void checkEarlyMission();
   void tellOfClock();
 
   void step(const ros::Time& now);

@@ -14,7 +14,7 @@ from geometry_msgs.msg import Pose
 from roslib.packages import find_node
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("online_controller"), "test", "ros"))
-from twin import TWIN, command_line  # noqa: E402
+from node_or_nodelet import VARIANT, command_line  # noqa: E402
 
 PATIENCE = 120.0  # for the whole flight, in wall time [s]
 
@@ -74,4 +74,4 @@ class Flight(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("lateral_flight_test")
-    rostest.rosrun("fixedwing_lateral", "lateral_flight_" + TWIN, Flight, sys.argv)
+    rostest.rosrun("fixedwing_lateral", "lateral_flight_" + VARIANT, Flight, sys.argv)

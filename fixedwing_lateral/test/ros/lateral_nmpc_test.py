@@ -24,13 +24,13 @@ from visualization_msgs.msg import MarkerArray
 
 # The partner for topics is the one of the multirotor's tests.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("online_controller"), "test", "ros"))
-from twin import PATIENCE, RETRY, TWIN, Collector, Program, command_line  # noqa: E402
+from node_or_nodelet import PATIENCE, RETRY, VARIANT, Collector, Program, command_line  # noqa: E402
 
 AIRSPEED = 14.0
 
 
 class Guidance(Program):
-    """The twin, with a partner for its topics."""
+    """The node or nodelet, with a partner for its topics."""
 
     def __init__(self, namespace, parameters=None):
         super().__init__(command_line("fixedwing_lateral", "lateral_nmpc_node", "LateralNmpc"), namespace, "guidance",
@@ -394,4 +394,4 @@ class LateralNmpcTest(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("lateral_nmpc_test")
-    rostest.rosrun("fixedwing_lateral", "lateral_nmpc_" + TWIN, LateralNmpcTest, sys.argv)
+    rostest.rosrun("fixedwing_lateral", "lateral_nmpc_" + VARIANT, LateralNmpcTest, sys.argv)

@@ -46,7 +46,7 @@ class PlantNode {
     }
     polyfly::RoughOptions options;
     options.wind = {2.0, -3.0};
-    return std::make_unique<polyfly::RoughAircraft>(options, start(), 1);
+    return std::make_unique<polyfly::PerturbedAircraft>(options, start(), 1);
   }
   static polyfly::AircraftState start() {
     polyfly::AircraftState state;

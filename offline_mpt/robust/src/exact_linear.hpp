@@ -13,14 +13,17 @@ struct CommonFraction {
   Integer denominator;
 };
 
-/// A solution of the rows (coefficients, then right-hand side), by Bareiss' elimination in whole numbers.
-/// Unknowns that no row determines are 0. `consistent` tells whether every row holds, `unique` whether every
-/// unknown is determined; rows that contradict those before them are passed over.
+/// The solution of a system of linear equations. Unknowns that no row determines are 0.
 struct IntegerSolution {
   CommonFraction x;
+  /// Every row holds.
   bool consistent = true;
+  /// Every unknown is determined.
   bool unique = true;
 };
+
+/// Solves a system by fraction-free (Bareiss) elimination. A row is the coefficients, then the right-hand side. A row
+/// that contradicts earlier rows is ignored, and the solution is not consistent.
 IntegerSolution solveIntegers(std::vector<std::vector<Integer>> rows, int unknowns);
 
 }  // namespace polyfly

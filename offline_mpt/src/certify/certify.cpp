@@ -161,7 +161,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
     std::vector<RegionCheck> slivers(candidates.size());
     std::vector<char> found(candidates.size(), 0);
     if (!forEach(candidates.size(), 2 * count, 2 * count, context.options, [&](std::uint32_t k) {
-          found[k] = examineSliver(context, checks, candidates[k], slivers[k]) ? 1 : 0;
+          found[k] = checkSliver(context, checks, candidates[k], slivers[k]) ? 1 : 0;
         }))
       return false;
     open.clear();
@@ -217,7 +217,7 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   closed.resize(checks.size());
   for (std::size_t r = 0; r < checks.size(); ++r) add(report, checks[r], closed[r]);
   if (!report.passed()) {
-    nameUnboundedGaps(context, report.defects);
+    markUnboundedDefects(context, report.defects);
     return report;
   }
   report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);

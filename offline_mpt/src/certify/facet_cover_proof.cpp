@@ -271,7 +271,7 @@ bool FacetCoverProof::liesBehind(const std::vector<int>& active, const std::vect
   for (const ExactRow& row : beyond.rows) {
     if (valueAt(row, uncovered) < 0) return false;
   }
-  Interior interior = findInterior(rowsThatCanFail(beyond), nullptr, context_.program.p);
+  Interior interior = findInterior(nontrivialRows(beyond), nullptr, context_.program.p);
   if (interior.exists) point = std::move(interior.point);
   return interior.exists;
 }

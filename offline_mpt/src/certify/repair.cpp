@@ -42,7 +42,7 @@ std::vector<ExactRow> boundingRowsAndSides(const ExactRegion& exact, int p) {
 bool describe(const ExactProgram& program, const std::vector<int>& active, CriticalRegion& region) {
   ExactRegion exact;
   if (describeExactly(program, active, exact) != ExactStatus::kRegion) return false;
-  const Interior interior = findInterior(rowsThatCanFail(exact), nullptr, program.p);
+  const Interior interior = findInterior(nontrivialRows(exact), nullptr, program.p);
   if (!interior.exists) return false;
   const std::vector<ExactRow> rows = boundingRowsAndSides(exact, program.p);
   region.active = exact.active;

@@ -105,7 +105,7 @@ bool nearlyHolds(const CheckContext& context, const std::vector<RegionCheck>& ch
 
 std::vector<ExactRow> boundingRows(const ExactRegion& exact, int p) {
   std::vector<const ExactRow*> left;
-  for (const ExactRow* row : rowsThatCanFail(exact)) {
+  for (const ExactRow* row : nontrivialRows(exact)) {
     const auto repeats = [&](const ExactRow* other) { return sameHalfSpace(*row, *other); };
     if (std::none_of(left.begin(), left.end(), repeats)) left.push_back(row);
   }
@@ -154,15 +154,15 @@ std::vector<std::vector<int>> missingSets(const CheckContext& context, const std
   return {sets.begin(), sets.end()};
 }
 
-bool examineSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,
-                   const std::vector<int>& active, RegionCheck& sliver) {
+bool checkSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                 const std::vector<int>& active, RegionCheck& sliver) {
   sliver = {};
   sliver.is_sliver = true;
   ExactRegion exact;
   const auto is_dropped = [&](int row) { return context.program.is_dropped[row] != 0; };
   if (std::any_of(active.begin(), active.end(), is_dropped)) return false;
   if (describeExactly(context.program, active, exact) != ExactStatus::kRegion) return false;
-  if (!findInterior(rowsThatCanFail(exact), nullptr, context.program.p).exists) return false;
+  if (!findInterior(nontrivialRows(exact), nullptr, context.program.p).exists) return false;
   sliver.active = exact.active;
   sliver.described = true;
   sliver.rows = exact.rows.size();

@@ -30,7 +30,7 @@ std::vector<std::vector<int>> missingSets(const CheckContext& context, const std
 
 /// The region of an active set that the map has not, and why it can be left out; false where it has no
 /// interior, or is no sliver. `checks` are those of the map's regions, and then any number of slivers.
-bool examineSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,
-                   const std::vector<int>& active, RegionCheck& sliver);
+bool checkSliver(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                 const std::vector<int>& active, RegionCheck& sliver);
 
 }  // namespace polyfly

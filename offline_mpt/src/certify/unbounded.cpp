@@ -62,7 +62,7 @@ bool provesUnbounded(const CheckContext& context, const Eigen::VectorXd& theta) 
   return falling.solve() == ExactLp::Status::kOptimal && falling.objective() < 0;
 }
 
-void nameUnboundedGaps(const CheckContext& context, std::vector<Defect>& defects) {
+void markUnboundedDefects(const CheckContext& context, std::vector<Defect>& defects) {
   int tried = 0;
   for (Defect& defect : defects) {
     if (defect.kind != Defect::Kind::kGap || defect.witness.size() == 0 || !defect.missing.empty()) continue;

@@ -10,6 +10,6 @@ namespace polyfly {
 bool provesUnbounded(const CheckContext& context, const Eigen::VectorXd& theta);
 
 /// Gaps at whose witness the cost is unbounded below become defects of that kind; the first few are tried.
-void nameUnboundedGaps(const CheckContext& context, std::vector<Defect>& defects);
+void markUnboundedDefects(const CheckContext& context, std::vector<Defect>& defects);
 
 }  // namespace polyfly

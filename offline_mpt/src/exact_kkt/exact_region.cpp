@@ -132,7 +132,7 @@ void finishRow(ExactRow& row) {
   row.length = std::max(std::ldexp(std::sqrt(squared), shift), std::numeric_limits<double>::min());
 }
 
-std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region) {
+std::vector<const ExactRow*> nontrivialRows(const ExactRegion& region) {
   std::vector<const ExactRow*> rows;
   for (const ExactRow& row : region.rows) {
     const bool constant =

@@ -88,7 +88,7 @@ class ExactSolution {
 ExactStatus describeExactly(const ExactProgram& program, const std::vector<int>& active, ExactRegion& region);
 
 /// The rows that can fail: not those that are zero or a positive constant everywhere.
-std::vector<const ExactRow*> rowsThatCanFail(const ExactRegion& region);
+std::vector<const ExactRow*> nontrivialRows(const ExactRegion& region);
 
 /// The row of one side of the box.
 ExactRow boxRow(int p, int index);

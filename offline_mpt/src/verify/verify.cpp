@@ -128,18 +128,18 @@ class Checker {
         report.oracle_residual = std::max(report.oracle_residual, answer.residual);
         if (inside) compare(theta, lookup.region, answer, report);
         if (!inside || search_differs)
-          judgeByPlace(theta, inside ? report.tree_errors : report.missed, report);
+          checkByPlace(theta, inside ? report.tree_errors : report.missed, report);
         break;
       case OracleAnswer::Verdict::kInfeasible:
         ++report.infeasible;
         if (inside || search_differs)
-          judgeByDistance(theta, inside ? report.false_inside : report.tree_errors, report);
+          checkByDistance(theta, inside ? report.false_inside : report.tree_errors, report);
         break;
       case OracleAnswer::Verdict::kUnbounded:
-        judgeByPlace(theta, report.unbounded, report);
+        checkByPlace(theta, report.unbounded, report);
         break;
       case OracleAnswer::Verdict::kUndecided:
-        judgeByPlace(theta, report.undecided, report);
+        checkByPlace(theta, report.undecided, report);
         break;
     }
   }
@@ -171,7 +171,7 @@ class Checker {
   }
 
   // At the edge of the feasible set map and program may differ.
-  void judgeByPlace(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
+  void checkByPlace(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
     switch (oracle_.place(theta, options_.edge_tolerance)) {
       case ProgramOracle::Place::kDeep:
         note(finding, 0.0, theta);
@@ -185,7 +185,7 @@ class Checker {
     }
   }
 
-  void judgeByDistance(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
+  void checkByDistance(const Eigen::VectorXd& theta, Finding& finding, VerifyReport& report) {
     const double distance = oracle_.distanceToFeasible(theta);
     if (std::isnan(distance)) {
       note(report.undecided, distance, theta);

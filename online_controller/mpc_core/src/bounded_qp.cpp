@@ -162,7 +162,7 @@ QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
   return contradictory == 0 ? QpStatus::kOptimal : QpStatus::kInfeasible;
 }
 
-// Sides that the bounds and penalties of this problem allow: at no infinite bound, relaxed at a price only,
+// Sides that the bounds and penalties of this problem allow: at no infinite bound, relaxed only if its penalty is finite,
 // equalities always held.
 void BoundedQp::startFrom(const QpSide* start) noexcept {
   const int constraints = n_ + m_;

@@ -29,7 +29,7 @@ class ConfigThread {
  private:
   void apply();
   void noteInForce();
-  std::string bakedIn() const;
+  std::string fixedInMaps() const;
   bool onSwapMaps(online_controller::SwapMaps::Request& request,
                   online_controller::SwapMaps::Response& response);
   std::string waitForSwap() const;

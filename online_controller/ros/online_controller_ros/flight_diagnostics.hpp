@@ -8,7 +8,7 @@
 
 namespace polyfly_ros {
 
-/// Tells /diagnostics how the controller fares: status, percentiles of its times, what it missed. Lives in
+/// Publishes status, percentiles of computing times and missed samples on /diagnostics. Lives in
 /// the other thread.
 class FlightDiagnostics {
  public:

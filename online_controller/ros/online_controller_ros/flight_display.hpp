@@ -15,7 +15,7 @@ class FlightDisplay {
  public:
   explicit FlightDisplay(ros::NodeHandle& handle);
 
-  /// Whether somebody looks at paths: only then does it need them.
+  /// Whether a path topic has subscribers. Without them, snapshots need no paths.
   bool isWatched() const;
 
   void show(const FlightSnapshot& snapshot);

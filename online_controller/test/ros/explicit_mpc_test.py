@@ -21,8 +21,8 @@ from roslib.packages import find_node
 from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
-from controller_twin import AXES, HOVER, MapsFixture, pose_at
-from twin import PATIENCE, TWIN
+from controller_process import AXES, HOVER, MapsFixture, pose_at
+from node_or_nodelet import PATIENCE, VARIANT
 
 
 def problem_files():
@@ -274,4 +274,4 @@ class ExplicitMpcTest(MapsFixture):
 
 if __name__ == "__main__":
     rospy.init_node("explicit_mpc_test")
-    rostest.rosrun("online_controller", "explicit_mpc_" + TWIN, ExplicitMpcTest, sys.argv)
+    rostest.rosrun("online_controller", "explicit_mpc_" + VARIANT, ExplicitMpcTest, sys.argv)

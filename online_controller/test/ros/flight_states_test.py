@@ -13,8 +13,8 @@ from std_srvs.srv import Empty, Trigger
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 from geometry_msgs.msg import Transform
 
-from controller_twin import Controller, MapsFixture, pose_at
-from twin import PATIENCE
+from controller_process import Controller, MapsFixture, pose_at
+from node_or_nodelet import PATIENCE
 
 MASS, GRAVITY, PERIOD = 1.52, 9.8066, 0.01
 MANUAL, POSITION = -1.0, 1.0  # of the mode axis

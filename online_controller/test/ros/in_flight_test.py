@@ -21,8 +21,8 @@ from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import Marker
 
-from controller_twin import HOVER, Controller, MapsFixture, pose_at
-from twin import PATIENCE, TWIN, Collector
+from controller_process import HOVER, Controller, MapsFixture, pose_at
+from node_or_nodelet import PATIENCE, VARIANT, Collector
 
 HALF = math.sqrt(0.5)
 
@@ -318,4 +318,4 @@ class InFlightTest(MapsFixture):
 
 if __name__ == "__main__":
     rospy.init_node("in_flight_test")
-    rostest.rosrun("online_controller", "in_flight_" + TWIN, InFlightTest, sys.argv)
+    rostest.rosrun("online_controller", "in_flight_" + VARIANT, InFlightTest, sys.argv)

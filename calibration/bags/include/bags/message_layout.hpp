@@ -9,7 +9,7 @@
 
 namespace polyfly {
 
-/// How the bytes of a message follow from its definition, as it stands in the bag. Reads numbers by name
+/// Layout of a serialised ROS message, computed from the message definition in the bag. Reads numbers by name
 /// without the message's headers, and tells whether bytes are a whole message at all.
 class MessageLayout {
  public:

@@ -41,7 +41,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options);
 
 /// Sentences on what makes any result of this motion doubtful: the vehicle hardly moved, or did not
 /// accelerate where it tilted (frame, sign).
-std::vector<std::string> judgeMotion(const Motion& motion);
+std::vector<std::string> checkMotion(const Motion& motion);
 
 /// A model beside what was measured, for pictures; row by row as in `time`.
 struct MotionTrace {
@@ -66,7 +66,7 @@ struct DisturbanceBound {
   double independent_samples = 0.0;  ///< as many independent ones would tell as much
   std::vector<std::pair<double, double>> quantiles;  ///< share and value [m/s^2]
   std::vector<std::string> warnings;                 ///< sentences
-  bool supported = true;  ///< confidence reached, and the motion is one that judgeMotion finds sound
+  bool supported = true;  ///< confidence reached, and the motion is one that checkMotion finds sound
 };
 
 struct BoundOptions {

@@ -14,7 +14,7 @@
 
 namespace polyfly {
 
-/// What a controller node heard and said in one flight, free of ROS.
+/// Messages that a controller node received and sent in one flight, without ROS types.
 struct FlightLog {
   enum class EventKind {
     kOdometry,   ///< index into `odometry`

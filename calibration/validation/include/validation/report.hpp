@@ -10,7 +10,7 @@
 
 namespace polyfly {
 
-/// All that a report tells of. Views; the report is made while they live.
+/// The content of a report. References: they must stay valid until the report is written.
 struct ReportContent {
   const FlightLog& log;
   const std::vector<ReplaySample>& samples;

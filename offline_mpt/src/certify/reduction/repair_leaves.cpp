@@ -28,7 +28,7 @@ bool repairLeaves(MapContent& content, const ReductionReport& report) {
     if (defect.leaf >= 0)
       leaves[static_cast<std::size_t>(defect.leaf)].insert(defect.missing.begin(), defect.missing.end());
   }
-  bool mended = false;
+  bool repaired = false;
   for (auto& [index, candidates] : leaves) {
     MapContent::Leaf& leaf = content.leaves[index];
     const auto first = content.candidates.begin() + static_cast<std::ptrdiff_t>(leaf.first);
@@ -38,10 +38,10 @@ bool repairLeaves(MapContent& content, const ReductionReport& report) {
     leaf = {static_cast<std::uint32_t>(content.candidates.size()),
             static_cast<std::uint32_t>(candidates.size())};
     content.candidates.insert(content.candidates.end(), candidates.begin(), candidates.end());
-    mended = true;
+    repaired = true;
   }
-  if (mended) packLeaves(content);
-  return mended;
+  if (repaired) packLeaves(content);
+  return repaired;
 }
 
 }  // namespace polyfly

@@ -47,9 +47,9 @@ bool has(const Cell& cell, const ExactRow& row) {
   return std::find(cell.rows.begin(), cell.rows.end(), &row) != cell.rows.end();
 }
 
-class Dissector {
+class CellPartitioner {
  public:
-  Dissector(const ExactMap& map, const LeafVisit& visit, ProofWriter& log)
+  CellPartitioner(const ExactMap& map, const LeafVisit& visit, ProofWriter& log)
       : map_(map), visit_(visit), log_(log) {}
 
   bool descend(std::uint32_t child, const Cell& cell) {
@@ -267,7 +267,7 @@ void ProofWriter::empty(char word, const std::vector<const ExactRow*>& rows, int
 }
 
 bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit, ProofWriter& log) {
-  return Dissector(map, visit, log).descend(map.map().root(), cell);
+  return CellPartitioner(map, visit, log).descend(map.map().root(), cell);
 }
 
 bool subtract(const ExactMap& map, const ExactCell& cell, const std::vector<std::uint32_t>& regions, CutBy by,

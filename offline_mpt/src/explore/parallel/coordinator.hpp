@@ -26,7 +26,7 @@ class Coordinator {
   using Clock = std::chrono::steady_clock;
 
   struct RankState {
-    std::size_t threads = 0;     // 0: has not said hello
+    std::size_t threads = 0;     // 0: has not joined
     std::deque<Batch*> working;  // with it, in the order in which they were sent
     std::deque<Batch*> back;     // answered, not yet given back
     Clock::time_point heard;

@@ -71,7 +71,7 @@ MakeWorker regionWorkers(const NormalisedProgram& program, const ExploreOptions&
   return [&] { return std::make_unique<RegionWorker>(program, options); };
 }
 
-// The queue is what the threads meet at: its mutex orders all that they share. TBB may lend fewer threads,
+// The mutex of the queue protects all that the threads share. TBB may provide fewer threads,
 // which changes nothing but the time.
 void runWorkers(const MakeWorker& make, int threads, WorkQueue& queue) {
   if (threads == 1) return work(make, queue);

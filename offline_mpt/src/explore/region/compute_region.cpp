@@ -72,7 +72,7 @@ void addAround(RegionSolver& worker, const ActiveSet& active, RegionResult& out)
 void findBehindFacets(RegionSolver& worker, const ActiveSet& active, RegionResult& out) {
   for (const Facet& facet : out.region.facets) {
     worker.sets.clear();
-    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kEdge) continue;
+    if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kBoundary) continue;
     worker.behind->find(facet, out.region, worker.sets, out.neighbours, out.unresolved);
     ++out.degenerate_facets;
   }

@@ -81,7 +81,7 @@ bool FacetNeighbours::takeRegion(const ActiveSet& active) {
 FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   ActiveSet active;
   if (!activeSetAt(program_, qps_[0], t + kBehindFacet[3] * normal_, kFacetEdge, 0.0, active))
-    return Behind::kEdge;
+    return Behind::kBoundary;
   const double mean = program_.curvature.trace() / program_.n;
   const auto holds = [&](const Region& region) {
     return std::all_of(region.facets.begin(), region.facets.end(), [&](const Facet& facet) {
@@ -103,7 +103,7 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   }
   const double distance = program_.D.size() > 0 ? program_.D.cwiseAbs().maxCoeff() : 1.0;
   const bool without_limit = lengths[1] > kGrows * lengths[0] && lengths[1] > kFar * (1.0 + distance);
-  return without_limit ? Behind::kEdge : Behind::kUnknown;
+  return without_limit ? Behind::kBoundary : Behind::kUnknown;
 }
 
 // How far the way behind the facet leads from t until it leaves the parameters' set.
@@ -157,7 +157,7 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
     const Eigen::VectorXd t = foot_ + basis_ * centre;
     const std::size_t known = behind_.size();
     const Behind what = lookBehind(t);
-    if (what == Behind::kEdge) break;  // of a convex set: along the whole facet
+    if (what == Behind::kBoundary) break;  // of a convex set: along the whole facet
     if (what == Behind::kRegion || behind_.size() > known) {
       pieces.push_back(piece);
       continue;

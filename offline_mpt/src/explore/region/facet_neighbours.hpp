@@ -28,7 +28,7 @@ class FacetNeighbours {
 
  private:
   using ConvexCell = std::vector<double>;  // rows in coordinates of the facet's plane
-  enum class Behind { kRegion, kEdge, kUnknown };
+  enum class Behind { kRegion, kBoundary, kUnknown };
 
   void lay(const Facet& facet);
   bool restrict(const Facet& facet, int sign, ConvexCell& piece) const;

@@ -320,7 +320,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
 
 bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) const {
   if (status == BuildStatus::kDependent) return false;
-  if (misleads()) return true;
+  if (isIllConditioned()) return true;
   if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
   return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
 }

@@ -87,7 +87,7 @@ class RegionBuilder {
   double growth() const;
   BuildStatus measure(const ActiveSet& active, Region& region);
   /// Even estimates of errors do.
-  bool misleads() const { return doubtful_ || pivot_ < kDistant; }
+  bool isIllConditioned() const { return doubtful_ || pivot_ < kDistant; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);

@@ -14,8 +14,8 @@ constexpr double kClear =
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
   is_accurate_ = false;
   const bool held = holdsAsDescribed(active, t, tolerance);
-  if (!misleads() && plane_error_ <= kAccurate) return held;
-  if (!held && !misleads() && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
+  if (!isIllConditioned() && plane_error_ <= kAccurate) return held;
+  if (!held && !isIllConditioned() && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
     return false;
   return describeAccurately(active) ? holdsAsDescribed(active, t, tolerance) : held;
 }

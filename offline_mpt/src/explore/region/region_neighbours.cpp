@@ -191,11 +191,11 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& s
 
 Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region, const Facet& facet,
                                    ActiveSetList& sets) {
-  if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kEdge;
+  if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kBoundary;
   findChanges(facet);
   const bool at_border = std::any_of(changes_.begin(), changes_.end(),
                                      [&](int row) { return origins_[row].kind == RowOrigin::Kind::kDomain; });
-  if (at_border) return Crossing::kEdge;
+  if (at_border) return Crossing::kBoundary;
   const RowSpan all = spanOf(active);
   const int index = facet.origin.index;
   const std::size_t before = sets.size();
@@ -205,7 +205,7 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region
   }
   if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier) {
     enter(active, index, sets);
-    return sets.size() == before ? Crossing::kEdge : Crossing::kDegenerate;
+    return sets.size() == before ? Crossing::kBoundary : Crossing::kDegenerate;
   }
   if (changes_.size() > 1) {
     cross(active, region, facet);
@@ -220,7 +220,7 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region
   } else {
     cross(active, region, facet);
     const int leaving = exchange(active, index, sets);
-    if (leaving < 0) return Crossing::kEdge;
+    if (leaving < 0) return Crossing::kBoundary;
     crossing = beginsBehind(active, leaving) ? Crossing::kExchange : Crossing::kDegenerate;
   }
   // Rows that are tight all over the region without a multiplier may get one beyond the facet.

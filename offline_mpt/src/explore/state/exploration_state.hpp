@@ -32,7 +32,7 @@ struct ExplorationState : SetQueue {
   ActiveSetList neighbours_;
 };
 
-/// Appends what describing a set yielded, in the form that ExplorationState::merge reads.
+/// Appends the result for one active set, in the format that ExplorationState::merge reads.
 void writeAnswer(const RegionResult& described, const ActiveSet& active, std::uint64_t pivots,
                  ByteWriter& out);
 

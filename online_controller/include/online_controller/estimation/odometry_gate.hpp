@@ -7,7 +7,7 @@
 namespace polyfly {
 
 /// Lets through the odometry that one vehicle can have flown. A sample is refused when it
-/// - is not sane (kNotFinite, see isValid);
+/// - is not valid (kNotFinite, see isValid);
 /// - repeats itself while the vehicle must be moving (kStale, see RepeatCheck): it counts as silence;
 /// - bears a stamp before that of the last accepted one (kOutOfOrder);
 /// - lies further from the last accepted one than its velocities, 20 m/s^2 and jump_distance explain (kJump);

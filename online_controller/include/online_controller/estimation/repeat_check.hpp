@@ -17,7 +17,7 @@ namespace polyfly {
 /// none.
 class RepeatCheck {
  public:
-  /// Takes the next sample, a sane one. Whether odometry has repeated itself for longer than `repeat_time`
+  /// Takes the next sample, a valid one. Whether odometry has repeated itself for longer than `repeat_time`
   /// [s] while the vehicle must be moving; 0: never.
   bool repeats(const VehicleState& state, double repeat_time) noexcept;
 

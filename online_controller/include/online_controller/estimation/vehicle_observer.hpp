@@ -36,7 +36,7 @@ class VehicleObserver {
   /// `model` gives gravity and drag. Throws Error when an option is out of range.
   VehicleObserver(const MultirotorModel& model, const MultirotorOptions& vehicle, const MomentModel& moments);
 
-  /// A sane sample, until which `held` was the command.
+  /// A valid sample, until which `held` was the command.
   void update(const VehicleState& state, const AttitudeCommand& held) noexcept;
 
   /// Goes on with what another one knows, a calibration under way included, by its own mass and noise.

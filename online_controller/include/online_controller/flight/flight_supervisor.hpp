@@ -64,7 +64,7 @@ class FlightSupervisor {
   const char* holdPosition() noexcept;
 
   /// Why a calibration makes no sense now, nullptr when the vehicle hovers.
-  const char* whyNoHover() const noexcept;
+  const char* hoverRefusal() const noexcept;
 
   /// What the law's observer begins a take-off with: found by a calibration at hover [m/s^2].
   void setRestingDisturbance(const Eigen::Vector3d& disturbance) noexcept {
@@ -109,7 +109,7 @@ class FlightSupervisor {
   const ControlReport& fly(const VehicleState& state) noexcept;
   void watchTask(const VehicleState& state) noexcept;
   bool makePreview(double time, int count) noexcept;
-  void judgeEarlyReferences() noexcept;
+  void checkEarlyReferences() noexcept;
   Reference stop() const noexcept;
   void startTask(FlightState task, FlightEvent cause) noexcept;
 

@@ -29,7 +29,7 @@ class AxisLaw {
 
   /// For a map of a tracking problem: a law that solves the same problem online, with the parameters in the
   /// same order; nullptr for others. Throws Error.
-  virtual std::unique_ptr<AxisLaw> onlineTwin() const { return nullptr; }
+  virtual std::unique_ptr<AxisLaw> onlineEquivalent() const { return nullptr; }
 
   virtual void reset() noexcept = 0;
 

@@ -44,7 +44,7 @@ class ControlLaw {
   /// Forgets the integral of the position error, see PositionIntegrator.
   virtual void resetIntegrator() noexcept = 0;
 
-  /// In place of step() while another law flies: keeps the observer awake and takes `sent` for its own last
+  /// In place of step() while another law flies: updates the observer and takes `sent` for its own last
   /// command, so that the next step() goes on from there.
   virtual void track(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
 

@@ -11,11 +11,11 @@ namespace polyfly {
 
 /// Where a constraint stands in a working set.
 enum class QpSide : std::int8_t {
-  kLowerRelaxed = -2,  ///< violated below, at the price of its penalty
+  kLowerRelaxed = -2,  ///< lower bound violated; its penalty is active
   kLower = -1,         ///< held at its lower bound
   kInactive = 0,
   kUpper = 1,         ///< held at its upper bound
-  kUpperRelaxed = 2,  ///< violated above, at the price of its penalty
+  kUpperRelaxed = 2,  ///< upper bound violated; its penalty is active
 };
 
 /// The vectors of a quadratic program, read during the call only. Bounds may be infinite.

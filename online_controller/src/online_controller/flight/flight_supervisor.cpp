@@ -132,7 +132,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
   if (restarted_) law_->restartObserver();
   last_ = state;
   fresh_ = true;
-  if (!located_) judgeEarlyReferences();
+  if (!located_) checkEarlyReferences();
   switch (state_) {
     case FlightState::kInactive:
     case FlightState::kLanded:
@@ -154,7 +154,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, boo
   return *report_;
 }
 
-void FlightSupervisor::judgeEarlyReferences() noexcept {
+void FlightSupervisor::checkEarlyReferences() noexcept {
   located_ = true;
   early_excess_ = references_.findExcess(last_.position, options_.reference_limits);
   if (early_excess_.limit != nullptr) dropReferences();
@@ -346,7 +346,7 @@ void FlightSupervisor::resetObserver() noexcept {
   law_->setDisturbance(Eigen::Vector3d::Zero());
 }
 
-const char* FlightSupervisor::whyNoHover() const noexcept {
+const char* FlightSupervisor::hoverRefusal() const noexcept {
   if (!fresh_) return "there is no fresh odometry";
   if (state_ != FlightState::kPositionHold) return "it does not hold its position";
   return last_.velocity.norm() <= kHoverSpeed ? nullptr : "it moves";

@@ -48,7 +48,7 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
       observer_(law_->problem(), observerOptions(law_->problem(), names, options)) {
   bindSignals(names);
   readModel(law_->problem(), names);
-  if (options.solve_outside) beyond_ = law_->onlineTwin();
+  if (options.solve_outside) beyond_ = law_->onlineEquivalent();
 }
 
 void Axis::reset() noexcept {

@@ -26,7 +26,7 @@ class ExplicitAxisLaw final : public AxisLaw {
     return map_->evaluate(theta, input);
   }
   void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
-  std::unique_ptr<AxisLaw> onlineTwin() const override;
+  std::unique_ptr<AxisLaw> onlineEquivalent() const override;
   void reset() noexcept override {}
 
  private:
@@ -95,7 +95,7 @@ MpcProblem inOrder(MpcProblem problem, const std::vector<Signal>& signals) {
 
 }  // namespace
 
-std::unique_ptr<AxisLaw> ExplicitAxisLaw::onlineTwin() const {
+std::unique_ptr<AxisLaw> ExplicitAxisLaw::onlineEquivalent() const {
   if (problem_.minimum_peak) return nullptr;
   return onlineAxisLaw(inOrder(problem_, parameters()));
 }

@@ -62,7 +62,7 @@ inline void* reallocate(void* before, std::size_t, std::size_t size) {
 /// tool: one line `TOOL: out of memory`, exit code 2. So does an exception that nobody catches, as of a
 /// thread. `tool` must last as long as the program. Nothing else is in this file, so that the checkers of
 /// proofs can use it.
-inline void endInWordsWithoutMemory(const char* tool) {
+inline void installOutOfMemoryHandler(const char* tool) {
   out_of_memory::tool = tool;
   mp_set_memory_functions(out_of_memory::allocate, out_of_memory::reallocate, nullptr);
   std::set_terminate(out_of_memory::onTerminate);

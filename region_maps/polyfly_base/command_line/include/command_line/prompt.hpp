@@ -34,7 +34,7 @@ inline std::optional<std::size_t> askAtTerminal(const std::string& question,
 }
 
 /// The question where somebody can answer it, else none: scripts get an error that names the option.
-inline Ask askWhereThereIsATerminal() {
+inline Ask promptIfTerminal() {
   return isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0 ? Ask(askAtTerminal) : Ask();
 }
 

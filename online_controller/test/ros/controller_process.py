@@ -14,7 +14,7 @@ from online_controller.msg import ControllerStatus
 from roslib.packages import find_node
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-import twin
+import node_or_nodelet
 
 HOVER = 1.52 * 9.8066
 AXES = ("longitudinal", "lateral", "vertical")
@@ -34,13 +34,13 @@ def pose_at(x, y, z):
     return pose
 
 
-class Controller(twin.Program):
-    """Runs `command`, the twin without one."""
+class Controller(node_or_nodelet.Program):
+    """Runs `command`, or without one the node or nodelet that is tested."""
 
     def __init__(self, namespace, maps=None, parameters=None, name="controller", command=None):
         chosen = {"maps/" + axis: path for axis, path in (maps or {}).items() if path}
         chosen.update(parameters or {})
-        super().__init__(command or twin.command_line("online_controller", "explicit_mpc_node", "ExplicitMpc"), namespace,
+        super().__init__(command or node_or_nodelet.command_line("online_controller", "explicit_mpc_node", "ExplicitMpc"), namespace,
                          name, chosen)
 
     def connect(self):
@@ -61,8 +61,8 @@ class Controller(twin.Program):
             change(odometry)
             stamp = odometry.header.stamp
             self.odometry.publish(odometry)
-            status = self.statuses.wait(lambda m: m.header.stamp == stamp, twin.RETRY)
-            command = self.commands.wait(lambda m: m.header.stamp == stamp, twin.RETRY)
+            status = self.statuses.wait(lambda m: m.header.stamp == stamp, node_or_nodelet.RETRY)
+            command = self.commands.wait(lambda m: m.header.stamp == stamp, node_or_nodelet.RETRY)
             return (command, status) if status and command and accept(status) else None
 
         return self.answer(ask)
@@ -91,7 +91,7 @@ class MapsFixture(unittest.TestCase):
         return controller.connect()
 
     def refusal(self, maps=None, parameters=None):
-        """What the twin says when it must not start."""
+        """What it says when it must not start."""
         controller = Controller("refusal_" + self.id().split(".")[-1], self.maps if maps is None else maps, parameters)
         output = controller.output_at_end()
         self.assertNotEqual(controller.process.returncode, 0)

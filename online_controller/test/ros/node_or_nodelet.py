@@ -10,12 +10,12 @@ from roslib.packages import find_node
 
 PATIENCE = 30.0  # until something must have happened [s]
 RETRY = 0.5      # until a message counts as lost, while connections are being made [s]
-TWIN = "nodelet" if "nodelet" in sys.argv else "node"  # under test
+VARIANT = "nodelet" if "nodelet" in sys.argv else "node"  # under test
 
 
 def command_line(package, node, nodelet):
-    """Program and arguments of the twin: of a node, or of the nodelet that holds the same."""
-    if TWIN == "nodelet":
+    """Program and arguments of what is tested: the node, or the nodelet of the same class."""
+    if VARIANT == "nodelet":
         return [find_node("nodelet", "nodelet")[0], "standalone", package + "/" + nodelet]
     return [find_node(package, node)[0]]
 
