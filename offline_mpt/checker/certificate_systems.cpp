@@ -128,7 +128,7 @@ Region Certificate::describe(std::size_t index) const {
     const Row cost_multiplier = linear_ ? part(n_ + r, 1) : singular_ ? part(n_ + r, 0) : Row(width);
     const bool by_cost = !is_zero(cost_multiplier);
     const Row own = by_cost ? cost_multiplier : part(n_ + r + (singular_ ? rows.size() : 0), 0);
-    region.rows[(priced ? "p" : "m") + std::to_string(rows[r])] = primitive(own);
+    region.rows[(by_cost ? "p" : "m") + std::to_string(rows[r])] = primitive(own);
   }
   addSlacks(z, determinant, std::set<std::size_t>(rows.begin(), rows.end()), region);
   addDomain(region);
