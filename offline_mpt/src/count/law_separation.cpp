@@ -10,8 +10,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kBoundWeight =
-    1e-9;                             // weight of |(z, t)|^2 that makes the search for bounds strictly convex
+// Weight of |(z, t)|^2 that makes the search for bounds strictly convex.
+constexpr double kBoundWeight = 1e-9;
 constexpr double kMostLeft = 0.5;     // of z_j that its weights may leave unexplained
 constexpr double kRoundingUp = 1.01;  // for the rounding of what is computed here
 constexpr double kLawErrors = 4.0;    // differences of laws that are written once, in kSameLaw: of each from

@@ -8,14 +8,11 @@ namespace polyfly {
 namespace {
 
 constexpr double kIndependentRow = 1e-9;  // squared distance of a unit row from the span of the others
-constexpr double kRoundingSafety =
-    100.0;  // by how much a value must exceed the estimate of what rounding does
+// By how much a value must exceed the estimate of what rounding does.
+constexpr double kRoundingSafety = 100.0;
 
-enum TestedRow : char {
-  kRowInactive,
-  kRowActive,
-  kRowSilent
-};  // silent: equalities, multiples of active rows
+// Silent: equalities, multiples of active rows.
+enum TestedRow : char { kRowInactive, kRowActive, kRowSilent };
 
 }  // namespace
 

@@ -16,8 +16,8 @@ using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 constexpr double kSystemRounding = 0x1.0p-52;
 constexpr double kWideRounding = 0x1.0p-62;
-constexpr double kDefiniteUnitDiagonal =
-    1e-13;                           // least eigenvalue of H with a unit diagonal that doubles can be sure of
+// Least eigenvalue of H with a unit diagonal that doubles can be sure of.
+constexpr double kDefiniteUnitDiagonal = 1e-13;
 constexpr double kMultiple = 1e-12;  // difference above which rows need no exact look
 
 /// Ratio of the eigenvalues of H scaled to a unit diagonal.

@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kSlackShare =
     0.125;  // of the map's tolerance: how far regions may be off when they are joined
-constexpr double kEmptyInterior =
-    1e-11;  // regions with a smaller inscribed ball are left as they are [scaled]
+// Regions with a smaller inscribed ball are left as they are [scaled]
+constexpr double kEmptyInterior = 1e-11;
 constexpr double kConstantInput = 1e-6;  // greatest change of a constant input over the box, relative as laws
 constexpr std::size_t kMostFallbacks = 64;
 

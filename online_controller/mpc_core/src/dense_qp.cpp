@@ -10,13 +10,13 @@
 namespace polyfly {
 namespace {
 
-constexpr double kDenseFeasible =
-    1e-11;  // violation of a normalised row that is left alone, relative to 1 + |d|
+// Violation of a normalised row that is left alone, relative to 1 + |d|.
+constexpr double kDenseFeasible = 1e-11;
 constexpr double kDenseDependent = 1e-10;  // pivot below which a row depends on the active ones
 constexpr double kVoidRow = 1e-13;         // squared length below which a row constrains nothing
 constexpr int kPolishRounds = 10;          // restarts after rounding has spoilt the multipliers
-constexpr double kDenseRounding =
-    1e-13;  // multipliers above minus this, relative to the largest, count as non-negative
+// Multipliers above minus this, relative to the largest, count as non-negative.
+constexpr double kDenseRounding = 1e-13;
 constexpr double kDenseNegative = 1e-12;  // direction entries below this do not block
 
 }  // namespace

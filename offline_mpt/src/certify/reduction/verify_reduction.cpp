@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kSlackShare = 0.5;  // of the maps' tolerance
 constexpr std::size_t kFew = 16;     // regions that are tried without asking the tree which ones matter
-constexpr double kNearRegion =
-    0.01;  // regions farther from a sliver's point are looked at only if that fails [scaled]
+// Regions farther from a sliver's point are looked at only if that fails [scaled]
+constexpr double kNearRegion = 0.01;
 constexpr std::size_t kMostLost = 100;  // parts of a region that are reported
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 

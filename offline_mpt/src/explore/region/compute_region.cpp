@@ -15,8 +15,8 @@ constexpr double kLinearProbe =
     1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
 constexpr double kClearlyInside =
     1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
-constexpr double kProbeEdge =
-    1e-9;  // a probe whose rows cannot all keep this slack lies at the edge of the feasible set
+// A probe whose rows cannot all keep this slack lies at the edge of the feasible set.
+constexpr double kProbeEdge = 1e-9;
 constexpr double kActiveMultiplier = 1e-10;  // multipliers below this are not active in a starting point
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
