@@ -33,12 +33,12 @@ class Collector:
             self.messages.append(message)
             self.changed.notify_all()
 
-    def wait(self, condition, timeout=PATIENCE):
-        """The first message that meets the condition, None after the time-out."""
+    def wait(self, condition, timeout=PATIENCE, since=0):
+        """The first message from number `since` on that meets the condition, None after the time-out."""
         found = []
 
         def arrived():
-            found.extend(m for m in self.messages if condition(m))
+            found.extend(m for m in self.messages[since:] if condition(m))
             return bool(found)
 
         with self.changed:
