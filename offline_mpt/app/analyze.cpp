@@ -6,6 +6,7 @@
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/analyze_map.hpp"
 #include "progress.hpp"
+#include "region_maps/region_map.hpp"
 #include "signals.hpp"
 
 namespace polyfly {

@@ -10,6 +10,7 @@
 #include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
 #include "region_maps/format.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "signals.hpp"
 #include "verify_reduction.hpp"

@@ -7,6 +7,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "progress.hpp"
+#include "region_maps/region_map.hpp"
 #include "signals.hpp"
 #include "verify_exact.hpp"
 #include "verify_reduction.hpp"

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "progress.hpp"
+#include "region_maps/region_map.hpp"
 #include "signals.hpp"
 
 namespace polyfly {

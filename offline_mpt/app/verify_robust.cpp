@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "robust_mpc/prove_map.hpp"
 
 namespace polyfly {

@@ -4,9 +4,10 @@
 #include <string>
 
 #include "command.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// What `verify` was asked for, of a map of a problem of type robust_mpc.
 struct VerifyRobustOptions {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "region_maps/format.hpp"
-#include "region_maps/region_map.hpp"
+#include "region_maps/lookup.hpp"
 
 namespace polyfly {
 

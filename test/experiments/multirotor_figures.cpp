@@ -18,6 +18,7 @@
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "polyfly_test/law_flight.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace {
 

@@ -18,6 +18,7 @@
 #include "polyfly_base/error.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "project_root.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

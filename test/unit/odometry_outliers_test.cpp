@@ -17,6 +17,7 @@
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "outlier_flight.hpp"
 #include "project_root.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "robust_mpc/robust_problem.hpp"

@@ -11,6 +11,7 @@
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
+#include "region_maps/region_map.hpp"
 #include "validation/replay.hpp"
 
 namespace polyfly_ros {

@@ -14,6 +14,7 @@
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "region_maps/region_map.hpp"
 #include "robust_mpc/online_law.hpp"
 #include "validation/controller_options.hpp"
 #include "validation/map_comparison.hpp"

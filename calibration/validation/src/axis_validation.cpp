@@ -5,6 +5,7 @@
 #include "identification/loop_record.hpp"
 #include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "region_maps/region_map.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {

@@ -10,6 +10,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "validation_parts.hpp"
 
 namespace polyfly {

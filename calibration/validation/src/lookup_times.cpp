@@ -6,6 +6,8 @@
 #include <numeric>
 #include <random>
 
+#include "region_maps/region_map.hpp"
+
 namespace polyfly {
 namespace {
 

@@ -6,6 +6,7 @@
 #include "online_axis.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "map_plot/slice.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "region_maps/region_map.hpp"
 #include "report_parts.hpp"
 
 namespace polyfly {

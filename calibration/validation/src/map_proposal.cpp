@@ -17,6 +17,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 
 namespace polyfly {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "online_controller/laws/axis.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

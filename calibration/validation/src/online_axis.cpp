@@ -9,6 +9,7 @@
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

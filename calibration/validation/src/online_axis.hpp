@@ -4,10 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "region_maps/region_map.hpp"
 #include "validation/online_oracle.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// The program that a map was made from, solved online: what the explicit law must equal.
 class OnlineAxis {

@@ -7,6 +7,7 @@
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

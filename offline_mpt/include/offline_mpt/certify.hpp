@@ -9,9 +9,10 @@
 
 #include "mpc_core/parametric_program.hpp"
 #include "offline_mpt/partition.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 struct CertifyOptions {
   int threads = 1;  ///< 1..256; the report and the certificate do not depend on it

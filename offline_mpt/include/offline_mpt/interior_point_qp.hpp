@@ -3,8 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <vector>
+
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 
@@ -73,7 +74,7 @@ class InteriorPointQp {
 
   // z = z0 + N y; inequality rows in y with unit normals. Rows without a normal left in y are in `fixed_`.
   Eigen::MatrixXd A_eq_, N_;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> eq_factor_, eq_transposed_factor_;
+  ShortestLeastSquares eq_factor_, eq_transposed_factor_;
   Eigen::MatrixXd H_y_, A_y_;
   std::vector<int> rows_, fixed_;
   Eigen::VectorXd norm_y_;

@@ -6,10 +6,12 @@
 #include <functional>
 #include <string>
 
+#include "region_maps/lookup.hpp"
 #include "region_maps/map_content.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// How regions of one law are joined.
 enum class MergeMethod : std::uint8_t {

@@ -7,9 +7,10 @@
 #include <string>
 
 #include "mpc_core/parametric_program.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 struct VerifyOptions {
   std::uint64_t samples = 10'000;  ///< parameters to try

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "region_maps/map_content.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 struct ReductionOptions {
   int threads = 1;  ///< 1..256; the report does not depend on it

@@ -1,11 +1,12 @@
 #include "robust_mpc/disturbance_bounds.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
+#include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
 
@@ -43,8 +44,8 @@ class Estimation {
       const Signal& error = problem.parameters[at(errors[at(i)])].signal;
       weight_[i] = 2.0 / (error.upper - error.lower);
     }
-    solver_.compute(weight_.asDiagonal() * G_);
-    if (solver_.rank() < G_.cols())
+    solver_.emplace(weight_.asDiagonal() * G_);
+    if (solver_->rank() < G_.cols())
       throw Error(problem.source + ": model.G: columns must not depend on each other");
     samples_.resize(at(G_.cols()));
   }
@@ -57,7 +58,7 @@ class Estimation {
       if (!row.allFinite() || !next.allFinite()) continue;
       const VectorXd rest =
           weight_.asDiagonal() * (next - A_ * row.head(A_.rows()) - B_ * row.segment(A_.rows(), B_.cols()));
-      const VectorXd w = solver_.solve(rest);
+      const VectorXd w = solver_->solve(rest);
       total_ += rest.squaredNorm();
       unexplained_ += (rest - weight_.asDiagonal() * G_ * w).squaredNorm();
       for (Eigen::Index c = 0; c < w.size(); ++c) samples_[at(c)].push_back(w[c]);
@@ -109,7 +110,7 @@ class Estimation {
   const RobustProblem& problem_;
   MatrixXd A_, B_, G_;
   VectorXd weight_;
-  Eigen::ColPivHouseholderQR<MatrixXd> solver_;
+  std::optional<PivotedQr> solver_;
   std::vector<std::vector<double>> samples_;  // by channel
   double total_ = 0.0;
   double unexplained_ = 0.0;

@@ -8,6 +8,7 @@
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
 #include "rational_parts.hpp"
+#include "region_maps/region_map.hpp"
 #include "robust_mpc/online_lp.hpp"
 
 namespace polyfly {

@@ -10,6 +10,7 @@
 #include "map_domain.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_cover.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 #include "vertex_tests.hpp"
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "polytope_sets/analyze_map.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

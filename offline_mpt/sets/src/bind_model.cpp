@@ -2,6 +2,7 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/analyze_map.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "region_maps/region_map.hpp"
+
 namespace polyfly {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cone.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 

@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "polytope_sets/exact_polytope.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// value / by, rounded without exact division: for guesses.
 double ratio(const Integer& value, const Integer& by);

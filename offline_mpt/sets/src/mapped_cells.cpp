@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "region_maps/region_map.hpp"
+
 namespace polyfly {
 namespace {
 

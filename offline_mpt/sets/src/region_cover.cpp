@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cone.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

@@ -3,9 +3,10 @@
 #include <vector>
 
 #include "polytope_sets/exact_polytope.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// A double above the value, or 0 for 0.
 double roundedUp(const Rational& value);

@@ -7,6 +7,7 @@
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/certificate_text.hpp"
 
 namespace polyfly {

@@ -10,6 +10,7 @@
 #include "certify/slivers.hpp"
 #include "certify/unbounded.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

@@ -1,12 +1,13 @@
 #include "certify/facet_cover_proof.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "certify/facet_cover.hpp"
 #include "certify/slivers.hpp"
+#include "mpc_core/decompositions.hpp"
 #include "offline_mpt/exact_lp.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -94,7 +95,7 @@ bool FacetCoverProof::mayCancel(const std::vector<int>& rows, int last) const {
     others.col(static_cast<Eigen::Index>(k)) = A.row(rows[k]).normalized();
   const Eigen::VectorXd target = A.row(last).normalized();
   if (rows.empty()) return target.norm() < kClearlyFree;
-  return (others * others.colPivHouseholderQr().solve(target) - target).norm() < kClearlyFree;
+  return (others * PivotedQr(others).solve(target) - target).norm() < kClearlyFree;
 }
 
 // Beyond the facet no z exists: rows that are tight on it add up to 0 z <= something that is negative there.

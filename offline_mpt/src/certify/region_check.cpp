@@ -9,6 +9,7 @@
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/facet_cover.hpp"
 #include "certify/slivers.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

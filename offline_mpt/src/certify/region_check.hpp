@@ -7,9 +7,11 @@
 #include "certify/farkas_proof.hpp"
 #include "exact_kkt/exact_region.hpp"
 #include "offline_mpt/certify.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
+struct RegionView;
 
 /// A listed half-space of a region of the map, after its exact row was found.
 struct CheckedFacet {

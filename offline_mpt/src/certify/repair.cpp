@@ -8,6 +8,7 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly {

@@ -10,6 +10,7 @@
 #include "certify/facet_cover.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,10 +3,10 @@
 #include <gmpxx.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -26,10 +26,9 @@ double condition(const ParametricProgram& program) {
   double least = -1.0, greatest = 0.0;
   if (diagonal.minCoeff() > 0.0) {
     const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * program.H *
-                                                                scale.asDiagonal());
-    least = solver.eigenvalues()(0);
-    greatest = solver.eigenvalues()(scale.size() - 1);
+    const Eigen::VectorXd values = symmetricEigen(scale.asDiagonal() * program.H * scale.asDiagonal()).values;
+    least = values(0);
+    greatest = values(scale.size() - 1);
   }
   if (least <= kDefiniteUnitDiagonal * greatest)
     throw Error(program.name + ": H: must be positive definite to count");

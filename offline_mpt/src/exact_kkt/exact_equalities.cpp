@@ -1,11 +1,11 @@
 #include "exact_kkt/exact_equalities.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "arithmetic/exact_numbers.hpp"
+#include "mpc_core/decompositions.hpp"
 #include "program/program_rows.hpp"
 
 namespace polyfly {
@@ -64,9 +64,9 @@ bool followNearly(const ParametricProgram& program, const std::vector<int>& basi
                   const std::vector<int>& others) {
   const int n = program.variableCount();
   const Eigen::MatrixXd from = unitColumns(program, basis), to = unitColumns(program, others);
-  const Eigen::MatrixXd weights =
-      basis.empty() ? Eigen::MatrixXd::Zero(0, to.cols())
-                    : Eigen::MatrixXd(from.topRows(n).colPivHouseholderQr().solve(to.topRows(n)));
+  const Eigen::MatrixXd weights = basis.empty()
+                                      ? Eigen::MatrixXd::Zero(0, to.cols())
+                                      : PivotedQr(from.topRows(n)).solve(Eigen::MatrixXd(to.topRows(n)));
   const Eigen::MatrixXd rest = to - from * weights;
   for (Eigen::Index k = 0; k < to.cols(); ++k) {
     const double size =
@@ -84,12 +84,10 @@ void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows,
   adjustment.basis.clear();
   if (rows.empty()) return;
   adjustment.basis = exactBasis(program, rows);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(
-      unitColumns(program, adjustment.basis).topRows(program.variableCount()));
-  qr.setThreshold(kDependent);
+  const PivotedQr qr(unitColumns(program, adjustment.basis).topRows(program.variableCount()), kDependent);
   std::vector<int> basis, dropped;
   for (Eigen::Index k = 0; k < qr.rank(); ++k)
-    basis.push_back(adjustment.basis[static_cast<std::size_t>(qr.colsPermutation().indices()(k))]);
+    basis.push_back(adjustment.basis[static_cast<std::size_t>(qr.column(k))]);
   std::sort(basis.begin(), basis.end());
   for (const int row : rows) {
     if (holds(basis, row) || followsExactly(program, basis, row)) continue;

@@ -1,10 +1,9 @@
 #include "program/normalised_program.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 
+#include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
 
@@ -69,13 +68,12 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
     b(k) = program.b(program.equalities[k]);
   }
   const Eigen::MatrixXd rhs = affineInScaled(S, b, out);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A.transpose());
-  qr.setThreshold(kProgramRank);
+  const PivotedQr qr(A.transpose(), kProgramRank);
   const int rank = static_cast<int>(qr.rank());
-  const Eigen::MatrixXd Q = qr.householderQ();
+  const Eigen::MatrixXd Q = qr.Q();
   const Eigen::MatrixXd range = Q.leftCols(rank);
   Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
-  if (rank > 0) z_p = range * (A * range).completeOrthogonalDecomposition().solve(rhs);
+  if (rank > 0) z_p = range * ShortestLeastSquares(A * range).solve(rhs);
   if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
     throw Error(program.name +
                 ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
@@ -151,18 +149,18 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
            Eigen::MatrixXd::Identity(ld.n, ld.n);
     return Eigen::MatrixXd::Identity(ld.n, ld.n);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(ld.H);
-  const double least = solver.eigenvalues()(0);
+  const SymmetricEigen eigen = symmetricEigen(ld.H);
+  const double least = eigen.values(0);
   if (least < -kSemidefinite * mean) {
     throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
   }
   if (least >= kSemidefinite * mean) return ld.H.llt().matrixL();
   ld.semidefinite = true;
   ld.cost = ld.F;
-  const double greatest = solver.eigenvalues()(ld.n - 1);
+  const double greatest = eigen.values(ld.n - 1);
   const Eigen::VectorXd positive =
-      (solver.eigenvalues().array() > kNullEigenvalue * greatest).select(solver.eigenvalues(), 0.0);
-  ld.curvature = solver.eigenvectors() * positive.asDiagonal() * solver.eigenvectors().transpose();
+      (eigen.values.array() > kNullEigenvalue * greatest).select(eigen.values, 0.0);
+  ld.curvature = eigen.vectors * positive.asDiagonal() * eigen.vectors.transpose();
   ld.H = ld.curvature + kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
   return Eigen::MatrixXd::Identity(ld.n, ld.n);
 }

@@ -1,11 +1,10 @@
 #include "program/singular_hessian.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "arithmetic/exact_numbers.hpp"
+#include "mpc_core/decompositions.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {
@@ -49,15 +48,15 @@ class Range {
           whole_[i * n_ + j] += Rational(penalty) * Rational(program.A(row, i)) * Rational(program.A(row, j));
       }
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(H);
-    const double greatest = solver.eigenvalues().tail(1)(0);
-    convex_ = solver.eigenvalues()(0) >= -kInRange * greatest;
+    const SymmetricEigen eigen = symmetricEigen(H);
+    const double greatest = eigen.values.tail(1)(0);
+    convex_ = eigen.values(0) >= -kInRange * greatest;
     int zeros = 0;
-    while (zeros < n_ && solver.eigenvalues()(zeros) <= kNullEigenvalue * greatest) ++zeros;
+    while (zeros < n_ && eigen.values(zeros) <= kNullEigenvalue * greatest) ++zeros;
     rank_ = n_ - zeros;
-    null_ = solver.eigenvectors().leftCols(zeros);
-    positive_ = solver.eigenvalues().tail(rank_);
-    vectors_ = solver.eigenvectors().rightCols(rank_);
+    null_ = eigen.vectors.leftCols(zeros);
+    positive_ = eigen.values.tail(rank_);
+    vectors_ = eigen.vectors.rightCols(rank_);
     IntegerMatrix integers = wholeRows(whole_, n_);
     long least = kNoBit;
     for (const Rational& value : whole_) include(least, value);
@@ -110,17 +109,14 @@ bool isSingular(const ParametricProgram& program, const std::vector<int>& basis)
     Eigen::MatrixXd A(n, static_cast<Eigen::Index>(basis.size()));
     for (std::size_t k = 0; k < basis.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) = program.A.row(basis[k]);
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-    qr.setThreshold(kEqualityRank);
-    const Eigen::MatrixXd Q = qr.householderQ();
-    Z = Q.rightCols(n - qr.rank());
+    const PivotedQr qr(A, kEqualityRank);
+    Z = qr.Q().rightCols(n - qr.rank());
   }
   const Eigen::MatrixXd reduced = Z.transpose() * program.H * Z;
   if (reduced.rows() == 0) return false;
   if (vanishes(reduced, program.H)) return true;
   const double mean = reduced.trace() / static_cast<double>(reduced.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(reduced, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()(0) < kSemidefinite * mean;
+  return symmetricEigenvalues(reduced)(0) < kSemidefinite * mean;
 }
 
 std::vector<ReplacedEntry> withoutRounding(const ParametricProgram& program, const std::vector<int>& basis,

@@ -1,10 +1,9 @@
 #include "program/unbounded_cost.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/decompositions.hpp"
 #include "offline_mpt/polytope.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/slater_point.hpp"
@@ -51,10 +50,10 @@ UnboundedCost::UnboundedCost(const ParametricProgram& program, const NormalisedP
   const Eigen::Index n = reduced.n;
   null_ = Eigen::MatrixXd::Identity(n, n);
   if (reduced.semidefinite) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(reduced.curvature);
+    const SymmetricEigen curvature = symmetricEigen(reduced.curvature);
     Eigen::Index zeros = 0;
-    while (zeros < n && solver.eigenvalues()(zeros) <= kNullEigenvalue * solver.eigenvalues()(n - 1)) ++zeros;
-    null_ = solver.eigenvectors().leftCols(zeros);
+    while (zeros < n && curvature.values(zeros) <= kNullEigenvalue * curvature.values(n - 1)) ++zeros;
+    null_ = curvature.vectors.leftCols(zeros);
   }
   size_ = reduced.cost.size() > 0 ? reduced.cost.cwiseAbs().maxCoeff() : 0.0;
   if (null_.cols() == 0 || size_ == 0.0) return;
@@ -77,7 +76,7 @@ std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t
     Eigen::MatrixXd along(null_.cols(), qp_->activeCount());
     for (int k = 0; k < qp_->activeCount(); ++k)
       along.col(k) = (reduced_.M.row(qp_->activeRows()[k]) * null_).transpose();
-    direction -= along * along.colPivHouseholderQr().solve(direction);
+    direction -= along * PivotedQr(along).solve(direction);
     direction.normalize();
   }
   const bool open = reduced_.m == 0 || (reduced_.M * (null_ * direction)).maxCoeff() <= kOpen;

@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "offline_mpt/polytope.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// Rows as MapContent::rows has them: i + 1 is plane i, -(i + 1) the same with both sides negated.
 using RowList = std::vector<std::int32_t>;

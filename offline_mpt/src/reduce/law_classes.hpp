@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "region_maps/region_map.hpp"
-
 namespace polyfly {
+
+class RegionMap;
 
 /// Per input: max(1, |finite bounds|).
 std::vector<double> lawScales(const RegionMap& map);

@@ -15,6 +15,7 @@
 #include "reduce/merge.hpp"
 #include "reduce/reduced_map.hpp"
 #include "reduce/separate.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

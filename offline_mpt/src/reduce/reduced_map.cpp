@@ -7,6 +7,7 @@
 
 #include "offline_mpt/search_tree.hpp"
 #include "reduce/prune_tree.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mpc_core/decompositions.hpp"
 #include "offline_mpt/interior_point_qp.hpp"
 #include "verify/interior_point_parts.hpp"
 
@@ -58,12 +59,7 @@ bool InteriorPointQp::correct(const std::vector<int>& active) {
     solved =
         step.allFinite() && maxAbs(step) <= 1.0 && maxAbs(kkt * step - residual) <= kSolveTolerance * size;
   }
-  if (!solved) {
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
-    factor.setThreshold(kRankTolerance);
-    factor.compute(kkt);
-    step = factor.solve(residual);
-  }
+  if (!solved) step = ShortestLeastSquares(kkt, kRankTolerance).solve(residual);
   if (!step.allFinite()) return false;
   y_ += step.head(n);
   l_ = kept;
@@ -118,7 +114,7 @@ void InteriorPointQp::follow(std::vector<int> active, double& best) {
 // Multipliers of the equalities that cancel `gradient` best.
 void InteriorPointQp::addEqualityMultipliers(const Eigen::VectorXd& gradient) {
   if (equalities_.empty()) return;
-  const Eigen::VectorXd nu = eq_transposed_factor_.solve(-gradient);
+  const Eigen::VectorXd nu = eq_transposed_factor_.solve(Eigen::VectorXd(-gradient));
   for (std::size_t i = 0; i < equalities_.size(); ++i) {
     solution_.lambda[equalities_[i]] = nu[static_cast<Eigen::Index>(i)];
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mpc_core/decompositions.hpp"
 #include "verify/interior_point_parts.hpp"
 
 namespace polyfly {
@@ -64,16 +65,10 @@ InteriorPointQp::InteriorPointQp(const Eigen::MatrixXd& H, const Eigen::MatrixXd
   if (eq_count == 0) {
     N_ = Eigen::MatrixXd::Identity(n, n);
   } else {
-    eq_factor_.setThreshold(kRankTolerance);
-    eq_factor_.compute(A_eq_);
-    eq_transposed_factor_.setThreshold(kRankTolerance);
-    eq_transposed_factor_.compute(A_eq_.transpose());
-    // The last columns of Q in A_eq' P = Q R span the null space.
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kRankTolerance);
-    qr.compute(A_eq_.transpose());
-    const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(n, n);
-    N_ = Q.rightCols(n - qr.rank());
+    eq_factor_ = ShortestLeastSquares(A_eq_, kRankTolerance);
+    eq_transposed_factor_ = ShortestLeastSquares(A_eq_.transpose(), kRankTolerance);
+    const PivotedQr qr(A_eq_.transpose(), kRankTolerance);
+    N_ = qr.Q().rightCols(n - qr.rank());
   }
   H_y_ = N_.transpose() * H_ * N_;
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "offline_mpt/interior_point_qp.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <random>
 
-#include "region_maps/region_map.hpp"
-
 namespace polyfly {
+
+class RegionMap;
 
 /// Draws parameters at which a map is likely to be wrong. Uses no standard distribution, whose results differ
 /// between platforms.

@@ -1,11 +1,12 @@
 #include "offline_mpt/program_oracle.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
@@ -93,16 +94,12 @@ bool definiteOnNullSpace(const ParametricProgram& program, const std::vector<int
     for (std::size_t i = 0; i < equalities.size(); ++i) {
       transposed.col(static_cast<Eigen::Index>(i)) = program.A.row(equalities[i]).transpose();
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kOracleRank);
-    qr.compute(transposed);
-    const Eigen::MatrixXd Q = qr.householderQ() * N;
-    N = Q.rightCols(n - qr.rank());
+    const PivotedQr qr(transposed, kOracleRank);
+    N = qr.Q().rightCols(n - qr.rank());
   }
   if (N.cols() == 0) return true;
   const Eigen::MatrixXd reduced = N.transpose() * program.H * N;
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(reduced, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = symmetricEigenvalues(reduced);
   return values.minCoeff() >
          kLeastEigenvalue * std::max(values.maxCoeff(), std::numeric_limits<double>::min());
 }

@@ -1,7 +1,7 @@
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <string>
 
+#include "mpc_core/decompositions.hpp"
 #include "mpc_core/parametric_program.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -37,8 +37,8 @@ class Checker {
     const double scale = H.cwiseAbs().maxCoeff();
     if ((H - H.transpose()).cwiseAbs().maxCoeff() > kSymmetryTolerance * scale)
       fail("H", "must be symmetric");
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H, Eigen::EigenvaluesOnly);
-    if (eigen.eigenvalues()(0) < -kSemidefiniteTolerance * scale) fail("H", "must be positive semidefinite");
+    if (symmetricEigenvalues(H)(0) < -kSemidefiniteTolerance * scale)
+      fail("H", "must be positive semidefinite");
   }
 
   void equalities() const {

@@ -1,4 +1,3 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -6,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mpc_core/decompositions.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "polyfly_base/error.hpp"
@@ -92,13 +92,9 @@ void readModel(const YamlField& model, MpcProblem* problem) {
   }
 }
 
-double leastEigenvalue(const Eigen::MatrixXd& symmetric) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()(0);
-}
-
 Eigen::MatrixXd readSemidefinite(const YamlField& field, int size) {
   Eigen::MatrixXd weight = field.weight(size);
-  if (leastEigenvalue(weight) < -kDefiniteTolerance * weight.cwiseAbs().maxCoeff()) {
+  if (symmetricEigenvalues(weight)(0) < -kDefiniteTolerance * weight.cwiseAbs().maxCoeff()) {
     field.fail("must be positive semidefinite");
   }
   return weight;
@@ -110,7 +106,7 @@ void readWeights(const YamlField& weights, MpcProblem* problem) {
   const int nu = problem->inputCount();
   problem->Q = readSemidefinite(weights.at("Q"), nx);
   problem->R = weights.at("R").weight(nu);
-  if (!(leastEigenvalue(problem->R) > kDefiniteTolerance * problem->R.cwiseAbs().maxCoeff())) {
+  if (!(symmetricEigenvalues(problem->R)(0) > kDefiniteTolerance * problem->R.cwiseAbs().maxCoeff())) {
     weights.at("R").fail("must be positive definite");
   }
   problem->R_delta = Eigen::MatrixXd::Zero(nu, nu);

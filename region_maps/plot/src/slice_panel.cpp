@@ -6,6 +6,7 @@
 
 #include "clip.hpp"
 #include "map_plot/slice.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

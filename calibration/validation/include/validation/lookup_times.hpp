@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "region_maps/region_map.hpp"
-
 namespace polyfly {
+
+class RegionMap;
 
 struct Percentiles {
   double p50 = 0.0;

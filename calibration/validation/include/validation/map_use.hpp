@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "region_maps/region_map.hpp"
+#include "region_maps/lookup.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// How far a map's parameter went, how often where, and how near the map's end along it.
 struct ParameterUse {

@@ -3,9 +3,9 @@
 #include <functional>
 #include <optional>
 
-#include "region_maps/region_map.hpp"
-
 namespace polyfly {
+
+class RegionMap;
 
 /// A map's problem solved anew at theta: its first input, none where there is no solution.
 using OnlineOracle = std::function<std::optional<double>(const double* theta)>;

@@ -6,10 +6,11 @@
 
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
-#include "region_maps/region_map.hpp"
 #include "validation/flight_log.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// Maps of the three axes: longitudinal, lateral, vertical. Not owned.
 using AxisMaps = std::array<const RegionMap*, 3>;

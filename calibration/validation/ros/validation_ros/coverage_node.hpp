@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "region_maps/region_map.hpp"
 #include "validation/map_use.hpp"
 
 namespace polyfly_ros {

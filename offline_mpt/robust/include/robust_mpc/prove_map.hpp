@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "region_maps/region_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// A parameter, a disturbance, and what they break.
 struct RobustWitness {

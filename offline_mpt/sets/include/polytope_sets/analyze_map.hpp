@@ -9,9 +9,10 @@
 
 #include "polytope_sets/exact_polytope.hpp"
 #include "polytope_sets/set_model.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// theta+ = F theta + G u + E d + c over the parameters of a map, in the map's order; d in D.
 struct ClosedLoopModel {

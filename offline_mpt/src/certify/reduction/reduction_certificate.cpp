@@ -1,6 +1,7 @@
 #include "certify/reduction/reduction_certificate.hpp"
 
 #include "certify/certificate.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/certificate_text.hpp"
 
 namespace polyfly {

@@ -8,6 +8,7 @@
 #include "certify/facet_cover.hpp"
 #include "certify/farkas_proof.hpp"
 #include "region_maps/format.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -224,6 +225,8 @@ const ExactRow& ExactMap::at(std::int32_t row, Variant variant) const {
   const auto plane = static_cast<std::size_t>(std::abs(row)) - 1;
   return (*rows_[plane])[(row > 0 ? std::size_t{0} : std::size_t{kVariants}) + variant];
 }
+
+int ExactMap::p() const { return static_cast<int>(map_.parameters().size()); }
 
 Eigen::VectorXd ExactMap::theta(const std::vector<Rational>& t) const {
   Eigen::VectorXd result(static_cast<Eigen::Index>(t.size()));

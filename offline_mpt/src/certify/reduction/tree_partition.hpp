@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "exact_kkt/exact_region.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// How far relaxed rows are moved outwards, in the measure of FORMAT.md.
 enum class Slack : std::uint8_t {
@@ -37,7 +38,7 @@ class ExactMap {
   }
 
   const RegionMap& map() const { return map_; }
-  int p() const { return static_cast<int>(map_.parameters().size()); }
+  int p() const;
   Eigen::VectorXd theta(const std::vector<Rational>& t) const;  ///< rounded
 
  private:

@@ -11,6 +11,7 @@
 #include "certify/reduction/tree_partition.hpp"
 #include "polyfly_base/error.hpp"
 #include "reduce/law_classes.hpp"
+#include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {

@@ -1,11 +1,11 @@
 #include "explore/region/facet_neighbours.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "explore/region/starting_point.hpp"
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
@@ -39,9 +39,7 @@ void FacetNeighbours::lay(const Facet& facet) {
   normal_ = Eigen::Map<const Eigen::VectorXd>(facet.row.data(), p);
   offset_ = facet.row[p];
   foot_ = offset_ * normal_;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(normal_);
-  const Eigen::MatrixXd Q = qr.householderQ();
-  basis_ = Q.rightCols(p - 1);
+  basis_ = orthogonalFactors(normal_).Q.rightCols(p - 1);
   behind_.clear();
   behind_sets_.clear();
 }

@@ -1,9 +1,9 @@
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "explore/region/region_builder.hpp"
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
@@ -183,7 +183,7 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& s
   Eigen::MatrixXd basis(program_.n, static_cast<Eigen::Index>(kept.size()));
   for (std::size_t r = 0; r < kept.size(); ++r)
     basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
-  if (!kept.empty()) direction -= basis * basis.colPivHouseholderQr().solve(direction);
+  if (!kept.empty()) direction -= basis * PivotedQr(basis).solve(direction);
   for (int i = 0; i < program_.m; ++i) {
     if (program_.M.row(i).dot(direction) > kExchange) sets.push(spanOf(kept), ActiveSetList::kNone, i);
   }

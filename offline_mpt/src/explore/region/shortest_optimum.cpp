@@ -1,9 +1,10 @@
 #include "explore/region/shortest_optimum.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
@@ -16,8 +17,7 @@ constexpr double kDoubt = 1e3;  // by how much it may be greater or smaller to b
 
 ShortestOptimum::ShortestOptimum(const NormalisedProgram& program) : program_(program) {
   if (!program.semidefinite) return;
-  greatest_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(program.curvature, Eigen::EigenvaluesOnly)
-                  .eigenvalues()(program.n - 1);
+  greatest_ = symmetricEigenvalues(program.curvature)(program.n - 1);
 }
 
 bool ShortestOptimum::isZero(double part, double whole) {
@@ -41,9 +41,9 @@ ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>
   Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n, n);
   Eigen::MatrixXd T(k, k);
   if (k > 0) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(A);
-    Q = qr.householderQ();
-    T = qr.matrixQR().topRows(k);
+    OrthogonalFactors factors = orthogonalFactors(A);
+    Q = std::move(factors.Q);
+    T = std::move(factors.R);
     const double least = T.diagonal().cwiseAbs().minCoeff();
     if (least <= kIndependent) return Outcome::kDependent;
     noise_ /= least;
@@ -57,17 +57,17 @@ ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>
   const double size = program_.cost.cwiseAbs().maxCoeff() + greatest_ * z_.cwiseAbs().maxCoeff();
   Eigen::MatrixXd v = Eigen::MatrixXd::Zero(n - k, program_.p + 1), w = v;
   if (n > k) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Z.transpose() * program_.curvature * Z);
-    const Eigen::MatrixXd slopes = solver.eigenvectors().transpose() * Z.transpose() * gradient;
+    const SymmetricEigen eigen = symmetricEigen(Z.transpose() * program_.curvature * Z);
+    const Eigen::MatrixXd slopes = eigen.vectors.transpose() * Z.transpose() * gradient;
     for (Eigen::Index i = 0; i < n - k; ++i) {
-      const double curvature = solver.eigenvalues()(i);
+      const double curvature = eigen.values(i);
       if (isZero(curvature, greatest_)) {
         if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kCostNotSpanned;
         continue;
       }
       noise_ = std::max(noise_, program_.rounding * greatest_ / curvature);
-      v += solver.eigenvectors().col(i) * (-1.0 / curvature * slopes.row(i));
-      w += solver.eigenvectors().col(i) * (1.0 / curvature / curvature * slopes.row(i));
+      v += eigen.vectors.col(i) * (-1.0 / curvature * slopes.row(i));
+      w += eigen.vectors.col(i) * (1.0 / curvature / curvature * slopes.row(i));
     }
     z_ += Z * v;
   }

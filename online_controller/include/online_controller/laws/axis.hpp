@@ -9,9 +9,11 @@
 #include "online_controller/laws/axis_law.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
-#include "region_maps/region_map.hpp"
+#include "region_maps/lookup.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// Signals that a map must have to serve an axis, by name. The map of a minimum-peak robust MPC has the
 /// errors, and may have the references of velocity and input; without that of the input it is for a target

@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "region_maps/region_map.hpp"
+#include "region_maps/lookup.hpp"
 #include "region_maps/signal.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// What answers for one axis: parameters in, input out. The explicit law looks the answer up in a map, the
 /// online law solves the same problem (Eq. 38).

@@ -11,9 +11,10 @@
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// Linear MPC of a multirotor, a law for each axis (longitudinal, lateral, vertical): looked up in region
 /// maps, or the same problems solved online (Eq. 38). Observer of Eq. 5, targets of Eq. 6 in the frame that

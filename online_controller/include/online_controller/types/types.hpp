@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "online_controller/types/attitude.hpp"
-#include "region_maps/region_map.hpp"
+#include "region_maps/lookup.hpp"
 
 namespace polyfly {
 

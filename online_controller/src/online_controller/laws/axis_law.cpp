@@ -6,6 +6,7 @@
 
 #include "mpc_core/online_program.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "map_plot/figure.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+
+class RegionMap;
 
 /// A plane through the parameter space: two parameters are free, the others fixed.
 struct SliceRequest {
