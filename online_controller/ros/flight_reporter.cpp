@@ -10,6 +10,7 @@
 
 #include "online_controller_ros/conversions.hpp"
 #include "online_controller_ros/stage_clock.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
+#include "online_controller_ros/law_sources.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -101,7 +102,8 @@ const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {
     case polyfly::Law::kNonlinear:
       break;
   }
-  return no_maps_;
+  static const std::vector<polyfly::RegionMap> none;
+  return none;
 }
 
 }  // namespace polyfly_ros

@@ -2,6 +2,7 @@
 
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller_ros/law_setup.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly_ros {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <sstream>
 
+#include "online_controller_ros/law_sources.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 

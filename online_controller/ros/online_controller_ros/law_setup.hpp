@@ -10,12 +10,24 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/options.hpp"
-#include "online_controller_ros/law_sources.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
-#include "region_maps/region_map.hpp"
 #include "region_maps/signal.hpp"
 
+namespace polyfly {
+class RegionMap;
+}
+
 namespace polyfly_ros {
+
+struct LawSources;
+
+/// Files that laws are made from, empty where there is none. Axes in the order longitudinal, lateral,
+/// vertical.
+struct LawFiles {
+  std::array<std::string, 3> maps;
+  std::array<std::string, 3> robust_maps;  ///< of minimum-peak robust MPC
+  std::array<std::string, 3> problems;
+};
 
 /// What the laws are made from, as parameters tell it. Axes in the order longitudinal, lateral, vertical.
 struct LawSetup {
@@ -54,7 +66,6 @@ class Laws {
   std::shared_ptr<const LawSources> sources_;
   polyfly::MultirotorOptions options_;
   polyfly::VehicleObserver observer_;
-  std::vector<polyfly::RegionMap> no_maps_;
   std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
   std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
   std::unique_ptr<polyfly::LawSwitch> switch_;

@@ -12,13 +12,7 @@
 
 namespace polyfly_ros {
 
-/// Files that laws are made from, empty where there is none. Axes in the order longitudinal, lateral,
-/// vertical.
-struct LawFiles {
-  std::array<std::string, 3> maps;
-  std::array<std::string, 3> robust_maps;  ///< of minimum-peak robust MPC
-  std::array<std::string, 3> problems;
-};
+struct LawFiles;
 
 /// Region maps of one law, none or three, and the problems that they were made from.
 struct MapSet {

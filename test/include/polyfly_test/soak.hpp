@@ -11,7 +11,10 @@
 #include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/options.hpp"
-#include "region_maps/region_map.hpp"
+
+namespace polyfly {
+class RegionMap;
+}
 
 namespace polyfly_test {
 
