@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/map_swap.hpp"
 #include "polyfly_base/error.hpp"
 

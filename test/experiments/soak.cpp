@@ -10,6 +10,7 @@
 #include "command_line/command_line.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace {
 

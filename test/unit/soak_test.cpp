@@ -8,6 +8,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "project_root.hpp"
+#include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 
 namespace polyfly_test {
