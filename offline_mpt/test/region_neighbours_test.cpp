@@ -53,7 +53,7 @@ struct Crossed {
 
 /// Walks over all regions and looks behind each facet.
 Crossed crossAll(const NormalisedProgram& program) {
-  RegionSolver worker(program, ExploreOptions{});
+  RegionWorkspace worker(program, ExploreOptions{});
   Crossed crossed;
   ActiveSet first;
   if (!findStart(program, Eigen::VectorXd::Zero(program.p), worker, first)) return crossed;

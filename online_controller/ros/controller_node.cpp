@@ -118,7 +118,7 @@ void ControllerNode::finish() {
   StageClock clock;
   const Answered& last = answered_.last();
   for (const Answered& answered : answered_) {
-    reporter_.tell(answered, &answered == &last);
+    reporter_.report(answered, &answered == &last);
     if (answered.by_odometry) interface_.observe(answered);
   }
   interface_.publishChange();

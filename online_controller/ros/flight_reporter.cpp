@@ -27,7 +27,7 @@ FlightReporter::FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfl
       control_period_(control_period),
       publisher_(handle.advertise<online_controller::ControllerStatus>("controller_status", 100)) {}
 
-void FlightReporter::tell(const Answered& answered, bool last) {
+void FlightReporter::report(const Answered& answered, bool last) {
   if (publisher_.getNumSubscribers() > 0) publishStatus(answered, last);
   if (last) leaveSnapshot(answered);
   logChange(answered);

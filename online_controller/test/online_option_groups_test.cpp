@@ -9,13 +9,13 @@
 #include "online_controller/types/flight_options.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "online_controller/types/options.hpp"
-#include "polyfly_base/meant_name.hpp"
+#include "polyfly_base/closest_name.hpp"
 
 namespace {
 
 const std::vector<std::string> kKnown(polyfly::kOptionGroups.begin(), polyfly::kOptionGroups.end());
 
-std::string meant(const std::string& name) { return polyfly::meantName(name, kKnown).value_or(""); }
+std::string meant(const std::string& name) { return polyfly::closestName(name, kKnown).value_or(""); }
 
 TEST(OptionGroups, ASlipAwayIsMeant) {
   for (const char* slip : {"vehical", "vehicl", "vehicles", "Vehicle", "vehcile", "ehicle"})

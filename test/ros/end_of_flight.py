@@ -21,13 +21,14 @@ PATIENCE = 10.0  # until nodes that do not end are left to roslaunch [s]
 
 
 def roslaunch():
-    """The server of the roslaunch that started this script. Several can share a master, and some may have ended."""
+    """The server of the roslaunch that started this script. Several can share a master. Some may have ended, and other
+    programs may have got their ports."""
     for uri in rospy.get_param("/roslaunch/uris").values():
         server = ServerProxy(uri)
         try:
             if server.get_pid()[2] == os.getppid():
                 return server
-        except OSError:
+        except Exception:  # whatever another program answers
             continue
     raise SystemExit("end_of_flight: must be started by roslaunch")
 

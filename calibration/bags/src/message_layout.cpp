@@ -161,14 +161,14 @@ std::optional<std::size_t> MessageLayout::fixedSize(const std::string& type) con
   return found->second;
 }
 
-bool MessageLayout::walk(const std::string& type, const std::string& prefix, Reader* reader) const {
+bool MessageLayout::visit(const std::string& type, const std::string& prefix, Reader* reader) const {
   for (const Field& field : types_.at(type)) {
-    if (!walkField(field, prefix, reader)) return false;
+    if (!visitField(field, prefix, reader)) return false;
   }
   return true;
 }
 
-bool MessageLayout::walkField(const Field& field, const std::string& prefix, Reader* reader) const {
+bool MessageLayout::visitField(const Field& field, const std::string& prefix, Reader* reader) const {
   std::uint32_t count = 1;
   if (field.array) {
     const std::optional<std::uint32_t> length = field.length ? field.length : reader->length();
@@ -187,7 +187,7 @@ bool MessageLayout::walkField(const Field& field, const std::string& prefix, Rea
       if (*size > reader->left) return false;
       reader->note(path, builtinValue(field.type, reader->data));
       reader->skip(*size);
-    } else if (!walk(field.type, path + ".", reader)) {
+    } else if (!visit(field.type, path + ".", reader)) {
       return false;
     }
   }
@@ -198,7 +198,7 @@ bool MessageLayout::fits(const std::uint8_t* data, std::size_t size) const {
   Reader reader;
   reader.data = data;
   reader.left = size;
-  return walk(type_, "", &reader) && reader.left == 0;
+  return visit(type_, "", &reader) && reader.left == 0;
 }
 
 std::optional<std::vector<double>> MessageLayout::numbers(const std::uint8_t* data, std::size_t size,
@@ -208,7 +208,7 @@ std::optional<std::vector<double>> MessageLayout::numbers(const std::uint8_t* da
   reader.left = size;
   reader.paths = &paths;
   reader.values.assign(paths.size(), std::numeric_limits<double>::quiet_NaN());
-  if (!walk(type_, "", &reader) || reader.left != 0) return std::nullopt;
+  if (!visit(type_, "", &reader) || reader.left != 0) return std::nullopt;
   return reader.values;
 }
 

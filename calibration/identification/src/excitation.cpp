@@ -158,7 +158,7 @@ TimeSeries within(const TimeSeries& series, const TimeWindow& window) {
 }
 
 // Keeps what the response follows of a window in which the command is active.
-void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationOptions& options,
+void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationSearchOptions& options,
            ExcitationChoice* choice) {
   if (window.to - window.from < options.least_window) {
     choice->rejected.push_back({window, "too short"});
@@ -176,7 +176,7 @@ void judge(const LoopRecord& record, const TimeWindow& window, const ExcitationO
 
 }  // namespace
 
-ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationOptions& options) {
+ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options) {
   ExcitationChoice choice;
   if (record.command.time.empty() || record.response.time.empty()) return choice;
   const TimeWindow all = {std::max(record.command.time.front(), record.response.time.front()),

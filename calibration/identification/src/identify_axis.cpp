@@ -82,7 +82,7 @@ double blockLength(const std::vector<LoopSegment>& segments) {
 }
 
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
-                              const ExcitationOptions& options, ExcitationChoice* choice) {
+                              const ExcitationSearchOptions& options, ExcitationChoice* choice) {
   *choice = chooseExcitation(record, options);
   if (windows.empty()) return choice->windows;
   choice->windows = windows;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "online_controller/types/option_groups.hpp"
+#include "polyfly_base/closest_name.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/meant_name.hpp"
 #include "polyfly_base/read_text.hpp"
 
 namespace polyfly {
@@ -58,7 +58,7 @@ class OptionsFromYaml {
       if (std::any_of(groups.begin(), groups.end(), is_name) ||
           std::any_of(kSingleOptions.begin(), kSingleOptions.end(), is_name))
         continue;
-      const auto meant = entry.second.IsMap() ? meantName(name, groups) : std::nullopt;
+      const auto meant = entry.second.IsMap() ? closestName(name, groups) : std::nullopt;
       throw Error(place(path_, entry.first) + name + ": unknown group" +
                   (meant ? "; is '" + *meant + "' meant?" : ""));
     }

@@ -87,7 +87,7 @@ void writeComparison(const MapComparison& other, std::ostream& out) {
 }
 
 void printProposal(const MapProposal& proposal, std::ostream& out) {
-  out << "\n  what would have covered it, " << proposal.axis << " axis:\n";
+  out << "\n  ranges that would have covered the flight, " << proposal.axis << " axis:\n";
   for (const MapProposal::Change& change : proposal.changes) {
     out << "    " << change.parameter << ": range [" << change.from[0] << ", " << change.from[1] << "] to ["
         << change.to[0] << ", " << change.to[1] << "] " << change.unit << "\n";

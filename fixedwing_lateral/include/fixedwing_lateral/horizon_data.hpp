@@ -5,10 +5,12 @@
 
 namespace polyfly {
 
-/// Which way round a course error of nearly half a turn is taken: as it is wrapped (Eq. 49), or so that
-/// errors of up to 240 degrees to one side stay on that side; then e_t does not count. Without, noise decides
-/// anew in each call and at each node; and as a turn costs more in e_t (which it takes to two radii) than it
-/// gains in e_chi, to fly on the wrong way beside the path is an optimum, for ever, from 20 m/s on.
+/// The direction of the turn for a course error of nearly half a turn. kNone: as the error is wrapped (Eq. 49). Else
+/// errors of up to 240 degrees to one side stay on that side, and e_t does not count.
+///
+/// With kNone alone, noise would select the side anew in each call and at each node. From 20 m/s on, flying in the wrong
+/// direction beside the path is a local optimum: a turn costs more in e_t, which grows to two radii, than it gains in
+/// e_chi.
 enum class Reversal : std::int8_t { kLeft = -1, kNone = 0, kRight = 1 };
 
 constexpr double kReversalShift = kPi / 3.0;  ///< of the course error's range [rad]

@@ -60,13 +60,12 @@ class ExactLp {
   const Rational& rowDual(int row) const { return row_dual_[static_cast<std::size_t>(row)]; }
   Rational columnDual(int column) const;
 
-  /// kInfeasible: A' rowRay + columnRay = 0, and the sum over rows and columns of ray times bound, the lower
-  /// one where the ray is positive, the upper one where it is negative, is positive: yet it is at most zero
-  /// for all that satisfies the bounds.
+  /// kInfeasible: a Farkas ray. A' rowRay + columnRay = 0, and the sum of ray times bound over rows and columns is
+  /// positive. The bound is the lower one where the ray is positive, else the upper one.
   const Rational& rowRay(int row) const { return row_dual_[static_cast<std::size_t>(row)]; }
   Rational columnRay(int column) const;
 
-  /// kUnbounded: the objective improves along it, and no bound stands in its way.
+  /// kUnbounded: a direction along which the objective improves without a bound.
   const Rational& primalRay(int column) const { return primal_ray_[static_cast<std::size_t>(column)]; }
 
  private:

@@ -40,8 +40,8 @@ class IntegerProgram {
   int predictionCount() const { return prediction_count_; }
   IntegerScenario scenario(const Scenario& which) const;
 
-  /// The weights, unique up to a factor, with which the scenarios' predictions cancel, as a facet; none when
-  /// there are none, or they are not unique, or one is negative.
+  /// The facet given by nonnegative weights of the scenarios whose weighted sum does not contain z, as in
+  /// Fourier-Motzkin elimination. None where no such weights exist, or where they are not unique up to a factor.
   std::optional<FeasibleSet::Facet> combine(const std::vector<Scenario>& scenarios) const;
   /// The facet that given weights (>= 0, of whole rows) make.
   FeasibleSet::Facet facetOf(const std::vector<Scenario>& scenarios, const RationalVector& weights) const;
@@ -63,8 +63,8 @@ class IntegerProgram {
   std::vector<IntegerRow> rows_;
 };
 
-/// Decides by exact linear programs whether y has a prediction, and stores it; a facet that cuts y off where
-/// it has none.
+/// Decides by exact linear programs whether some z is feasible with y. If so, stores z in `prediction` and returns
+/// none; else returns a facet that excludes y.
 std::optional<FeasibleSet::Facet> exactCut(const IntegerProgram& program, const HomogeneousPoint& y,
                                            const std::vector<Scenario>& start, CommonFraction& prediction);
 

@@ -41,7 +41,7 @@ std::vector<int> rowNames(const NormalisedProgram& reduced, const StrictCompleme
 }
 
 // Whether all probes that no candidate of their facet holds lie in some region, or where nothing is feasible.
-bool settled(const NormalisedProgram& program, RegionSolver& worker, const CountState& state,
+bool settled(const NormalisedProgram& program, RegionWorkspace& worker, const CountState& state,
              Eigen::VectorXd& witness) {
   const auto p = static_cast<std::size_t>(program.p);
   Region region;
@@ -76,7 +76,7 @@ class Counting {
 
   CountResult from(const Eigen::VectorXd& feasible) {
     ExploreOptions plain;
-    RegionSolver worker(reduced_, plain);
+    RegionWorkspace worker(reduced_, plain);
     ActiveSet first;
     if (!findStart(reduced_, feasible, worker, first)) {
       result_.status = ExploreStatus::kIncomplete;
@@ -98,7 +98,7 @@ class Counting {
     };
   }
 
-  void count(const ActiveSet& first, RegionSolver& worker) {
+  void count(const ActiveSet& first, RegionWorkspace& worker) {
     CountState state(program_, options_.map_limit, record());
     state.found.insert({first.data(), first.size()});
     const ExploreOptions explore = exploreOptions(options_);

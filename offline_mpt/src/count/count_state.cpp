@@ -105,7 +105,7 @@ class CountWorker : public Worker {
   const NormalisedProgram& program_;
   const std::vector<int>& names_;
   const CountState& state_;
-  RegionSolver worker_;
+  RegionWorkspace worker_;
   StrictComplementarityCheck test_;
   ExactStrictComplementarity exact_;
   ActiveSet active_;

@@ -14,8 +14,8 @@ namespace {
 constexpr double kBoundWeight = 1e-9;
 constexpr double kMostLeft = 0.5;     // of z_j that its weights may leave unexplained
 constexpr double kRoundingUp = 1.01;  // for the rounding of what is computed here
-constexpr double kLawErrors = 4.0;    // differences of laws that are written once, in kSameLaw: of each from
-                                      // the first of them, and as much again for their rounding
+// Two laws that a map stores as one differ from the first of them by kSameLaw each. The other half is for rounding.
+constexpr double kLawErrors = 4.0;
 
 /// Whether each variable is an output by itself.
 bool outputsAll(const ParametricProgram& program) {
@@ -74,8 +74,8 @@ Eigen::MatrixXd findWeights(const ParametricProgram& program) {
   return weights;
 }
 
-/// Greatest |z_j|: sums of rows say +-z_j + rest' z <= bound, with a small rest. Negative where it is not
-/// known.
+/// Upper bound of all |z_j|. A weighted sum of rows reads +-z_j + rest' z <= bound, with a small rest (COUNT.md).
+/// Negative where no bound is known.
 double greatestVariable(const ParametricProgram& program, const Eigen::MatrixXd& weights) {
   const Eigen::VectorXd reach = greatestParameters(program);
   double bound = 0.0, left = 0.0;

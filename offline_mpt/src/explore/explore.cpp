@@ -87,7 +87,7 @@ void convertRegions(const NormalisedProgram& program, ExplorationState& state, P
 // Goes on from a checkpoint. Some of its regions are described again: other bits tell of another solver,
 // whose regions would not go together with these.
 void resume(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
-            const ActiveSet& first, RegionSolver& worker, ExplorationState& state) {
+            const ActiveSet& first, RegionWorkspace& worker, ExplorationState& state) {
   loadCheckpoint(options.checkpoint, key, program, state);
   const RowSpan start = state.found[0];
   RegionResult again;
@@ -158,7 +158,7 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
   const std::clock_t cpu_start = std::clock();
   Partition partition;
   ExplorationState state(program);
-  RegionSolver worker(program, options);
+  RegionWorkspace worker(program, options);
   ActiveSet first;
   const std::optional<Eigen::VectorXd> start = unbounded.start(feasible);
   if (!start) {  // without a region, all is found

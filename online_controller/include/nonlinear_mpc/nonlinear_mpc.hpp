@@ -97,10 +97,10 @@ class NonlinearMpc {
   /// Linearises about the solution. `stages` has N entries. False when the QP cannot be built.
   bool prepare(const StageConditions* stages) noexcept;
 
-  /// Solves for the state x with N + 1 references (the last one's commands do not count). kOptimal;
-  /// kIterationLimit where the search was ended early: the solution has moved towards the point that it had,
-  /// within all limits, as far as the cost falls most; where it does not fall, stepLength() is 0; or why
-  /// there is none: then the solution is unchanged. Call prepare() before each call.
+  /// Solves the QP for the state x and N + 1 references; the last one's commands do not count. Call prepare() before
+  /// each call. Returns kOptimal, or kIterationLimit where the search ended early. Then a line search on the cost has
+  /// moved the solution towards the last iterate, within all limits; stepLength() is 0 where the cost does not fall.
+  /// Any other status leaves the solution unchanged.
   QpStatus feedback(const MultirotorState& x, const StageReference* references) noexcept;
 
   /// Goes on with the solution of another one. False, and nothing is done, when its stages are others.

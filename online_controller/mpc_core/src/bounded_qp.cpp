@@ -58,7 +58,7 @@ BoundedQp::BoundedQp(int variables, int rows) : n_(variables), m_(rows) {
 
 bool BoundedQp::setHessian(const double* H) noexcept {
   std::fill(has_inverse_.begin(), has_inverse_.end(), 0);
-  constant_ = false;
+  has_hessian_inverse_ = false;
   for (int j = 0; j < n_; ++j) {
     const double* column = H + j * n_;
     double* own = H_.data() + j * stride_;
@@ -82,7 +82,7 @@ bool BoundedQp::setHessian(const double* H) noexcept {
 bool BoundedQp::setConstantHessian(const double* H) noexcept {
   if (!setHessian(H)) return false;
   for (int i = 0; i < n_; ++i) inverseColumn(i);
-  constant_ = true;
+  has_hessian_inverse_ = true;
   return true;
 }
 
@@ -103,35 +103,35 @@ void BoundedQp::setPenalty(int row, double penalty) noexcept { penalty_[n_ + row
 
 QpStatus BoundedQp::solve(const QpVectors& vectors, const QpSide* start) noexcept {
   iterations_ = 0;
-  partial_ = -1;
+  entering_ = -1;
   working_count_ = 0;
   bound_count_ = 0;
   gram_done_ = 0;
   std::fill(listed_.begin(), listed_.end(), 0);
-  guessed_ = false;
+  predicted_ = false;
   has_base_ = false;
   if (!convex_) return QpStatus::kNotConvex;
-  const QpStatus given = take(vectors);
+  const QpStatus given = load(vectors);
   startFrom(start);
-  if (given != QpStatus::kOptimal) return leave(given);
+  if (given != QpStatus::kOptimal) return finish(given);
 
-  if (!guessBounds()) return leave(QpStatus::kIterationLimit);
+  if (!predictBounds()) return finish(QpStatus::kIterationLimit);
   for (;;) {
     switch (ascend()) {
       case Pass::kAdvanced:
         break;
       case Pass::kOptimal:
         refine();
-        return leave(QpStatus::kOptimal);
+        return finish(QpStatus::kOptimal);
       case Pass::kInfeasible:
-        return leave(QpStatus::kInfeasible);
+        return finish(QpStatus::kInfeasible);
       case Pass::kIterationLimit:
-        return leave(QpStatus::kIterationLimit);
+        return finish(QpStatus::kIterationLimit);
     }
   }
 }
 
-QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
+QpStatus BoundedQp::load(const QpVectors& vectors) noexcept {
   std::copy_n(vectors.g, n_, g_.data());
   std::copy_n(vectors.lower, n_, lower_.data());
   std::copy_n(vectors.upper, n_, upper_.data());
@@ -157,7 +157,7 @@ QpStatus BoundedQp::take(const QpVectors& vectors) noexcept {
     least[i] = lower[i] - kFeasible * (scale[i] + std::abs(lower[i]));
     greatest[i] = upper[i] + kFeasible * (scale[i] + std::abs(upper[i]));
   }
-  equalities_ = equal != 0;
+  has_equalities_ = equal != 0;
   if (not_finite != 0 || !std::isfinite(gradient_scale_)) return QpStatus::kNotFinite;
   return contradictory == 0 ? QpStatus::kOptimal : QpStatus::kInfeasible;
 }
@@ -173,7 +173,7 @@ void BoundedQp::startFrom(const QpSide* start) noexcept {
       side_[static_cast<std::size_t>(i)] = start[i] == QpSide::kInactive ? start[i] : allowed(i, start[i]);
     }
   }
-  for (int i = 0; equalities_ && i < constraints; ++i) {
+  for (int i = 0; has_equalities_ && i < constraints; ++i) {
     QpSide& side = side_[static_cast<std::size_t>(i)];
     if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
   }
@@ -188,9 +188,9 @@ QpSide BoundedQp::allowed(int index, QpSide side) const noexcept {
   return side == QpSide::kUpperRelaxed ? QpSide::kUpper : side;
 }
 
-QpStatus BoundedQp::leave(QpStatus status) noexcept {
+QpStatus BoundedQp::finish(QpStatus status) noexcept {
   if (status != QpStatus::kOptimal) {
-    partial_ = -1;
+    entering_ = -1;
     for (int i = 0; i < n_; ++i) {
       if (!std::isfinite(x_[i])) x_[i] = 0.0;
     }

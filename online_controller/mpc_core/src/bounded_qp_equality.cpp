@@ -25,7 +25,7 @@ void BoundedQp::startFromBase() noexcept {
   if (!has_base_) {
     std::fill_n(base_.data(), stride_, 0.0);
     for (int i = 0; i < n_; ++i) gradient_[i] = -g_[i];
-    if (constant_) {
+    if (has_hessian_inverse_) {
       qpKernels().addColumns(inverse_.data(), stride_, stride_, nullptr, n_, gradient_.data(), base_.data());
     } else {
       std::copy_n(gradient_.data(), n_, base_.data());

@@ -9,40 +9,41 @@
 namespace polyfly {
 namespace {
 
-constexpr int kGuessRounds = 12;
-constexpr int kManyChanges = 6;         // a sixth of the variables
-constexpr int kManyChangesOfStart = 3;  // a third: what was active before deserves more trust
-constexpr int kRoundsBySigns = 2;       // before their number must fall from one round to the next
+constexpr int kPredictionRounds = 12;
+// Sweeps replace the signs where the bounds of so many variables change: a sixth, or a third after a given working set,
+// which is more reliable than an empty one.
+constexpr int kManyChanges = 6;
+constexpr int kManyChangesOfStart = 3;
+constexpr int kRoundsBySigns = 2;  // from then on the number of changes must fall in each round
 constexpr int kSweeps = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-// Rounds of: solve with the guessed set as equalities, then correct every guess that its sign contradicts; by
-// sweeps where that leads astray or comes no nearer.
-// Leaves a working set whose multipliers have the right signs, and its solution; false at the limit of
-// iterations.
-bool BoundedQp::guessBounds() noexcept {
+// In each round: solve with the predicted set as equalities, then correct each prediction that its sign contradicts.
+// Sweeps predict where the corrections do not converge. Leaves a working set whose multipliers have the right signs,
+// and its solution; false at the limit of iterations.
+bool BoundedQp::predictBounds() noexcept {
   int before = -1;
-  for (int round = 0; round < kGuessRounds; ++round) {
+  for (int round = 0; round < kPredictionRounds; ++round) {
     if (!solveWorkingSet()) return false;
     const bool given = before < 0 && bound_count_ > 0;
-    const int changes = correctGuess();
+    const int changes = correctPrediction();
     if (changes == 0) {
-      guessed_ = true;
+      predicted_ = true;
       return true;
     }
     const int many = given ? kManyChangesOfStart : kManyChanges;
-    const bool astray = many * changes >= n_ && changes > before;
+    const bool diverges = many * changes >= n_ && changes > before;
     const bool stuck = round >= kRoundsBySigns && changes >= before;
-    if (astray || stuck) sweepBounds();
+    if (diverges || stuck) sweepBounds();
     before = changes;
   }
   return makeDualFeasible();
 }
 
-// A few sweeps of Gauss and Seidel from the last solution, moved into the box, tell the active bounds better
-// than signs do when many are in doubt. Held variables have the gradient -lambda, free ones 0.
+// Gauss-Seidel sweeps from the last solution, moved into the box, predict the active bounds better than the signs where
+// many may change. Held variables have the gradient -lambda, free ones 0.
 void BoundedQp::sweepBounds() noexcept {
   for (int i = 0; i < n_; ++i) gradient_[i] = -lambda_[i];
   for (int i = 0; i < n_; ++i) {
@@ -63,7 +64,7 @@ void BoundedQp::sweepBounds() noexcept {
   }
 }
 
-int BoundedQp::correctGuess() noexcept {
+int BoundedQp::correctPrediction() noexcept {
   int changes = dropWrongSigns();
   const double* const x = x_.data();
   const double* const least = least_.data();
@@ -184,7 +185,7 @@ void BoundedQp::release(int index) noexcept {
 // Moves the multiplier of the most violated constraint until the constraint holds or its penalty is reached;
 // constraints whose multipliers come to an end on the way leave the working set.
 BoundedQp::Pass BoundedQp::ascend() noexcept {
-  if (guessed_ && m_ == 0) return Pass::kOptimal;  // all bounds have been looked at
+  if (predicted_ && m_ == 0) return Pass::kOptimal;  // all bounds have been looked at
   evaluateRows();
   const Candidate candidate = mostViolated();
   if (candidate.index < 0) return Pass::kOptimal;
@@ -193,7 +194,7 @@ BoundedQp::Pass BoundedQp::ascend() noexcept {
   const double at = candidate.reached == QpSide::kLower ? lower_[p] : upper_[p];
   const double self = along(p, inverseColumn(p));
   side_[static_cast<std::size_t>(p)] = QpSide::kInactive;
-  partial_ = p;
+  entering_ = p;
   for (;;) {
     solveDirection(candidate);
     const double curvature = -candidate.direction * along(p, dx_.data());
@@ -211,21 +212,21 @@ BoundedQp::Pass BoundedQp::ascend() noexcept {
     lambda_[p] += step * candidate.direction;
     if (step == primal) {
       side_[static_cast<std::size_t>(p)] = candidate.reached;
-      partial_ = -1;
+      entering_ = -1;
     } else if (step == own) {
-      settle(candidate, relaxed);
+      addToWorkingSet(candidate, relaxed);
     } else {
       release(blocking);
     }
     if (!solveWorkingSet()) return Pass::kIterationLimit;
-    if (partial_ < 0) return Pass::kAdvanced;
+    if (entering_ < 0) return Pass::kAdvanced;
   }
 }
 
 // The candidate's own multiplier has come to its end.
-void BoundedQp::settle(const Candidate& candidate, bool was_relaxed) noexcept {
+void BoundedQp::addToWorkingSet(const Candidate& candidate, bool was_relaxed) noexcept {
   const int p = candidate.index;
-  partial_ = -1;
+  entering_ = -1;
   if (was_relaxed) {
     lambda_[p] = 0.0;
     return;

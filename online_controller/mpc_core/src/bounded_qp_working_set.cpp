@@ -47,7 +47,7 @@ const double* BoundedQp::inverseColumn(int index) noexcept {
 void BoundedQp::listWorkingSet() noexcept {
   for (int j = 0; j < working_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
-    if (side_[static_cast<std::size_t>(i)] == QpSide::kInactive && i != partial_) lambda_[i] = 0.0;
+    if (side_[static_cast<std::size_t>(i)] == QpSide::kInactive && i != entering_) lambda_[i] = 0.0;
   }
   int held = 0;
   int kept = bound_count_;
@@ -92,8 +92,8 @@ bool BoundedQp::dualIsCheaper() const noexcept {
   const double k = working_count_;
   const double f = free_count_;
   const double rows = working_count_ - bound_count_;
-  double missing = has_base_ || partial_ >= 0 ? 0.0 : 1.0;
-  for (int j = constant_ ? bound_count_ : 0; j < working_count_; ++j) {
+  double missing = has_base_ || entering_ >= 0 ? 0.0 : 1.0;
+  for (int j = has_hessian_inverse_ ? bound_count_ : 0; j < working_count_; ++j) {
     if (!has_inverse_[static_cast<std::size_t>(working_[static_cast<std::size_t>(j)])]) missing += 1.0;
   }
   const double done = gram_done_;
@@ -162,8 +162,8 @@ bool BoundedQp::factorisePrimal() noexcept {
   }
   listFree();
   reduced_size_ = wholePacks(free_count_);
-  whole_ = bound_count_ == 0;
-  if (!whole_ && !factoriseReduced()) return false;
+  all_free_ = bound_count_ == 0;
+  if (!all_free_ && !factoriseReduced()) return false;
   for (int r = 0; r < rows; ++r) {
     const double* row = rows_.data() + (working_[static_cast<std::size_t>(bound_count_ + r)] - n_) * stride_;
     double* range = range_.data() + r * stride_;
@@ -193,8 +193,8 @@ void BoundedQp::gatherFree(const double* from, double* to) const noexcept {
 }
 
 void BoundedQp::solveReduced(double* x, bool lower, bool upper) const noexcept {
-  const double* factor = whole_ ? factor_.data() : reduced_.data();
-  const double* blocks = whole_ ? factor_inverse_.data() : reduced_inverse_.data();
+  const double* factor = all_free_ ? factor_.data() : reduced_.data();
+  const double* blocks = all_free_ ? factor_inverse_.data() : reduced_inverse_.data();
   if (lower) qpKernels().solveLower(factor, blocks, reduced_size_, stride_, x);
   if (upper) qpKernels().solveUpper(factor, blocks, reduced_size_, stride_, x);
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "polyfly_base/closest_name.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/meant_name.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -114,7 +114,7 @@ void ParameterReader::refuseMisspeltGroups(const std::vector<std::string>& names
   for (const std::string& name : names) {
     const std::string group = groupOf(name);
     if (group.empty()) continue;
-    if (const auto meant = polyfly::meantName(group, groups))
+    if (const auto meant = polyfly::closestName(group, groups))
       refuseValue(name, "there is no group '" + group + "'; is '" + *meant + "' meant?");
   }
 }

@@ -22,7 +22,7 @@ struct StageTimes {
   std::int64_t whole() const noexcept { return latency() + prepare; }
 };
 
-/// One command, or the decision to send none, as it is told of when it is out.
+/// One command, or the decision to send none, as it is reported after it was sent.
 struct Answered {
   std_msgs::Header header;  ///< of the command
   polyfly::Law law = polyfly::Law::kExplicitLinear;
@@ -38,11 +38,11 @@ struct Answered {
   bool restarted = false;       ///< FlightSupervisor::restarted()
 };
 
-/// What is out and not told of yet. When it is full the last one is replaced, which a gap in the sequence
-/// shows. Does not allocate but where a frame's name is longer than those before.
+/// Commands that were sent and are not reported yet. When it is full the last one is replaced, which a gap in the
+/// sequence shows. Allocates only where a frame's name is longer than those before.
 class AnsweredList {
  public:
-  /// The next one, to be filled whole but for its sequence.
+  /// The next one; the caller fills all but its sequence.
   Answered& add() noexcept {
     if (count_ < entries_.size()) ++count_;
     Answered& entry = entries_[count_ - 1];

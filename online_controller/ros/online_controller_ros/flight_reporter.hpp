@@ -12,19 +12,19 @@
 
 namespace polyfly_ros {
 
-/// Tells of each command when it is out: `controller_status`, the log, the snapshot for the other thread, the
-/// counted times. The control thread's, like all that it reads.
+/// Reports each command after it was sent: `controller_status`, the log, the snapshot for the other thread, the counted
+/// times. Used by the control thread only, like all that it reads.
 class FlightReporter {
  public:
   /// Keeps references. `control_period` [s]: longer than that is an overrun.
   FlightReporter(ros::NodeHandle& handle, ActiveLaws& laws, polyfly::FlightSupervisor& flight,
                  FlightRecord& record, double control_period);
 
-  /// `last`: no step has followed it, and none is prepared. Only then can be told how good its solution was,
-  /// and what it tracked.
-  void tell(const Answered& answered, bool last);
+  /// `last`: no step has followed it, and none is prepared. Only then are the quality of its solution and what it
+  /// tracked known.
+  void report(const Answered& answered, bool last);
 
-  /// What was done since the command of `answered` took so long [ns].
+  /// The time of the work since the command of `answered` [ns].
   void prepared(const Answered& answered, std::int64_t time);
 
  private:

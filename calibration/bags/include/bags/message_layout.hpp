@@ -9,11 +9,11 @@
 
 namespace polyfly {
 
-/// Layout of a serialised ROS message, computed from the message definition in the bag. Reads numbers by name
-/// without the message's headers, and tells whether bytes are a whole message at all.
+/// Layout of a serialised ROS message, computed from the message definition in the bag. Reads number
+/// fields by name without compiled message headers, and checks whether bytes are one complete message.
 class MessageLayout {
  public:
-  /// Parses the text of a definition (of rosmsg, with those of the types in it after lines of =). Throws
+  /// Parses a definition as `rosmsg show --raw` prints it: nested types follow after a line of `=`. Throws
   /// Error naming the type and the line: unknown type, not a definition, nested too deep.
   MessageLayout(const std::string& type, const std::string& definition);
 
@@ -34,21 +34,22 @@ class MessageLayout {
     std::string type;  ///< a builtin, or a key of types_
     std::string name;
     bool array = false;
-    std::optional<std::uint32_t> length;  ///< of an array that has one
+    std::optional<std::uint32_t> length;  ///< of a fixed-length array
   };
   using Fields = std::vector<Field>;
 
   struct Reader;
   void parse(const std::string& type, const std::string& definition);
   void resolve(const std::string& type, int depth);
-  bool walk(const std::string& type, const std::string& prefix, Reader* reader) const;
-  bool walkField(const Field& field, const std::string& prefix, Reader* reader) const;
+  bool visit(const std::string& type, const std::string& prefix, Reader* reader) const;
+  bool visitField(const Field& field, const std::string& prefix, Reader* reader) const;
   bool hasIn(const std::string& type, const std::string& path) const;
   std::optional<std::size_t> fixedSize(const std::string& type) const;
 
   std::string type_;
   std::map<std::string, Fields> types_;
-  std::map<std::string, std::size_t> sizes_;  // of types without arrays of open length or strings
+  // Sizes of the types without variable-length arrays and strings.
+  std::map<std::string, std::size_t> sizes_;
 };
 
 }  // namespace polyfly

@@ -28,14 +28,23 @@ struct BagSignals {
   BagHealth health;       ///< with a remark for each topic whose messages or clock are wrong
 };
 
-/// Finds the signals by the messages' types: commands in mav_msgs/RollPitchYawrateThrust, else in
-/// mavros_msgs/AttitudeTarget, or in geometry_msgs/PoseStamped on a topic called attitude with
-/// std_msgs/Float64 on one called throttle or thrust; measurements in nav_msgs/Odometry (twist in the body's
-/// frame), else in sensor_msgs/Imu, else attitude in geometry_msgs/TransformStamped or in a PoseStamped on a
-/// topic called pose that is no command or setpoint, with velocities in geometry_msgs/TwistStamped on a topic
-/// called velocity_local; last on topics of a ground_truth. Times are those of the headers, where there are
-/// any; where a header's clock jumps against the recorder's, the recorder's. Throws Error naming file, topic
-/// and rule: two topics for one signal, a chosen topic or field that is not there, no bag.
+/// Finds the signals by the types of the messages. The first kind that the bag holds is taken.
+///
+/// Commands:
+/// - mav_msgs/RollPitchYawrateThrust;
+/// - mavros_msgs/AttitudeTarget;
+/// - geometry_msgs/PoseStamped on a topic called attitude, with std_msgs/Float64 on one called throttle or thrust.
+///
+/// Measurements:
+/// - nav_msgs/Odometry, with the twist in the body's frame;
+/// - sensor_msgs/Imu;
+/// - attitude in geometry_msgs/TransformStamped, or in a PoseStamped on a topic called pose that is no command or
+///   setpoint, with velocities in geometry_msgs/TwistStamped on a topic called velocity_local.
+/// Topics of a ground_truth come last.
+///
+/// Times are those of the headers; where there are none, or where a header's clock jumps against the recorder's, those
+/// of the recorder. Throws Error naming file, topic and rule: two topics for one signal, a chosen topic or field that
+/// is not there, no bag.
 BagSignals signalsFromBag(const std::string& path, const BagSignalOptions& options);
 
 }  // namespace polyfly

@@ -8,7 +8,7 @@
 namespace polyfly {
 
 /// How a stretch is found in which the command moves enough to learn from.
-struct ExcitationOptions {
+struct ExcitationSearchOptions {
   double half_width = 1.0;        ///< of the stretch whose deviation counts as activity [s]
   double threshold_share = 0.25;  ///< of the activity that is exceeded a tenth of the time
   double margin = 0.5;            ///< kept before and after, so that the answer is seen [s]
@@ -32,7 +32,7 @@ struct ExcitationChoice {
 };
 
 /// Finds the windows in which the command is active and the response follows it at all. Clean record.
-ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationOptions& options);
+ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options);
 
 /// Greatest correlation coefficient in size, with its sign, of response and command over lags 0 ..
 /// greatest_lag.

@@ -27,7 +27,7 @@ struct AxisRecords {
 struct IdentifyOptions {
   std::vector<TimeWindow> windows;             ///< used as they are; empty: chooseExcitation
   std::vector<TimeWindow> validation_windows;  ///< of the validation record; empty: chooseExcitation
-  ExcitationOptions excitation;
+  ExcitationSearchOptions excitation;
   FitOptions fit;             ///< bounds; order and with_delay are set for each model
   bool second_order = false;  ///< fit that too
 };

@@ -8,8 +8,8 @@
 
 namespace polyfly {
 
-/// The pictures of one axis: what was used, measured against model with residuals, the same of the
-/// validation, frequency response with coherence.
+/// The figures of one axis: intervals used; measurement, model and residuals for identification and for validation;
+/// frequency response with coherence.
 std::vector<ReportFigure> identificationFigures(const AxisModel& axis);
 
 /// The page as one HTML text with its pictures inside. Runs gnuplot. Throws Error.

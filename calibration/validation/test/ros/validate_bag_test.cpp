@@ -194,7 +194,8 @@ TEST_F(ValidateBag, proposesTheProblemThatWouldHaveCoveredTheFlight) {
   }
   writeFlightBag(recorder.log(), folder_ / "flight.bag");
   EXPECT_EQ(runWith({"--propose", folder_ / "wider"}), kThresholdBroken);
-  EXPECT_NE(output_.find("what would have covered it, longitudinal axis"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("ranges that would have covered the flight, longitudinal axis"), std::string::npos)
+      << output_;
   EXPECT_NE(output_.find("regions, counted by solving"), std::string::npos) << output_;
   const auto name = std::string(maps_.axes()[0]->name()) + ".yaml";
   EXPECT_NE(contents(folder_ / ("wider/" + name)).find("e_p_x"), std::string::npos);

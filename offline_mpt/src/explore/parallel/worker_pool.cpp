@@ -25,7 +25,7 @@ class RegionWorker : public Worker {
 
  private:
   const NormalisedProgram& program_;
-  RegionSolver worker_;
+  RegionWorkspace worker_;
   ActiveSet active_;
   RegionResult described_;
   unsigned long long pivots_ = 0;

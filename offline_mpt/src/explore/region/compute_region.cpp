@@ -33,7 +33,7 @@ Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double s
 /// A degenerate facet and its candidates, neighbours `begin` to `end` - 1, of which one must hold a point
 /// just across it. Where none does so clearly, a program of its own finds the active set there, which joins
 /// them.
-void probeFacet(const NormalisedProgram& program, RegionSolver& worker, const DegenerateFacet& degenerate,
+void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const DegenerateFacet& degenerate,
                 RegionResult& out) {
   const double widen = program.linear ? kLinearProbe : 1.0;
   const Facet& facet = out.region.facets[degenerate.facet];
@@ -63,13 +63,13 @@ void addSmallerSets(const ActiveSet& active, ActiveSetList& sets) {
 }
 
 /// What lies about a flat set.
-void addAround(RegionSolver& worker, const ActiveSet& active, RegionResult& out) {
+void addAround(RegionWorkspace& worker, const ActiveSet& active, RegionResult& out) {
   for (const Facet& facet : out.region.facets)
     worker.builder.neighbours(active, out.region, facet, out.neighbours);
 }
 
 /// Of a program whose H is singular: the regions behind each facet.
-void findBehindFacets(RegionSolver& worker, const ActiveSet& active, RegionResult& out) {
+void findBehindFacets(RegionWorkspace& worker, const ActiveSet& active, RegionResult& out) {
   for (const Facet& facet : out.region.facets) {
     worker.sets.clear();
     if (worker.builder.neighbours(active, out.region, facet, worker.sets) == Crossing::kBoundary) continue;
@@ -80,7 +80,7 @@ void findBehindFacets(RegionSolver& worker, const ActiveSet& active, RegionResul
 
 /// Of a program whose H is not. Degenerate facets come after all others: a probe overwrites the builder's
 /// rows.
-void crossFacets(const NormalisedProgram& program, RegionSolver& worker, const ActiveSet& active,
+void crossFacets(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                  RegionResult& out) {
   worker.degenerate.clear();
   for (std::uint32_t f = 0; f < out.region.facets.size(); ++f) {
@@ -114,7 +114,7 @@ void RegionResult::addNeighbour(const ActiveSet& active, std::uint32_t facet) {
   behind.push_back(facet);
 }
 
-void computeRegion(const NormalisedProgram& program, RegionSolver& worker, const ActiveSet& active,
+void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                    RegionResult& out) {
   out.clear();
   out.status = worker.builder.build(active, out.region);
@@ -128,7 +128,7 @@ void computeRegion(const NormalisedProgram& program, RegionSolver& worker, const
   }
 }
 
-bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionSolver& worker,
+bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active) {
   const double least =
       program.semidefinite ? 0.0 : kActiveMultiplier;  // where they are as small as what is added to H

@@ -31,9 +31,9 @@ struct DegenerateFacet {
   std::size_t begin, end;
 };
 
-/// Everything that one thread needs.
-struct RegionSolver {
-  RegionSolver(const NormalisedProgram& program, const ExploreOptions& options)
+/// The work space of one thread for computeRegion.
+struct RegionWorkspace {
+  RegionWorkspace(const NormalisedProgram& program, const ExploreOptions& options)
       : builder(program, options.facet_tolerance, options.radius_tolerance), qp(program.H, program.A) {
     if (program.semidefinite) behind.emplace(program, options.facet_tolerance, options.radius_tolerance);
   }
@@ -49,7 +49,7 @@ struct RegionSolver {
 };
 
 /// Into `out`, whatever it held before.
-void computeRegion(const NormalisedProgram& program, RegionSolver& worker, const ActiveSet& active,
+void computeRegion(const NormalisedProgram& program, RegionWorkspace& workspace, const ActiveSet& active,
                    RegionResult& out);
 
 /// A region holds a probe within this, as the map's look-up does [scaled].
@@ -59,7 +59,7 @@ constexpr double kProbeTolerance = 1e-8;
 bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe);
 
 /// A full-dimensional region to begin with, at or near t = `centre`; false where none is found.
-bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionSolver& worker,
+bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active);
 
 }  // namespace polyfly

@@ -105,7 +105,7 @@ FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
 }
 
 // How far the way behind the facet leads from t until it leaves the parameters' set.
-double FacetNeighbours::room(const Eigen::VectorXd& t) const {
+double FacetNeighbours::distanceToBoundary(const Eigen::VectorXd& t) const {
   const auto p = static_cast<std::size_t>(program_.p);
   double most = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < program_.domain.size(); i += p + 1) {
@@ -160,7 +160,7 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
       pieces.push_back(piece);
       continue;
     }
-    const Eigen::VectorXd probe = t + std::min(kBehindFacet[1], 0.5 * room(t)) * normal_;
+    const Eigen::VectorXd probe = t + std::min(kBehindFacet[1], 0.5 * distanceToBoundary(t)) * normal_;
     unresolved.insert(unresolved.end(), probe.data(), probe.data() + program_.p);
   }
   for (const ActiveSet& active : behind_sets_) found.push({active.data(), active.size()});

@@ -35,7 +35,7 @@ class FacetNeighbours {
   double radius(const ConvexCell& piece, Eigen::VectorXd& centre);
   bool takeRegion(const ActiveSet& active);
   Behind lookBehind(const Eigen::VectorXd& t);
-  double room(const Eigen::VectorXd& t) const;
+  double distanceToBoundary(const Eigen::VectorXd& t) const;
   bool cut(const ConvexCell& piece, const Region& region, std::vector<ConvexCell>& rest);
 
   const NormalisedProgram& program_;

@@ -18,9 +18,11 @@ struct ExplorationState : SetQueue {
   std::uint64_t regionCount() const override { return regions.size(); }
   void merge(ByteReader& answer) override;
 
-  ActiveSetPool tight;  // rows tight in a region that only slacks bound, to know it again
+  // Active rows of regions that only slacks bound: such a region may be found from several active sets.
+  ActiveSetPool tight;
   RegionStore regions;
-  std::pmr::vector<double> unresolved;  // probes, p numbers each, that must lie in some region
+  // Adjacency samples, p numbers each, that no region has been found for yet.
+  std::pmr::vector<double> unresolved;
   std::uint64_t degenerate_facets = 0;
   std::uint64_t pivots = 0;
   bool failed = false;  // the simplex gave up on a set
@@ -33,8 +35,7 @@ struct ExplorationState : SetQueue {
 };
 
 /// Appends the result for one active set, in the format that ExplorationState::merge reads.
-void writeAnswer(const RegionResult& described, const ActiveSet& active, std::uint64_t pivots,
-                 ByteWriter& out);
+void writeAnswer(const RegionResult& result, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out);
 
 /// The numbers of a region as RegionStore holds them.
 void writeNumbers(const Region& region, ByteWriter& out);

@@ -14,11 +14,12 @@ namespace polyfly {
 /// - is an outlier of the attitude (kJump): turned by more than 20 rad/s^2 and jump_angle explain, from where
 ///   the attitude was and from where the body rates have led it since.
 ///
-/// Time and place may truly begin anew (another bag, a relocalisation): after hold_periods refused samples in
-/// a row that agree with each other the next one of them is accepted, as a restart. An attitude that is wrong
-/// drives the vehicle away, where being level does not; so another attitude is believed hold_periods and
-/// level_periods after it came, when the FailsafePolicy would begin to descend; and not while its velocities
-/// lead elsewhere than its positions go, by 0.2 m/s on the mean, as they do where only the attitude is wrong.
+/// Time and place may truly begin anew (another bag, a relocalisation). After hold_periods refused samples in a row that
+/// agree with each other, the next one that agrees is accepted, as a restart.
+///
+/// A wrong attitude drives the vehicle away; level attitude does not. So another attitude is accepted only after
+/// hold_periods and level_periods, when the FailsafePolicy would begin to descend. It is not accepted while the mean
+/// velocity differs by more than 0.2 m/s from the motion of the positions: then only the attitude is wrong.
 class OdometryGate {
  public:
   struct Verdict {

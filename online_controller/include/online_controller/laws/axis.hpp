@@ -127,12 +127,12 @@ class Axis {
   void advance(Prediction& at) const noexcept;
   double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
 
-  /// Assembles the parameters and evaluates the law; fills the report. Without an answer (kHoldLast) its
-  /// input is left alone. Where a map has no answer, its problem is solved online, the report says so
-  /// (kOptimal with a look-up that is not kInside), and u is that of the online law; with
-  /// options.solve_outside unset the parameters are clipped to the map's box instead (kClipped). Where a
-  /// minimum-peak robust MPC has no plan that meets all bounds (a disturbance beyond its range has been at
-  /// work), the errors are scaled down until it has one, by 12 halvings: kClipped.
+  /// Assembles the parameters, evaluates the law and fills the report. Without an answer (kHoldLast) the report's input
+  /// is left alone. Where a map has no answer:
+  /// - its problem is solved online: kOptimal with a look-up that is not kInside;
+  /// - with options.solve_outside unset, the parameters are clipped to the map's box: kClipped;
+  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) scales the
+  ///   errors down until it has one, by 12 halvings: kClipped.
   ///
   /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
   /// nothing else, are then those of the model's input with the offset.
@@ -142,8 +142,8 @@ class Axis {
   /// The input that follows the reference without error, not limited; 0 where the law is not told of it.
   double inputReference(const AxisReference& reference) const noexcept { return goalOf(reference).input; }
 
-  /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC,
-  /// which answers for the whole disturbance: what an estimate took away would be answered twice.
+  /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC. That law
+  /// already accounts for the whole disturbance, so compensating an estimate would count it twice.
   double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
   const MpcProblem& problem() const noexcept { return law_->problem(); }
 

@@ -53,8 +53,8 @@ class AxisLaw {
 /// tracking problem or a minimum-peak robust MPC.
 MpcProblem problemOf(const RegionMap& map, const std::string& axis);
 
-/// Keeps a reference to `map`; `problem` is what problemOf() told of it: to parse it takes longer than
-/// everything else, so whoever makes many laws from one map does it once.
+/// Keeps a reference to `map`. `problem` is the result of problemOf(map): parsing it takes longer than everything else,
+/// so who makes many laws from one map parses once.
 std::unique_ptr<AxisLaw> explicitAxisLaw(const RegionMap& map, MpcProblem problem);
 
 /// Solves `problem` at each parameter; the box of the parameters does not limit it. Throws Error.

@@ -30,7 +30,7 @@ class RegionMap;
 ///
 /// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only: with them the laws
 /// are evaluated that often, and their inputs are held in the world frame in between, where Eq. 40 and 41 are
-/// computed with each sample. The report tells the last evaluation then.
+/// computed with each sample. The report then holds the last evaluation.
 ///
 /// The same calls after construction or reset give the same bits.
 class MultirotorController : public ControlLaw {
@@ -40,7 +40,7 @@ class MultirotorController : public ControlLaw {
   /// axis, and when the sampling times of minimum-peak maps differ or are not whole control periods.
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const MultirotorOptions& options);
 
-  /// The same with the problems in the maps, as problemOf() told them: see explicitAxisLaw().
+  /// The same with the problems in the maps, the results of problemOf(): see explicitAxisLaw().
   MultirotorController(const std::array<const RegionMap*, 3>& maps, const std::array<MpcProblem, 3>& problems,
                        const MultirotorOptions& options);
 

@@ -35,13 +35,14 @@ struct QpVectors {
 /// A row with an infinite penalty p_i (the default) is hard. A finite one relaxes it in the l1 norm: the row
 /// holds exactly as long as its multiplier stays below p_i, and the problem always has a solution.
 ///
-/// Two phases. First the active bounds are guessed all at once from the signs of slacks and multipliers
-/// (primal-dual active set; Kunisch and Rendl, 2003), which ends in a few rounds on most problems of control
-/// and, if it ends, at the optimum of the box. Then, for the rows and where the guess went astray, a dual
-/// active-set method (Goldfarb and Idnani, 1983) ends after finitely many steps. Each working set is
-/// factorised, either the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
-/// constraints, whichever is less work. Rows and columns of a Gram matrix that did not change are not
-/// factorised again, and none is updated: no rounding is carried from one working set to the next.
+/// The first phase is a primal-dual active-set method (Kunisch and Rendl, 2003): it predicts all active bounds at once
+/// from the signs of slacks and multipliers. On most control problems it ends in a few rounds, at the optimum of the
+/// box. The second phase is for the rows, and for problems where the first does not end: a dual active-set method
+/// (Goldfarb and Idnani, 1983), which is finite.
+///
+/// Each working set is factorised: the Hessian of the free variables or the Gram matrix A H^-1 A' of the active
+/// constraints, whichever is less work. Rows and columns of a Gram matrix that did not change keep their factor. No
+/// factor is updated, so no rounding is carried from one working set to the next.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread. The same
 /// calls give the same bits, with or without AVX2.
@@ -100,14 +101,14 @@ class BoundedQp {
     QpSide reached = QpSide::kInactive;
   };
 
-  QpStatus take(const QpVectors& vectors) noexcept;
+  QpStatus load(const QpVectors& vectors) noexcept;
   void startFrom(const QpSide* start) noexcept;
   QpSide allowed(int index, QpSide side) const noexcept;
-  QpStatus leave(QpStatus status) noexcept;
+  QpStatus finish(QpStatus status) noexcept;
 
   // The phases.
-  bool guessBounds() noexcept;
-  int correctGuess() noexcept;
+  bool predictBounds() noexcept;
+  int correctPrediction() noexcept;
   void sweepBounds() noexcept;
   int dropWrongSigns() noexcept;
   double largestMultiplier() const noexcept;
@@ -118,7 +119,7 @@ class BoundedQp {
                     Candidate& worst) const noexcept;
   double blockingStep(int* blocking) const noexcept;
   void release(int index) noexcept;
-  void settle(const Candidate& candidate, bool was_relaxed) noexcept;
+  void addToWorkingSet(const Candidate& candidate, bool was_relaxed) noexcept;
 
   // A working set as equalities.
   bool solveWorkingSet() noexcept;
@@ -151,13 +152,13 @@ class BoundedQp {
   double bound(int index) const noexcept {
     return side_[static_cast<std::size_t>(index)] < QpSide::kInactive ? lower_[index] : upper_[index];
   }
-  // Visits the constraints whose multipliers are data: relaxed rows and the partial constraint.
+  // Visits the constraints whose multipliers are data: relaxed rows and the constraint that enters.
   template <class Visit>
   void forFixedMultipliers(const Visit& visit) {
-    if (partial_ >= 0 && partial_ < n_) visit(partial_);
+    if (entering_ >= 0 && entering_ < n_) visit(entering_);
     for (int i = n_; i < n_ + m_; ++i) {
       const QpSide side = side_[static_cast<std::size_t>(i)];
-      if (i == partial_ || side == QpSide::kLowerRelaxed || side == QpSide::kUpperRelaxed) visit(i);
+      if (i == entering_ || side == QpSide::kLowerRelaxed || side == QpSide::kUpperRelaxed) visit(i);
     }
   }
 
@@ -168,8 +169,8 @@ class BoundedQp {
   int iteration_limit_ = 0;
   bool convex_ = false;
   bool well_conditioned_ = false;
-  bool constant_ = false;    // the inverse of H is there
-  bool equalities_ = false;  // there are some
+  bool has_hessian_inverse_ = false;
+  bool has_equalities_ = false;
   double violation_ = 0.0;
   double gradient_scale_ = 0.0;
 
@@ -182,7 +183,7 @@ class BoundedQp {
   AlignedArray g_, base_;                               // n: gradient; -H^-1 g
   AlignedArray x_, lambda_, row_value_, dx_, dlambda_;  // point, multipliers; their rates
   bool has_base_ = false;
-  bool guessed_ = false;  // the first phase ended by itself
+  bool predicted_ = false;  // the first phase ended by itself
 
   std::vector<QpSide> side_;         // n + m
   std::vector<int> free_, working_;  // free variables; constraints held, bounds before rows
@@ -190,10 +191,10 @@ class BoundedQp {
   int free_count_ = 0;
   int bound_count_ = 0;  // bounds among those held
   int working_count_ = 0;
-  int partial_ = -1;    // constraint on its way into the working set
-  int dependent_ = -1;  // constraint that depends on the others of the working set
-  bool dual_ = false;   // which factor the working set has
-  bool whole_ = false;  // all variables are free: the reduced factor is that of H
+  int entering_ = -1;      // constraint on its way into the working set
+  int dependent_ = -1;     // constraint that depends on the others of the working set
+  bool dual_ = false;      // which factor the working set has
+  bool all_free_ = false;  // all variables are free: the reduced factor is that of H
   int reduced_size_ = 0;
   int gram_size_ = 0;
   int gram_done_ = 0;  // constraints at the head of the list whose factor is there already

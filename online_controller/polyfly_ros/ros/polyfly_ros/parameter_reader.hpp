@@ -35,7 +35,7 @@ class ParameterReader {
   std::string text(const std::string& key, const std::string& what, const std::string& fallback);
 
   /// Throws Error naming a parameter below one of these namespaces that was never read: a misspelling. So is
-  /// one below a namespace whose name is near to one of these, or of those read: see polyfly::meantName.
+  /// one below a namespace whose name is near to one of these, or of those read: see polyfly::closestName.
   void refuseUnknown(const std::vector<std::string>& namespaces) const;
 
   /// Private parameters that were never read: perhaps misspelled.

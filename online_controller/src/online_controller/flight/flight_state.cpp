@@ -104,7 +104,7 @@ FlightTransition onLand(State state) noexcept {
   return {state, state == State::kRemoteControl ? kPilotHasIt : kNotFlying};
 }
 
-// Manual mode is a seat that must have been taken: only from there the switch hands over to a law.
+// Only from manual mode does the switch hand over to a law: a switch that is forgotten at a law's position starts none.
 FlightTransition onSwitchAtPosition(State state, State wanted, const FlightSituation& situation) noexcept {
   if (state == State::kRemoteControl) return {situation.odometry ? wanted : state};
   if (wanted == State::kTeleoperation && lawFlies(state)) return {wanted};

@@ -66,31 +66,32 @@ void Axis::transferState(const Axis& other) noexcept {
 }
 
 void Axis::bindSignals(const AxisNames& names) {
-  struct Wanted {
+  struct ExpectedSignal {
     const char* name;
     const char* unit;
     AxisEntry entry;
     bool required;
   };
   const bool tracking = !law_->problem().minimum_peak;
-  std::vector<Wanted> wanted{{names.position_error, "m", AxisEntry::kPositionError, true},
-                             {names.velocity_error, "m/s", AxisEntry::kVelocityError, true},
-                             {names.input_reference, names.input_unit, AxisEntry::kInputReference, tracking}};
-  if (tracking) wanted.push_back({names.previous_input, names.input_unit, AxisEntry::kPreviousInput, true});
-  if (!tracking) wanted.push_back({names.velocity_reference, "m/s", AxisEntry::kVelocityReference, false});
-  if (has_lag_) wanted.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
+  std::vector<ExpectedSignal> expected{
+      {names.position_error, "m", AxisEntry::kPositionError, true},
+      {names.velocity_error, "m/s", AxisEntry::kVelocityError, true},
+      {names.input_reference, names.input_unit, AxisEntry::kInputReference, tracking}};
+  if (tracking) expected.push_back({names.previous_input, names.input_unit, AxisEntry::kPreviousInput, true});
+  if (!tracking) expected.push_back({names.velocity_reference, "m/s", AxisEntry::kVelocityReference, false});
+  if (has_lag_) expected.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
   static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
 
-  std::vector<bool> found(wanted.size(), false);
+  std::vector<bool> found(expected.size(), false);
   size_ = 0;
   for (const Signal& signal : law_->parameters()) {
-    const auto match = std::find_if(wanted.begin(), wanted.end(),
-                                    [&](const Wanted& entry) { return signal.name == entry.name; });
-    if (match == wanted.end()) {
+    const auto match = std::find_if(expected.begin(), expected.end(),
+                                    [&](const ExpectedSignal& entry) { return signal.name == entry.name; });
+    if (match == expected.end()) {
       throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) +
                   ": not a signal of this axis");
     }
-    const auto which = static_cast<std::size_t>(match - wanted.begin());
+    const auto which = static_cast<std::size_t>(match - expected.begin());
     if (found[which])
       throw Error(law_->place(names.axis) + "parameter " + quoted(signal.name) + ": listed twice");
     found[which] = true;
@@ -101,9 +102,9 @@ void Axis::bindSignals(const AxisNames& names) {
     lower_[slot] = signal.lower;
     upper_[slot] = signal.upper;
   }
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!found[i] && wanted[i].required)
-      throw Error(law_->place(names.axis) + "parameter " + quoted(wanted[i].name) + ": missing");
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (!found[i] && expected[i].required)
+      throw Error(law_->place(names.axis) + "parameter " + quoted(expected[i].name) + ": missing");
   }
 
   if (law_->inputs().size() != 1 || law_->inputs().front().name != names.input) {

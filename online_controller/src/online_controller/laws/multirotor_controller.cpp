@@ -203,11 +203,10 @@ double MultirotorController::nearBounds(const std::array<double, 2>& goals) cons
   return std::clamp((share - 0.5) / 0.25, 0.0, 1.0);
 }
 
-// The bounds of the laws are those of the model's inputs, but what they are for is the command. Offsets make
-// of the one the other where the reference is: Eq. 41 divides the input by T / g; and while the body yaws
-// along with its tilt, as in a turn, the input leads the tilt, where the vehicle does not need it, or has it
-// about the other axis of the body, with a limit of its own. Of this lead is left out what makes the inputs
-// least. There are none where the goals are within half of the bounds.
+// The laws bound the input of the model, but the bounds are meant for the command. Offsets convert one into the other
+// at the reference, for two reasons. Eq. 41 divides the input by T / g. And in a turn, where the body yaws together with
+// its tilt, the input of the model leads the tilt by `turn`, which the command does not need. The share of this lead
+// that makes the inputs smallest is left out. There are no offsets while the goals lie within half of the bounds.
 std::array<double, 3> MultirotorController::inputOffsets(
     const Measured& measured, const Reference& reference,
     const std::array<AxisReference, 3>& wanted) const noexcept {

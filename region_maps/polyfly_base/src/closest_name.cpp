@@ -1,4 +1,4 @@
-#include "polyfly_base/meant_name.hpp"
+#include "polyfly_base/closest_name.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -33,7 +33,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::optional<std::string> meantName(const std::string& name, const std::vector<std::string>& known) {
+std::optional<std::string> closestName(const std::string& name, const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return std::nullopt;
   const std::string plain = lowered(name);
   std::optional<std::string> meant;
