@@ -53,7 +53,7 @@ enum class BuildStatus : std::uint8_t {
 
 /// What lies behind a facet.
 enum class Crossing : std::uint8_t {
-  kBoundary,        ///< nothing: the box, or the end of the feasible set
+  kBoundary,    ///< nothing: the box, or the end of the feasible set
   kSingle,      ///< one active set, along the whole facet
   kExchange,    ///< several candidates, the first of which begins where the way to the point beyond crosses
   kDegenerate,  ///< several candidates: which is optimal depends on the place, or rows coincide
