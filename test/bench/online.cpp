@@ -15,7 +15,8 @@ namespace {
 
 using namespace polyfly_bench;
 
-constexpr int kBatches = 300;  // for each problem
+// Number of batches for each problem.
+constexpr int kBatches = 300;
 constexpr int kCalls = 8;
 
 struct Set {

@@ -17,8 +17,10 @@ using namespace polyfly;
 
 struct Flight {
   Times step, prepare, whole;
-  double rms = 0.0;       // position error [m]
-  double greatest = 0.0;  // in the last 5 s [m]
+  // Root mean square position error [m].
+  double rms = 0.0;
+  // Greatest position error in the last 5 s [m].
+  double greatest = 0.0;
 };
 
 struct Course {

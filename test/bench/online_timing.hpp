@@ -56,7 +56,8 @@ struct Row {
   std::string name;
   double value = 0.0;
   std::string unit;
-  double most = 0.0;  ///< what to reach: at most this; 0 if nothing
+  /// Target: at most this value. 0: no target.
+  double most = 0.0;
   std::string peer;
   double peer_value = 0.0;
 };

@@ -27,7 +27,8 @@ using namespace polyfly;
 struct Figure {
   const char* name;
   const char* title;
-  double rate;  ///< of the eight [rad/s]
+  /// Rate of the eight [rad/s].
+  double rate;
 };
 constexpr Figure kFigures[] = {{"fig7", "Fig. 7: aggressive trajectory", 0.53},
                                {"fig8", "Fig. 8: more aggressive trajectory", 0.9}};
@@ -121,7 +122,8 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
     maps.push_back(RegionMap::open(maps_folder + "/multirotor_" + axes[i] + ".map"));
     problems[i] = loadProblem(problems_folder + "/multirotor_" + axes[i] + ".yaml");
   }
-  PlantOptions plant;  // as in the laboratory: some noise, hardly a breath of air
+  // Conditions of the laboratory: some noise, almost no wind.
+  PlantOptions plant;
   plant.gust_sigma = {0.05, 0.05, 0.02};
   plant.position_noise = 0.002;
   plant.velocity_noise = 0.01;

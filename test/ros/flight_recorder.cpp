@@ -120,7 +120,8 @@ void FlightRecorder::close(bool complete) {
     return;
   }
   writeEarly(ros::TIME_MIN);
-  if (!open_) return;  // the disk filled up meanwhile
+  // The file is no longer open when the disk filled up meanwhile.
+  if (!open_) return;
   open_ = false;
   try {
     bag_->close();

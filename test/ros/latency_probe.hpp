@@ -30,9 +30,12 @@ class LatencyProbe {
 
   /// Whose thread takes the command.
   enum class Consumer {
-    kPublisher,  ///< the one that publishes it
-    kProbe,      ///< the probe's, which has published the odometry and waits
-    kOwn,        ///< one that does nothing else, and sleeps
+    /// Thread that publishes the command.
+    kPublisher,
+    /// Thread of the probe, which has published the odometry and waits.
+    kProbe,
+    /// Thread that does nothing else, and sleeps.
+    kOwn,
   };
 
   static Consumer readConsumer(const ros::NodeHandle& private_handle);
@@ -44,7 +47,8 @@ class LatencyProbe {
   bool enough() const;
   void write() const;
 
-  WaitableQueue queue_;  // of commands; outlives what is served on it
+  // Queue of the commands. It outlives what is served on it.
+  WaitableQueue queue_;
   ros::CallbackQueue status_queue_;
   polyfly::TryLock lock_;
   InlineCallbackQueue inline_queue_{lock_, queue_};
@@ -59,11 +63,14 @@ class LatencyProbe {
   ros::Publisher pose_;
   ros::Subscriber command_subscriber_;
   ros::Subscriber status_subscriber_;
-  Clock::time_point heard_;                 // when the last command came
-  std::atomic<std::uint64_t> answered_{0};  // its stamp [ns]; what was written before it can be read
+  // Time at which the last command came.
+  Clock::time_point heard_;
+  // Stamp of the last command [ns]. Data that were written before it can be read.
+  std::atomic<std::uint64_t> answered_{0};
   Turns turns_;
   ProbeTimes calm_, loaded_;
-  ProbeTimes* now_ = nullptr;  // to which of them what is measured belongs; none while a turn begins
+  // Times that the measured values belong to: calm_ or loaded_. It is nullptr while a turn begins.
+  ProbeTimes* now_ = nullptr;
   std::optional<CallbackThread> consumer_thread_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -21,8 +21,10 @@ using polyfly_test::SoakTuning;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kStalePeriods = 10;
-constexpr auto kPatience = std::chrono::seconds(2);  // for an answer, of wall time
-constexpr double kEpoch = 1000.0;                    // simulated time at the plant's zero [s]
+// Wall time to wait for an answer.
+constexpr auto kPatience = std::chrono::seconds(2);
+// Simulated time at the plant's zero [s].
+constexpr double kEpoch = 1000.0;
 constexpr const char* kAxes[] = {"longitudinal", "lateral", "vertical"};
 
 /// All numbers of some options, for dynamic_reconfigure.

@@ -31,9 +31,12 @@ class NodeSoak final : public polyfly_test::SoakController {
   void swapMaps(std::size_t set) override;
   void select(polyfly::Law law) override;
 
-  int unanswered() const noexcept { return unanswered_; }  ///< periods without a status
-  int swapped() const noexcept { return swapped_; }        ///< granted
-  const std::vector<std::string>& failures() const noexcept { return failures_; }  ///< of services
+  /// Periods without a status.
+  int unanswered() const noexcept { return unanswered_; }
+  /// Swaps of maps that were granted.
+  int swapped() const noexcept { return swapped_; }
+  /// Failures of services.
+  const std::vector<std::string>& failures() const noexcept { return failures_; }
 
  private:
   static ros::Time toTime(double seconds);
@@ -43,8 +46,10 @@ class NodeSoak final : public polyfly_test::SoakController {
 
   WaitableQueue queue_;  // outlives what is served on it
   std::vector<std::string> maps_;
-  polyfly::MultirotorOptions in_force_;  // limits
-  polyfly::MultirotorOptions offered_;   // those from the next command on
+  // Limits in force.
+  polyfly::MultirotorOptions in_force_;
+  // Limits from the next command on.
+  polyfly::MultirotorOptions offered_;
   mav_msgs::RollPitchYawrateThrust::ConstPtr command_;
   online_controller::ControllerStatus::ConstPtr status_;
   int unanswered_ = 0;

@@ -33,16 +33,26 @@ class PlantNode {
   struct Settings {
     polyfly::PlantOptions plant;
     polyfly::FaultOptions faults;
-    double duration = 0.0;                  // simulated [s]; 0: to the trajectory's end
-    double real_time_factor = 0.0;          // simulated per wall time; 0: as fast as possible
-    double silence_real_time_factor = 1.0;  // the same while odometry is silent
-    double command_timeout = 5.0;           // wall time that one command may take [s]
-    double start_timeout = 60.0;            // wall time until all are connected [s]
-    double settle_time = 0.3;               // wall time from connected to start [s]
-    double end_timeout = 10.0;              // wall time for the recorder to close its file [s]
-    int odometry_subscribers = 1;           // needed for the start
-    int status_lag = 0;                     // samples that the statuses may be behind; 0: not listened to
-    bool recorder = false;                  // wait for recorder/ready and recorder/closed
+    // Simulated duration [s]. 0: until the end of the trajectory.
+    double duration = 0.0;
+    // Simulated time per wall time. 0: as fast as possible.
+    double real_time_factor = 0.0;
+    // Simulated time per wall time while odometry is silent.
+    double silence_real_time_factor = 1.0;
+    // Wall time that one command may take [s].
+    double command_timeout = 5.0;
+    // Wall time until all are connected [s].
+    double start_timeout = 60.0;
+    // Wall time from connected to start [s].
+    double settle_time = 0.3;
+    // Wall time for the recorder to close its file [s].
+    double end_timeout = 10.0;
+    // Number of odometry subscribers that the start needs.
+    int odometry_subscribers = 1;
+    // Samples that the statuses may be behind. 0: the statuses are not subscribed.
+    int status_lag = 0;
+    // Whether to wait for recorder/ready and recorder/closed.
+    bool recorder = false;
     std::string frame = "world";
     std::string body_frame = "base_link";
   };
@@ -86,7 +96,8 @@ class PlantNode {
   ros::Subscriber ready_sub_;
   ros::Subscriber closed_sub_;
 
-  ros::Time start_;  // of the flight, simulated
+  // Simulated start of the flight.
+  ros::Time start_;
   long missed_commands_ = 0;
   std::thread thread_;
 };

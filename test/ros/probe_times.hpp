@@ -7,11 +7,16 @@ namespace polyfly_ros {
 
 /// How long the ways from odometry to command took, each list in microseconds.
 struct ProbeTimes {
-  std::vector<double> latency;  ///< from publish(odometry) to the callback with the command
-  std::vector<double> held;     ///< how long publish(odometry) took
-  std::vector<double> inside;   ///< from the controller's callback to where its command was published
-  std::vector<double> input, step, publishing;  ///< of which
-  int missed = 0;                               ///< odometries without a command
+  /// Time from publish(odometry) to the callback with the command.
+  std::vector<double> latency;
+  /// Time that publish(odometry) took.
+  std::vector<double> held;
+  /// Time from the controller's callback to where its command was published.
+  std::vector<double> inside;
+  /// Parts of `inside`.
+  std::vector<double> input, step, publishing;
+  /// Odometry messages without a command.
+  int missed = 0;
 
   int count() const { return static_cast<int>(latency.size()) + missed; }
 
@@ -28,8 +33,10 @@ class Turns {
 
   explicit Turns(double length) : length_(length) {}
 
-  Turn at(double wall_time) const;        ///< for who measures
-  bool loadedAt(double wall_time) const;  ///< for who makes the load
+  /// Turn for the node that measures.
+  Turn at(double wall_time) const;
+  /// Whether the node that makes the load is to make it.
+  bool loadedAt(double wall_time) const;
   bool alternate() const { return length_ > 0.0; }
 
  private:

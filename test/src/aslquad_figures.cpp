@@ -15,10 +15,14 @@ using Eigen::Vector3d;
 using polyfly::MpcProblem;
 using polyfly::RegionMap;
 
-constexpr double kVehicleMass = 0.65;   // of an AscTec Hummingbird with its computer; chosen [kg]
-constexpr double kLoadMass = 0.16;      // printed [kg]
-constexpr double kStringLength = 0.65;  // printed [m]
-constexpr double kNear = 0.1;           // what counts as settled [m]
+// Mass of an AscTec Hummingbird with its computer [kg]. This value is chosen.
+constexpr double kVehicleMass = 0.65;
+// Mass of the load, as printed in the chapter [kg].
+constexpr double kLoadMass = 0.16;
+// Length of the string, as printed in the chapter [m].
+constexpr double kStringLength = 0.65;
+// Position error below which the vehicle counts as settled [m].
+constexpr double kNear = 0.1;
 constexpr int kNominalHorizon = 20;
 constexpr std::array<const char*, 3> kAxes{"longitudinal", "lateral", "vertical"};
 
@@ -69,7 +73,8 @@ polyfly::PlantOptions figurePlant(AslquadFigure figure, int seed) {
   if (figure == AslquadFigure::kHelix) {
     plant.air_velocity = {0.0, 2.0, 0.0};
     plant.turbulence_sigma = {0.5, 0.4, 0.3};
-    plant.turbulence_length = 0.6;  // the size of a fan
+    // This length is the size of a fan.
+    plant.turbulence_length = 0.6;
     return plant;
   }
   plant.gust_sigma = {0.03, 0.03, 0.02};

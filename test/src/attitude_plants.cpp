@@ -5,12 +5,15 @@
 namespace polyfly {
 namespace {
 
-constexpr double kStep = 0.00025;    // [s]
-constexpr double kRateTime = 0.04;   // of PX4's rate loop before the motors [s]
-constexpr double kStiffness = 57.6;  // of Lee's controller over inertia, about roll and pitch [1/s^2]
+constexpr double kStep = 0.00025;  // [s]
+// Time constant of PX4's rate loop before the motors [s].
+constexpr double kRateTime = 0.04;
+// Stiffness of Lee's controller over inertia, about roll and pitch [1/s^2].
+constexpr double kStiffness = 57.6;
 // A fit of first order to motions of some 1.4 rad/s takes what that stiffness adds to the response for gain.
 constexpr double kGeometricGain = 0.966;
-constexpr double kYawStiffness = 1e-3;  // the yaw is not held: only its rate is commanded
+// Stiffness about yaw [1/s^2]. The yaw is not held: only its rate is commanded.
+constexpr double kYawStiffness = 1e-3;
 
 Eigen::Quaterniond aboutZ(double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));

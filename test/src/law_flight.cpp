@@ -3,7 +3,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the simulated time [s]
+// Rounding error of the simulated time [s].
+constexpr double kRounding = 1e-9;
 
 PlantState hovering(const FlightFigure& figure, double gravity, const Eigen::Vector3d& offset) {
   const Reference first = figure.at(0.0);

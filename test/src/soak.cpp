@@ -16,9 +16,12 @@ namespace {
 
 using namespace polyfly;
 
-constexpr double kPeriod = 0.01;     // of control [s]
-constexpr double kOnPath = 0.3;      // position error of a vehicle that is back [m]
-constexpr double kRounding = 1e-12;  // of a bound
+// Control period [s].
+constexpr double kPeriod = 0.01;
+// Position error below which a vehicle is back on its path [m].
+constexpr double kOnPath = 0.3;
+// Rounding error of a bound.
+constexpr double kRounding = 1e-12;
 
 enum class Fault { kNone, kSilence, kNotANumber, kJump, kOutOfOrder, kWrongFrame, kHuge };
 constexpr int kFaults = 6;
@@ -254,16 +257,20 @@ class Soak {
   ControlStatus status_ = ControlStatus::kNoReference;
   SoakResult result_;
 
-  std::vector<Reference> points_;  // of the trajectory in force
-  double point_period_ = 1.0;      // [s]
-  double reference_start_ = 0.0;   // [s]
-  double next_reference_ = 0.0, next_change_ = 5.0, next_fault_ = 12.0, fault_end_ = 0.0;  // [s]
+  // Points of the trajectory in force.
+  std::vector<Reference> points_;
+  double point_period_ = 1.0;     // [s]
+  double reference_start_ = 0.0;  // [s]
+  // Times of the next reference, change and fault, and of the end of the fault [s].
+  double next_reference_ = 0.0, next_change_ = 5.0, next_fault_ = 12.0, fault_end_ = 0.0;
   Fault fault_ = Fault::kNone;
   Fault last_fault_ = Fault::kNone;
-  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  // of a jump [m]
+  // Position offset of a jump [m].
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
   bool recovered_ = false;
   bool faulted_ = false;
-  int silent_ = 0;  // periods
+  // Periods without odometry.
+  int silent_ = 0;
 };
 
 }  // namespace

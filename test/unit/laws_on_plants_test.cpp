@@ -20,8 +20,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kPeriod = 0.01;        // [s]
-constexpr double kNoDifference = 1e-4;  // of two errors [m]
+constexpr double kPeriod = 0.01;  // [s]
+// Difference below which two errors count as equal [m].
+constexpr double kNoDifference = 1e-4;
 constexpr std::array<AttitudeLoop, 3> kLoops{AttitudeLoop::kBodyRates, AttitudeLoop::kGeometric,
                                              AttitudeLoop::kQuaternion};
 

@@ -24,7 +24,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMass = 1.52;  // of plant and controllers [kg]
+// Mass of plant and controllers [kg].
+constexpr double kMass = 1.52;
 
 std::array<MpcProblem, 3> problems() {
   return {loadProblem(problemFile("multirotor_longitudinal.yaml")),
@@ -68,8 +69,10 @@ struct Flight {
 struct Course {
   FigureOptions figure;
   PlantOptions plant;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< of the start from the figure's [m]
-  double from = 0.0;                                 ///< errors count from here on [s]
+  /// Offset of the start from the figure's start [m].
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  /// Time from which on errors count [s].
+  double from = 0.0;
   double until = 1e9;
 };
 
@@ -360,7 +363,8 @@ TEST(Laws, NonlinearFliesWhatItHasWhenItsSearchIsEndedEarly) {
     const Flight flight = fly(law, course, [&](int, const auto&, const auto*, const ControlReport& report) {
       without += isAnswer(report.status) ? 0 : 1;
       early += report.status == ControlStatus::kSuboptimal ? 1 : 0;
-      EXPECT_LE(report.iterations, working_sets + 1);  // the one that was begun counts
+      // The working set that was begun counts too.
+      EXPECT_LE(report.iterations, working_sets + 1);
       EXPECT_LE(std::abs(report.command.roll), 0.4363323);
       EXPECT_LE(std::abs(report.command.pitch), 0.4363323);
       EXPECT_GE(report.command.thrust, 5.0 * kMass);

@@ -317,7 +317,8 @@ TEST(MultirotorPlant, AngularVelocityIsTheRateOfTheAttitude) {
   PlantOptions options;
   options.period = 0.001;
   MultirotorPlant plant(options, hovering(options));
-  constexpr double kSecant = 2e-5;  // of the second order in the period
+  // Error of the secant, of second order in the period [rad/s].
+  constexpr double kSecant = 2e-5;
   const AttitudeCommand held = command(0.3, -0.2, 0.9, options.mass * 10.0);
   plant.advance(held);
   for (int i = 0; i < 2000; ++i) {

@@ -26,7 +26,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kRounding = 1e-6;  // of two flights [m, rad]
+// Rounding difference of two flights [m, rad].
+constexpr double kRounding = 1e-6;
 constexpr double kDegree = kPi / 180.0;
 
 std::array<MpcProblem, 3> problems() {

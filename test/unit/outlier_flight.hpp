@@ -14,7 +14,8 @@
 
 namespace polyfly {
 
-constexpr double kPeriod = 0.01;  // of control [s]
+// Control period [s].
+constexpr double kPeriod = 0.01;
 
 using MakeLaw = std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&);
 
@@ -37,7 +38,8 @@ struct Flown {
 struct Setting {
   AttitudeLoop loop = AttitudeLoop::kBodyRates;
   bool noisy = true;
-  Eigen::Vector3d force{0.4, -0.3, 0.0};  ///< of the wind [N]
+  /// Force of the wind [N].
+  Eigen::Vector3d force{0.4, -0.3, 0.0};
   MultirotorOptions options;
 };
 

@@ -52,7 +52,8 @@ TEST(DrydenTurbulence, HasItsVarianceAndItsSpectrum) {
   DrydenTurbulence air(mean, sigma, kLength, kStep, 7);
   std::vector<double> along, across, up;
   for (int i = 0; i < 200000; ++i) {
-    along.push_back(-air.velocity().y());  // the wind blows along -y
+    // The wind blows along -y.
+    along.push_back(-air.velocity().y());
     across.push_back(air.velocity().x());
     up.push_back(air.velocity().z());
     air.advance();

@@ -82,9 +82,12 @@ TEST(RobustFlights, DegradesAndRecoversAtOneAndAHalfTimesTheBound) {
   options.steps = 250;
   const Result all = flyAll(options, 1000);
   EXPECT_TRUE(all.finite);
-  EXPECT_GT(all.infeasible, 0u);        // it happened
-  EXPECT_EQ(all.late_degraded, 0u);     // and was over
-  EXPECT_LT(all.worst_violation, 0.1);  // of a range
+  // Some steps had no plan.
+  EXPECT_GT(all.infeasible, 0u);
+  // No such step was in the last quarter of a flight.
+  EXPECT_EQ(all.late_degraded, 0u);
+  // The greatest excess is below 0.1 of a half range.
+  EXPECT_LT(all.worst_violation, 0.1);
   // from far out the position comes back as the tie-break's LQR brings it: to 0.139 m under the full constant
   // wind
   EXPECT_LT(all.last_position, 0.15);
@@ -94,11 +97,16 @@ TEST(RobustFlights, DegradesAndRecoversAtOneAndAHalfTimesTheBound) {
 class Aslquad {
  public:
   struct Flight {
-    std::vector<std::array<double, 3>> inputs;  ///< of each sample, on the axes
-    double greatest_position = 0.0;             ///< [m]
-    double greatest_speed = 0.0;                ///< along one axis [m/s]
-    double last_position = 0.0;                 ///< at the end [m]
-    int no_answer = 0;                          ///< samples
+    /// Inputs of each sample, on the axes.
+    std::vector<std::array<double, 3>> inputs;
+    /// Greatest position along one axis [m].
+    double greatest_position = 0.0;
+    /// Greatest speed along one axis [m/s].
+    double greatest_speed = 0.0;
+    /// Greatest position along one axis at the end [m].
+    double last_position = 0.0;
+    /// Samples without an answer.
+    int no_answer = 0;
   };
 
   Aslquad() {
@@ -121,7 +129,8 @@ class Aslquad {
     plant_options.roll_time = plant_options.pitch_time = 0.2;
     polyfly::MultirotorOptions options;
     options.control_period = period;
-    options.angle_max = 0.6;  // the maps bound the input; a trim needs room beyond that
+    // The maps bound the input. A trim needs room beyond that bound.
+    options.angle_max = 0.6;
     options.roll_trim = trim.roll;
     options.pitch_trim = trim.pitch;
     options.offset_free = false;
@@ -170,7 +179,8 @@ TEST(RobustFlights, TheVehicleInWindAndAStep) {
   EXPECT_EQ(step.no_answer, 0);
   EXPECT_LT(step.greatest_position, 1.3);
   EXPECT_LT(step.last_position, 0.03);
-  EXPECT_LT(step.greatest_speed, 1.55);  // the bound is 1.5 m/s, on the linear model
+  // The bound is 1.5 m/s on the linear model.
+  EXPECT_LT(step.greatest_speed, 1.55);
 }
 
 // An attitude controller whose level is 0.03 rad off takes 0.3 of the 0.5 m/s^2 that the maps answer for;

@@ -50,7 +50,8 @@ class RobustValidation : public testing::Test {
 };
 
 TEST_F(RobustValidation, TheFlightIsReplayedAndItsMapsAnswerAsTheLinearProgram) {
-  options_.offset_free = true;  // of no effect: robust maps answer for the whole disturbance
+  // This option has no effect: robust maps answer for the whole disturbance.
+  options_.offset_free = true;
   const polyfly::ValidationReport report = validate(oracleOf);
   ASSERT_EQ(report.samples, log_.odometry.size());
   for (const auto& axis : report.axes) {

@@ -22,7 +22,9 @@ struct Place {
   enum class Angle { kNone, kRoll, kPitch, kYaw, kNorth, kEast };
   const char* signal;
   const char* table;
-  const char* field;  // of a quaternion: the name of its array; of a speed with a course in GCrs: the speed
+  // Name of the field. For a quaternion it is the name of its array. For a speed with its course in GCrs it
+  // is the name of the speed.
+  const char* field;
   double scale = 1.0;
   double offset = 0.0;
   Angle angle = Angle::kNone;

@@ -64,20 +64,24 @@ double valueAt(const std::uint8_t* data, char letter) {
 struct Field {
   std::string name;
   char letter = 'B';
-  std::size_t offset = 0;  // after the header
+  // Offset from the end of the message header [bytes].
+  std::size_t offset = 0;
   double scale = 1.0;
 };
 
 // Where a row's time stands.
 struct Clock {
   char letter = 'Q';
-  std::size_t offset = 0;  // after the header
-  double scale = 0.0;      // to seconds; 0 where there is none
+  // Offset from the end of the message header [bytes].
+  std::size_t offset = 0;
+  // Factor from the logged unit to seconds. 0: the format has no time.
+  double scale = 0.0;
 };
 
 struct Format {
   std::string name;
-  std::size_t length = 0;  // with the header
+  // Length of the message, header included [bytes].
+  std::size_t length = 0;
   std::vector<Field> fields;
   Clock time;
   std::optional<Field> instance;

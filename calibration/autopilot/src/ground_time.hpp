@@ -10,8 +10,10 @@ namespace polyfly {
 
 /// When the vehicle stood, as its autopilot saw it.
 struct GroundTime {
-  std::string by;                   ///< message that tells; empty where the log has none
-  std::vector<TimeWindow> windows;  ///< by the autopilot's clock [s], open at the log's ends
+  /// Message that tells when the vehicle stood. Empty: the log has none.
+  std::string by;
+  /// Windows on the ground, by the autopilot's clock [s]. They are open at the ends of the log.
+  std::vector<TimeWindow> windows;
 };
 
 /// The messages that groundTime looks for, to be read with the log.

@@ -34,10 +34,10 @@ class LogBytes {
     begin_ += size;
     place_ += size;
   }
-  std::uint64_t place() const { return place_; }  ///< bytes before here
-  std::size_t left() const {
-    return end_ - begin_;
-  }  ///< of what was read ahead; all of the file after a peek failed
+  /// Number of bytes before the current place.
+  std::uint64_t place() const { return place_; }
+  /// Number of bytes that are read ahead and still left. After a failed peek it covers the rest of the file.
+  std::size_t left() const { return end_ - begin_; }
 
  private:
   void fill(std::size_t size) {

@@ -13,9 +13,12 @@ namespace {
 constexpr std::array<std::uint8_t, 7> kMagic = {0x55, 0x4c, 0x6f, 0x67, 0x01, 0x12, 0x35};
 constexpr std::size_t kFileHeader = 16;
 constexpr std::size_t kMessageHeader = 3;
-constexpr std::size_t kMostFields = 4096;     // of one message: more is damage
-constexpr std::size_t kMostNesting = 8;       // of formats in formats
-constexpr std::size_t kMostLayouts = 100000;  // of a whole file
+// Greatest number of fields of one message. More fields mean damage.
+constexpr std::size_t kMostFields = 4096;
+// Greatest nesting depth of formats.
+constexpr std::size_t kMostNesting = 8;
+// Greatest number of layouts in a file.
+constexpr std::size_t kMostLayouts = 100000;
 constexpr double kMicroseconds = 1e-6;
 
 enum class Type { kI8, kU8, kI16, kU16, kI32, kU32, kI64, kU64, kF32, kF64, kBool, kChar };

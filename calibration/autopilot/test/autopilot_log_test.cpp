@@ -307,7 +307,8 @@ void addLanded(const std::vector<std::pair<double, bool>>& steps, MadeULog* log)
 }
 
 TEST_F(AutopilotLogs, whatWasMeasuredOnTheGroundIsLeftOut) {
-  MadeULog log = madePx4Flight(1.0, 0.2);  // from 5 s on, sixty seconds
+  // The log starts at 5 s and lasts 60 s.
+  MadeULog log = madePx4Flight(1.0, 0.2);
   addLanded({{5.0, true}, {25.0, false}, {55.0, true}}, &log);
   writeBytes(log.bytes, path_);
   const AutopilotSignals flown = signalsFromAutopilot(path_, {});
@@ -329,7 +330,8 @@ TEST_F(AutopilotLogs, whatWasMeasuredOnTheGroundIsLeftOut) {
 }
 
 TEST_F(AutopilotLogs, arduPilotTellsByEventsWhenItFlew) {
-  MadeDataflash log = madeArduPilotFlight(1.0, 0.2);  // from 7 s on, sixty seconds
+  // The log starts at 7 s and lasts 60 s.
+  MadeDataflash log = madeArduPilotFlight(1.0, 0.2);
   log.format(40, "EV", "QB", "TimeUS,Id", 3 + 8 + 1);
   for (const auto& [time, id] :
        std::vector<std::pair<double, int>>{{8.0, 10}, {17.0, 28}, {47.0, 18}, {48.0, 11}}) {

@@ -27,7 +27,8 @@ class MemorySource : public ByteSource {
   bool read(std::uint64_t from, std::size_t count, std::uint8_t* out) override;
 
  private:
-  const std::uint8_t* data_;  // of the caller
+  // The caller owns these bytes.
+  const std::uint8_t* data_;
   std::size_t size_;
 };
 

@@ -27,8 +27,10 @@ const std::string kChunkMark = "compression=";               // first field of a
 // A record of the file: header in memory, data still there.
 struct FileRecord {
   BagFields fields;
-  std::uint64_t data = 0;  // where its data begin
-  std::uint64_t size = 0;  // of its data
+  // Place of the record's data in the file [bytes].
+  std::uint64_t data = 0;
+  // Size of the record's data [bytes].
+  std::uint64_t size = 0;
 };
 
 class Scan {
@@ -251,10 +253,14 @@ class Scan {
   const BagVisitor& visitor_;
   BagHealth health_;
   std::map<std::uint32_t, Known> connections_;
-  std::vector<std::uint8_t> buffer_;    // header of a record
-  std::vector<std::uint8_t> packed_;    // data of a record
-  std::vector<std::uint8_t> unpacked_;  // of a chunk
-  std::string reason_;                  // of the first damaged chunk
+  // Header of a record.
+  std::vector<std::uint8_t> buffer_;
+  // Data of a record.
+  std::vector<std::uint8_t> packed_;
+  // Unpacked data of a chunk.
+  std::vector<std::uint8_t> unpacked_;
+  // Reason why the first damaged chunk was left out.
+  std::string reason_;
   std::uint64_t homeless_ = 0;
   double before_ = 0.0;
 };

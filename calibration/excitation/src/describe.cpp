@@ -9,11 +9,16 @@
 namespace polyfly {
 namespace {
 
-constexpr double kStep = 0.01;            // at which signals are sampled [s]
-constexpr double kLowest = 0.05;          // of the table [Hz]
-constexpr double kHighest = 12.8;         // [Hz]
-constexpr double kRatio = 1.41421356237;  // between its rows
-constexpr double kFine = 0.02;            // of the energy's integral [Hz]
+// Sampling time of the signals [s].
+constexpr double kStep = 0.01;
+// Lowest frequency of the table [Hz].
+constexpr double kLowest = 0.05;
+// Highest frequency of the table [Hz].
+constexpr double kHighest = 12.8;
+// Frequency ratio of neighbouring rows of the table.
+constexpr double kRatio = 1.41421356237;
+// Frequency step of the energy integral [Hz].
+constexpr double kFine = 0.02;
 
 // A channel's signal over the whole plan.
 std::vector<double> samplesOf(const ExcitationPlan& plan, ExcitedChannel channel) {

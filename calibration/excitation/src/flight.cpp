@@ -11,8 +11,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLeastSpeed = 1.0;  // of a wing whose course means something [m/s]
-constexpr double kOvershoot = 0.1;   // of a wing's roll: left free below the limit of attitude [rad]
+// Least speed at which the course of a wing is meaningful [m/s].
+constexpr double kLeastSpeed = 1.0;
+// Margin below the attitude limit that is left to the roll overshoot of a wing [rad].
+constexpr double kOvershoot = 0.1;
 
 bool finite(const VehicleState& state) {
   return std::isfinite(state.stamp) && state.position.allFinite() && state.velocity.allFinite() &&

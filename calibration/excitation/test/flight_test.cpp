@@ -25,8 +25,10 @@ ExcitationPlan smallPlan() {
 
 // What a flight against the plant met.
 struct Flown {
-  double farthest = 0.0;  // horizontally [m]
-  double highest = 0.0;   // from the start [m]
+  // Greatest horizontal distance from the start [m].
+  double farthest = 0.0;
+  // Greatest height difference from the start [m].
+  double highest = 0.0;
   std::vector<AttitudeCommand> commands;
   std::vector<int> running;
 };

@@ -8,9 +8,12 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kLeastLevels = 6;  // with fewer, a common divisor is no sign of rounding
-constexpr double kLeastSteps = 30.0;     // of the range, for the same reason
-constexpr double kMostSteps = 1e5;       // beyond, rounding does not matter
+// Least number of levels. With fewer levels, a common divisor is no sign of rounding.
+constexpr std::size_t kLeastLevels = 6;
+// Least range in steps. With a smaller range, a common divisor is no sign of rounding.
+constexpr double kLeastSteps = 30.0;
+// Greatest range in steps. Beyond it, rounding does not matter.
+constexpr double kMostSteps = 1e5;
 
 // Of Euclid, for numbers known to `tolerance`.
 double commonDivisor(double one, double other, double tolerance) {

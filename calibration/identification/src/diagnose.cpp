@@ -10,27 +10,43 @@
 namespace polyfly {
 namespace {
 
-constexpr double kVagueTau = 0.25;     // standard error of the time constant over its value
-constexpr double kVagueGain = 0.08;    // the same of the gain
-constexpr double kInseparable = 0.97;  // correlation of two parameters
-constexpr double kLeastGain = 0.7;     // of an angle loop whose command and response have one scale
+// Greatest standard error of the time constant, relative to its value.
+constexpr double kVagueTau = 0.25;
+// Greatest standard error of the gain, relative to its value.
+constexpr double kVagueGain = 0.08;
+// Correlation above which two parameters cannot be told apart.
+constexpr double kInseparable = 0.97;
+// Least gain of an angle loop whose command and response have one scale.
+constexpr double kLeastGain = 0.7;
 constexpr double kGreatestGain = 1.4;
-constexpr double kStrangeGain = 0.25;  // below, and above its inverse, units differ
+// Gain below which units differ. They also differ above its inverse.
+constexpr double kStrangeGain = 0.25;
 constexpr double kDegree = 57.29577951308232;
-constexpr double kDegreeMargin = 1.5;  // a gain this close, as a factor, to that of degrees
-constexpr double kPoorFit = 60.0;      // [%]
-constexpr double kDropFit = 8.0;       // of the validation below the training [%]
-constexpr double kLeadClock = 0.02;    // response before command by more than this [s]
-constexpr double kLongDelay = 0.45;    // [s]
-constexpr double kClockBound = 0.5;    // of the search for a lead [s]
+// Greatest factor between a gain and the gain of degrees for which degrees are suspected.
+constexpr double kDegreeMargin = 1.5;
+constexpr double kPoorFit = 60.0;  // [%]
+// Greatest drop of the fit from training to validation [%].
+constexpr double kDropFit = 8.0;
+// Lead of the response before the command above which clocks disagree [s].
+constexpr double kLeadClock = 0.02;
+constexpr double kLongDelay = 0.45;  // [s]
+// Greatest lead that is searched for [s].
+constexpr double kClockBound = 0.5;
 constexpr double kManyOutliers = 0.3;
-constexpr double kManyLeftOut = 0.02;    // of the samples
-constexpr double kGreatPart = 0.7;       // of the greatest predicted response: there saturation shows
-constexpr double kSaturatedShare = 0.1;  // by which the response stays behind there
-constexpr double kClippedShare = 0.05;   // of the samples at one extreme
-constexpr std::size_t kContinuous = 50;  // levels from which on a command counts as continuous
-constexpr double kFollows = 0.7;         // correlation of what answers a command
-constexpr double kFrameFactor = 1.3;     // the other axis explains so much more
+// Share of the samples that may be left out without a warning.
+constexpr double kManyLeftOut = 0.02;
+// Share of the greatest predicted response above which saturation shows.
+constexpr double kGreatPart = 0.7;
+// Share by which the response stays behind where the loop saturates.
+constexpr double kSaturatedShare = 0.1;
+// Share of the samples at an extreme above which the command counts as clipped.
+constexpr double kClippedShare = 0.05;
+// Number of levels from which on a command counts as continuous.
+constexpr std::size_t kContinuous = 50;
+// Correlation above which a signal follows a command.
+constexpr double kFollows = 0.7;
+// Factor by which the correlation of another axis must exceed the own correlation.
+constexpr double kFrameFactor = 1.3;
 
 std::string text(const char* format, double one, double other = 0.0, double third = 0.0) {
   char buffer[400];

@@ -10,9 +10,12 @@ namespace {
 
 const char* const kAxes[] = {"x", "y", "z"};
 constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 1.0};
-constexpr Eigen::Index kParts = 4;    // of the record, compared with each other
-constexpr double kSignificant = 3.0;  // standard errors by which means may differ
-constexpr double kRestless = 2.0;     // factor by which deviations may differ
+// Number of parts of the record that are compared with each other.
+constexpr Eigen::Index kParts = 4;
+// Number of standard errors by which means may differ.
+constexpr double kSignificant = 3.0;
+// Factor by which deviations may differ.
+constexpr double kRestless = 2.0;
 
 // P(X <= count) for a binomial X of `trials` with the given chance.
 double binomialAtMost(int count, int trials, double chance) {

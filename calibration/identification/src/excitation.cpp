@@ -7,11 +7,16 @@
 namespace polyfly {
 namespace {
 
-constexpr double kGrid = 0.05;           // of activity and correlation [s]
-constexpr double kBusyShare = 0.9;       // quantile of the activity that sets the threshold
-constexpr double kJoin = 1.0;            // windows closer than this are one [s]
-constexpr double kPiece = 4.0;           // of a window that is judged by itself [s]
-constexpr double kLeastActivity = 1e-9;  // below, the command is constant
+// Time step of activity and correlation [s].
+constexpr double kGrid = 0.05;
+// Quantile of the activity that sets the threshold.
+constexpr double kBusyShare = 0.9;
+// Gap below which two windows are joined [s].
+constexpr double kJoin = 1.0;
+// Length of the pieces of a window that are judged separately [s].
+constexpr double kPiece = 4.0;
+// Activity below which the command counts as constant.
+constexpr double kLeastActivity = 1e-9;
 
 // The values held at a window's start and every kGrid after it. Counted, because a grid that is summed up
 // stands still where the times are great. The window must be without far steps.

@@ -13,12 +13,18 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFirstScale = 0.1;     // of the response's deviation, before residuals are known
-constexpr double kLeastScale = 1e-9;    // of the response's deviation: noise-free data
-constexpr int kFinalRounds = 25;        // of reweighting, at the end
-constexpr int kScaleRounds = 2;         // local searches, each with a new scale
-constexpr double kDelayStep = 1e-4;     // of the difference quotient [s]
-constexpr double kRelativeStep = 1e-4;  // of the difference quotients of the other shape parameters
+// First scale as a share of the response's deviation. The residuals are not known yet.
+constexpr double kFirstScale = 0.1;
+// Least scale as a share of the response's deviation, for noise-free data.
+constexpr double kLeastScale = 1e-9;
+// Reweighting rounds outside the search.
+constexpr int kFinalRounds = 25;
+// Number of local searches that each give a new scale.
+constexpr int kScaleRounds = 2;
+// Step of the difference quotient for the delay [s].
+constexpr double kDelayStep = 1e-4;
+// Relative step of the difference quotients for the other shape parameters.
+constexpr double kRelativeStep = 1e-4;
 
 double deviation(const Eigen::VectorXd& values) {
   return std::sqrt((values.array() - values.mean()).square().mean());
@@ -132,7 +138,8 @@ void addUncertainty(LinearPart& part, bool delay_free, bool with_delay, double r
   const double factor = intervalFactor(robust.lag_share);
   const auto size = static_cast<Eigen::Index>(fit->parameters.size());
   fit->correlation = Eigen::MatrixXd::Identity(size, size);
-  std::vector<Eigen::Index> place;  // of each parameter in the covariance, or -1
+  // Place of each parameter in the covariance; -1: none.
+  std::vector<Eigen::Index> place;
   for (Eigen::Index i = 0, at = 0; i < size; ++i) {
     const bool fixed = fit->parameters[static_cast<std::size_t>(i)].name == "delay" && !delay_free;
     place.push_back(fixed ? -1 : at++);

@@ -10,9 +10,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kUncorrelated = 0.1;  // autocorrelation below which residuals count as independent
-constexpr Eigen::Index kLagFactor =
-    3;  // of the correlation length: Bartlett weights cut what is near the end
+// Autocorrelation below which residuals count as independent.
+constexpr double kUncorrelated = 0.1;
+// Number of lags in correlation lengths. It is above 1, because Bartlett weights reduce the terms near the
+// end.
+constexpr Eigen::Index kLagFactor = 3;
 
 double autocovariance(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& starts,
                       Eigen::Index lag) {
@@ -50,8 +52,10 @@ double flatTop(Eigen::Index lag, Eigen::Index lags) {
 
 // Autocovariances of the residuals, tapered.
 struct Colour {
-  std::vector<double> covariances;   // by lag
-  double independent_samples = 0.0;  // as many independent ones have a mean as uncertain
+  // Autocovariance at each lag.
+  std::vector<double> covariances;
+  // Number of independent samples with an equally uncertain mean.
+  double independent_samples = 0.0;
 };
 
 Colour colourOf(const Eigen::VectorXd& score, const std::vector<Eigen::Index>& starts, Eigen::Index lags) {
@@ -89,8 +93,8 @@ RobustCovariance robustCovariance(const Eigen::MatrixXd& jacobian, const Eigen::
   // Rows of the inverse that belong to the leading unknowns, applied to each sample's gradient.
   const Eigen::MatrixXd inverse =
       curvature.ldlt().solve(Eigen::MatrixXd::Identity(curvature.rows(), curvature.cols())).topRows(leading);
-  const Eigen::MatrixXd reaction =
-      jacobian * inverse.transpose();  // of the unknowns to a change of each sample
+  // Reaction of the unknowns to a change of each sample.
+  const Eigen::MatrixXd reaction = jacobian * inverse.transpose();
   const auto samples = static_cast<double>(residuals.size());
   const auto unknowns = static_cast<double>(jacobian.cols());
   const double degrees = std::max(1.0, samples - unknowns);

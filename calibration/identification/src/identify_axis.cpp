@@ -10,11 +10,13 @@
 namespace polyfly {
 namespace {
 
-constexpr double kGreatestFrequency = 5.0;  // of the measured frequency response [Hz]
+// Greatest frequency of the measured frequency response [Hz].
+constexpr double kGreatestFrequency = 5.0;
 constexpr int kFrequencyPoints = 60;
 constexpr double kLongestBlock = 8.0;   // [s]
 constexpr double kShortestBlock = 2.0;  // [s]
-constexpr double kLeastHalf = 2.0;      // a half shorter than this is not fitted to [s]
+// Least length of a half for a fit [s].
+constexpr double kLeastHalf = 2.0;
 
 LoopRecord cleanRecord(const LoopRecord& record, CleaningCounts* counts) {
   LoopRecord clean = record;

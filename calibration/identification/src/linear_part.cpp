@@ -7,8 +7,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMedianToDeviation = 1.4826;  // of a normal distribution
-constexpr double kRidge = 1e-12;               // relative; keeps unknowns apart that no sample tells apart
+// Ratio of standard deviation to median absolute value, for a normal distribution.
+constexpr double kMedianToDeviation = 1.4826;
+// Relative ridge. It separates unknowns that no sample tells apart.
+constexpr double kRidge = 1e-12;
 
 double huberLoss(const Eigen::VectorXd& residuals, double scale) {
   double sum = 0.0;

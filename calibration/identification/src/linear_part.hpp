@@ -43,7 +43,8 @@ class LinearPart {
   std::vector<Eigen::Index> starts_;
   Eigen::VectorXd response_;
   Eigen::VectorXd forced_;
-  std::vector<Eigen::VectorXd> free_;  // of each initial state, all segments in one row
+  // Response of each initial state, all segments in one row.
+  std::vector<Eigen::VectorXd> free_;
   Eigen::VectorXd coefficients_;
   Eigen::VectorXd model_;
 };

@@ -7,7 +7,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kNearlyCritical = 1e-6;  // of |1 - zeta^2|, below which both eigenvalues count as equal
+// Value of |1 - zeta^2| below which both eigenvalues count as equal.
+constexpr double kNearlyCritical = 1e-6;
 
 struct State {
   double value = 0.0;

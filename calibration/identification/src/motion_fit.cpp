@@ -10,11 +10,16 @@ namespace polyfly {
 namespace {
 
 const char* const kMotionAxes[] = {"x", "y", "z"};
-constexpr double kLeastMotion = 0.1;       // rms of velocity [m/s] and of acceleration [m/s^2]
-constexpr double kLeastExpected = 0.1;     // deviation below which nothing can be said of the frame [m/s^2]
-constexpr double kLeastCorrelation = 0.5;  // of measured and expected acceleration
-constexpr double kVagueDrag = 0.1;         // half width of an interval [1/s]
-constexpr double kVagueShare = 0.3;        // half width over the value
+// Least root mean square of velocity [m/s] and of acceleration [m/s^2].
+constexpr double kLeastMotion = 0.1;
+// Deviation below which nothing can be said about the frame [m/s^2].
+constexpr double kLeastExpected = 0.1;
+// Least correlation of measured and expected acceleration.
+constexpr double kLeastCorrelation = 0.5;
+// Greatest half width of a confidence interval [1/s].
+constexpr double kVagueDrag = 0.1;
+// Greatest half width of a confidence interval, relative to the value.
+constexpr double kVagueShare = 0.3;
 
 std::vector<Eigen::Index> indices(const std::vector<std::size_t>& starts) {
   return {starts.begin(), starts.end()};

@@ -11,7 +11,8 @@
 namespace polyfly {
 namespace {
 
-constexpr int kRounds = 30;  // of reweighting
+// Number of reweighting rounds.
+constexpr int kRounds = 30;
 
 Eigen::VectorXd weighted(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values,
                          const Eigen::VectorXd& roots) {

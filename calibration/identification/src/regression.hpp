@@ -9,7 +9,8 @@ namespace polyfly {
 struct Regression {
   Eigen::VectorXd coefficients;
   Eigen::VectorXd standard_errors;
-  Eigen::VectorXd half_widths;  ///< of the 95 % intervals
+  /// Half widths of the 95 % confidence intervals.
+  Eigen::VectorXd half_widths;
   Eigen::VectorXd residuals;
 };
 

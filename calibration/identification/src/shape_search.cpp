@@ -8,12 +8,16 @@
 namespace polyfly {
 namespace {
 
-constexpr int kSearchRounds = 3;          // of reweighting, while searching
-constexpr double kLocalTolerance = 1e-7;  // relative, of the local search
-constexpr double kAtBound = 1e-6;         // [s]
+// Reweighting rounds during the search.
+constexpr int kSearchRounds = 3;
+// Relative tolerance of the local search.
+constexpr double kLocalTolerance = 1e-7;
+constexpr double kAtBound = 1e-6;  // [s]
 
-constexpr double kFirstStep = 0.03;  // of a local search, as a share of the box
-constexpr double kFromBound = 1e-4;  // of its start, as a share of the box
+// First step of a local search, as a share of the box.
+constexpr double kFirstStep = 0.03;
+// Least distance between the start of a local search and the bounds, as a share of the box.
+constexpr double kFromBound = 1e-4;
 
 // Signature of NLopt.
 double loss(const ShapeUnknowns& at, ShapeUnknowns&, void* data) {

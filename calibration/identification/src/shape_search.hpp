@@ -35,7 +35,8 @@ class ShapeSpace {
 struct ShapeSearch {
   const ShapeSpace* space;
   LinearPart* part;
-  double scale;  ///< of the residuals, in the response's unit
+  /// Scale of the residuals, in the response's unit.
+  double scale;
 
   ShapeUnknowns global(int evaluations);
   ShapeUnknowns local(int evaluations, const ShapeUnknowns& start);

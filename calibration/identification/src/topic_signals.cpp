@@ -12,8 +12,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kClockJump = 0.5;         // of a header's clock against the recorder's [s]
-constexpr double kQuaternionLength = 0.1;  // most that its length may differ from 1
+// Greatest jump of a header's clock against the recorder's clock [s].
+constexpr double kClockJump = 0.5;
+// Greatest difference between the length of a quaternion and 1.
+constexpr double kQuaternionLength = 0.1;
 
 const char* const kQuaternion[] = {".w", ".x", ".y", ".z"};
 const char* const kTwist[] = {"twist.twist.linear.x", "twist.twist.linear.y", "twist.twist.linear.z"};

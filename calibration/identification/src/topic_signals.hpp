@@ -14,7 +14,8 @@ namespace polyfly {
 struct FieldUse {
   enum class Angle { kNone, kRoll, kPitch, kYaw };
   std::string signal;
-  std::string path;  ///< of a number, or of a quaternion if an angle is asked for
+  /// Path of a number, or of a quaternion if an angle is requested.
+  std::string path;
   Angle angle = Angle::kNone;
 };
 
@@ -38,10 +39,13 @@ class TopicSignals {
   std::vector<FieldUse> uses_;
   bool with_velocity_ = false;
   std::vector<std::string> paths_;
-  std::vector<double> stamps_;    // of the headers; 0 where there is none
-  std::vector<double> received_;  // by the recorder
+  // Stamps of the headers [s]; 0 where there is none.
+  std::vector<double> stamps_;
+  // Receive times of the recorder [s].
+  std::vector<double> received_;
   std::vector<std::string> names_;
-  std::vector<std::vector<double>> values_;  // of each name
+  // Values of each name.
+  std::vector<std::vector<double>> values_;
   std::size_t misfits_ = 0;
 };
 

@@ -10,13 +10,18 @@
 namespace polyfly {
 namespace {
 
-constexpr int kWindRounds = 30;          // of Gauss and Newton
-constexpr double kConverged = 1e-9;      // [m/s] and of the scale
-constexpr double kLeastTurn = 3.1416;    // of the course, for a wind that can be told from the scale [rad]
-constexpr double kLeastWindScale = 0.6;  // of an airspeed sensor that is mounted at all
+// Greatest number of Gauss-Newton steps.
+constexpr int kWindRounds = 30;
+// Step below which wind [m/s] and scale have converged.
+constexpr double kConverged = 1e-9;
+// Least turn of the course for which wind and scale can be told apart [rad].
+constexpr double kLeastTurn = 3.1416;
+// Least scale of an airspeed sensor that is mounted at all.
+constexpr double kLeastWindScale = 0.6;
 constexpr double kGreatestScale = 1.6;
 constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr double kLeastAirspeed = 1.0;  // [m/s]; on the ground there is no triangle
+// Least airspeed [m/s]. On the ground there is no wind triangle.
+constexpr double kLeastAirspeed = 1.0;
 
 struct Samples {
   std::vector<double> time;

@@ -17,7 +17,8 @@ std::string valueText(double value, double half_width) {
   char text[64];
   std::snprintf(text, sizeof text, "%.5g", value);
   std::string result = text;
-  constexpr double kNoInterval = 1e4;  // of any quantity here: the data say nothing
+  // Half width from which on the data say nothing, for any quantity here.
+  constexpr double kNoInterval = 1e4;
   if (std::abs(half_width) < kNoInterval) {
     std::snprintf(text, sizeof text, " +- %.2g", half_width);
   } else {

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 using test::MadeBag;
 using test::MessageBytes;
 
-constexpr double kStart = 1.6e9;  // of the made bags [s]
+// Start time of the made bags [s].
+constexpr double kStart = 1.6e9;
 const char* const kHeaderText =
     "Header header\n%\n===\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
 
@@ -173,7 +174,8 @@ TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {
   const BagSignals found = signalsFromBag(path_, options);
   EXPECT_EQ(found.signals.origin.at("roll"), "/two/odometry");
   EXPECT_EQ(found.signals.origin.at("pitch_cmd"), "/two/command/roll_pitch_yawrate_thrust");
-  EXPECT_EQ(questions, 2);  // for commands and for odometry
+  // One question is for the commands and one for the odometry.
+  EXPECT_EQ(questions, 2);
   options.ask = [](const std::string&, const std::vector<std::string>&) {
     return std::optional<std::size_t>();
   };

@@ -13,8 +13,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSet = 14.0;     // when the clock is set, within 30 s of flight [s]
-constexpr double kYears = 1.7e9;  // from zero to the time of day [s]
+// Time at which the clock is set, within 30 s of flight [s].
+constexpr double kSet = 14.0;
+// Step of a clock from zero to the time of day [s].
+constexpr double kYears = 1.7e9;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

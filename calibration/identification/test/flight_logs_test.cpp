@@ -13,8 +13,10 @@ namespace {
 struct Reference {
   const char* file;
   const char* axis;
-  std::vector<TimeWindow> windows;  // usable, by the data's README
-  double fit_percent;               // of a first-order model with delay
+  // Usable windows, by the README of the data.
+  std::vector<TimeWindow> windows;
+  // Fit of a first-order model with delay [%].
+  double fit_percent;
 };
 
 std::filesystem::path logs() { return referenceData("flight_logs"); }

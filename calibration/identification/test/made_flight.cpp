@@ -7,11 +7,16 @@
 namespace polyfly::test {
 namespace {
 
-constexpr double kStep = 1e-3;      // of the integration [s]
-constexpr double kRounding = 1e-9;  // keeps a time on its side of a switch [s]
-constexpr double kMemory = 0.3;     // correlation time of the coloured noise [s]
-constexpr double kPulse = 0.6;      // shortest pulse of a manoeuvre [s]
-constexpr double kPauses = 2.0;     // after a manoeuvre, in pulses
+// Step of the integration [s].
+constexpr double kStep = 1e-3;
+// Margin that keeps a time on its side of a switch [s].
+constexpr double kRounding = 1e-9;
+// Correlation time of the coloured noise [s].
+constexpr double kMemory = 0.3;
+// Shortest pulse of a manoeuvre [s].
+constexpr double kPulse = 0.6;
+// Pause after a manoeuvre, in pulses.
+constexpr double kPauses = 2.0;
 constexpr double kManoeuvre = 4.0 + kPauses;
 
 // 2-1-1: a pulse of double length, its opposite, and the first again.

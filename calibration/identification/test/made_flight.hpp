@@ -11,17 +11,24 @@ namespace polyfly::test {
 struct MadeLoop {
   LoopOrder order = LoopOrder::kFirst;
   double gain = 1.0;
-  double tau = 0.2;    ///< first order [s]
-  double a0 = 14.0;    ///< second order [1/s^2]
-  double a1 = 6.5;     ///< second order [1/s]
+  /// Time constant, first order [s].
+  double tau = 0.2;
+  /// Coefficient a0 of Eq. 45, second order [1/s^2].
+  double a0 = 14.0;
+  /// Coefficient a1 of Eq. 45, second order [1/s].
+  double a1 = 6.5;
   double delay = 0.1;  ///< [s]
   double offset = 0.01;
-  double noise = 0.004;         ///< standard deviation, white
-  double coloured_noise = 0.0;  ///< standard deviation of a disturbance with a correlation time of 0.3 s
-  double quantum = 0.0;         ///< of the logged command; the loop gets the exact one
-  double duration = 30.0;       ///< [s]
-  double response_rate = 50.0;  ///< [Hz], with jittered times
-  double command_rate = 50.0;   ///< [Hz]
+  /// Standard deviation of the white noise.
+  double noise = 0.004;
+  /// Standard deviation of a disturbance with a correlation time of 0.3 s.
+  double coloured_noise = 0.0;
+  /// Quantum of the logged command. The loop gets the exact command.
+  double quantum = 0.0;
+  double duration = 30.0;  ///< [s]
+  /// Rate of the response, with jittered times [Hz].
+  double response_rate = 50.0;
+  double command_rate = 50.0;  ///< [Hz]
 };
 
 /// A flight of concatenated 2-1-1 manoeuvres of several amplitudes and both signs. Integrated by Runge-Kutta

@@ -18,9 +18,12 @@ constexpr double kGravity = 9.8066;  // [m/s^2]
 struct MadeMotion {
   double duration = 120.0;               // [s]
   Eigen::Vector3d drag{0.3, 0.2, 0.15};  // [1/s]
-  double gust = 0.2;                     // deviation of the disturbance, correlated over 0.5 s [m/s^2]
-  double noise = 0.005;                  // of the velocity [m/s]
-  double step = 0.0;                     // added to the disturbance along x in the second half [m/s^2]
+  // Standard deviation of the disturbance, correlated over 0.5 s [m/s^2].
+  double gust = 0.2;
+  // Standard deviation of the velocity noise [m/s].
+  double noise = 0.005;
+  // Step of the disturbance along x in the second half [m/s^2].
+  double step = 0.0;
 };
 
 // A multirotor that tilts and turns, by Euler's method in small steps; yaw wraps. `gusts` are the
@@ -87,7 +90,8 @@ TEST(Motion, FindsDragWithinItsInterval) {
       EXPECT_NEAR(drag.value, truth, 0.02);
     }
   }
-  EXPECT_GE(inside, 54);  // of 60
+  // At least 54 of 60 intervals hold the true value.
+  EXPECT_GE(inside, 54);
 }
 
 TEST(Motion, FindsDragWithoutAKnownThrust) {

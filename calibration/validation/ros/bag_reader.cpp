@@ -131,7 +131,8 @@ class LogBuilder {
 
   // The first reference came between the last step without one and the first step with one.
   void placeFirstReference() {
-    std::map<double, bool> tracked;  // by the stamp of the odometry
+    // Whether a step had a reference, by the stamp of its odometry.
+    std::map<double, bool> tracked;
     for (const FlightLog::Status& status : log_.statuses) {
       if (status.reason != polyfly::ControlReason::kStale) {
         tracked[status.stamp] = status.status != polyfly::ControlStatus::kNoReference;
@@ -155,7 +156,8 @@ class LogBuilder {
 
   // Silence was noticed after the odometry that the node answered before it.
   void placeSilences() {
-    std::map<double, std::vector<double>> silences;  // by the stamp of the odometry before
+    // Times of the silences, by the stamp of the odometry before them.
+    std::map<double, std::vector<double>> silences;
     const FlightLog::Status* before = nullptr;
     for (const FlightLog::Status& status : log_.statuses) {
       if (status.reason != polyfly::ControlReason::kStale) {
@@ -189,7 +191,8 @@ class LogBuilder {
   }
 
   FlightLog log_;
-  std::vector<double> times_;  // of log_.events, as received
+  // Receive times of log_.events [s].
+  std::vector<double> times_;
   double time_ = 0.0;
   std::size_t refused_ = 0;
   std::string refusal_;
@@ -198,7 +201,8 @@ class LogBuilder {
 // A message as it stands in the bag, until all of them can be put in order.
 struct HeldMessage {
   std::string topic;
-  double time = 0.0;  // when the recorder received it [s]
+  // Receive time of the recorder [s].
+  double time = 0.0;
   std::vector<std::uint8_t> bytes;
 };
 
@@ -211,7 +215,8 @@ class BagReader {
     if (types_.empty()) throw Error(path_ + ": holds no message" + remarks());
     findPrefix();
     if (!askForTopics()) return;
-    held_.clear();  // the messages of the topics that were named now
+    // The second scan holds the messages of the topics that were named now.
+    held_.clear();
     scan(progress);
     findPrefix();
   }
@@ -385,10 +390,13 @@ class BagReader {
   LogBuilder builder_;
   polyfly::BagHealth health_;
   std::map<std::string, std::string> types_;
-  std::map<std::string, std::set<std::string>> definitions_;  // checksums, by topic
+  // Checksums by topic.
+  std::map<std::string, std::set<std::string>> definitions_;
   std::vector<HeldMessage> held_;
-  std::map<std::string, std::size_t> misfits_;  // by topic
-  std::string prefix_;  // of topics in the vehicle's namespace, with slashes on both sides
+  // Number of misfits by topic.
+  std::map<std::string, std::size_t> misfits_;
+  // Prefix of the topics in the vehicle's namespace, with slashes on both sides.
+  std::string prefix_;
   std::map<std::string, Handler> handlers_;
 };
 

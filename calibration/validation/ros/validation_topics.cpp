@@ -10,7 +10,8 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kLineWidth = 0.03;  // of the path in rviz [m]
+// Line width of the path in rviz [m].
+constexpr double kLineWidth = 0.03;
 
 bool insideAll(const polyfly::ReplaySample& sample) {
   return std::all_of(
@@ -35,7 +36,8 @@ ValidationTopics::ValidationTopics(const std::string& path) : path_(path), draft
 ValidationTopics::~ValidationTopics() {
   try {
     closeBag();
-  } catch (const rosbag::BagException&) {  // the draft is removed
+  } catch (const rosbag::BagException&) {
+    // The draft is removed.
   }
 }
 

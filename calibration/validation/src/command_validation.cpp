@@ -9,8 +9,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kBoundTolerance =
-    1e-9;  // of a recorded command beyond its bound, from a float of other width [SI]
+// Greatest excess of a recorded command over its bound [SI units]. Floats of another width cause it.
+constexpr double kBoundTolerance = 1e-9;
 
 void countViolations(const FlightLog& log, const MultirotorOptions& options, CommandValidation* result) {
   const auto beyond = [](double value, double limit) { return std::abs(value) > limit + kBoundTolerance; };
@@ -49,7 +49,8 @@ CommandValidation validateCommands(const FlightLog& log, const std::vector<Repla
   CommandValidation result;
   result.recorded = log.commands.size();
   countViolations(log, options, &result);
-  std::map<double, const AttitudeCommand*> recorded;  // the last one with a stamp counts
+  // The last command with a stamp counts.
+  std::map<double, const AttitudeCommand*> recorded;
   for (const FlightLog::Command& command : log.commands) recorded[command.stamp] = &command.command;
   std::set<double> sampled;
   std::array<DifferenceCollector, 4> differences;

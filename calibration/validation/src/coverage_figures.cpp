@@ -10,7 +10,9 @@
 namespace polyfly {
 namespace {
 
-constexpr int kColumns = 48;  // of the grid in which samples are counted
+// Columns of the grid in which samples are counted.
+constexpr int kColumns = 48;
+// Rows of the grid in which samples are counted.
 constexpr int kRows = 32;
 
 // From few samples to many, each twice the one before or more.
@@ -75,7 +77,8 @@ Panel heatPanel(const ReportContent& content, std::size_t axis, const Slice& cut
 
 // What was met of a parameter, with a margin; none where that lies outside the map.
 std::optional<Panel::Range> visitedRange(const MapUse& use, const std::string& name) {
-  constexpr double kLeastWidth = 1e-3;  // of the drawn range, in ranges of the parameter
+  // Least width of the drawn range, in ranges of the parameter.
+  constexpr double kLeastWidth = 1e-3;
   for (const ParameterUse& parameter : use.parameters) {
     if (parameter.name != name) continue;
     if (!(parameter.least < parameter.upper && parameter.greatest > parameter.lower)) return std::nullopt;
@@ -111,7 +114,8 @@ ReportFigure heatFigure(const ReportContent& content) {
 }
 
 ReportFigure distanceFigure(const ReportContent& content) {
-  constexpr double kFloor = 1e-4;  // of the logarithmic axis
+  // Lower end of the logarithmic axis.
+  constexpr double kFloor = 1e-4;
   ReportFigure result;
   result.heading = "Distance to the map's edge";
   result.caption =

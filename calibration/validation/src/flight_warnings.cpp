@@ -16,17 +16,28 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFrameError = 0.5;         // of positions that may be in another frame, root mean square [m]
-constexpr double kFrameShare = 0.5;         // of that error, left over in the frame that is meant
-constexpr double kLeastAngle = 2e-3;        // of a difference of commands that is worth a sentence, rms [rad]
-constexpr double kLeastShare = 0.2;         // of the same against the commands themselves
-constexpr double kExplains = 0.5;           // of that difference, left over when sign or clock are put right
-constexpr double kLongestShift = 1.5;       // of the clocks that is looked for [s]
-constexpr double kAtLimit = 0.1;            // of the samples, at one and the same greatest command
-constexpr double kSame = 1e-6;              // of two commands at one limit [rad]
-constexpr double kGainFactor = 1.25;        // between flight and map that no fit explains away
-constexpr double kLagFactor = 1.5;          // the same for the lag
-constexpr std::size_t kMostFitted = 20000;  // samples of odometry that a loop is identified from
+// Least root mean square position error for which another frame is suspected [m].
+constexpr double kFrameError = 0.5;
+// Greatest share of the position error that is left over in the frame that is meant.
+constexpr double kFrameShare = 0.5;
+// Least root mean square difference of commands that is worth a sentence [rad].
+constexpr double kLeastAngle = 2e-3;
+// Least difference of commands that is worth a sentence, relative to the commands.
+constexpr double kLeastShare = 0.2;
+// Greatest share of the command difference that is left over with sign or clock corrected.
+constexpr double kExplains = 0.5;
+// Longest shift of the clocks that is searched for [s].
+constexpr double kLongestShift = 1.5;
+// Least share of the samples at the greatest command that shows a limit.
+constexpr double kAtLimit = 0.1;
+// Greatest difference of two commands at one limit [rad].
+constexpr double kSame = 1e-6;
+// Factor between the gains of flight and map that no fit explains.
+constexpr double kGainFactor = 1.25;
+// Factor between the lags of flight and map that no fit explains.
+constexpr double kLagFactor = 1.5;
+// Greatest number of odometry samples from which a loop is identified.
+constexpr std::size_t kMostFitted = 20000;
 constexpr std::array<const char*, 2> kAngles = {"roll", "pitch"};
 
 using Angles = std::vector<double>;
@@ -52,7 +63,8 @@ double spread(const Angles& a, const Angles& b, std::ptrdiff_t shift, double sig
 
 struct Pairs {
   std::vector<double> stamps;
-  std::array<Angles, 2> recorded;  // by kAngles
+  // Commands in the order of kAngles.
+  std::array<Angles, 2> recorded;
   std::array<Angles, 2> replayed;
 };
 
@@ -228,7 +240,8 @@ std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t
 void warnOfModels(const FlightLog& log, const AxisMaps& maps, std::vector<std::string>* warnings) {
   for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
     try {
-      const std::string sentence = modelWarning(log, *maps[1 - angle], angle);  // the lateral map rolls
+      // Roll belongs to the lateral map, pitch to the longitudinal map.
+      const std::string sentence = modelWarning(log, *maps[1 - angle], angle);
       if (!sentence.empty()) warnings->push_back(sentence);
     } catch (const Error&) {  // too little moved for a fit: nothing to say about the model
     }

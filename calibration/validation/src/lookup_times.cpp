@@ -12,7 +12,8 @@ namespace polyfly {
 namespace {
 
 constexpr unsigned kShuffleSeed = 20171;
-constexpr std::size_t kMaxInputs = 256;  // of a map, FORMAT.md
+// Greatest number of inputs of a map, see FORMAT.md.
+constexpr std::size_t kMaxInputs = 256;
 
 double rank(const std::vector<double>& sorted, double share) {
   const auto position = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));

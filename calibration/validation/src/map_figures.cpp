@@ -15,8 +15,10 @@ namespace {
 
 using Style = Series::Style;
 
-constexpr std::size_t kDots = 900;         // of a cloud that is drawn
-constexpr std::size_t kNamedRegions = 12;  // up to here regions have a line of their own in the picture
+// Greatest number of dots of a drawn cloud.
+constexpr std::size_t kDots = 900;
+// Number of regions up to which each has a line of its own in the picture.
+constexpr std::size_t kNamedRegions = 12;
 
 // Regions over time. Few regions get a named line each, many keep their numbers.
 Panel regionPanel(const ReportContent& content, std::size_t axis) {
@@ -61,7 +63,8 @@ ReportFigure regionFigure(const ReportContent& content) {
       "Which region's law answered each sample; a level line means that one affine law flew all along, a "
       "jump "
       "that the set of active constraints changed, a gap that there was no answer.";
-  constexpr double kFrame = 110.0;  // of a panel: title and axis [px]
+  // Height of a panel's title and axis [px].
+  constexpr double kFrame = 110.0;
   double height = 0.0;
   std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -8,8 +8,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kWindow = 1.0;      // of the account by time [s]
-constexpr double kRoomError = 1e-4;  // of a way to the map's edge, in ranges of the parameter
+// Length of the windows of MapUse [s].
+constexpr double kWindow = 1.0;
+// Tolerance of the distance to the map's edge, in ranges of the parameter.
+constexpr double kRoomError = 1e-4;
 
 // Of a value in its range; what lies beyond is counted in the end bins.
 std::size_t binOf(const ParameterUse& use, double value) {
@@ -42,7 +44,8 @@ void addTo(DistanceUse* use, double distance, double stamp) {
 }  // namespace
 
 std::pair<double, double> ParameterUse::proposedRange() const {
-  constexpr double kBeyond = 0.1;  // of the range that was met
+  // Margin as a share of the range that was met.
+  constexpr double kBeyond = 0.1;
   const double more = kBeyond * (greatest - least);
   return {least < lower ? least - more : lower, greatest > upper ? greatest + more : upper};
 }
@@ -163,7 +166,8 @@ double MapUseCounter::faceDistance(std::uint32_t region, const double* theta) co
       beyond += plane[index] * theta[index];
       passable = passable || (plane[index] != 0.0 && !enclosed_[index]);
     }
-    if (!passable) continue;  // the end of an enclosed parameter's range
+    // A face that cannot be passed is the end of an enclosed parameter's range.
+    if (!passable) continue;
     least = std::min(least, reference > 0 ? -beyond : beyond);
   }
   return std::max(0.0, least);

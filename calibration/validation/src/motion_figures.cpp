@@ -9,7 +9,8 @@ namespace {
 
 using Style = Series::Style;
 
-constexpr std::size_t kScatterDots = 3000;  // of a scatter, at most
+// Greatest number of dots of a scatter plot.
+constexpr std::size_t kScatterDots = 3000;
 constexpr std::size_t kCirclePoints = 180;
 constexpr std::size_t kQuantilePoints = 400;
 

@@ -8,13 +8,15 @@
 namespace polyfly {
 namespace {
 
-constexpr int kFigureWidth = 1040;  // of the page's text [px]
+// Width of the page's text [px].
+constexpr int kFigureWidth = 1040;
 
 using Style = Series::Style;
 
 constexpr const char* kAxisLetters[3] = {"x", "y", "z"};
 constexpr const char* kReferenceColor = "#b9c1c9";
-constexpr double kReferenceWidth = 5.0;  // [px]: wider than what was flown, so that both are seen
+// Line width [px]. It is wider than the flown curve, so that both are seen.
+constexpr double kReferenceWidth = 5.0;
 
 Panel topView(const ReportContent& content) {
   Panel panel;
@@ -150,8 +152,10 @@ Series trueDisturbance(const ReportContent& content, Eigen::Index axis) {
 
 // All of the estimate, and of the truth what is not a short push.
 Panel::Range disturbanceRange(const ReportContent& content, std::size_t axis) {
-  constexpr double kLeastWidth = 0.02;  // of the drawn range [m/s^2]
-  constexpr std::size_t kCut = 50;      // one of so many is cut off at each end
+  // Least width of the drawn range [m/s^2].
+  constexpr double kLeastWidth = 0.02;
+  // One of so many samples is cut off at each end.
+  constexpr std::size_t kCut = 50;
   std::vector<double> truth;
   for (const FlightLog::Disturbance& sample : content.log.disturbances) {
     const double value = sample.acceleration[static_cast<Eigen::Index>(axis)];

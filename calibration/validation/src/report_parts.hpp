@@ -14,9 +14,11 @@ namespace polyfly {
 
 // What the pictures of a report have in common.
 
-constexpr std::size_t kCurvePoints = 1200;  ///< of a curve that is drawn
+/// Greatest number of points of a curve that is drawn.
+constexpr std::size_t kCurvePoints = 1200;
 constexpr const char* kAxisColors[3] = {palette::kBlue, palette::kVermilion, palette::kGreen};
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  ///< a gap in a curve
+/// Value that leaves a gap in a curve.
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kMeasuredColor = "#9aa4ae";
 
 /// "name [unit]", or the name alone where there is no unit.
@@ -42,11 +44,16 @@ Series overTime(const ReportContent& content, const std::string& label, const st
 
 /// Heights of a row of panels [px].
 namespace row_height {
-constexpr int kStacked = 220;  ///< of three and more rows over time
-constexpr int kPaired = 280;   ///< of two rows over time
-constexpr int kAlone = 330;    ///< the only row
-constexpr int kView = 420;     ///< slices, views from above, what is not over time
-constexpr int kSquare = 620;   ///< equal axes over the whole width
+/// Height of each of three or more rows over time.
+constexpr int kStacked = 220;
+/// Height of each of two rows over time.
+constexpr int kPaired = 280;
+/// Height of the only row.
+constexpr int kAlone = 330;
+/// Height of slices, views from above and others that are not over time.
+constexpr int kView = 420;
+/// Height with equal axes over the whole width.
+constexpr int kSquare = 620;
 }  // namespace row_height
 
 /// A panel over time, empty.

@@ -8,9 +8,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kRestTolerance = 1e-6;  // velocity and acceleration of a reference that rests [m/s, m/s^2]
-constexpr double kLeastHold = 2.0;       // shorter rests say nothing about the steady state [s]
-constexpr double kSettlingShare = 0.5;   // of the hold, left out for the transient to die
+// Greatest velocity and acceleration of a reference that rests [m/s, m/s^2].
+constexpr double kRestTolerance = 1e-6;
+// Least length of a rest [s]. Shorter rests say nothing about the steady state.
+constexpr double kLeastHold = 2.0;
+// Share of the rest that is left out until the transient has decayed.
+constexpr double kSettlingShare = 0.5;
 
 bool rests(const ReplaySample& sample) {
   return sample.has_reference && sample.reference.velocity.norm() <= kRestTolerance &&

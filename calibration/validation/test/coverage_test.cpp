@@ -66,8 +66,10 @@ TEST_F(Coverage, measuresDistancesToFacesAndEdges) {
   theta[0] = 0.8 * half;
   const SampleUse sample = counter.add(1.0, theta.data());
   EXPECT_EQ(sample.lookup.status, LookupStatus::kInside);
-  EXPECT_NEAR(sample.face, 0.8, kRounding);  // the two regions part where the error is 0
-  EXPECT_NEAR(sample.edge, 0.2, kHalving);   // no region is nearer to its end than the box
+  // The two regions meet where the error is 0.
+  EXPECT_NEAR(sample.face, 0.8, kRounding);
+  // No region ends before the box.
+  EXPECT_NEAR(sample.edge, 0.2, kHalving);
   EXPECT_EQ(sample.edge_parameter, 0);
   EXPECT_NEAR(counter.use().parameters[0].room, 0.2 * half, kHalving * half);
   theta[0] = -0.1 * half;

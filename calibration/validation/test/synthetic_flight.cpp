@@ -16,8 +16,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kBoundSlack =
-    1e-3;  // by which no constraint of the program may be near, in the corners of the box
+// Least slack of the program's constraints in the corners of the box.
+constexpr double kBoundSlack = 1e-3;
 
 const char* const kTilted = R"(
 polyfly_problem: 1

@@ -65,10 +65,14 @@ class FlightRecorder {
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
-  void hold(const Eigen::Vector3d& position);  ///< from here on the pose is tracked
-  void fly(const VehicleState& state);         ///< one sample, answered
-  void miss(const VehicleState& state);        ///< one sample that never reached the node
-  void beSilent(double stamp);                 ///< the watchdog's answer
+  /// Tracks the pose from now on.
+  void hold(const Eigen::Vector3d& position);
+  /// Flies one sample that the node answers.
+  void fly(const VehicleState& state);
+  /// Records one sample that never reached the node.
+  void miss(const VehicleState& state);
+  /// Records the watchdog's answer to silent odometry.
+  void beSilent(double stamp);
   FlightLog& log() { return log_; }
 
  private:

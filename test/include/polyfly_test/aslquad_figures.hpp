@@ -22,10 +22,14 @@ enum class AslquadFigure {
 
 /// Who flies, all with the same model, weights, input bounds and sampling time.
 enum class AslquadLaw {
-  kRobust,               ///< minimum-peak robust MPC, explicit
-  kNominal,              ///< linear MPC, N = 20, which knows of no disturbance
-  kLqr,                  ///< cut to the input's bounds: the linear MPC with N = 1
-  kDisturbanceEstimate,  ///< the linear MPC with the observer of Eq. 5 and 6
+  /// Minimum-peak robust MPC, explicit.
+  kRobust,
+  /// Linear MPC, N = 20, without knowledge of the disturbance.
+  kNominal,
+  /// LQR cut to the input's bounds: the linear MPC with N = 1.
+  kLqr,
+  /// Linear MPC with the observer of Eq. 5 and 6.
+  kDisturbanceEstimate,
 };
 
 constexpr std::array<AslquadFigure, 4> kAslquadFigures{AslquadFigure::kHelix, AslquadFigure::kHit,
@@ -44,7 +48,8 @@ constexpr double kHitTime = 3.0;      ///< [s]
 constexpr double kStepLength = 1.25;  ///< [m]
 constexpr double kSquareLap = 18.0;   ///< [s]
 constexpr int kSquareLaps = 10;
-constexpr double kHelixJoined = 4.0;  ///< from here the helix is at full speed [s]
+/// Time from which on the helix is at full speed [s].
+constexpr double kHelixJoined = 4.0;
 
 /// The vehicle and what disturbs it. Unknown to the laws: thrust lag, delay, sensor noise, drag and what the
 /// air does, and how the load moves. What hangs on the vehicle is known to be that heavy.
@@ -62,17 +67,28 @@ struct AslquadSample {
 
 /// What a flight says. Errors are truth minus reference.
 struct AslquadErrors {
-  double rms = 0.0;                                         ///< of the position's error [m]
-  double greatest = 0.0;                                    ///< its greatest length [m]
-  Eigen::Vector3d greatest_axis = Eigen::Vector3d::Zero();  ///< [m]
-  double settled = 0.0;       ///< last time, from the disturbance or start on, with an error beyond 0.1 m [s]
-  double overshoot = 0.0;     ///< beyond the target of the step [m]
-  double undershoot = 0.0;    ///< away from it [m]
-  double speed = 0.0;         ///< greatest along one horizontal axis [m/s]
-  double tilt = 0.0;          ///< greatest roll or pitch [rad]
-  double input_change = 0.0;  ///< root mean square change of roll and pitch commands from step to step [rad]
-  double within = 0.0;  ///< share of samples with both horizontal disturbances within the declared bound
-  int degraded = 0;     ///< samples that were not kOptimal
+  /// Root mean square of the position error [m].
+  double rms = 0.0;
+  /// Greatest length of the position error [m].
+  double greatest = 0.0;
+  /// Greatest position error along each axis [m].
+  Eigen::Vector3d greatest_axis = Eigen::Vector3d::Zero();
+  /// Last time with an error beyond 0.1 m, counted from the disturbance or the start [s].
+  double settled = 0.0;
+  /// Overshoot beyond the target of the step [m].
+  double overshoot = 0.0;
+  /// Motion away from the target of the step [m].
+  double undershoot = 0.0;
+  /// Greatest speed along one horizontal axis [m/s].
+  double speed = 0.0;
+  /// Greatest roll or pitch [rad].
+  double tilt = 0.0;
+  /// Root mean square change of roll and pitch commands from step to step [rad].
+  double input_change = 0.0;
+  /// Share of samples with both horizontal disturbances within the declared bound.
+  double within = 0.0;
+  /// Samples that were not kOptimal.
+  int degraded = 0;
   int samples = 0;
 };
 

@@ -24,18 +24,28 @@ enum class AttitudeLoop {
 /// order.
 struct AttitudePlantOptions {
   AttitudeLoop loop = AttitudeLoop::kBodyRates;
-  double mass = 1.52;                               ///< [kg]
-  double gravity = 9.8066;                          ///< [m/s^2]
-  double gain = 0.9;                                ///< of roll and pitch [1]
-  double roll_time = 0.25;                          ///< of the loop [s]
-  double pitch_time = 0.255;                        ///< [s]
-  double yaw_time = 0.1;                            ///< of the yaw rate [s]
-  double motor_time = 0.02;                         ///< of moments and thrust behind their commands [s]
-  double drag = 0.01;                               ///< of the rotors, in the body's plane [1/s]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< external, in W [N]
-  double position_noise = 0.0;                      ///< standard deviation per axis [m]
-  double velocity_noise = 0.0;                      ///< [m/s]
-  double attitude_noise = 0.0;                      ///< [rad]
+  double mass = 1.52;       ///< [kg]
+  double gravity = 9.8066;  ///< [m/s^2]
+  /// Gain of the roll and pitch loops [1].
+  double gain = 0.9;
+  /// Time constant of the roll loop [s].
+  double roll_time = 0.25;
+  /// Time constant of the pitch loop [s].
+  double pitch_time = 0.255;
+  /// Time constant of the yaw rate [s].
+  double yaw_time = 0.1;
+  /// Lag of moments and thrust behind their commands [s].
+  double motor_time = 0.02;
+  /// Drag of the rotors, in the body's plane [1/s].
+  double drag = 0.01;
+  /// External force in W [N].
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  /// Standard deviation of the position noise per axis [m].
+  double position_noise = 0.0;
+  /// Standard deviation of the velocity noise per axis [m/s].
+  double velocity_noise = 0.0;
+  /// Standard deviation of the attitude noise per axis [rad].
+  double attitude_noise = 0.0;
   int seed = 1;
 };
 

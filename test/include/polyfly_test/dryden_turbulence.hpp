@@ -24,13 +24,19 @@ class DrydenTurbulence {
   void compose();
 
   GaussianSource noise_;
-  Eigen::Matrix3d axes_;           // columns: along the wind, across, up
-  Eigen::Vector3d sigma_;          // [m/s]
-  double decay_ = 0.0;             // exp(-step / T)
-  double drive_ = 0.0;             // of the first state
-  double mixing_ = 0.0;            // first state into the second over a step
-  Eigen::Vector2d second_drive_;   // of the second state: along the first one's noise, and by itself
-  Eigen::Matrix<double, 3, 2> z_;  // states of each axis, variances 1 and 1/2
+  // Columns: along the wind, across, up.
+  Eigen::Matrix3d axes_;
+  Eigen::Vector3d sigma_;  // [m/s]
+  // Decay of a state over a step, exp(-step / T).
+  double decay_ = 0.0;
+  // Gain from the noise to the first state.
+  double drive_ = 0.0;
+  // Gain from the first state to the second over a step.
+  double mixing_ = 0.0;
+  // Gains to the second state: from the noise of the first state, and from its own noise.
+  Eigen::Vector2d second_drive_;
+  // States of each axis, with the variances 1 and 1/2.
+  Eigen::Matrix<double, 3, 2> z_;
   Eigen::Vector3d velocity_;
 };
 

@@ -12,20 +12,29 @@ namespace polyfly {
 ///   x = radius_x sin s,  y = radius_y sin 2s,  z = height + radius_z sin s,  yaw = yaw_turn s / (2 pi laps),
 /// and the phase starts and ends smoothly, so that the jerk is continuous all along.
 struct FigureOptions {
-  Eigen::Vector3d start{0.0, 0.0, 1.0};  ///< where it holds first, in W [m]; the eight is flown around (x, y)
-  double height = 1.5;                   ///< of the eight's centre [m]
-  double start_yaw = 0.0;                ///< [rad]
-  double settle_time = 2.0;              ///< hold before the climb [s]
-  double climb_time = 3.0;               ///< from start to height [s]
-  double radius_x = 4.0;                 ///< [m]
-  double radius_y = 1.0;                 ///< [m]
-  double radius_z = 0.3;                 ///< [m]
-  double rate = 0.53;                    ///< s' at full speed [rad/s]
-  double blend_time = 6.0;               ///< until full speed, and back to rest [s]
-  int laps = 2;                          ///< whole turns of the phase
-  double yaw_turn = 4.712389;            ///< [rad]
-  double hold_time = 10.0;               ///< at the end [s]
-  double sample_period = 0.05;           ///< between points of the trajectory [s]
+  /// First hold position in W [m]. The eight is flown around (x, y).
+  Eigen::Vector3d start{0.0, 0.0, 1.0};
+  /// Height of the eight's centre [m].
+  double height = 1.5;
+  double start_yaw = 0.0;  ///< [rad]
+  /// Hold time before the climb [s].
+  double settle_time = 2.0;
+  /// Time of the climb from start to height [s].
+  double climb_time = 3.0;
+  double radius_x = 4.0;  ///< [m]
+  double radius_y = 1.0;  ///< [m]
+  double radius_z = 0.3;  ///< [m]
+  /// Rate s' at full speed [rad/s].
+  double rate = 0.53;
+  /// Time until full speed, and back to rest [s].
+  double blend_time = 6.0;
+  /// Number of whole turns of the phase.
+  int laps = 2;
+  double yaw_turn = 4.712389;  ///< [rad]
+  /// Hold time at the end [s].
+  double hold_time = 10.0;
+  /// Time between points of the trajectory [s].
+  double sample_period = 0.05;
 };
 
 /// Lists the fields of FigureOptions once: visit(key, field, unit, range).
@@ -53,8 +62,9 @@ class FlightFigure {
   /// Throws Error when an option is out of range, or when the laps are too few for the blends.
   explicit FlightFigure(const FigureOptions& options);
 
-  double duration() const { return duration_; }     ///< [s]
-  double holdStart() const { return hold_start_; }  ///< from here on it holds the last point [s]
+  double duration() const { return duration_; }  ///< [s]
+  /// Time from which on the last point is held [s].
+  double holdStart() const { return hold_start_; }
 
   /// At `time` seconds after the start; held at the ends outside [0, duration].
   Reference at(double time) const;

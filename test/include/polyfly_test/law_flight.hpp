@@ -29,12 +29,15 @@ class LawFlight {
   /// Flies one period with the command.
   void advance(const AttitudeCommand& command) { plant_.advance(command); }
 
-  VehicleState& state() { return state_; }  ///< the last odometry; to be spoilt where that is the subject
+  /// Last odometry. Tests of faulty odometry change it.
+  VehicleState& state() { return state_; }
   const Reference* preview() const { return preview_.data(); }
 
   double time() const { return plant_.time(); }  ///< [s]
-  bool over() const;                             ///< the figure has come to its end
-  double error() const;                          ///< true distance from the figure [m]
+  /// Whether the figure has come to its end.
+  bool over() const;
+  /// True distance from the figure [m].
+  double error() const;
   const MultirotorPlant& plant() const { return plant_; }
 
  private:

@@ -17,55 +17,88 @@ namespace polyfly {
 /// The vehicle that flies in the simulator, Eq. 37, and what disturbs it. Vectors are in the world frame W
 /// (x, y, z up). The defaults are those of the Firefly hexacopter, undisturbed and measured without error.
 struct PlantOptions {
-  double mass = 1.52;       ///< [kg]
-  double gravity = 9.8066;  ///< g of Eq. 37 [m/s^2]
+  double mass = 1.52;  ///< [kg]
+  /// Gravity g of Eq. 37 [m/s^2].
+  double gravity = 9.8066;
 
-  double roll_gain = 0.9;      ///< K_phi [-]
-  double roll_time = 0.25;     ///< tau_phi [s]
-  double pitch_gain = 0.9;     ///< K_theta [-]
-  double pitch_time = 0.255;   ///< tau_theta [s]
-  double roll_offset = 0.0;    ///< true roll where the attitude controller sees none: misalignment [rad]
-  double pitch_offset = 0.0;   ///< [rad]
-  double yaw_rate_time = 0.0;  ///< lag of the yaw rate behind its command [s], 0: none
-  double thrust_time = 0.0;    ///< lag of the thrust behind its command [s], 0: none
+  /// Gain K_phi of Eq. 37 [-].
+  double roll_gain = 0.9;
+  /// Time constant tau_phi of Eq. 37 [s].
+  double roll_time = 0.25;
+  /// Gain K_theta of Eq. 37 [-].
+  double pitch_gain = 0.9;
+  /// Time constant tau_theta of Eq. 37 [s].
+  double pitch_time = 0.255;
+  /// True roll where the attitude controller sees none (misalignment) [rad].
+  double roll_offset = 0.0;
+  /// True pitch where the attitude controller sees none [rad].
+  double pitch_offset = 0.0;
+  /// Lag of the yaw rate behind its command [s]. 0: none.
+  double yaw_rate_time = 0.0;
+  /// Lag of the thrust behind its command [s]. 0: none.
+  double thrust_time = 0.0;
 
-  Eigen::Vector3d drag{0.01, 0.01, 0.0};  ///< A_x, A_y, A_z per mass [1/s]
+  /// Drag A_x, A_y, A_z per mass [1/s].
+  Eigen::Vector3d drag{0.01, 0.01, 0.0};
 
-  double angle_max = 0.7853982;     ///< roll and pitch commands are cut to +-this [rad]
+  /// Limit of roll and pitch: commands are cut to +- this value [rad].
+  double angle_max = 0.7853982;
   double yaw_rate_max = 1.5707963;  ///< [rad/s]
-  double thrust_min = 5.0;          ///< per mass [m/s^2]
-  double thrust_max = 20.0;         ///< per mass [m/s^2]
+  /// Least thrust per mass [m/s^2].
+  double thrust_min = 5.0;
+  /// Greatest thrust per mass [m/s^2].
+  double thrust_max = 20.0;
 
-  Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< constant part of d(t) [m/s^2]
-  Eigen::Vector3d gust_sigma =
-      Eigen::Vector3d::Zero();  ///< standard deviation of its Gauss-Markov part [m/s^2]
-  double gust_time = 1.0;       ///< correlation time of the gusts [s]
+  /// Constant part of d(t) [m/s^2].
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();
+  /// Standard deviation of the Gauss-Markov part of d(t) [m/s^2].
+  Eigen::Vector3d gust_sigma = Eigen::Vector3d::Zero();
+  /// Correlation time of the gusts [s].
+  double gust_time = 1.0;
 
-  Eigen::Vector3d air_velocity = Eigen::Vector3d::Zero();  ///< mean wind; acts through `drag` [m/s]
-  Eigen::Vector3d turbulence_sigma =
-      Eigen::Vector3d::Zero();     ///< of Dryden turbulence in it: along, across, up [m/s]
-  double turbulence_length = 1.0;  ///< its length scale [m]
+  /// Mean wind [m/s]. It acts through `drag`.
+  Eigen::Vector3d air_velocity = Eigen::Vector3d::Zero();
+  /// Standard deviation of the Dryden turbulence in the wind: along, across, up [m/s].
+  Eigen::Vector3d turbulence_sigma = Eigen::Vector3d::Zero();
+  /// Length scale of the turbulence [m].
+  double turbulence_length = 1.0;
 
-  SlungLoad load;                                      ///< hangs below the vehicle's centre
-  Eigen::Vector3d load_hit = Eigen::Vector3d::Zero();  ///< a short force on the load [N]
-  double load_hit_start = 0.0;                         ///< [s]
-  double load_hit_time = 0.0;                          ///< for so long, 0: never [s]
+  /// Load that hangs below the vehicle's centre.
+  SlungLoad load;
+  /// Short force on the load [N].
+  Eigen::Vector3d load_hit = Eigen::Vector3d::Zero();
+  /// Start of the force on the load [s].
+  double load_hit_start = 0.0;
+  /// Duration of the force on the load [s]. 0: never.
+  double load_hit_time = 0.0;
 
-  Eigen::Vector3d kick = Eigen::Vector3d::Zero();  ///< a short push, added to d(t) [m/s^2]
-  double kick_start = 0.0;                         ///< [s]
-  double kick_time = 0.0;                          ///< for so long, 0: never [s]
+  /// Short push, added to d(t) [m/s^2].
+  Eigen::Vector3d kick = Eigen::Vector3d::Zero();
+  /// Start of the push [s].
+  double kick_start = 0.0;
+  /// Duration of the push [s]. 0: never.
+  double kick_time = 0.0;
 
-  double position_noise = 0.0;          ///< standard deviation per axis [m]
-  double velocity_noise = 0.0;          ///< standard deviation per axis [m/s]
-  double attitude_noise = 0.0;          ///< standard deviation per axis [rad]
-  double angular_velocity_noise = 0.0;  ///< standard deviation per axis [rad/s]
+  /// Standard deviation of the position noise per axis [m].
+  double position_noise = 0.0;
+  /// Standard deviation of the velocity noise per axis [m/s].
+  double velocity_noise = 0.0;
+  /// Standard deviation of the attitude noise per axis [rad].
+  double attitude_noise = 0.0;
+  /// Standard deviation of the angular velocity noise per axis [rad/s].
+  double angular_velocity_noise = 0.0;
 
-  double command_delay = 0.0;   ///< from odometry to the effect of its command [s]
-  double odometry_delay = 0.0;  ///< age of what an odometry says [s]
+  /// Time from odometry to the effect of its command [s].
+  double command_delay = 0.0;
+  /// Age of the state that an odometry holds [s].
+  double odometry_delay = 0.0;
 
-  double period = 0.01;    ///< between odometry samples [s]
-  double substep = 0.001;  ///< of the integration [s]; must divide the period
-  int seed = 1;            ///< of noise and gusts
+  /// Time between odometry samples [s].
+  double period = 0.01;
+  /// Step of the integration [s]. It must divide the period.
+  double substep = 0.001;
+  /// Seed of noise and gusts.
+  int seed = 1;
 };
 
 /// Lists the fields of PlantOptions once: visit(key, field, unit, range). A vector's range is that of each
@@ -121,17 +154,23 @@ void checkPlantOptions(const PlantOptions& options);
 
 /// What the integration carries. Euler angles in the order yaw, pitch, roll (R(psi, theta, phi) of Eq. 37).
 struct PlantState {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in W [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< in W [m/s]
-  double roll = 0.0;                                   ///< [rad]
-  double pitch = 0.0;                                  ///< [rad]
-  double yaw = 0.0;                                    ///< not wrapped [rad]
-  double yaw_rate = 0.0;                               ///< psi' [rad/s]
-  double thrust = 0.0;                                 ///< T, per mass [m/s^2]
+  /// Position in W [m].
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  /// Velocity in W [m/s].
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  double roll = 0.0;   ///< [rad]
+  double pitch = 0.0;  ///< [rad]
+  /// Yaw angle, not wrapped [rad].
+  double yaw = 0.0;
+  /// Yaw rate psi' [rad/s].
+  double yaw_rate = 0.0;
+  /// Thrust T per mass [m/s^2].
+  double thrust = 0.0;
   /// The slung load from the vehicle in W [m]; zero at the start: it hangs at rest, and moves with the
   /// vehicle.
   Eigen::Vector3d load_offset = Eigen::Vector3d::Zero();
-  Eigen::Vector3d load_velocity = Eigen::Vector3d::Zero();  ///< in W, not relative [m/s]
+  /// Velocity of the load in W, not relative to the vehicle [m/s].
+  Eigen::Vector3d load_velocity = Eigen::Vector3d::Zero();
 };
 
 /// Third column of R(psi, theta, phi): the body's z axis in W.
@@ -152,13 +191,17 @@ class MultirotorPlant {
   /// random numbers, so call it once per period.
   VehicleState measure();
 
-  double time() const;  ///< simulated seconds since the start
+  /// Simulated time since the start [s].
+  double time() const;
   const PlantState& state() const { return state_; }
-  VehicleState truth() const;  ///< the state now, without noise or delay
+  /// State now, without noise or delay.
+  VehicleState truth() const;
   /// d(t) that acts now: wind, gusts, kick, the air's velocity times the drag, the string's pull [m/s^2].
   Eigen::Vector3d disturbance() const;
-  std::int64_t saturatedCommands() const { return saturated_; }  ///< commands cut to the vehicle's limits
-  std::int64_t ignoredCommands() const { return ignored_; }      ///< commands that were not finite
+  /// Number of commands that were cut to the vehicle's limits.
+  std::int64_t saturatedCommands() const { return saturated_; }
+  /// Number of commands that were not finite.
+  std::int64_t ignoredCommands() const { return ignored_; }
 
  private:
   struct Pending {
@@ -171,9 +214,12 @@ class MultirotorPlant {
   void substep();
   void drawGust();
   bool during(double start, double duration) const;
-  Eigen::Vector3d push() const;         // what does not depend on the state [m/s^2]
-  Eigen::Vector3d airVelocity() const;  // [m/s]
-  Eigen::Vector3d hit() const;          // on the load [N]
+  // Part of d(t) that does not depend on the state [m/s^2].
+  Eigen::Vector3d push() const;
+  // Velocity of the air [m/s].
+  Eigen::Vector3d airVelocity() const;
+  // Force on the load [N].
+  Eigen::Vector3d hit() const;
 
   PlantOptions options_;
   std::optional<DrydenTurbulence> turbulence_;

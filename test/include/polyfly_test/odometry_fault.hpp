@@ -9,13 +9,20 @@ namespace polyfly {
 
 /// What goes wrong with the odometry of a flight, and when. A start below zero means never.
 struct FaultOptions {
-  double nan_start = -1.0;      ///< from here the position is NaN [s]
-  double nan_time = 0.0;        ///< for so long [s]
-  double silence_start = -1.0;  ///< from here nothing is published, while the clock goes on [s]
-  double silence_time = 0.0;    ///< for so long [s]
-  double jump_start = -1.0;     ///< from here the position is off by `jump` [s]
-  double jump_time = 0.0;       ///< for so long [s]
-  Eigen::Vector3d jump = Eigen::Vector3d::Zero();  ///< [m]
+  /// Time from which on the position is NaN [s].
+  double nan_start = -1.0;
+  /// Duration of the NaN position [s].
+  double nan_time = 0.0;
+  /// Time from which on nothing is published, while the clock continues [s].
+  double silence_start = -1.0;
+  /// Duration of the silence [s].
+  double silence_time = 0.0;
+  /// Time from which on the position is off by `jump` [s].
+  double jump_start = -1.0;
+  /// Duration of the jump [s].
+  double jump_time = 0.0;
+  /// Error of the position during the jump [m].
+  Eigen::Vector3d jump = Eigen::Vector3d::Zero();
 };
 
 /// Lists the fields of FaultOptions once: visit(key, field, unit, range).

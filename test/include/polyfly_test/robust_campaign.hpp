@@ -14,10 +14,14 @@ namespace polyfly_test {
 
 /// How the disturbance is chosen at each step, within `share` of its bound.
 enum class Adversary {
-  kRandom,     ///< uniform
-  kTelegraph,  ///< either bound, changed now and then
-  kWorst,      ///< the bound that pushes the position outwards, as it is some steps ahead
-  kGreedy,     ///< the bound after which the least peak that can be promised is greatest
+  /// Uniformly distributed within the bound.
+  kRandom,
+  /// Either bound, changed at random steps.
+  kTelegraph,
+  /// Bound that pushes the position outwards, judged by the position some steps ahead.
+  kWorst,
+  /// Bound after which the least peak that can be promised is greatest.
+  kGreedy,
 };
 
 /// A lateral axis in discrete time with its robust map, the controllers beside it, and all adversaries.
@@ -35,22 +39,33 @@ class RobustCampaign {
     std::uint64_t seed = 1;
     int flights = 100;
     int steps = 125;
-    double share = 1.0;        ///< of the bound, in the first half of the flight
-    double late_share = 1.0;   ///< in the second half
-    bool from_origin = false;  ///< else from a random state with a plan, |p| <= 1.5 m
+    /// Share of the bound in the first half of the flight.
+    double share = 1.0;
+    /// Share of the bound in the second half of the flight.
+    double late_share = 1.0;
+    /// True: start at the origin. False: start at a random state with a plan, |p| <= 1.5 m.
+    bool from_origin = false;
   };
 
   struct Result {
     std::uint64_t steps = 0;
-    std::uint64_t violations = 0;       ///< steps that end with a state beyond its range
-    double worst_violation = 0.0;       ///< in half ranges
-    std::uint64_t infeasible = 0;       ///< steps at which the robust program had no plan
-    std::uint64_t late_degraded = 0;    ///< of these, in the last quarter of a flight
-    std::uint64_t broken_promises = 0;  ///< |p| after a step above tau before it
-    double peak = 0.0;                  ///< greatest |p| [m]
-    double peak_promised = 0.0;         ///< greatest tau [m]
-    double greatest_speed = 0.0;        ///< [m/s]
-    double last_position = 0.0;         ///< greatest |p| in the last quarter [m]
+    /// Steps that end with a state beyond its range.
+    std::uint64_t violations = 0;
+    /// Greatest excess over a state range, in half ranges.
+    double worst_violation = 0.0;
+    /// Steps at which the robust program had no plan.
+    std::uint64_t infeasible = 0;
+    /// Steps without a plan in the last quarter of a flight.
+    std::uint64_t late_degraded = 0;
+    /// Steps after which |p| is above the tau from before the step.
+    std::uint64_t broken_promises = 0;
+    /// Greatest |p| [m].
+    double peak = 0.0;
+    /// Greatest tau [m].
+    double peak_promised = 0.0;
+    double greatest_speed = 0.0;  ///< [m/s]
+    /// Greatest |p| in the last quarter of a flight [m].
+    double last_position = 0.0;
     bool finite = true;
 
     void add(const Result& other);

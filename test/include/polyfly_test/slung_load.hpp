@@ -7,11 +7,15 @@ namespace polyfly {
 /// A point mass on an elastic string below a vehicle. The string pulls when it is longer than at rest, and
 /// is slack otherwise. Vectors in W.
 struct SlungLoad {
-  double mass = 0.0;        ///< [kg], 0: there is none
-  double length = 0.65;     ///< of the string at rest [m]
+  /// Mass of the load [kg]. 0: there is none.
+  double mass = 0.0;
+  /// Length of the string at rest [m].
+  double length = 0.65;
   double stiffness = 60.0;  ///< [N/m]
-  double damping = 0.4;     ///< along the string while it is taut [N s/m]
-  double drag = 0.0;        ///< force per velocity through the air [N s/m]
+  /// Damping along the string while it is taut [N s/m].
+  double damping = 0.4;
+  /// Drag force per velocity through the air [N s/m].
+  double drag = 0.0;
 
   /// Force of the string on the vehicle [N], where `offset` and `velocity` are the load's relative to the
   /// vehicle's. The load feels the opposite.

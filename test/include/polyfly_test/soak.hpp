@@ -25,20 +25,28 @@ struct SoakLaws {
 };
 
 struct SoakOptions {
-  double duration = 1800.0;  ///< simulated [s]
-  std::uint32_t seed = 1;    ///< the same seed, the same flight
+  /// Simulated duration [s].
+  double duration = 1800.0;
+  /// Seed of the flight. The same seed gives the same flight.
+  std::uint32_t seed = 1;
 };
 
 struct SoakResult {
   long samples = 0, silences = 0, not_numbers = 0, jumps = 0, out_of_order = 0, wrong_frames = 0, huge = 0;
   long reconfigurations = 0, swaps = 0, selections = 0, references = 0;
-  long commands = 0;            ///< sent
-  long failsafe = 0;            ///< samples without an answer of the law
-  long recoveries = 0;          ///< faults after which the vehicle was back on its path before the next one
-  double slowest = 0.0;         ///< recovery [s]
-  double greatest_error = 0.0;  ///< position, before the next fault [m]
-  long allocated_growth = 0;    ///< bytes in use at the end, less those after the first tenth
-  /// Of bounds in what was sent, and faults that were not recovered from.
+  /// Commands that were sent.
+  long commands = 0;
+  /// Samples without an answer of the law.
+  long failsafe = 0;
+  /// Faults after which the vehicle was back on its path before the next fault.
+  long recoveries = 0;
+  /// Slowest recovery [s].
+  double slowest = 0.0;
+  /// Greatest position error before the next fault [m].
+  double greatest_error = 0.0;
+  /// Bytes in use at the end, less those after the first tenth.
+  long allocated_growth = 0;
+  /// Sentences on sent commands beyond a bound, and on faults without a recovery.
   std::vector<std::string> violations;
 };
 
@@ -51,10 +59,13 @@ struct SoakTuning {
 
 /// What became of a control period.
 struct SoakAnswer {
-  bool sends = false;                ///< a command was sent
-  polyfly::AttitudeCommand command;  ///< that was
+  /// Whether a command was sent.
+  bool sends = false;
+  /// Command that was sent.
+  polyfly::AttitudeCommand command;
   polyfly::ControlStatus status = polyfly::ControlStatus::kStopped;
-  polyfly::MultirotorOptions limits;  ///< in force when it was made
+  /// Limits in force when the command was made.
+  polyfly::MultirotorOptions limits;
 };
 
 /// The controller under test: its core, or the node around it. Axes as everywhere.

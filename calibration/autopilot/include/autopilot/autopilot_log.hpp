@@ -9,8 +9,10 @@ namespace polyfly {
 
 /// The messages of one kind, as numbers in columns.
 struct LogTable {
-  std::vector<double> time;                           ///< of each row, by the autopilot's clock [s]
-  std::map<std::string, std::vector<double>> column;  ///< by field; an array's entries as `q[0]`, `q[1]`
+  /// Time of each row, by the autopilot's clock [s].
+  std::vector<double> time;
+  /// Values by field name. The entries of an array have names such as `q[0]` and `q[1]`.
+  std::map<std::string, std::vector<double>> column;
 
   bool has(const std::string& field) const { return column.count(field) > 0; }
 };

@@ -9,8 +9,10 @@
 namespace polyfly {
 
 struct AutopilotSignals {
-  FlightSignals signals;             ///< times count from the first message that is used
-  std::vector<std::string> remarks;  ///< of the log
+  /// Signals of the flight. Times count from the first message that is used.
+  FlightSignals signals;
+  /// Remarks on the log.
+  std::vector<std::string> remarks;
 };
 
 /// Finds the signals of identification in an autopilot's own log, by its messages:

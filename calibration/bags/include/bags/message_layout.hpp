@@ -31,10 +31,12 @@ class MessageLayout {
 
  private:
   struct Field {
-    std::string type;  ///< a builtin, or a key of types_
+    /// Builtin type, or a key of types_.
+    std::string type;
     std::string name;
     bool array = false;
-    std::optional<std::uint32_t> length;  ///< of a fixed-length array
+    /// Length of a fixed-length array.
+    std::optional<std::uint32_t> length;
   };
   using Fields = std::vector<Field>;
 

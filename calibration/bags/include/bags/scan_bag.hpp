@@ -12,16 +12,21 @@ namespace polyfly {
 struct BagConnection {
   std::uint32_t id = 0;
   std::string topic;
-  std::string type;        ///< for example nav_msgs/Odometry
-  std::string md5sum;      ///< of the definition, as ROS computes it
-  std::string definition;  ///< text of the message's definition and of those in it
+  /// Message type, for example nav_msgs/Odometry.
+  std::string type;
+  /// MD5 sum of the definition, as ROS computes it.
+  std::string md5sum;
+  /// Text of the message definition and of the definitions in it.
+  std::string definition;
 };
 
 /// One recorded message. A view: valid during the call that hands it over.
 struct BagMessage {
   const BagConnection* connection = nullptr;
-  std::uint32_t seconds = 0;      ///< when the recorder received it
-  std::uint32_t nanoseconds = 0;  ///< of that
+  /// Receive time of the recorder, whole seconds [s].
+  std::uint32_t seconds = 0;
+  /// Receive time of the recorder, rest of the second [ns].
+  std::uint32_t nanoseconds = 0;
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 
@@ -30,14 +35,22 @@ struct BagMessage {
 
 /// What the file was like.
 struct BagHealth {
-  std::uint64_t messages = 0;        ///< in chunks that could be read, wanted or not
-  std::uint64_t chunks = 0;          ///< read
-  std::uint64_t damaged_chunks = 0;  ///< left out: they cannot be unpacked, or their records break the format
-  std::uint64_t unread_bytes = 0;    ///< at the cut-off end, or between chunks where the format is broken
-  std::uint64_t out_of_order = 0;    ///< messages received before the one that stands before them
-  bool indexed = false;              ///< closed by its recorder
-  double first = 0.0;                ///< least time of a message [s]
-  double last = 0.0;                 ///< greatest time of a message [s]
+  /// Messages in chunks that could be read, wanted or not.
+  std::uint64_t messages = 0;
+  /// Chunks that were read.
+  std::uint64_t chunks = 0;
+  /// Chunks that were left out. They cannot be unpacked, or their records break the format.
+  std::uint64_t damaged_chunks = 0;
+  /// Bytes that were not read. They are at the cut-off end, or between chunks where the format is broken.
+  std::uint64_t unread_bytes = 0;
+  /// Messages that were received before the message that precedes them in the file.
+  std::uint64_t out_of_order = 0;
+  /// True: the recorder closed the file.
+  bool indexed = false;
+  /// Least time of a message [s].
+  double first = 0.0;
+  /// Greatest time of a message [s].
+  double last = 0.0;
   /// Every irregularity of the file, in sentences without its name.
   std::vector<std::string> remarks;
 };

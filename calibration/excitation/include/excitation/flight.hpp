@@ -13,32 +13,49 @@ namespace polyfly {
 /// Limits of the flight, and the loop that holds the vehicle where it is not excited. Distances count from
 /// where it started.
 struct ExcitationOptions {
-  bool wing = false;  ///< a fixed wing: only roll is excited, thrust is a share 0..1 that stays
+  /// True: fixed wing. Only the roll of a wing is excited; its thrust is a constant share 0..1.
+  bool wing = false;
 
-  double attitude_max = 0.6;  ///< measured roll or pitch beyond which the flight is aborted [rad]
-  double distance_max = 8.0;  ///< horizontal [m]
-  double height_max = 2.0;    ///< above or below the start [m]
-  double silence_max = 0.3;   ///< without odometry [s]
-  double stick_max = 0.15;    ///< of any axis of the joystick from where it was first, full scale is 1
+  /// Measured roll or pitch beyond which the flight is aborted [rad].
+  double attitude_max = 0.6;
+  /// Greatest horizontal distance from the start [m].
+  double distance_max = 8.0;
+  /// Greatest height above or below the start [m].
+  double height_max = 2.0;
+  /// Greatest time without odometry [s].
+  double silence_max = 0.3;
+  /// Greatest motion of any joystick axis away from its first position. Full scale is 1.
+  double stick_max = 0.15;
 
-  double mass = 1.52;             ///< [kg]
-  double gravity = 9.8066;        ///< [m/s^2]
-  double hold_frequency = 1.2;    ///< of the position loop [rad/s]
-  double height_frequency = 2.0;  ///< of the height loop [rad/s]
-  double tilt_max = 0.25;         ///< of the position loop's command [rad]
-  double yaw_gain = 1.0;          ///< [1/s]
-  double yaw_rate_max = 0.8;      ///< [rad/s]
-  double command_max = 0.6;       ///< of roll and pitch as commanded, excitation included [rad]
-  double thrust_min = 5.0;        ///< per mass, as commanded [m/s^2]
-  double thrust_max = 16.0;       ///< per mass [m/s^2]
+  double mass = 1.52;       ///< [kg]
+  double gravity = 9.8066;  ///< [m/s^2]
+  /// Natural frequency of the position loop [rad/s].
+  double hold_frequency = 1.2;
+  /// Natural frequency of the height loop [rad/s].
+  double height_frequency = 2.0;
+  /// Greatest tilt that the position loop commands [rad].
+  double tilt_max = 0.25;
+  double yaw_gain = 1.0;      ///< [1/s]
+  double yaw_rate_max = 0.8;  ///< [rad/s]
+  /// Greatest roll and pitch command, excitation included [rad].
+  double command_max = 0.6;
+  /// Least commanded thrust per mass [m/s^2].
+  double thrust_min = 5.0;
+  /// Greatest commanded thrust per mass [m/s^2].
+  double thrust_max = 16.0;
 
-  double wing_return = 100.0;      ///< distance from the start beyond which a wing turns back [m]
-  double wing_roll = 0.35;         ///< greatest roll while it turns back; less while it is excited too [rad]
-  double wing_pitch = 0.03;        ///< trim [rad]
-  double wing_pitch_max = 0.2;     ///< [rad]
-  double wing_height_gain = 0.02;  ///< pitch per error of height [rad/m]
-  double wing_climb_gain = 0.03;   ///< pitch against climb [rad s/m]
-  double wing_thrust = 0.5;        ///< 0..1
+  /// Distance from the start beyond which a wing turns back [m].
+  double wing_return = 100.0;
+  /// Greatest roll of a wing that turns back [rad]. It is less while roll is excited too.
+  double wing_roll = 0.35;
+  /// Trim pitch of a wing [rad].
+  double wing_pitch = 0.03;
+  double wing_pitch_max = 0.2;  ///< [rad]
+  /// Pitch of a wing per height error [rad/m].
+  double wing_height_gain = 0.02;
+  /// Pitch of a wing against its climb rate [rad s/m].
+  double wing_climb_gain = 0.03;
+  double wing_thrust = 0.5;  ///< 0..1
 };
 
 /// Lists the options once: visit(key, field, unit, range), visit(key, field) for a flag.
@@ -70,11 +87,16 @@ void visitExcitation(Options& self, Visitor&& visit) {
 }
 
 enum class ExcitationState {
-  kWaiting,     ///< for the first odometry
-  kRunning,     ///< rests and manoeuvres
-  kDone,        ///< the plan is flown; the vehicle is held
-  kAborted,     ///< a limit was passed; the vehicle is held where that was
-  kHandedOver,  ///< the pilot moved a stick: nothing is commanded any more
+  /// The flight waits for the first odometry.
+  kWaiting,
+  /// Rests and manoeuvres are flown.
+  kRunning,
+  /// The plan is flown. The vehicle is held.
+  kDone,
+  /// A limit was passed. The vehicle is held where that happened.
+  kAborted,
+  /// The pilot moved a stick. Nothing is commanded any more.
+  kHandedOver,
 };
 const char* nameOf(ExcitationState state);
 
@@ -105,11 +127,15 @@ class ExcitationFlight {
 
   ExcitationState state() const { return state_; }
   bool commands() const { return state_ != ExcitationState::kHandedOver; }
-  int running() const { return running_; }        ///< index of the manoeuvre, -1 in a rest
-  double elapsed() const { return elapsed_; }     ///< since the start of the plan [s]
-  const char* reason() const { return reason_; }  ///< of an abort, "" otherwise
+  /// Index of the running manoeuvre; -1 in a rest.
+  int running() const { return running_; }
+  /// Time since the start of the plan [s].
+  double elapsed() const { return elapsed_; }
+  /// Reason of an abort or of a handover; "" otherwise.
+  const char* reason() const { return reason_; }
   const ExcitationPlan& plan() const { return plan_; }
-  const Eigen::Vector3d& home() const { return home_; }  ///< where it is held
+  /// Position where the vehicle is held.
+  const Eigen::Vector3d& home() const { return home_; }
 
  private:
   void begin(const VehicleState& state);

@@ -24,13 +24,20 @@ const char* nameOf(ExcitationShape shape);  ///< 2-1-1, doublet, multisine, chir
 struct Manoeuvre {
   ExcitedChannel channel = ExcitedChannel::kRoll;
   ExcitationShape shape = ExcitationShape::kTwoOneOne;
-  double amplitude = 0.1;       ///< greatest deviation, with its sign [unit of the channel]
-  double unit_time = 0.4;       ///< of 2-1-1 and doublet: the "1" [s]
-  double length = 20.0;         ///< of multisine and chirp [s]
-  double frequency_from = 0.1;  ///< of multisine and chirp [Hz]
-  double frequency_to = 3.0;    ///< [Hz]
-  int tones = 12;               ///< of a multisine
-  double start = 0.0;           ///< in the plan [s]
+  /// Greatest deviation, with its sign [unit of the channel].
+  double amplitude = 0.1;
+  /// Time unit of 2-1-1 and doublet, the "1" [s].
+  double unit_time = 0.4;
+  /// Length of multisine and chirp [s].
+  double length = 20.0;
+  /// Lowest frequency of multisine and chirp [Hz].
+  double frequency_from = 0.1;
+  /// Highest frequency of multisine and chirp [Hz].
+  double frequency_to = 3.0;
+  /// Number of tones of a multisine.
+  int tones = 12;
+  /// Start time in the plan [s].
+  double start = 0.0;
 
   double duration() const;  ///< [s]
   /// Deviation at `time` after the manoeuvre's start; 0 outside of it.
@@ -39,10 +46,13 @@ struct Manoeuvre {
 
 /// What shall be flown: manoeuvres one after the other, with rests between, in which the vehicle settles.
 struct ExcitationPlan {
-  std::vector<Manoeuvre> manoeuvres;  ///< by start, not overlapping
-  double rest = 4.0;                  ///< before each and after the last [s]
+  /// Manoeuvres in the order of their start. They do not overlap.
+  std::vector<Manoeuvre> manoeuvres;
+  /// Rest before each manoeuvre and after the last one [s].
+  double rest = 4.0;
 
-  double duration() const;  ///< from the first rest to the end of the last [s]
+  /// Time from the start of the first rest to the end of the last one [s].
+  double duration() const;
   /// Index of the manoeuvre that runs at `time` after the plan's start, -1 in a rest.
   int running(double time) const noexcept;
   /// Deviation of each channel at that time.

@@ -10,10 +10,13 @@ namespace polyfly {
 /// ...).
 struct CsvLog {
   std::string path;
-  std::vector<std::string> names;                      ///< in the order of the file
-  std::map<std::string, std::vector<double>> columns;  ///< by name; an empty or unreadable field is NaN
+  /// Column names in the order of the file.
+  std::vector<std::string> names;
+  /// Values by column name. An empty or unreadable field is NaN.
+  std::map<std::string, std::vector<double>> columns;
   std::size_t rows = 0;
-  std::size_t unreadable = 0;  ///< fields that are neither a number nor empty
+  /// Number of fields that are neither a number nor empty.
+  std::size_t unreadable = 0;
   /// Rows with fewer fields than names, as where a recording was cut off; left out.
   std::size_t cut_rows = 0;
 

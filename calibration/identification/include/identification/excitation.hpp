@@ -9,10 +9,14 @@ namespace polyfly {
 
 /// How a stretch is found in which the command moves enough to learn from.
 struct ExcitationSearchOptions {
-  double half_width = 1.0;        ///< of the stretch whose deviation counts as activity [s]
-  double threshold_share = 0.25;  ///< of the activity that is exceeded a tenth of the time
-  double margin = 0.5;            ///< kept before and after, so that the answer is seen [s]
-  double least_window = 3.0;      ///< shorter ones are left out [s]
+  /// Half width of the stretch over which the deviation of the command counts as activity [s].
+  double half_width = 1.0;
+  /// Threshold as a share of the activity that is exceeded 10 % of the time.
+  double threshold_share = 0.25;
+  /// Margin before and after a window, so that the response is included [s].
+  double margin = 0.5;
+  /// Least length of a window. Shorter windows are left out [s].
+  double least_window = 3.0;
   /// Least correlation of response and command at the best lag. Below it, the loop did not answer.
   double least_correlation = 0.5;
   double greatest_lag = 1.0;  ///< [s]
@@ -27,8 +31,10 @@ struct RejectedWindow {
 struct ExcitationChoice {
   std::vector<TimeWindow> windows;
   std::vector<RejectedWindow> rejected;
-  TimeSeries activity;     ///< deviation of the command around each time, in its unit
-  double threshold = 0.0;  ///< of the activity
+  /// Deviation of the command around each time, in its unit.
+  TimeSeries activity;
+  /// Threshold of the activity.
+  double threshold = 0.0;
 };
 
 /// Finds the windows in which the command is active and the response follows it at all. Clean record.

@@ -14,7 +14,8 @@ namespace polyfly {
 struct FitOptions {
   LoopOrder order = LoopOrder::kFirst;
   bool with_delay = true;
-  double delay_least = 0.0;      ///< [s]; below zero only to tell whether clocks disagree
+  /// Least delay [s]. It is negative only to find out whether clocks disagree.
+  double delay_least = 0.0;
   double delay_greatest = 0.6;   ///< [s]
   double tau_least = 0.004;      ///< [s]
   double tau_greatest = 3.0;     ///< [s]
@@ -22,8 +23,10 @@ struct FitOptions {
   double omega_greatest = 80.0;  ///< [rad/s]
   double zeta_least = 0.1;
   double zeta_greatest = 4.0;
-  int global_evaluations = 350;  ///< of the search over the whole box, for two unknowns; twice that for three
-  int local_evaluations = 250;   ///< of each local search
+  /// Evaluations of the search over the whole box for two unknowns. Three unknowns get twice as many.
+  int global_evaluations = 350;
+  /// Evaluations of each local search.
+  int local_evaluations = 250;
 };
 
 /// A number from the data with what they say about its error.
@@ -31,27 +34,39 @@ struct FittedParameter {
   std::string name;
   std::string unit;
   double value = 0.0;
-  double standard_error = 0.0;                            ///< NaN where the data do not bound it
-  double half_width = 0.0;                                ///< of the 95 % interval
-  bool supported = true;                                  ///< whether the data say enough to use it
-  double least() const { return value - half_width; }     ///< of the 95 % interval
-  double greatest() const { return value + half_width; }  ///< of the 95 % interval
+  /// Standard error. It is NaN where the data do not bound it.
+  double standard_error = 0.0;
+  /// Half width of the 95 % confidence interval.
+  double half_width = 0.0;
+  /// Whether the data are sufficient to use the value.
+  bool supported = true;
+  /// Lower end of the 95 % confidence interval.
+  double least() const { return value - half_width; }
+  /// Upper end of the 95 % confidence interval.
+  double greatest() const { return value + half_width; }
 };
 
 /// A model with the segments that it was fitted to.
 struct LoopFit {
   LoopShape shape;
   double gain = 0.0;
-  double offset = 0.0;  ///< of the response (trim), in its unit
+  /// Offset of the response (trim), in its unit.
+  double offset = 0.0;
   /// First order: gain, tau, delay; second: a0, a1, b0, delay; offset.
   std::vector<FittedParameter> parameters;
-  Eigen::MatrixXd correlation;  ///< of the parameters, in their order
-  double fit_percent = 0.0;     ///< 100 (1 - |y - model| / |y - mean y|) over all segments
-  double residual_rms = 0.0;    ///< in the response's unit
-  double residual_scale = 0.0;  ///< robust standard deviation of the residuals
-  double outlier_share = 0.0;   ///< of samples that the loss weighs down
+  /// Correlation of the parameters, in their order.
+  Eigen::MatrixXd correlation;
+  /// Fit 100 (1 - |y - model| / |y - mean y|) over all segments [%].
+  double fit_percent = 0.0;
+  /// Root mean square of the residuals, in the response's unit.
+  double residual_rms = 0.0;
+  /// Robust standard deviation of the residuals.
+  double residual_scale = 0.0;
+  /// Share of the samples that the loss weighs down.
+  double outlier_share = 0.0;
   std::size_t samples = 0;
-  std::vector<std::vector<double>> prediction;  ///< of each segment, at its samples
+  /// Predicted response of each segment, at its samples.
+  std::vector<std::vector<double>> prediction;
 
   const FittedParameter* find(const std::string& name) const;
 };
@@ -67,7 +82,8 @@ LoopFit fitLoop(const std::vector<LoopSegment>& segments, const FitOptions& opti
 struct LoopPrediction {
   double fit_percent = 0.0;
   double residual_rms = 0.0;
-  std::vector<std::vector<double>> prediction;  ///< of each segment
+  /// Predicted response of each segment.
+  std::vector<std::vector<double>> prediction;
 };
 LoopPrediction predictLoop(const LoopFit& fit, const std::vector<LoopSegment>& segments);
 

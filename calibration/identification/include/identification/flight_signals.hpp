@@ -24,10 +24,14 @@ namespace polyfly {
 /// | vx, vy, vz | in W [m/s] |
 /// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
 struct FlightSignals {
-  std::string source;                         ///< file
-  std::map<std::string, TimeSeries> series;   ///< by the names above
-  std::map<std::string, std::string> origin;  ///< column or topic of each
-  bool thrust_is_share = false;               ///< thrust_cmd is known to be a share of full thrust
+  /// File that the signals come from.
+  std::string source;
+  /// Signals by the names above.
+  std::map<std::string, TimeSeries> series;
+  /// Column or topic of each signal.
+  std::map<std::string, std::string> origin;
+  /// True: thrust_cmd is known to be a share of full thrust.
+  bool thrust_is_share = false;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.

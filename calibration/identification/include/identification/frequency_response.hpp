@@ -9,11 +9,14 @@ namespace polyfly {
 
 /// Response over command at one frequency.
 struct FrequencyPoint {
-  double frequency = 0.0;      ///< [Hz]
-  double gain = 0.0;           ///< measured
-  double phase = 0.0;          ///< measured, unwrapped from the lowest frequency on [rad]
-  double coherence = 0.0;      ///< 0..1: the share of the response that is linear in the command
-  double command_power = 0.0;  ///< of the command, relative to its greatest
+  double frequency = 0.0;  ///< [Hz]
+  double gain = 0.0;
+  /// Phase, unwrapped from the lowest frequency on [rad].
+  double phase = 0.0;
+  /// Coherence, 0..1. It is the share of the response that is linear in the command.
+  double coherence = 0.0;
+  /// Power of the command, relative to its greatest value.
+  double command_power = 0.0;
 };
 
 /// Averaged over overlapping Hann windows of `block` seconds in all segments (Welch), at `points` frequencies

@@ -13,23 +13,31 @@ namespace polyfly {
 
 /// One inner loop of the vehicle, with all that was recorded of it.
 struct AxisRecords {
-  std::string axis;          ///< roll, pitch, yaw_rate, thrust
-  std::string unit;          ///< of the response: rad, rad/s, m/s^2
-  std::string command_unit;  ///< rad, rad/s; of thrust whatever was logged
+  /// Name of the loop: roll, pitch, yaw_rate or thrust.
+  std::string axis;
+  /// Unit of the response: rad, rad/s or m/s^2.
+  std::string unit;
+  /// Unit of the command: rad or rad/s. For thrust it is the logged unit.
+  std::string command_unit;
   LoopRecord training;
   std::optional<LoopRecord> validation;
   /// Command of the axis that would answer if frames were wrong, in the same flight.
   std::optional<TimeSeries> other_command;
-  std::optional<TimeSeries> vertical_velocity;  ///< of thrust, same flight [m/s], up
+  /// Vertical velocity in the same flight, up positive, for the thrust loop only [m/s].
+  std::optional<TimeSeries> vertical_velocity;
   CleaningCounts cleaning;
 };
 
 struct IdentifyOptions {
-  std::vector<TimeWindow> windows;             ///< used as they are; empty: chooseExcitation
-  std::vector<TimeWindow> validation_windows;  ///< of the validation record; empty: chooseExcitation
+  /// Windows that are used as they are. Empty: chooseExcitation chooses them.
+  std::vector<TimeWindow> windows;
+  /// Windows of the validation record. Empty: chooseExcitation chooses them.
+  std::vector<TimeWindow> validation_windows;
   ExcitationSearchOptions excitation;
-  FitOptions fit;             ///< bounds; order and with_delay are set for each model
-  bool second_order = false;  ///< fit that too
+  /// Bounds of the fit. Order and with_delay are set for each model.
+  FitOptions fit;
+  /// Whether to fit a second-order model too.
+  bool second_order = false;
 };
 
 /// How well a model does on data that it was not fitted to.
@@ -37,9 +45,11 @@ struct AxisValidationFit {
   std::string source;
   double training_percent = 0.0;
   double validation_percent = 0.0;
-  bool by_halves = false;  ///< the model of the first half of the data on the second half
+  /// True: the model of the first half of the data is validated on the second half.
+  bool by_halves = false;
   std::vector<LoopSegment> segments;
-  std::vector<std::vector<double>> prediction;  ///< of each segment
+  /// Predicted response of each segment.
+  std::vector<std::vector<double>> prediction;
 };
 
 struct AxisModel {
@@ -52,13 +62,18 @@ struct AxisModel {
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
-  LoopFit with_delay;                   ///< first order, Eq. 37 and a delay
-  LoopFit without_delay;                ///< first order, Eq. 37 as it stands
-  std::optional<LoopFit> second_order;  ///< Eq. 45 and a delay
+  /// First-order model of Eq. 37 with a delay.
+  LoopFit with_delay;
+  /// First-order model of Eq. 37 without a delay.
+  LoopFit without_delay;
+  /// Second-order model of Eq. 45 with a delay.
+  std::optional<LoopFit> second_order;
   std::optional<AxisValidationFit> validation;
   std::vector<FrequencyPoint> frequency_response;
-  std::vector<std::string> warnings;  ///< sentences: what the data do not support
-  bool supported = true;  ///< the model explains the response, and gain and lag are bounded by the data
+  /// Sentences on what the data do not support.
+  std::vector<std::string> warnings;
+  /// True: the model explains the response, and the data bound gain and lag.
+  bool supported = true;
 };
 
 /// Cleans, chooses windows, fits all models, validates and warns. Throws Error naming source, axis and rule

@@ -77,12 +77,15 @@ double typicalPeriod(const TimeSeries& series, double longest = std::numeric_lim
 
 /// The part of a record that lies in one window without a gap. What the model is compared on.
 struct LoopSegment {
-  std::vector<double> time;      ///< of the response [s], increasing
-  std::vector<double> response;  ///< one for each time
+  /// Times of the response, increasing [s].
+  std::vector<double> time;
+  /// Response, one value for each time.
+  std::vector<double> response;
   /// The command before and during the segment: the first entry is in force at the segment's start even after
   /// the greatest delay, unless the record begins later.
   TimeSeries command;
-  double smoothing = 0.0;  ///< of the record [s]
+  /// Smoothing of the record, see LoopRecord [s].
+  double smoothing = 0.0;
 
   double duration() const { return time.back() - time.front(); }
 };

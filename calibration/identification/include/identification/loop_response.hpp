@@ -22,8 +22,10 @@ struct LoopShape {
 
 /// The response of the model over one segment is gain * forced + sum of initial states * free + offset.
 struct LoopBasis {
-  std::vector<double> forced;             ///< unit gain, from rest
-  std::vector<std::vector<double>> free;  ///< of each initial state (value, and rate for second order)
+  /// Response for unit gain, from rest.
+  std::vector<double> forced;
+  /// Response of each initial state: the value, and for second order the rate.
+  std::vector<std::vector<double>> free;
 };
 
 /// Exact for a command that holds its values: no step of integration is involved, and the delay is

@@ -12,26 +12,36 @@ namespace polyfly {
 
 /// What is known of a multirotor before its motion is looked at (Eq. 37).
 struct MotionOptions {
-  double gravity = 9.8066;                         ///< [m/s^2]
-  double mass = 0.0;                               ///< [kg]; 0 where thrust_cmd is not in newtons
-  Eigen::Vector3d drag = Eigen::Vector3d::Zero();  ///< mass-normalised, along W [1/s]
-  double smoothing = 0.1;                          ///< half width of the mean over velocities [s]
-  std::vector<TimeWindow> windows;                 ///< the whole record if empty
-  bool newtons = false;                            ///< thrust_cmd is in newtons though it never exceeds 1
+  double gravity = 9.8066;  ///< [m/s^2]
+  /// Mass [kg]. 0: thrust_cmd is not in newtons.
+  double mass = 0.0;
+  /// Mass-normalised drag along the axes of W [1/s].
+  Eigen::Vector3d drag = Eigen::Vector3d::Zero();
+  /// Half width of the sliding mean over velocities [s].
+  double smoothing = 0.1;
+  /// Windows that are used. Empty: the whole record.
+  std::vector<TimeWindow> windows;
+  /// True: thrust_cmd is in newtons although it never exceeds 1.
+  bool newtons = false;
 };
 
 /// Accelerations in W (z up) of one flight, all through the same sliding mean.
 struct Motion {
   std::string source;
-  bool thrust_known = false;  ///< from thrust_cmd and the mass; else from the vertical acceleration itself
-  std::vector<double> time;   ///< [s]
+  /// True: the thrust comes from thrust_cmd and the mass. False: it comes from the vertical acceleration
+  /// itself.
+  bool thrust_known = false;
+  std::vector<double> time;  ///< [s]
   /// First sample of each stretch without a pause, and the number of samples.
   std::vector<std::size_t> starts;
   Eigen::MatrixX3d acceleration;  ///< [m/s^2]
-  Eigen::MatrixX3d expected;      ///< by thrust, attitude and gravity, without drag [m/s^2]
-  Eigen::MatrixX3d velocity;      ///< [m/s]
-  Eigen::VectorXd lift;           ///< vertical part of thrust_cmd, in its unit; 0 if there is none
-  bool lift_is_share = false;     ///< thrust_cmd is a share of full thrust, not newtons
+  /// Acceleration from thrust, attitude and gravity, without drag [m/s^2].
+  Eigen::MatrixX3d expected;
+  Eigen::MatrixX3d velocity;  ///< [m/s]
+  /// Vertical part of thrust_cmd, in its unit; 0 if there is no thrust_cmd.
+  Eigen::VectorXd lift;
+  /// True: thrust_cmd is a share of full thrust. False: it is in newtons.
+  bool lift_is_share = false;
 };
 
 /// From vx, vy, vz, roll, pitch, yaw, and thrust_cmd if a mass is given. A thrust_cmd that never exceeds 1,
@@ -45,33 +55,47 @@ std::vector<std::string> checkMotion(const Motion& motion);
 
 /// A model beside what was measured, for pictures; row by row as in `time`.
 struct MotionTrace {
-  std::string name;  ///< of what is compared
+  /// Name of the quantity that is compared.
+  std::string name;
   std::string unit;
-  std::string against;              ///< what the model depends on, with its unit; empty if nothing is drawn
-  std::vector<double> time;         ///< [s]
-  std::vector<std::size_t> starts;  ///< as in Motion
+  /// Quantity that the model depends on, with its unit. Empty: nothing is drawn.
+  std::string against;
+  std::vector<double> time;  ///< [s]
+  /// First sample of each stretch, and the number of samples, as in Motion.
+  std::vector<std::size_t> starts;
   std::vector<double> measured;
   std::vector<double> modelled;
-  std::vector<double> depends;  ///< one for each time where `against` is not empty
+  /// Values of `against`, one for each time. Empty if `against` is empty.
+  std::vector<double> depends;
 };
 
 /// What acts along one axis and the model does not explain.
 struct DisturbanceBound {
-  std::string axis;                  ///< x, y, z
-  double mean = 0.0;                 ///< [m/s^2]
-  double deviation = 0.0;            ///< [m/s^2]
-  double least = 0.0;                ///< bound below: `share` of the time within, with the stated confidence
-  double greatest = 0.0;             ///< bound above
-  double confidence = 0.0;           ///< reached; less than asked where the record is too short
-  double independent_samples = 0.0;  ///< as many independent ones would tell as much
-  std::vector<std::pair<double, double>> quantiles;  ///< share and value [m/s^2]
-  std::vector<std::string> warnings;                 ///< sentences
-  bool supported = true;  ///< confidence reached, and the motion is one that checkMotion finds sound
+  /// Name of the axis: x, y or z.
+  std::string axis;
+  double mean = 0.0;       ///< [m/s^2]
+  double deviation = 0.0;  ///< [m/s^2]
+  /// Lower bound [m/s^2]. `share` of the time lies within the bounds, with the stated confidence.
+  double least = 0.0;
+  /// Upper bound [m/s^2].
+  double greatest = 0.0;
+  /// Confidence that is reached. It is less than requested where the record is too short.
+  double confidence = 0.0;
+  /// Number of independent samples that would tell as much as the record.
+  double independent_samples = 0.0;
+  /// Shares and their quantiles [m/s^2].
+  std::vector<std::pair<double, double>> quantiles;
+  /// Warnings as sentences.
+  std::vector<std::string> warnings;
+  /// True: the confidence is reached, and checkMotion finds the motion sound.
+  bool supported = true;
 };
 
 struct BoundOptions {
-  double share = 0.99;       ///< of the time that the bound holds, on each side half of the rest outside
-  double confidence = 0.95;  ///< that it does
+  /// Share of the time for which the bound holds. Half of the rest lies outside on each side.
+  double share = 0.99;
+  /// Confidence that the bound holds for this share.
+  double confidence = 0.95;
 };
 
 /// Bounds on acceleration minus what thrust, attitude, gravity and drag explain, for each axis; z only where

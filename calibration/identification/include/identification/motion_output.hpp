@@ -13,17 +13,22 @@ namespace polyfly {
 struct MotionCalibration {
   std::string kind;
   Provenance data;
-  std::vector<std::string> remarks;  ///< sentences: what was wrong with the file
-  std::vector<TimeWindow> windows;   ///< empty: the whole record
+  /// Sentences on what was wrong with the file.
+  std::vector<std::string> remarks;
+  /// Windows that were used. Empty: the whole record.
+  std::vector<TimeWindow> windows;
   BoundOptions limits;
   std::vector<DisturbanceBound> bounds;
   std::vector<FittedParameter> parameters;
-  std::vector<std::string> warnings;  ///< sentences
+  /// Warnings as sentences.
+  std::vector<std::string> warnings;
 
   // For the pictures of the report; not in YAML or text.
   std::vector<MotionTrace> traces;
-  std::vector<std::pair<std::string, TimeSeries>> record;  ///< velocities, whole, by name [m/s]
-  std::vector<double> north, east;                         ///< of `wind`: velocity over ground [m/s]
+  /// Velocities of the whole record, by name [m/s].
+  std::vector<std::pair<std::string, TimeSeries>> record;
+  /// Velocity over ground, for `wind` only [m/s].
+  std::vector<double> north, east;
 };
 
 /// As YAML; `disturbances` of a bound has the form that problem and model files take. The same input gives

@@ -6,7 +6,8 @@ namespace polyfly {
 struct Difference {
   double max = 0.0;
   double rms = 0.0;
-  double stamp = 0.0;  ///< where the greatest is [s]
+  /// Time of the greatest difference [s].
+  double stamp = 0.0;
 };
 
 }  // namespace polyfly

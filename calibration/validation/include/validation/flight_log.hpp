@@ -35,36 +35,47 @@ struct FlightLog {
   };
 
   struct Command {
-    double stamp = 0.0;  ///< of the odometry that it answers [s]
+    /// Stamp of the odometry that the command answers [s].
+    double stamp = 0.0;
     AttitudeCommand command;
   };
 
   /// The node's own account of a step.
   struct Status {
-    double stamp = 0.0;  ///< of the odometry [s]
+    /// Stamp of the odometry [s].
+    double stamp = 0.0;
     ControlStatus status = ControlStatus::kNoReference;
     ControlReason reason = ControlReason::kNoReference;
-    std::array<std::int64_t, 3> region{{-1, -1, -1}};  ///< used by each axis, or -1
-    std::array<std::vector<double>, 3> theta;          ///< parameters of each axis, as assembled in flight
-    double step_time = 0.0;                            ///< wall time of the control step in flight [s]
+    /// Region that each axis used; -1: none.
+    std::array<std::int64_t, 3> region{{-1, -1, -1}};
+    /// Parameters of each axis, as assembled in flight.
+    std::array<std::vector<double>, 3> theta;
+    /// Wall time of the control step in flight [s].
+    double step_time = 0.0;
   };
 
   /// The disturbance that acted, as a simulator knows it.
   struct Disturbance {
-    double stamp = 0.0;                                      ///< [s]
-    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< in W [m/s^2]
+    double stamp = 0.0;  ///< [s]
+    /// Acceleration in W [m/s^2].
+    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   };
 
-  std::string source;  ///< file it came from, for messages and titles
+  /// File of the record, for messages and titles.
+  std::string source;
   /// Every irregularity of the file, in sentences without its name.
   std::vector<std::string> remarks;
   std::vector<VehicleState> odometry;
   std::vector<TimedReference> references;
-  std::vector<double> silences;  ///< times at which the node noticed silent odometry [s]
-  std::vector<Event> events;     ///< in the order of the record
+  /// Times at which the node noticed silent odometry [s].
+  std::vector<double> silences;
+  /// Events in the order of the record.
+  std::vector<Event> events;
   std::vector<Command> commands;
-  std::vector<Status> statuses;           ///< empty if not recorded
-  std::vector<Disturbance> disturbances;  ///< empty if not recorded
+  /// Status messages. Empty if not recorded.
+  std::vector<Status> statuses;
+  /// True disturbances. Empty if not recorded.
+  std::vector<Disturbance> disturbances;
 
   void add(const VehicleState& state) {
     events.push_back({EventKind::kOdometry, odometry.size()});

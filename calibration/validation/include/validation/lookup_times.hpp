@@ -21,8 +21,10 @@ Percentiles percentiles(std::vector<double> values);
 /// Time of one look-up with its law, measured over batches of `batch` different parameters so that the
 /// clock's own resolution does not matter; each value is a batch's mean.
 struct LookupTimes {
-  std::vector<double> in_order;  ///< parameters as they came in flight [ns]
-  std::vector<double> shuffled;  ///< in seeded random order: caches and branch prediction help less [ns]
+  /// Look-up times with the parameters in the order of the flight [ns].
+  std::vector<double> in_order;
+  /// Look-up times with the parameters in seeded random order [ns]. Caches and branch prediction help less.
+  std::vector<double> shuffled;
 };
 
 /// `thetas`: parameter vectors, one after the other, each with the map's number of parameters. Goes over them

@@ -18,14 +18,22 @@ struct MapComparison {
   std::string axis;
   std::string path;
   std::string input_unit;
-  MapUse use;                  ///< of the other map
-  std::size_t both = 0;        ///< samples inside both maps
-  std::size_t only_flown = 0;  ///< inside the map that flew only
+  /// Use of the other map.
+  MapUse use;
+  /// Samples inside both maps.
+  std::size_t both = 0;
+  /// Samples inside the flown map only.
+  std::size_t only_flown = 0;
+  /// Samples inside the other map only.
   std::size_t only_other = 0;
-  Difference difference;        ///< |flown - other| of the first input, over samples inside both
-  Difference qp;                ///< other map against the online solution of its own problem
-  std::size_t qp_failures = 0;  ///< samples inside the other map where the solver found no solution
-  Percentiles lookup_ns;        ///< of the other map, in the order of the flight
+  /// Difference |flown - other| of the first input, over samples inside both maps.
+  Difference difference;
+  /// Difference between the other map and the online solution of its own problem.
+  Difference qp;
+  /// Samples inside the other map where the solver found no solution.
+  std::size_t qp_failures = 0;
+  /// Look-up times of the other map, in the order of the flight [ns].
+  Percentiles lookup_ns;
 };
 
 /// Compares on the samples with a reference. `axis` is the axis of both, `maker` as for validate. Throws

@@ -21,18 +21,26 @@ struct MapProposal {
   std::string axis;
   std::string map_path;
   std::vector<Change> changes;
-  std::string problem;             ///< text of the changed problem; empty if it cannot be made
-  std::string obstacle;            ///< why there is no problem, or no count of its regions
-  std::size_t regions = 0;         ///< of the map as it is
-  std::uint64_t regions_then = 0;  ///< of the proposed problem, counted by solving it
-  bool counted_all = false;        ///< otherwise the limit was reached: at least so many
-  std::size_t infeasible = 0;      ///< samples in range, but in no region: no range covers those
+  /// Text of the changed problem. Empty if it cannot be made.
+  std::string problem;
+  /// Reason why there is no problem, or no count of its regions.
+  std::string obstacle;
+  /// Number of regions of the map as it is.
+  std::size_t regions = 0;
+  /// Number of regions of the proposed problem, counted by solving it.
+  std::uint64_t regions_then = 0;
+  /// True: all regions were counted. False: the limit was reached, and there are at least so many.
+  bool counted_all = false;
+  /// Samples in range but in no region. No range covers them.
+  std::size_t infeasible = 0;
 };
 
 /// How long a proposal's regions are counted.
 struct ProposalLimits {
-  std::uint64_t regions = 20000;  ///< of a linear or quadratic problem; a robust one is counted as a whole
-  double seconds = 60.0;          ///< of exploring, or of a robust problem's feasible set: most of its work
+  /// Greatest number of regions of a linear or quadratic problem. A robust problem is counted as a whole.
+  std::uint64_t regions = 20000;
+  /// Greatest time of exploring, or of a robust problem's feasible set, which is most of its work [s].
+  double seconds = 60.0;
 };
 
 /// Proposes ranges that hold what the flight met (ParameterUse::proposedRange), writes them into the map's

@@ -17,16 +17,23 @@ class RegionMap;
 
 /// How far a map's parameter went, how often where, and how near the map's end along it.
 struct ParameterUse {
-  static constexpr std::size_t kBins = 20;  ///< of the range, equally wide
+  /// Number of bins of the range, equally wide.
+  static constexpr std::size_t kBins = 20;
 
   std::string name;
   std::string unit;
-  double lower = 0.0;  ///< of the map [unit]
+  /// Lower end of the map's range [unit].
+  double lower = 0.0;
+  /// Upper end of the map's range [unit].
   double upper = 0.0;
-  double least = std::numeric_limits<double>::infinity();  ///< met in flight [unit]
+  /// Least value met in flight [unit].
+  double least = std::numeric_limits<double>::infinity();
+  /// Greatest value met in flight [unit].
   double greatest = -std::numeric_limits<double>::infinity();
-  std::size_t outside = 0;                     ///< samples beyond the range
-  std::array<std::size_t, kBins> histogram{};  ///< samples in each bin; those beyond are in the end bins
+  /// Samples beyond the range.
+  std::size_t outside = 0;
+  /// Samples in each bin. Samples beyond the range are in the end bins.
+  std::array<std::size_t, kBins> histogram{};
   /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range
   /// or its last region. Of samples inside; infinite if there are none, and for the previous input where its
   /// range holds all that the input may be, since nothing leads beyond [unit].
@@ -43,7 +50,8 @@ struct ParameterUse {
 struct DistanceUse {
   double least = std::numeric_limits<double>::infinity();
   double sum = 0.0;
-  double stamp = 0.0;  ///< of the least [s]
+  /// Time of the least distance [s].
+  double stamp = 0.0;
 };
 
 /// How a flight, or several, used one map.
@@ -55,22 +63,32 @@ struct MapUse {
     std::size_t inside = 0;
   };
 
-  std::size_t samples = 0;  ///< with a reference
+  /// Samples with a reference.
+  std::size_t samples = 0;
   std::size_t inside = 0;
-  std::size_t outside_box = 0;        ///< a parameter out of its range
-  std::size_t outside_partition = 0;  ///< in range, but in no region
+  /// Samples with a parameter out of its range.
+  std::size_t outside_box = 0;
+  /// Samples in range but in no region.
+  std::size_t outside_partition = 0;
   std::size_t not_finite = 0;
-  std::vector<std::size_t> region_samples;  ///< samples that each region of the map held
+  /// Number of samples in each region of the map.
+  std::vector<std::size_t> region_samples;
   std::vector<ParameterUse> parameters;
   std::vector<Window> windows;
-  DistanceUse face;  ///< to the nearest face of its own region, but for ends that nothing can pass (room)
-  DistanceUse edge;  ///< to the end of the map along the parameter that is nearest to it
-  int edge_parameter = -1;  ///< the parameter of edge.least
+  /// Distance to the nearest face of the sample's region. Ends that nothing can pass do not count (see
+  /// ParameterUse::room).
+  DistanceUse face;
+  /// Distance to the end of the map, along the parameter that is nearest to its end.
+  DistanceUse edge;
+  /// Parameter of edge.least.
+  int edge_parameter = -1;
 
   std::size_t regions() const { return region_samples.size(); }
   std::size_t visited() const;
-  std::vector<std::uint32_t> neverVisited() const;  ///< by their number in the map
-  double share() const;                             ///< of samples inside, 0 if there are none
+  /// Numbers of the regions that no sample visited.
+  std::vector<std::uint32_t> neverVisited() const;
+  /// Share of the samples inside; 0 if there are no samples.
+  double share() const;
 
   /// Adds another flight's use of the same map.
   void add(const MapUse& other);
@@ -79,9 +97,12 @@ struct MapUse {
 /// Where one sample lies.
 struct SampleUse {
   Lookup lookup;
-  double face = 0.0;        ///< see MapUse; valid inside
-  double edge = 0.0;        ///< see MapUse; valid inside
-  int edge_parameter = -1;  ///< the parameter along which the edge is nearest
+  /// Distance to the nearest face, see MapUse. Valid inside.
+  double face = 0.0;
+  /// Distance to the edge of the map, see MapUse. Valid inside.
+  double edge = 0.0;
+  /// Parameter along which the edge is nearest.
+  int edge_parameter = -1;
 };
 
 /// Counts sample by sample, from a bag or while flying. Holds the map by reference.

@@ -27,8 +27,10 @@ AxisMaps assignAxes(const std::vector<const RegionMap*>& maps);
 struct ReplaySample {
   VehicleState state;
   bool has_reference = false;
-  Reference reference;   ///< with has_reference, at the time of the odometry
-  ControlReport report;  ///< what the controller computed again
+  /// Reference at the time of the odometry. Valid with has_reference.
+  Reference reference;
+  /// Report that the controller computed again.
+  ControlReport report;
 };
 
 /// Runs the controller of the nodelet over the log once more. One sample for each odometry message that the

@@ -19,12 +19,17 @@ namespace polyfly {
 
 /// A stretch of the flight, of consecutive samples, outside one axis' map.
 struct Excursion {
-  double from = 0.0;  ///< stamps of its first and last sample [s]
+  /// Stamp of the first sample [s].
+  double from = 0.0;
+  /// Stamp of the last sample [s].
   double to = 0.0;
   std::size_t samples = 0;
-  LookupStatus cause = LookupStatus::kInside;  ///< of the first sample
-  std::string parameter;                       ///< first one out of its range; empty if none is
-  double beyond = 0.0;  ///< greatest distance of that parameter beyond its range [its unit]
+  /// Look-up status of the first sample.
+  LookupStatus cause = LookupStatus::kInside;
+  /// First parameter out of its range. Empty if none is.
+  std::string parameter;
+  /// Greatest distance of that parameter beyond its range [its unit].
+  double beyond = 0.0;
   std::string unit;
   /// What the controller did: samples by ControlStatus.
   std::array<std::size_t, kControlStatusCount> statuses{};
@@ -32,33 +37,47 @@ struct Excursion {
 
 /// One axis: how its map was used, and whether it answered as the online solver does.
 struct AxisValidation : MapUse {
-  std::string axis;   ///< longitudinal, lateral, vertical
-  std::string input;  ///< name and unit of what the map answers
+  /// Name of the axis: longitudinal, lateral or vertical.
+  std::string axis;
+  /// Name of the input that the map gives.
+  std::string input;
+  /// Unit of the input that the map gives.
   std::string input_unit;
   std::string map_path;
   std::vector<Excursion> excursions;
 
   std::size_t qp_compared = 0;
-  std::size_t qp_failures = 0;  ///< samples inside the map where the online solver found no solution
-  std::vector<std::array<double, 2>> qp_series;    ///< stamp [s] and |explicit - online| of each sample
-  std::vector<std::array<double, 3>> edge_series;  ///< stamp [s], distances to face and edge (see MapUse)
-  Difference qp;  ///< |explicit - online| of the axis' input, over samples inside the map
+  /// Samples inside the map where the online solver found no solution.
+  std::size_t qp_failures = 0;
+  /// Stamp [s] and |explicit - online| of each sample.
+  std::vector<std::array<double, 2>> qp_series;
+  /// Stamp [s] and distances to face and edge of each sample (see MapUse).
+  std::vector<std::array<double, 3>> edge_series;
+  /// Difference |explicit - online| of the axis' input, over samples inside the map.
+  Difference qp;
 
   LookupTimes lookups;
-  Percentiles lookup_ns;           ///< of lookups.in_order
-  Percentiles lookup_shuffled_ns;  ///< of lookups.shuffled
+  /// Look-up times of lookups.in_order [ns].
+  Percentiles lookup_ns;
+  /// Look-up times of lookups.shuffled [ns].
+  Percentiles lookup_shuffled_ns;
 
-  Difference tracking;  ///< |position - reference| [m]
+  /// Tracking error |position - reference| [m].
+  Difference tracking;
 };
 
 struct CommandValidation {
   std::size_t recorded = 0;
-  std::size_t compared = 0;    ///< recorded commands with the stamp of a replayed sample
-  std::size_t unmatched = 0;   ///< recorded commands that answer no recorded odometry
-  std::size_t unanswered = 0;  ///< odometry without a recorded command
-  /// roll, pitch [rad], yaw rate [rad/s], thrust [N], recorded - replayed.
+  /// Recorded commands with the stamp of a replayed sample.
+  std::size_t compared = 0;
+  /// Recorded commands that answer no recorded odometry.
+  std::size_t unmatched = 0;
+  /// Odometry messages without a recorded command.
+  std::size_t unanswered = 0;
+  /// Roll, pitch [rad], yaw rate [rad/s], thrust [N], recorded - replayed.
   std::array<Difference, 4> difference;
-  double max_difference = 0.0;  ///< of the four, thrust per mass [rad, rad/s or m/s^2]
+  /// Greatest of the four differences, with thrust per mass [rad, rad/s or m/s^2].
+  double max_difference = 0.0;
   std::size_t angle_violations = 0;
   std::size_t thrust_violations = 0;
   std::size_t yaw_rate_violations = 0;
@@ -66,12 +85,17 @@ struct CommandValidation {
 };
 
 struct StatusValidation {
-  std::array<std::size_t, kControlStatusCount> replayed{};  ///< samples by ControlStatus
+  /// Replayed samples by ControlStatus.
+  std::array<std::size_t, kControlStatusCount> replayed{};
+  /// Recorded samples by ControlStatus.
   std::array<std::size_t, kControlStatusCount> recorded{};
   std::size_t compared = 0;
-  std::size_t differing = 0;          ///< recorded status or regions differ from the replay's
-  double max_theta_difference = 0.0;  ///< of any parameter, recorded - replayed
-  Percentiles step_ns;                ///< of the control step in flight, as the node measured it
+  /// Samples whose recorded status or regions differ from the replay's.
+  std::size_t differing = 0;
+  /// Greatest difference recorded - replayed of any parameter.
+  double max_theta_difference = 0.0;
+  /// Time of the control step in flight, as the node measured it [ns].
+  Percentiles step_ns;
 };
 
 /// Mean error while the reference rests at the end of the flight.
@@ -85,23 +109,34 @@ struct HoldOffset {
 
 struct ValidationReport {
   std::string source;
-  std::size_t samples = 0;              ///< odometry messages that were replayed
-  std::size_t tracked_samples = 0;      ///< of them, with a reference
-  std::size_t outside_map_samples = 0;  ///< tracked, but some axis' parameters are not inside its map
-  double coverage = 0.0;   ///< share of the tracked samples that all maps hold, 0 if there are none
-  double duration = 0.0;   ///< first to last odometry, without far steps of its clock [s]
+  /// Odometry messages that were replayed.
+  std::size_t samples = 0;
+  /// Replayed odometry messages with a reference.
+  std::size_t tracked_samples = 0;
+  /// Tracked samples with the parameters of some axis outside its map.
+  std::size_t outside_map_samples = 0;
+  /// Share of the tracked samples that all maps hold; 0 if there are none.
+  double coverage = 0.0;
+  /// Time from first to last odometry, without far steps of its clock [s].
+  double duration = 0.0;
   double top_speed = 0.0;  ///< [m/s]
-  Difference tracking;     ///< |position - reference|, in space [m]
+  /// Tracking error |position - reference| in space [m].
+  Difference tracking;
   std::array<AxisValidation, 3> axes;
-  Percentiles lookup_ns;  ///< all axes
+  /// Look-up times of all axes [ns].
+  Percentiles lookup_ns;
   CommandValidation commands;
   StatusValidation statuses;
-  std::optional<HoldOffset> hold;  ///< none if the reference does not rest at the end
+  /// Offset at the final rest. None if the reference does not rest at the end.
+  std::optional<HoldOffset> hold;
 
-  std::vector<std::string> warnings;  ///< sentences: why this record may not say what it seems to say
+  /// Sentences on why this record may not say what it seems to say.
+  std::vector<std::string> warnings;
 
-  std::vector<MapComparison> comparisons;  ///< with other maps, where compareMaps was asked
-  std::vector<MapProposal> proposals;      ///< where proposeMap was asked
+  /// Comparisons with other maps, where compareMaps was requested.
+  std::vector<MapComparison> comparisons;
+  /// Proposed problems, where proposeMap was requested.
+  std::vector<MapProposal> proposals;
 
   std::size_t regionCount() const;
   std::size_t visitedCount() const;
@@ -121,10 +156,12 @@ ValidationReport together(const std::vector<ValidationReport>& flights);
 
 /// Limits on a report; what is broken comes back as sentences, nothing when all is well.
 struct Thresholds {
-  double min_coverage = 0.99;            ///< share, 0..1
+  /// Least coverage, a share 0..1.
+  double min_coverage = 0.99;
   double max_qp_difference = 1e-6;       ///< [unit of the axis' input]
   double max_command_difference = 1e-6;  ///< [rad, rad/s or m/s^2]
-  std::size_t max_violations = 0;        ///< of bounds on the recorded commands
+  /// Greatest number of recorded commands beyond their bounds.
+  std::size_t max_violations = 0;
 };
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
 

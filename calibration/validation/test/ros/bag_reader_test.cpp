@@ -110,7 +110,8 @@ TEST_F(BagReader, placesTheFirstReferenceByTheNodesAccount) {
   recorder.hold(SyntheticFlight::home());
   for (std::size_t sample = 5; sample < 50; ++sample) recorder.fly(stamped(sample));
   FlightLog& log = recorder.log();
-  for (const std::size_t wrong_place : {0, 2, 20}) {  // of the reference in the record
+  // Wrong places of the reference in the record.
+  for (const std::size_t wrong_place : {0, 2, 20}) {
     FlightLog shuffled = log;
     const FlightLog::Event reference = shuffled.events[5];
     ASSERT_EQ(reference.kind, FlightLog::EventKind::kReference);
@@ -202,7 +203,8 @@ TEST_F(BagReader, namesTheTopicThatIsMissing) {
   topics.name_space = "firefly";
   EXPECT_EQ(errorOf(topics).substr(0, 56), "no message on /firefly/command/roll_pitch_yawrate_thrust");
   options = {};
-  options.statuses = false;  // the only one that may be missing
+  // Only the statuses may be missing.
+  options.statuses = false;
   writeFlightBag(log_, path(), options);
   EXPECT_EQ(errorOf(), "no error");
 }

@@ -10,11 +10,15 @@
 namespace polyfly_ros {
 
 struct FlightBagOptions {
-  std::string name_space = "/firefly";  ///< without a slash at the end
+  /// Namespace without a slash at the end.
+  std::string name_space = "/firefly";
   rosbag::CompressionType compression = rosbag::compression::Uncompressed;
-  double arrival_shift = 0.0;  ///< commands and status reach the recorder so much later than odometry [s]
-  std::uint32_t chunk_threshold = 768 * 1024;  ///< bytes after which a chunk ends
-  bool odometry = true;                        ///< which topics to write
+  /// Delay of commands and status at the recorder, relative to odometry [s].
+  double arrival_shift = 0.0;
+  /// Bytes after which a chunk ends.
+  std::uint32_t chunk_threshold = 768 * 1024;
+  /// Whether to write odometry, references, commands and statuses.
+  bool odometry = true;
   bool references = true;
   bool commands = true;
   bool statuses = true;
