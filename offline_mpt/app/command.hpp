@@ -12,9 +12,12 @@ namespace polyfly {
 /// What the program returns to the shell.
 enum class ExitCode {
   kDone = 0,
-  kFailed = 1,    ///< the map is wrong, or has a gap
-  kBadInput = 2,  ///< a file, an option or the problem breaks a rule; nothing was written
-  kStopped = 3,   ///< interrupted, or a limit was reached; what is said to be kept is kept
+  /// The map is wrong, or has a gap.
+  kFailed = 1,
+  /// A file, an option or the problem breaks a rule. Nothing was written.
+  kBadInput = 2,
+  /// The work was interrupted, or reached a limit. Files that the output names are kept.
+  kStopped = 3,
 };
 
 /// Each adds one subcommand; its callback sets `exit_code`.

@@ -106,7 +106,8 @@ class Reader {
 
   const std::string& path_;
   const std::vector<std::string>& names_;
-  std::vector<std::size_t> column_of_;  // of each parameter
+  // Column of each parameter.
+  std::vector<std::size_t> column_of_;
   std::vector<std::vector<double>> rows_;
   std::size_t line_ = 0;
   bool started_ = false;

@@ -23,7 +23,8 @@ class Progress {
   /// Ends the line.
   void finish();
 
-  double elapsed() const;  ///< since construction [s]
+  /// Time since construction [s].
+  double elapsed() const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -31,7 +32,8 @@ class Progress {
   Clock::time_point next_;
   const bool quiet_;
   const bool terminal_;
-  bool open_ = false;  // a line stands on the terminal
+  // Whether the terminal shows an unfinished line.
+  bool open_ = false;
 };
 
 /// How fast an exploration is, and how long it will take. It cannot know: sets turn up while others are
@@ -41,12 +43,14 @@ class Forecast {
   /// The state after `seconds`. Calls that follow each other closely count as one.
   void add(double seconds, std::uint64_t regions, std::uint64_t described, std::uint64_t open);
 
-  double regionsPerSecond() const;  ///< of late; 0 at first
+  /// Recent rate. 0 at first.
+  double regionsPerSecond() const;
 
   /// [s]; negative while nothing is known. Where `atLeast()`, what the sets take that are open now; else with
   /// those that they will yield, up to twice as much.
   double remaining() const;
-  bool atLeast() const;  ///< as many sets turn up as are described, or more
+  /// Whether at least as many sets are found as are described.
+  bool atLeast() const;
 
  private:
   struct Sample {
@@ -54,7 +58,8 @@ class Forecast {
   };
   double foundPerSet() const;
 
-  std::deque<Sample> samples_;  // of the last half minute
+  // Samples of the last half minute.
+  std::deque<Sample> samples_;
 };
 
 /// "12 s", "3 min 05 s", "2 h 10 min"

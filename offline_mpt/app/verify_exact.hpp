@@ -9,10 +9,14 @@ namespace polyfly {
 /// What `verify --exact` was asked for.
 struct VerifyExactOptions {
   std::string map;
-  std::string problem;      ///< empty: the one that the map carries
-  std::string certificate;  ///< file to write, empty: none
-  std::string json;         ///< file to write, empty: none
-  std::string output;       ///< of the repaired map; empty: no repair
+  /// Problem file. Empty: the problem that the map carries.
+  std::string problem;
+  /// Certificate file to write. Empty: none.
+  std::string certificate;
+  /// JSON file to write. Empty: none.
+  std::string json;
+  /// File of the repaired map. Empty: no repair.
+  std::string output;
   int threads = 1;
   bool quiet = false;
   double time_limit = 0.0;  ///< [s], 0: none

@@ -9,9 +9,11 @@ using Json = nlohmann::ordered_json;
 
 struct SolveArguments {
   std::string problem;
-  int runs = 5;  // of problems that take less than a second each; longer ones get fewer
+  // Runs of problems that take less than a second each. Longer problems get fewer runs.
+  int runs = 5;
   int threads = 1;
-  double time_limit = 60.0;  // [s] of one run
+  // Time limit of one run.
+  double time_limit = 60.0;  // [s]
 };
 
 struct LookupArguments {

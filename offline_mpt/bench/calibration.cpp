@@ -12,7 +12,8 @@ namespace polyfly::bench {
 namespace {
 
 constexpr std::size_t kSize = 16;
-constexpr int kSolutions = 400;  // of one reading of the clock
+// Solutions for each reading of the clock.
+constexpr int kSolutions = 400;
 constexpr int kReadings = 101;
 
 using Row = std::array<double, kSize + 1>;
@@ -57,7 +58,8 @@ Json calibrate() {
     const double start = cpuSeconds();
     for (int i = 0; i < kSolutions; ++i) {
       sum += solve(system);
-      system[0][kSize] = std::sin(sum);  // the next one waits for this one
+      // The next solution waits for this one.
+      system[0][kSize] = std::sin(sum);
     }
     seconds.push_back((cpuSeconds() - start) / kSolutions);
   }

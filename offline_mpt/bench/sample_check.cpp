@@ -9,10 +9,14 @@
 namespace polyfly::bench {
 namespace {
 
-constexpr double kMargin = 1e-6;          // samples nearer to the edge of the feasible set are not decided
-constexpr double kSampleAccuracy = 1e-8;  // samples with a greater KKT residual are no reference
-constexpr double kInside = 1e-8;          // how far out a region still holds a parameter, as in maps [scaled]
-constexpr double kSlack = 1e-7;  // of the rows when the objective of an output is asked for, as in `verify`
+// Samples nearer to the edge of the feasible set are not decided.
+constexpr double kMargin = 1e-6;
+// Samples with a greater KKT residual are no reference.
+constexpr double kSampleAccuracy = 1e-8;
+// Distance outside a region at which it still holds a parameter, as in maps.
+constexpr double kInside = 1e-8;  // [scaled]
+// Slack of the rows in the best objective of an output, as in `verify`.
+constexpr double kSlack = 1e-7;
 
 Eigen::VectorXd vectorOf(const nlohmann::json& list) {
   const auto values = list.get<std::vector<double>>();

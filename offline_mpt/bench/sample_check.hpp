@@ -9,10 +9,14 @@ namespace polyfly::bench {
 
 /// A partition against the solutions that come with a reference problem.
 struct SampleCheck {
-  int feasible = 0;      ///< samples with a solution that is accurate enough to count
-  int missed = 0;        ///< of them in no region
-  int infeasible = 0;    ///< samples without a solution
-  int false_inside = 0;  ///< of them in a region
+  /// Samples with a solution that is accurate enough to count.
+  int feasible = 0;
+  /// Feasible samples that no region holds.
+  int missed = 0;
+  /// Samples without a solution.
+  int infeasible = 0;
+  /// Infeasible samples that a region holds.
+  int false_inside = 0;
   /// Greatest |u - reference| over all regions that hold a sample, relative to the greatest |u| of the
   /// samples; where the optimum is not unique, of the objective.
   double u_error = 0.0;

@@ -79,7 +79,8 @@ Json solveProblem(const SolveArguments& arguments) {
   Partition partition;
   const Memory before = memory();
   const Run first = timeRun(program, options, 1, partition);
-  const Memory after = memory();  // of the first run only: later ones find the heap grown
+  // Memory of the first run only: later runs find the heap grown.
+  const Memory after = memory();
   const int count = first.wall < kShort    ? arguments.runs
                     : first.wall < kMedium ? std::min(3, arguments.runs)
                                            : 1;

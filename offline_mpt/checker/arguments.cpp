@@ -46,7 +46,8 @@ std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) 
 
 unsigned long long wholeNumber(const std::string& option, const std::string& text, unsigned long long least,
                                unsigned long long greatest) {
-  constexpr std::size_t kMostDigits = 18;  // of what 64 bits hold in any case
+  // 64 bits hold every number with this many digits.
+  constexpr std::size_t kMostDigits = 18;
   const bool digits = !text.empty() && text.size() <= kMostDigits &&
                       text.find_first_not_of("0123456789") == std::string::npos;
   const unsigned long long value = digits ? std::stoull(text) : 0;

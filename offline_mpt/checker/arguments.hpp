@@ -20,8 +20,10 @@ using Arguments = std::map<std::string, std::string>;
 struct Tool {
   std::string name;
   std::string version;
-  std::string usage;                 ///< what --help prints
-  std::vector<std::string> options;  ///< each takes a value
+  /// The text that --help prints.
+  std::string usage;
+  /// Options, each of which takes a value.
+  std::vector<std::string> options;
 };
 
 /// The value as a whole number from `least` to `greatest`. Throws BadUsage.

@@ -13,13 +13,19 @@ namespace checker {
 /// What a certificate says of one region, or of a sliver that the map leaves out.
 struct Claim {
   bool is_sliver = false;
-  std::vector<std::size_t> active;  ///< of a sliver
-  std::string cover;                ///< of a sliver: why it can be left out
+  /// Active set, of a sliver only.
+  std::vector<std::size_t> active;
+  /// Proof that a sliver can be left out.
+  std::string cover;
   Vector point;
-  std::vector<std::string> listed;    ///< origin of each row of the map, then of others
-  std::vector<std::string> closings;  ///< how each facet is closed
-  std::set<std::string> forgiven;     ///< origins that hold up to rounding
-  std::map<std::string, std::pair<Integer, Weights>> proofs;  ///< by origin
+  /// Origin of each row of the map, then of other rows.
+  std::vector<std::string> listed;
+  /// Proof of what lies behind each facet.
+  std::vector<std::string> closings;
+  /// Origins of rows that hold up to rounding only.
+  std::set<std::string> forgiven;
+  /// Farkas proofs by origin.
+  std::map<std::string, std::pair<Integer, Weights>> proofs;
 };
 
 /// An entry of the program that counts as another number.
@@ -31,12 +37,15 @@ struct Counts {
 
 struct Region {
   std::set<std::size_t> active;
-  std::map<std::string, Row> rows;     ///< conditions of optimality, domain and box, by origin
-  std::map<std::string, Row> dropped;  ///< with what they may fall short added
+  /// Conditions of optimality, domain and box, by origin.
+  std::map<std::string, Row> rows;
+  /// Dropped rows by origin, plus their tolerance.
+  std::map<std::string, Row> dropped;
   /// In a widened certificate: slacks plus the possible rounding.
   std::map<std::string, Row> forgiven;
   std::vector<Row> listed;
-  std::size_t own = 0;  ///< of the listed rows, those of the map
+  /// Number of listed rows that are rows of the map.
+  std::size_t own = 0;
   Vector law;
 };
 
@@ -47,7 +56,8 @@ class Certificate {
   Certificate(const std::string& text, const Map& map);
   void compareProblem(const std::string& problem) const;
   void check() const;
-  std::string conditions() const;  ///< what a reader must know beside "confirmed"
+  /// Conditions that a reader must know besides "confirmed".
+  std::string conditions() const;
 
  private:
   const Matrix& given(const std::string& name) const {
@@ -90,9 +100,12 @@ class Certificate {
   void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;
 
   const Map& map_;
-  std::set<std::string> head_;           ///< its lines that were read
-  std::map<std::string, Matrix> data_;   ///< what counts
-  std::map<std::string, Matrix> given_;  ///< of `data_`, what was replaced, as the problem has it
+  /// Keys of the head lines that were read.
+  std::set<std::string> head_;
+  /// Matrices of the program, with replaced entries.
+  std::map<std::string, Matrix> data_;
+  /// Original matrices of the problem, for those with replaced entries.
+  std::map<std::string, Matrix> given_;
   std::set<std::size_t> equalities_, dropped_, relaxed_;
   std::vector<std::size_t> basis_;
   std::vector<Weights> implied_;
@@ -100,11 +113,15 @@ class Certificate {
   std::vector<Counts> counts_;
   Scaling scaling_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
-  bool widened_ = false;                           ///< coverage is that of the regions moved outwards
-  bool linear_ = false;                            ///< H = 0
-  bool singular_ = false;                          ///< H is otherwise
-  std::vector<Claim> claims_;                      ///< regions of the map, then slivers
-  mutable std::map<std::size_t, Region> checked_;  ///< some, to be used again
+  /// Whether coverage is that of the regions moved outwards.
+  bool widened_ = false;
+  bool linear_ = false;  ///< H = 0
+  /// Whether H is singular and not zero.
+  bool singular_ = false;
+  /// Regions of the map, then slivers.
+  std::vector<Claim> claims_;
+  /// Some checked regions, to be used again.
+  mutable std::map<std::size_t, Region> checked_;
 };
 
 }  // namespace checker

@@ -14,8 +14,10 @@ namespace {
 constexpr std::uint64_t kPrime[] = {11400714785074694791ull, 14029467366897019727ull, 1609587929392839161ull,
                                     9650029242287828579ull, 2870177450012600261ull};
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 33;  // of a file that is read whole
-constexpr double kMaxTolerance = 1e-8;                        // of a map, see region_maps/FORMAT.md
+// Greatest size of a file that is read whole.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 33;
+// Greatest tolerance of a map, see region_maps/FORMAT.md.
+constexpr double kMaxTolerance = 1e-8;
 
 std::uint64_t rotate(std::uint64_t value, int bits) { return value << bits | value >> (64 - bits); }
 
@@ -54,7 +56,8 @@ void requireFile(const std::string& path) {
 
 std::string readFile(const std::string& path) {
   requireFile(path);
-  std::error_code failure;  // of a pipe, which has no size
+  // A pipe has no size, which counts as a failure.
+  std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
   if (!failure && size > kMostBytes)
     throw Unreadable(path + ": is larger than " + std::to_string(kMostBytes) + " bytes");

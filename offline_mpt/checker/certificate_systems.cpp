@@ -12,7 +12,8 @@ constexpr unsigned long kDroppedBits = 30, kForgivenBits = 40;
 Integer solve(std::vector<Row>& system, std::size_t required) {
   const std::size_t size = system.size();
   Integer previous(1);
-  std::vector<std::size_t> unknown_of;  // of each row
+  // The unknown that each row determines.
+  std::vector<std::size_t> unknown_of;
   for (std::size_t column = 0; column < size; ++column) {
     const std::size_t k = unknown_of.size();
     std::size_t pivot = size;

@@ -279,13 +279,15 @@ bool CountProof::confirms(const Reduced<Number>& reduced, const Record& record, 
   std::vector<std::size_t> rows(equalities_.begin(), equalities_.end());
   rows.insert(rows.end(), record.set.begin(), record.set.end());
   const std::size_t k = rows.size();
-  std::vector<Number> matrix(k * k), multipliers(k);  // gram of the rows; D (t, 1), with the sign changed
+  // Gram matrix of the rows, and D (t, 1) with the sign changed.
+  std::vector<Number> matrix(k * k), multipliers(k);
   for (std::size_t r = 0; r < k; ++r) {
     for (std::size_t c = 0; c < k; ++c) matrix[r * k + c] = reduced.gram[rows[r] * m_ + rows[c]];
     multipliers[r] = Number(0.0) - valueAt(reduced.D.data() + rows[r] * (p_ + 1));
   }
   for (std::size_t c = 0; c < k; ++c) {
-    if (!isPositive(matrix[c * k + c])) return false;  // the rows depend on each other, or may
+    // The rows are dependent, or rounding leaves that open.
+    if (!isPositive(matrix[c * k + c])) return false;
     for (std::size_t r = c + 1; r < k; ++r) {
       const Number factor = matrix[r * k + c] / matrix[c * k + c];
       for (std::size_t j = c + 1; j < k; ++j)

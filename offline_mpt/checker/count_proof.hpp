@@ -16,9 +16,12 @@ namespace checker {
 struct Size {
   std::uint64_t regions = 0;
   std::uint64_t active_rows = 0;
-  std::uint64_t laws = 0;   ///< regions whose laws are no others'
-  std::uint64_t exact = 0;  ///< records that were decided in fractions
-  std::uint64_t bytes = 0;  ///< of the map, at the least
+  /// Number of regions whose laws differ from all others.
+  std::uint64_t laws = 0;
+  /// Number of records that were decided in fractions.
+  std::uint64_t exact = 0;
+  /// Least size of the map.
+  std::uint64_t bytes = 0;  ///< [bytes]
 };
 
 /// slack(t) = D (t, 1) + gram lambda for the rows of a program, see COUNT.md.
@@ -42,10 +45,13 @@ class CountProof {
 
  private:
   struct Record {
-    std::vector<std::size_t> set;  ///< rows, ascending, equalities not among them
-    std::vector<std::int64_t> t;   ///< in units of 2^-39
+    /// Rows without equalities, ascending.
+    std::vector<std::size_t> set;
+    /// Witness, in units of 2^-39.
+    std::vector<std::int64_t> t;
   };
-  struct Share;  ///< what one thread has seen
+  /// Findings of one thread.
+  struct Share;
 
   const Matrix& data(const std::string& name) const;
   void readHead();
@@ -66,13 +72,15 @@ class CountProof {
   std::ifstream file_;
   std::map<std::string, Matrix> data_;
   std::set<std::size_t> equalities_;
-  std::string problem_;  ///< checksum and size of its text
+  /// Checksum and size of the problem text.
+  std::string problem_;
   Matrix weights_;
   std::size_t n_ = 0, m_ = 0, p_ = 0, q_ = 0;
   std::size_t key_bytes_ = 0, record_bytes_ = 0;
   Reduced<Fraction> exact_;
   Reduced<Bounded> bounded_;
-  std::vector<std::size_t> first_of_;  ///< m, the first row of which each is a positive multiple
+  /// First row of which each row is a positive multiple.
+  std::vector<std::size_t> first_of_;  ///< m
 };
 
 }  // namespace checker

@@ -18,8 +18,10 @@ class MapRows {
 
   enum class Moved : std::uint8_t {
     kNot,
-    kSlack,     ///< outwards by the slack
-    kHandicap,  ///< outwards by the handicap of fallback regions
+    /// Outwards by the slack.
+    kSlack,
+    /// Outwards by the handicap of fallback regions.
+    kHandicap,
   };
   /// A row as the map numbers them; with `outside`, what it leaves out.
   const Row& at(std::int32_t row, Moved moved, bool outside) const;
@@ -39,19 +41,26 @@ class Reduction {
  public:
   Reduction(const std::string& text, const Map& reduced, const Map& original);
   void check() const;
-  std::string conditions() const;  ///< what a reader must know beside "confirmed"
+  /// Conditions that a reader must know besides "confirmed".
+  std::string conditions() const;
 
  private:
   using Cell = std::vector<const Row*>;
 
   /// What may cover a cell.
   struct Scope {
-    const Map::Leaf* leaf = nullptr;  ///< of the reduced map, where the cell arrives
-    bool is_claim = false;            ///< a part of a region of the reduced map, else of the original
-    bool may_cut_ordinary = false;    ///< of a fallback region
-    std::uint32_t law = 0;            ///< of that region, in its map
-    std::int64_t candidate = -1;      ///< of a sliver: what holds it
-    bool owners = false;              ///< of a sliver: regions with the candidate's law hold it too
+    /// Leaf of the reduced map at which the cell arrives.
+    const Map::Leaf* leaf = nullptr;
+    /// True: the cell is part of a region of the reduced map. False: of the original.
+    bool is_claim = false;
+    /// Whether the cell is part of a fallback region, so that ordinary regions may cut it.
+    bool may_cut_ordinary = false;
+    /// Law of the region that holds the cell, numbered as in its map.
+    std::uint32_t law = 0;
+    /// Candidate that must hold a sliver. -1: the cell is no sliver.
+    std::int64_t candidate = -1;
+    /// Whether regions of the original with the candidate's law must hold the sliver, not the candidate.
+    bool owners = false;
   };
 
   void readHead(Line& line);
@@ -72,8 +81,10 @@ class Reduction {
   const Map &reduced_map_, &original_map_;
   std::uint32_t first_fallback_ = 0;
   Fraction law_tolerance_, slack_;
-  std::set<std::string> head_;                   ///< its lines that were read
-  std::vector<std::string> originals_, claims_;  ///< proofs by region
+  /// Keys of the head lines that were read.
+  std::set<std::string> head_;
+  /// Proofs by region.
+  std::vector<std::string> originals_, claims_;
   MapRows reduced_, original_;
   mutable std::map<std::pair<std::uint32_t, std::uint32_t>, bool> same_;
 };

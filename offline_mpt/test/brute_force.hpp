@@ -15,10 +15,13 @@ namespace polyfly {
 class BruteForce {
  public:
   struct Region {
-    std::vector<int> rows;   ///< all rows that hold with equality throughout the region
-    Eigen::VectorXd centre;  ///< an interior parameter
-    double radius = 0.0;     ///< of the largest ball around it [half ranges]
-    Eigen::MatrixXd K;       ///< z = K theta + k
+    /// All rows that hold with equality throughout the region.
+    std::vector<int> rows;
+    /// An interior parameter.
+    Eigen::VectorXd centre;
+    /// Radius of the largest ball around the centre.
+    double radius = 0.0;  ///< [half ranges]
+    Eigen::MatrixXd K;    ///< z = K theta + k
     Eigen::VectorXd k;
   };
 

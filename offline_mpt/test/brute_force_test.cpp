@@ -16,8 +16,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLeastRadius = 1e-7;  // smaller regions are left out of the count [half ranges]
-constexpr double kTolerance = 1e-8;    // of z
+// Smaller regions are left out of the count.
+constexpr double kLeastRadius = 1e-7;  // [half ranges]
+// Greatest allowed error of z.
+constexpr double kTolerance = 1e-8;
 
 void expectSameRegions(const ParametricProgram& program) {
   const BruteForce brute_force(program, kLeastRadius);

@@ -20,7 +20,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kRecordsChecked = 40;  // of a proof, in fractions
+// Records of a proof that are checked in fractions.
+constexpr std::size_t kRecordsChecked = 40;
 const ProgramSize kSizes[] = {{2, 6, 2}, {3, 12, 2}, {4, 14, 3}, {5, 16, 4}, {6, 18, 3}, {3, 24, 4}};
 
 /// z in a box, so that differences of laws can be told: |z_j| <= 3.
@@ -205,7 +206,8 @@ TEST_F(Count, SaysHowManyRegionsItDoesNotProve) {
   program.A.conservativeResize(m + 1, Eigen::NoChange);
   program.b.conservativeResize(m + 1);
   program.S.conservativeResize(m + 1, Eigen::NoChange);
-  program.A.row(m) = program.A.row(0) * (1.0 + 0x1.0p-50);  // the same row but for rounding
+  // The same row, but for rounding.
+  program.A.row(m) = program.A.row(0) * (1.0 + 0x1.0p-50);
   program.b(m) = program.b(0);
   program.S.row(m) = program.S.row(0);
   const CountResult result = count(program);
@@ -271,12 +273,14 @@ TEST_F(Count, AChangedProofIsRefused) {
       byte = static_cast<char>(byte ^ 1 << row % 8);
       EXPECT_NE(refusal(changed), "") << "record " << k << ", row " << row;
     }
-    std::string moved = right;  // the witness of another set
+    // Takes the witness of another set.
+    std::string moved = right;
     moved.replace(first + k * record + 2, record - 2, right, first + (k + 1) * record + 2, record - 2);
     EXPECT_NE(refusal(moved), "") << "record " << k;
     EXPECT_NE(refusal(right + right.substr(first + k * record, record)).find("twice"), std::string::npos);
   }
-  std::string outside = right;  // the farthest below: the edge of the box
+  // Moves the witness as far down as possible, to the edge of the box.
+  std::string outside = right;
   outside.replace(first + 2, 5, std::string("\0\0\0\0\x80", 5));
   EXPECT_NE(refusal(outside), "");
   EXPECT_NE(refusal(right.substr(0, right.size() - 3)), "");
@@ -289,7 +293,8 @@ TEST_F(Count, AChangedProofIsRefused) {
     EXPECT_NE(refusal(right.substr(0, at) + line + right.substr(at)), "") << name;
   }
   for (const char* name : {"\nH ", "\nA ", "\nb ", "\nF ", "\nS ", "\nweights "}) {
-    std::string changed = right;  // the sign of the first number
+    // Changes the sign of the first number.
+    std::string changed = right;
     std::size_t at = changed.find(name) + std::string(name).size();
     for (int words = 0; words < 2; ++at) words += changed[at] == ' ';
     if (changed[at] == '-') {

@@ -74,7 +74,8 @@ TEST(DictionaryKernels, PlacesWhoseColumnsAreAllAboveTheThreshold) {
   Random random(2);
   int some = 0;
   for (std::size_t count = kLanes; count <= kMostPlaces; count += kLanes) {
-    const std::size_t stride = count + kLanes;  // what lies between the columns does not count
+    // Numbers between the columns do not count.
+    const std::size_t stride = count + kLanes;
     for (int width = 1; width <= kWidth; ++width) {
       const std::vector<double> columns = numbers(stride * static_cast<std::size_t>(width), random);
       std::vector<int> plain, found(count);

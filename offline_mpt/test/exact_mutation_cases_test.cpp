@@ -74,7 +74,8 @@ TEST_F(SliverMutation, TolerancesHaveLimits) {
   int tried = 0;
   for (const char* law : {"0x1p0", "0x1p-19", "-0x1p-60"})
     EXPECT_NE(refusalOfLines("tolerances ", setting(1, law), tried), "") << law;
-  for (const char* plane : {"0x1p0", "0x1p-27", "-0x1p-60"})  // the map's tolerance is 1e-8
+  // The map's tolerance is 1e-8.
+  for (const char* plane : {"0x1p0", "0x1p-27", "-0x1p-60"})
     EXPECT_NE(refusalOfLines("tolerances ", setting(2, plane), tried), "") << plane;
   EXPECT_EQ(tried, 1);
 }

@@ -45,7 +45,8 @@ inline LpAnswer solveByGlpk(const Eigen::VectorXd& g, const Eigen::MatrixXd& A, 
   options.msg_lev = GLP_MSG_OFF;
   LpAnswer answer;
   glp_smcp first = options;
-  if (exact) first.it_lim = 5000;  // in doubles it may cycle
+  // The simplex method may cycle in doubles.
+  if (exact) first.it_lim = 5000;
   const int failed = glp_simplex(lp.get(), &first);
   options.tm_lim = exact ? 20000 : options.tm_lim;  // [ms]
   if (exact ? glp_exact(lp.get(), &options) != 0 : failed != 0) return answer;

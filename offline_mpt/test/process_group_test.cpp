@@ -62,8 +62,10 @@ class Member : public ProcessGroup {
   }
 
   bool acts_by_sending = false;
-  static inline std::atomic<bool> begun{false};  // process 0 has a region
-  static inline std::atomic<bool> acted{false};  // what a test waits for has happened
+  // Process 0 has a region.
+  static inline std::atomic<bool> begun{false};
+  // The event that a test waits for has happened.
+  static inline std::atomic<bool> acted{false};
 
  private:
   Post& post_;
@@ -168,11 +170,13 @@ void takeAndDie(const ParametricProgram& program, Member& member) {
     int rank() const override { return member_.rank(); }
     int size() const override { return member_.size(); }
     void send(int to, std::vector<std::byte> message) override {
-      if (sent_++ == 0) member_.send(to, std::move(message));  // the hello
+      // The first message announces the process. No other is sent.
+      if (sent_++ == 0) member_.send(to, std::move(message));
     }
     bool receive(int& from, std::vector<std::byte>& message) override {
       if (!member_.receive(from, message)) return false;
-      if (message.size() > 1) member_.die();  // the first batch
+      // The process dies at the first batch.
+      if (message.size() > 1) member_.die();
       return true;
     }
     bool lost(int rank) override { return member_.lost(rank); }

@@ -56,8 +56,10 @@ std::size_t regionsOfA(const MapContent& content) {
 struct Shape {
   const char* name;
   std::vector<GridRectangle> rectangles;
-  int size;            // of the square
-  std::size_t fewest;  // convex unions for law a
+  // Size of the square.
+  int size;
+  // Least number of convex unions for law a.
+  std::size_t fewest;
 };
 
 std::vector<Shape> shapes() {

@@ -17,11 +17,15 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSampleAccuracy = 1e-8;  // samples with a greater KKT residual are no reference
-constexpr double kMargin = 1e-6;          // samples nearer to the edge of the feasible set are not decided
-constexpr double kCertainRadius = 2e-6;   // regions that every program keeps [scaled]
+// Samples with a greater KKT residual are no reference.
+constexpr double kSampleAccuracy = 1e-8;
+// Samples nearer to the edge of the feasible set are not decided.
+constexpr double kMargin = 1e-6;
+// Every program keeps regions with this radius.
+constexpr double kCertainRadius = 2e-6;  // [scaled]
 constexpr std::size_t kManyRegions = 1000;
-constexpr double kTolerance = 1e-7;  // of u
+// Greatest allowed error of u.
+constexpr double kTolerance = 1e-7;
 
 const char* const kStrictlyConvex[] = {"bemporad2002",
                                        "di_N2",

@@ -92,7 +92,8 @@ TEST(Neighbours, TheLikeliestBeginsBehindTheCrossing) {
     all.degenerate += crossed.degenerate;
   }
   EXPECT_GT(all.exchanges, 1000);
-  EXPECT_LT(all.degenerate, all.exchanges);  // what is left in doubt is the lesser part
+  // Fewer facets are left in doubt than are decided.
+  EXPECT_LT(all.degenerate, all.exchanges);
 }
 
 /// The first two rows are nearly the same, so that what begins behind them is nearly a tie.

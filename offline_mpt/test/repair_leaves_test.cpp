@@ -70,7 +70,8 @@ TEST_F(LeafRepair, AddsACandidateThatALeafLacks) {
     while (std::find(first, last, another) != last) ++another;
     *first = another;
     ReductionReport found = report();
-    if (found.passed()) continue;  // the other candidates hold all of the cell
+    // The other candidates may hold the whole cell.
+    if (found.passed()) continue;
     EXPECT_EQ(found.defects.front().leaf, static_cast<int>(k));
     while (!found.passed() && repairLeaves(content_, found)) found = report();
     EXPECT_TRUE(found.passed()) << k << "\n" << reductionText(found);

@@ -63,9 +63,11 @@ class ResumeCommand : public testing::Test {
   std::string path(const std::string& name) const { return folder_.path(name); }
 
   pid_t start(std::vector<std::string> command) const {
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);  // as continuous integration does
+    // Continuous integration runs as root, too.
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    setenv("ASAN_OPTIONS", "detect_leaks=0", 0);  // Open MPI's own
+    // Open MPI leaks memory itself.
+    setenv("ASAN_OPTIONS", "detect_leaks=0", 0);
     return startProgram(std::move(command), path("."));
   }
   Outcome wait(pid_t child) const { return waitForProgram(child, path(".")); }

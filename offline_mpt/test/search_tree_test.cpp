@@ -116,7 +116,8 @@ TEST(SearchTree, RegionsOfOneLawMayShareALeaf) {
   for (std::size_t i = 0; i < 16; ++i) regions.laws.push_back(i < 8 ? 0 : static_cast<std::uint32_t>(i));
   TreeOptions options;
   options.leaf_regions = 1;
-  options.law_rows = 16;  // of eight intervals
+  // Half-spaces of eight intervals.
+  options.law_rows = 16;
   const SearchTree tree = buildTree(regions, options);
   EXPECT_EQ(tree.leaves.size(), 9u);
   EXPECT_EQ(mostCandidates(tree), 8u);
@@ -182,7 +183,8 @@ TEST(SearchTree, OverlappingRegionsShareALeaf) {
 TreeRegions polygonWithCuts() {
   constexpr int kSides = 60;
   constexpr double kTurn = 2.0 * M_PI / kSides;
-  const double top = 0.9 / std::cos(0.25 * kTurn);  // where x = 0 meets a side
+  // Height at which x = 0 meets a side.
+  const double top = 0.9 / std::cos(0.25 * kTurn);
   TreeRegions regions;
   regions.p = 2;
   regions.planes = {1.0, 0.0, 0.0, 0.6, 0.8, 0.8 * top - 1e-3, 0.6, -0.8, 0.8 * top - 1e-3};

@@ -20,14 +20,22 @@ constexpr double kTight = 1e-8;
 
 /// What the random programs differ in.
 enum class Family {
-  kCostInRange,   ///< optima that are not unique almost everywhere; half of the rows lie in the range of H
-  kCostOutside,   ///< the cost drives z to the bounds along the null space of H
-  kZeroRows,      ///< some variables are not in H at all: slacks of soft constraints
-  kRankOne,       ///< H of rank one
-  kEqualities,    ///< with equalities that do not lie in the range of H
-  kRepeatedRows,  ///< rows that repeat, parallel rows, rows that never bind
-  kConstantCost,  ///< the cost does not depend on theta: the shortest optimum is continuous
-  kWholeNumbers,  ///< H, cost and rows are small whole numbers: coincidences of every kind
+  /// Optima are not unique almost everywhere. Half of the rows lie in the range of H.
+  kCostInRange,
+  /// The cost drives z to the bounds along the null space of H.
+  kCostOutside,
+  /// Some variables are not in H at all, like slacks of soft constraints.
+  kZeroRows,
+  /// H has rank one.
+  kRankOne,
+  /// There are equalities that do not lie in the range of H.
+  kEqualities,
+  /// There are rows that repeat, parallel rows and rows that never bind.
+  kRepeatedRows,
+  /// The cost does not depend on theta, so the shortest optimum is continuous.
+  kConstantCost,
+  /// H, cost and rows are small whole numbers, which gives coincidences of every kind.
+  kWholeNumbers,
   kCount
 };
 

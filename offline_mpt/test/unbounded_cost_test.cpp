@@ -20,13 +20,20 @@ namespace {
 constexpr double kFalls = 1e-7;
 
 enum class Family {
-  kLinear,          ///< H = 0, cost depends on theta: all kinds
-  kConstantCost,    ///< H = 0, cost does not depend on theta: nowhere or everywhere
-  kTilted,          ///< H = 0, one open direction along which the cost falls in a part of the box
-  kOutsideAnyway,   ///< the same, where that part has no solution: complete
-  kSingular,        ///< H singular, random rows
-  kSingularTilted,  ///< H singular, one open direction along which the cost falls in a part of the box
-  kEqualities,      ///< H = 0 with an equality
+  /// H = 0, and the cost depends on theta: all kinds.
+  kLinear,
+  /// H = 0, and the cost does not depend on theta: unbounded nowhere or everywhere.
+  kConstantCost,
+  /// H = 0, with one open direction along which the cost falls in a part of the box.
+  kTilted,
+  /// As kTilted, but that part of the box has no solution, so the partition is complete.
+  kOutsideAnyway,
+  /// H is singular, with random rows.
+  kSingular,
+  /// H is singular, with one open direction along which the cost falls in a part of the box.
+  kSingularTilted,
+  /// H = 0, with an equality.
+  kEqualities,
   kCount
 };
 

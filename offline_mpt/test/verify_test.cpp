@@ -318,7 +318,8 @@ TEST_P(VerifyReference, OracleAgreesWithTheSamplesOfOtherPrograms) {
   const std::filesystem::path path = folder / (std::string(GetParam()) + ".json");
   const ParametricProgram program = loadProgramJson(path.string());
   ProgramOracle oracle(program);
-  const nlohmann::json problem = readJson(path);  // the loop reads from it
+  // The loop below reads from this object.
+  const nlohmann::json problem = readJson(path);
   for (const auto& sample : problem["samples"]) {
     const auto theta = sample["theta"].get<std::vector<double>>();
     const OracleAnswer answer = oracle.solve(

@@ -60,7 +60,8 @@ struct RegionMap::PointLocation {
     for (std::size_t i = 0; i < p; ++i) {
       inside &= (theta[i] >= tables.box[2 * i]) & (theta[i] <= tables.box[2 * i + 1]);
     }
-    if (inside) return LookupStatus::kInside;  // the box is finite, so theta is
+    // The box is finite, so a parameter in it is finite.
+    if (inside) return LookupStatus::kInside;
     for (std::size_t i = 0; i < p; ++i) {
       if (!std::isfinite(theta[i])) return LookupStatus::kNotFinite;
     }
@@ -171,7 +172,8 @@ struct RegionMap::PointLocation {
       more = (*candidate & SearchIndex::kLast) == 0;
       const std::int32_t* const record = Kernel::record(index, *candidate & ~SearchIndex::kLast);
       const Verdict verdict = Kernel::verdict(record, rounded, twice_margin);
-      if (verdict == Verdict::kOutside) continue;  // by more than the tolerance
+      // Candidates that theta violates by more than the tolerance are left out.
+      if (verdict == Verdict::kOutside) continue;
       const auto region = static_cast<std::uint32_t>(record[0]);
       const double beyond = verdict == Verdict::kInside ? 0.0 : violation(tables, record, rounded, theta);
       if (best.offer(tables, region, static_cast<std::uint32_t>(record[1]), beyond)) break;

@@ -9,12 +9,17 @@
 namespace polyfly {
 namespace {
 
-constexpr double kUnit = 0x1p14;         // of coefficients and parameters; products are in its square
-constexpr double kArithmetic = 0x1p-44;  // more than all roundings of doubles, relative to the numbers added
-constexpr double kSlack = 0x1p-18;  // what these and the tolerance may come to, relative to a plane's norm
+// Unit of coefficients and parameters. Products are in units of its square.
+constexpr double kUnit = 0x1p14;
+// Upper bound of all roundings of doubles, relative to the numbers added.
+constexpr double kArithmetic = 0x1p-44;
+// Upper bound of all roundings of doubles and the tolerance together, relative to a plane's norm.
+constexpr double kSlack = 0x1p-18;
 static_assert(format::kMaxTolerance <= 0.5 * kSlack);
-constexpr double kEnlarged = 1.001;     // a parameter may lie beyond its bounds by the tolerance
-constexpr std::int32_t kFar = 1 << 30;  // a constant that no products outweigh
+// Greatest parameter, relative to its bound: it may lie beyond by the tolerance.
+constexpr double kEnlarged = 1.001;
+// A constant that no products outweigh.
+constexpr std::int32_t kFar = 1 << 30;
 constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
 
 /// Bound of the rounding, in units of products: p coefficients off by half a unit each, times parameters of
@@ -235,8 +240,8 @@ class SearchIndex::Builder {
     const std::uint32_t number = block_[node];
     std::int32_t* const block = start + number * std::size_t{blockWords(p_)};
     std::int32_t* const constants = block + pairs_ * kChildren;
-    std::array<std::uint32_t, kPlanes + kChildren>
-        children;  // of the file, those of lane i at 2 i + 1 and 2 i + 2
+    // Children in the file. Those of lane i are at 2 i + 1 and 2 i + 2.
+    std::array<std::uint32_t, kPlanes + kChildren> children;
     children[0] = node;
     for (std::uint32_t lane = 0; lane < kPlanes; ++lane) {
       const std::uint32_t child = children[lane];
@@ -282,10 +287,14 @@ class SearchIndex::Builder {
   using Fewest = std::array<std::uint32_t, kLevels>;
 
   std::vector<Fewest> fewest_;
-  std::vector<std::uint32_t> block_;   // of each node that begins one
-  std::vector<std::uint32_t> record_;  // of each region, and the empty one [kHead words]
-  std::vector<std::uint32_t> first_;   // candidate of each leaf
-  std::vector<std::uint64_t> groups_;  // of all candidates of each leaf
+  // Block of each node that begins one.
+  std::vector<std::uint32_t> block_;
+  // Record of each region, and of the empty one.
+  std::vector<std::uint32_t> record_;  // [kHead words]
+  // First candidate of each leaf.
+  std::vector<std::uint32_t> first_;
+  // Number of groups of all candidates of each leaf.
+  std::vector<std::uint64_t> groups_;
 };
 
 SearchIndex::SearchIndex(const RegionMap& map) { Builder(map, *this).run(); }

@@ -255,12 +255,14 @@ TEST(PointLocationLeaf, TheFirstCandidateThatHoldsWins) {
   content.root = MapContent::kLeaf;
   content.candidates = {3, 1, 0, 2};
   const MadeMap made(std::move(content));
-  const double corner[] = {1.0, 1.0};  // of all four
+  // All four regions have this corner.
+  const double corner[] = {1.0, 1.0};
   EXPECT_EQ(made.map.locate(corner).region, 3u);
   EXPECT_EQ(made.map.locateExhaustively(corner).region, 0u);
   const double right[] = {1.5, 0.5};
   EXPECT_EQ(made.map.locate(right).region, 1u);
-  const double left[] = {1.0, 0.5};  // between 0 and 1
+  // This point lies between regions 0 and 1.
+  const double left[] = {1.0, 0.5};
   EXPECT_EQ(made.map.locate(left).region, 1u);
 }
 
@@ -273,7 +275,8 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
   content.leaves = {{0, 2}};
   content.root = MapContent::kLeaf;
   content.candidates = {0, 1};
-  content.planes.insert(content.planes.end(), {1.0, 1.0 + kGap});  // the second cell begins later
+  // The second cell begins later.
+  content.planes.insert(content.planes.end(), {1.0, 1.0 + kGap});
   const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
   for (std::uint32_t i = 0; i < content.regions[1].row_count; ++i) {
     std::int32_t& row = content.rows[content.regions[1].first_row + i];
@@ -288,7 +291,8 @@ TEST(PointLocationLeaf, TheNearestWithinTheToleranceAnswersWhereNoneHolds) {
   };
   EXPECT_EQ(region(1.0), 0u);
   EXPECT_EQ(region(1.0 + 0.25 * kGap), 0u);
-  EXPECT_EQ(region(1.0 + 0.5 * kGap), 0u);  // the first of equals
+  // Of regions at equal distances, the first one answers.
+  EXPECT_EQ(region(1.0 + 0.5 * kGap), 0u);
   EXPECT_EQ(region(1.0 + 0.75 * kGap), 1u);
   EXPECT_EQ(region(1.0 + kGap), 1u);
 }
@@ -304,7 +308,8 @@ TEST(PointLocationLeaf, AFallbackRegionAnswersWhereNoOrdinaryOneIsNear) {
   content.candidates = {0, 1, 2};
   content.regions.resize(3);
   content.first_fallback = 2;
-  content.planes.insert(content.planes.end(), {1.0, 1.0 + kHandicap});  // the second cell begins later
+  // The second cell begins later.
+  content.planes.insert(content.planes.end(), {1.0, 1.0 + kHandicap});
   const auto late = static_cast<std::int32_t>(content.planes.size() / 2);
   const auto set_lower = [&](std::uint32_t region, std::int32_t plane) {
     for (std::uint32_t i = 0; i < content.regions[region].row_count; ++i) {
@@ -371,13 +376,15 @@ TEST(PointLocationFromLast, RefusesWhatTheTreeRefuses) {
 TEST(PointLocationFromLast, NeverTrustsAFallbackRegion) {
   MapContent content = makeGridMap(1, 2);
   content.first_fallback = 1;
-  content.rows[content.regions[1].first_row + 1] = -1;  // the second cell reaches over the first
+  // The second cell reaches over the first.
+  content.rows[content.regions[1].first_row + 1] = -1;
   content.nodes.clear();
   content.leaves = {{0, 2}};
   content.root = MapContent::kLeaf;
   content.candidates = {0, 1};
   const MadeMap made(std::move(content));
-  const double theta = 0.5;  // of both
+  // Both cells hold this parameter.
+  const double theta = 0.5;
   EXPECT_EQ(made.map.locateFrom(&theta, 1).region, 0u);
 }
 

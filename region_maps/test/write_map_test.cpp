@@ -97,9 +97,12 @@ TEST(LayOut, FollowsFormatMd) {
   EXPECT_EQ(u32(44), 10u);
   EXPECT_EQ(numberAt(bytes, 48), 0.125);
   EXPECT_EQ(numberAt(bytes, 56), 1e-8);
-  EXPECT_EQ(u32(64), 2u);                // two nodes on every path
-  EXPECT_EQ(u32(68), 4u);                // one square with four sides
-  EXPECT_EQ(u64(72), (2u + 4 + 1) * 2);  // and one law, two multiply-adds each
+  // Every path has two nodes.
+  EXPECT_EQ(u32(64), 2u);
+  // One square has four sides.
+  EXPECT_EQ(u32(68), 4u);
+  // Two nodes, four sides and one law take two multiply-adds each.
+  EXPECT_EQ(u64(72), (2u + 4 + 1) * 2);
   EXPECT_EQ(u64(80), 0u);
   EXPECT_EQ(u64(88), 0u);
   MapContent reduced = map;

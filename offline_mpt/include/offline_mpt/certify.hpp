@@ -29,22 +29,33 @@ struct Defect {
   enum class Kind : std::uint8_t {
     /// The set names no row, or repeats one; its rows are dependent; or it does not fit the equalities.
     kActiveSet,
-    kRepeated,          ///< another region has the same active set
-    kLowerDimensional,  ///< the region has no interior
-    kPlane,             ///< a plane of the region bounds nothing: no condition of optimality is near it
-    kUnlisted,          ///< a condition of optimality fails at `witness`, which the region claims
-    kLaw,               ///< u is wrong by `size`
-    kGap,  ///< behind a facet there is a feasible parameter that no region holds: `witness`, if one was found
-    kUnbounded,  ///< the same, and proven that no optimum is finite at `witness`: the map cannot go on there
+    /// Another region has the same active set.
+    kRepeated,
+    /// The region has no interior.
+    kLowerDimensional,
+    /// A plane of the region bounds nothing. No condition of optimality is near it.
+    kPlane,
+    /// A condition of optimality fails at `witness`, which the region claims to hold.
+    kUnlisted,
+    /// u is wrong by `size`.
+    kLaw,
+    /// No region holds a feasible parameter behind a facet: `witness`, if one was found.
+    kGap,
+    /// A gap at whose `witness` the optimum is proven not to be finite. The map cannot go on there.
+    kUnbounded,
   };
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;
-  int row = -1;  ///< of the region, in map order; -1: the region as a whole
+  /// Row of the region, in map order. -1: the whole region.
+  int row = -1;
   /// kLaw, kPlane: the difference; kLowerDimensional: about the radius; kUnlisted: distance [scaled].
   double size = 0.0;
-  Eigen::VectorXd witness;   ///< parameter, empty if there is none
-  std::vector<int> missing;  ///< kGap: an active set that should be in the map; may be empty even so
-  std::string text;          ///< a sentence
+  /// A parameter. Empty if there is none.
+  Eigen::VectorXd witness;
+  /// kGap: an active set that should be in the map. It may be empty even so.
+  std::vector<int> missing;
+  /// The defect as a sentence.
+  std::string text;
 };
 
 const char* toString(Defect::Kind kind);
@@ -54,36 +65,54 @@ const char* toString(Defect::Kind kind);
 struct CertifyReport {
   std::uint64_t regions = 0;
   std::uint64_t facets = 0;
-  std::uint64_t domain_facets = 0;   ///< at the edge of the box or of A_theta theta <= b_theta
-  std::uint64_t edge_facets = 0;     ///< beyond, the program is infeasible
-  std::uint64_t matched_facets = 0;  ///< shared whole with one other region
-  std::uint64_t covered_facets = 0;  ///< shared piecewise with several
-  std::uint64_t rows = 0;            ///< optimality conditions of all regions
-  std::uint64_t implied_rows = 0;    ///< of them proven to follow from the listed ones and the box
-  std::uint64_t slivers = 0;  ///< regions that the map leaves to those about them, within plane_tolerance
-  std::uint64_t left_out_rows = 0;     ///< half-spaces that it leaves out, within plane_tolerance
-  double plane_tolerance = 0.0;        ///< as asked for
-  double law_error = 0.0;              ///< greatest, relative as law_tolerance
-  double plane_error = 0.0;            ///< greatest [scaled]
-  bool singular = false;               ///< H is, and not zero: of several optima the shortest
-  std::uint64_t replaced_entries = 0;  ///< of H, f, F and A, proven with others that differ by rounding
-  double greatest_replacement = 0.0;   ///< difference, relative to the greatest entry of the matrix or row
+  /// Facets at the edge of the box or of A_theta theta <= b_theta.
+  std::uint64_t domain_facets = 0;
+  /// Facets beyond which the program is infeasible.
+  std::uint64_t edge_facets = 0;
+  /// Facets shared whole with one other region.
+  std::uint64_t matched_facets = 0;
+  /// Facets shared piecewise with several regions.
+  std::uint64_t covered_facets = 0;
+  /// Optimality conditions of all regions.
+  std::uint64_t rows = 0;
+  /// Conditions proven to follow from the listed conditions and the box.
+  std::uint64_t implied_rows = 0;
+  /// Regions that the map leaves to their neighbours, within plane_tolerance.
+  std::uint64_t slivers = 0;
+  /// Half-spaces that the map leaves out, within plane_tolerance.
+  std::uint64_t left_out_rows = 0;
+  /// The plane tolerance that was asked for.
+  double plane_tolerance = 0.0;
+  /// Greatest error of a law, relative as law_tolerance.
+  double law_error = 0.0;
+  /// Greatest error of a plane.
+  double plane_error = 0.0;  ///< [scaled]
+  /// H is singular and not zero. Of several optima, the shortest counts.
+  bool singular = false;
+  /// Entries of H, f, F and A. The proof replaces them by others that differ by rounding.
+  std::uint64_t replaced_entries = 0;
+  /// Greatest difference of a replaced entry, relative to the greatest entry of the matrix or row.
+  double greatest_replacement = 0.0;
   bool linear = false;
   /// With `widened`: rows that hold within 2^-40 of their size in some region.
   std::uint64_t forgiven_rows = 0;
-  bool widened = false;  ///< coverage is that of the regions moved outwards by plane_tolerance
-  /// Those of `implied_equalities` that are proven by two coinciding bounds.
+  /// Coverage is that of the regions moved outwards by plane_tolerance.
+  bool widened = false;
+  /// Implied equalities that two coinciding bounds prove.
   std::vector<int> narrow_rows;
-  double greatest_narrowing = 0.0;  ///< difference of a bound, relative to the sum of its row's |entries|
+  /// Greatest difference of a bound, relative to the sum of its row's |entries|.
+  double greatest_narrowing = 0.0;
   /// Inequalities that hold with equality wherever the program is feasible.
   std::vector<int> implied_equalities;
-  std::vector<int> dropped_equalities;  ///< that follow from others up to rounding; proven within 2^-40
+  /// Equalities that follow from others up to rounding. They are proven within 2^-40.
+  std::vector<int> dropped_equalities;
   /// Rows that others imply up to rounding; proven within 2^-30 of their size.
   std::vector<int> dropped_rows;
   /// Rows whose bounds count as greater by 2^-40 of their size: in some regions they are tight up to
   /// rounding.
   std::vector<int> relaxed_rows;
-  std::vector<Defect> defects;  ///< by region, then row
+  /// Defects by region, then row.
+  std::vector<Defect> defects;
   bool interrupted = false;
   std::string certificate;
 
@@ -98,10 +127,14 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
 
 /// A map's regions, described anew from their active sets, and those that were missing.
 struct RepairResult {
-  Partition partition;        ///< status complete if the last verification passed, else incomplete
-  std::uint64_t added = 0;    ///< regions that the map lacks
-  std::uint64_t removed = 0;  ///< regions of the map without interior, or that are no critical regions
-  CertifyReport report;       ///< of the partition; its certificate is of no map that was written
+  /// The status is complete if the last verification passed, else incomplete.
+  Partition partition;
+  /// Regions that the map lacks.
+  std::uint64_t added = 0;
+  /// Regions of the map without interior, or that are no critical regions.
+  std::uint64_t removed = 0;
+  /// Report of the partition. Its certificate does not belong to a map that was written.
+  CertifyReport report;
 };
 
 /// Explores from where the map has gaps, with exact descriptions, until nothing is missing. Throws Error as
@@ -109,7 +142,8 @@ struct RepairResult {
 RepairResult repair(const RegionMap& map, const ParametricProgram& program,
                     const CertifyOptions& options = {});
 
-std::string certifyText(const CertifyReport& report);  ///< for people, several lines
+/// The report for people, several lines.
+std::string certifyText(const CertifyReport& report);
 std::string certifyJson(const CertifyReport& report);
 
 /// Writes the certificate beside `path` and renames it. Throws Error, also when there is none.

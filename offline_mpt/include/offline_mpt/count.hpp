@@ -12,9 +12,12 @@ namespace polyfly {
 
 /// What is known of a map that was not made.
 struct MapCount {
-  std::uint64_t proven = 0;       ///< active sets that are critical regions with an interior, each once
-  std::uint64_t active_rows = 0;  ///< rows of all these sets together
-  std::uint64_t laws = 0;         ///< of these regions, those whose laws are proven to be written apart
+  /// Active sets that are critical regions with an interior, each counted once.
+  std::uint64_t proven = 0;
+  /// Active rows of all proven sets together.
+  std::uint64_t active_rows = 0;
+  /// Regions whose laws are proven to be stored separately.
+  std::uint64_t laws = 0;
 };
 
 /// Bytes that a map of such regions takes at the least, see COUNT.md. `program` gives its sizes.
@@ -37,14 +40,22 @@ struct CountResult {
   /// was left, as explore tells.
   ExploreStatus status = ExploreStatus::kInfeasible;
   MapCount count;
-  std::uint64_t regions = 0;       ///< that explore would have, of the sets described
-  std::uint64_t unproven = 0;      ///< of `regions`, those that are not proven: degenerate, or too thin
-  std::uint64_t facets = 0;        ///< of `regions`
-  std::uint64_t described = 0;     ///< active sets
-  std::uint64_t open = 0;          ///< active sets found, not described; some of them are proven
-  std::uint64_t contradicted = 0;  ///< sets proven, of which the solver makes no region
-  std::uint64_t map_bytes = 0;     ///< of the map, at the least
-  std::uint64_t memory_bytes = 0;  ///< greatest that counting took
+  /// Regions that explore would have, of the described sets.
+  std::uint64_t regions = 0;
+  /// Number of `regions` that are not proven: degenerate, or too thin.
+  std::uint64_t unproven = 0;
+  /// Facets of `regions`.
+  std::uint64_t facets = 0;
+  /// Active sets that were described.
+  std::uint64_t described = 0;
+  /// Active sets found, but not described. Some of them are proven.
+  std::uint64_t open = 0;
+  /// Proven sets of which the solver makes no region.
+  std::uint64_t contradicted = 0;
+  /// Least size of the map.
+  std::uint64_t map_bytes = 0;  ///< [bytes]
+  /// Greatest memory that counting took.
+  std::uint64_t memory_bytes = 0;  ///< [bytes]
   double cpu_seconds = 0.0;
   Eigen::VectorXd witness;  ///< p, with kIncomplete
 };

@@ -73,8 +73,10 @@ class ExactLp {
     Bound type = Bound::kFree;
     Rational lower;
     Rational upper;
-    std::vector<std::pair<int, Rational>> entries;  // of a column: by row
-    Rational cost;                                  // of a column
+    // Entries of a column, by row.
+    std::vector<std::pair<int, Rational>> entries;
+    // Cost of a column.
+    Rational cost;
   };
   friend class CgalLp;
 

@@ -10,11 +10,16 @@ namespace polyfly {
 class ProcessGroup;
 
 struct ExploreProgress {
-  std::uint64_t regions = 0;    ///< finished, those of a checkpoint among them
-  std::uint64_t open = 0;       ///< active sets found, not yet processed
-  std::uint64_t described = 0;  ///< active sets processed, of which some are regions
-  std::uint64_t memory = 0;     ///< accounted [bytes], see memory_limit
-  bool unsaved = false;         ///< the checkpoint could not be written when it was last due
+  /// Finished regions, including those of a checkpoint.
+  std::uint64_t regions = 0;
+  /// Active sets found, but not yet processed.
+  std::uint64_t open = 0;
+  /// Active sets processed. Some of them are regions.
+  std::uint64_t described = 0;
+  /// Accounted memory, see memory_limit.
+  std::uint64_t memory = 0;  ///< [bytes]
+  /// The checkpoint could not be written when it was last due.
+  bool unsaved = false;
 };
 
 struct ExploreOptions {

@@ -36,16 +36,22 @@ struct CriticalRegion {
 
 struct ExploreStats {
   std::uint64_t regions = 0;
-  std::uint64_t candidate_sets = 0;  ///< active sets looked at
+  /// Active sets that were processed.
+  std::uint64_t candidate_sets = 0;
   std::uint64_t degenerate_facets = 0;
   std::uint64_t lp_pivots = 0;
-  std::uint64_t open_sets = 0;        ///< found, not looked at: the exploration was stopped
-  std::uint64_t resumed_regions = 0;  ///< of `regions`, taken from a checkpoint
-  std::uint64_t memory_bytes = 0;     ///< greatest that was accounted, see ExploreOptions::memory_limit
+  /// Active sets found, but not processed, since the exploration was stopped.
+  std::uint64_t open_sets = 0;
+  /// Number of `regions` that come from a checkpoint.
+  std::uint64_t resumed_regions = 0;
+  /// Greatest accounted memory, see ExploreOptions::memory_limit.
+  std::uint64_t memory_bytes = 0;  ///< [bytes]
   /// The checkpoint of an exploration that reached its end could not be written.
   bool unsaved = false;
-  int lost_process = 0;      ///< number of a process of the group that was lost; 0: none
-  double cpu_seconds = 0.0;  ///< not written to maps
+  /// Number of a lost process of the group. 0: none.
+  int lost_process = 0;
+  /// CPU time. Maps do not contain it.
+  double cpu_seconds = 0.0;  ///< [s]
 };
 
 /// The solution of a parametric program. Regions are sorted by active set.

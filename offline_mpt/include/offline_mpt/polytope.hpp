@@ -23,7 +23,8 @@ struct MinimalRows {
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 12;
-  static constexpr double kHopeless = 1e-6;  ///< what may be missing for a ball, for it to be found exactly
+  /// chebyshevInBox finds the ball exactly if its radius is at least minus this.
+  static constexpr double kHopeless = 1e-6;
 
   /// Throws Error when `dimension` is not in 1..kMaxDimension.
   explicit PolytopeSolver(int dimension);
@@ -52,13 +53,16 @@ class PolytopeSolver {
   /// Pivots since construction.
   unsigned long long pivots() const;
 
-  class Kernel;  ///< implementation, one per dimension
+  /// Implementation, one for each dimension.
+  class Kernel;
 
  private:
   double radiusAbout(const double* rows, int count, const double* centre) const;
 
-  std::unique_ptr<Kernel> plain_;   // in `dimension`
-  std::unique_ptr<Kernel> lifted_;  // in `dimension` + 1, for the inscribed ball
+  // Kernel in `dimension`.
+  std::unique_ptr<Kernel> plain_;
+  // Kernel in `dimension` + 1, for the inscribed ball.
+  std::unique_ptr<Kernel> lifted_;
   int dimension_ = 0;
   std::vector<double> lifted_rows_;
 };

@@ -10,10 +10,14 @@ namespace polyfly {
 /// What the program says at one parameter, found without any map.
 struct OracleAnswer {
   enum class Verdict {
-    kFeasible,    ///< u and objective hold
-    kInfeasible,  ///< no z admits this parameter, or it lies outside A_theta theta <= b_theta
-    kUnbounded,   ///< there are solutions, and the cost falls without end
-    kUndecided,   ///< the oracle was not accurate enough: `residual`
+    /// u and objective are valid.
+    kFeasible,
+    /// No z admits this parameter, or it lies outside A_theta theta <= b_theta.
+    kInfeasible,
+    /// There are solutions, but the cost falls without bound.
+    kUnbounded,
+    /// The oracle was not accurate enough, see `residual`.
+    kUndecided,
   };
   Verdict verdict = Verdict::kUndecided;
   Eigen::VectorXd u;       ///< q

@@ -16,9 +16,12 @@ class RegionMap;
 /// How regions of one law are joined.
 enum class MergeMethod : std::uint8_t {
   kNone,
-  kGreedy,   ///< pairs (Bemporad, Fukuda and Torrisi, 2001)
-  kOptimal,  ///< fewest convex unions (Geyer, Torrisi and Morari, 2008), greedily beyond the limits below
-  kAuto,     ///< the same with limits that are reached sooner
+  /// Joins pairs (Bemporad, Fukuda and Torrisi, 2001).
+  kGreedy,
+  /// Finds the fewest convex unions (Geyer, Torrisi and Morari, 2008). Beyond the limits below: kGreedy.
+  kOptimal,
+  /// As kOptimal, with lower limits.
+  kAuto,
 };
 
 const char* toString(MergeMethod method);
@@ -55,13 +58,19 @@ MapSize sizeOf(const RegionMap& map);
 
 struct ReduceStats {
   MergeMethod merge = MergeMethod::kNone;
-  std::size_t laws = 0;          ///< distinct ones, by ReduceOptions::law_tolerance
-  std::size_t merged_laws = 0;   ///< with fewer regions than before
-  std::size_t optimal_laws = 0;  ///< described by as few convex unions as can be (of the regions' planes)
-  std::size_t greedy_laws = 0;   ///< merged without that proof
+  /// Distinct laws, by ReduceOptions::law_tolerance.
+  std::size_t laws = 0;
+  /// Laws with fewer regions than before.
+  std::size_t merged_laws = 0;
+  /// Laws that the fewest convex unions of the regions' planes describe.
+  std::size_t optimal_laws = 0;
+  /// Laws that were merged without a proof that the unions are the fewest.
+  std::size_t greedy_laws = 0;
   bool separated = false;
-  std::string separation;             ///< a sentence: what was done, or why not; empty if not asked for
-  std::size_t saturated_regions = 0;  ///< that fallback regions took the place of
+  /// A sentence: what was done, or why not. Empty: not asked for.
+  std::string separation;
+  /// Saturated regions that fallback regions replaced.
+  std::size_t saturated_regions = 0;
   std::size_t fallback_regions = 0;
   std::size_t separating_planes = 0;
 };

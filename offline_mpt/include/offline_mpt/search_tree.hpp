@@ -28,7 +28,8 @@ struct SearchTree {
 };
 
 struct TreeOptions {
-  int leaf_regions = 0;  ///< a leaf may hold so many regions, tested in turn; 0: 5, or 6 above 1500 regions
+  /// Regions that a leaf may hold, tested in turn. 0: 5, or 6 above 1500 regions.
+  int leaf_regions = 0;
   /// A leaf may hold regions of one and the same law with so many half-spaces together; 0: 40, or 80 above
   /// 1500 regions.
   int law_rows = 0;
@@ -40,9 +41,12 @@ struct TreeOptions {
   std::uint64_t node_limit = 0;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
   double side_tolerance = 1e-9;
-  int planes_scored = 300;  ///< candidate planes looked at in a node
-  int planes_tried = 0;     ///< of these, the best by estimate, split exactly; 0: 6, or 3 above 1500 regions
-  int threads = 1;          ///< the tree does not depend on it
+  /// Candidate planes that are examined in a node.
+  int planes_scored = 300;
+  /// Best-estimated candidate planes that are split exactly. 0: 6, or 3 above 1500 regions.
+  int planes_tried = 0;
+  /// Number of threads. The tree does not depend on it.
+  int threads = 1;
   /// Set from outside to end early: what is not split by then stays one leaf, so that the tree is of no use
   /// but for its shape.
   const std::atomic<bool>* stop = nullptr;

@@ -26,15 +26,19 @@ struct VerifyOptions {
 
 /// What is compared where map and program both have an answer.
 enum class VerifyMode {
-  kOutput,     ///< u itself: the minimiser is unique
-  kObjective,  ///< the best objective that u admits: the program is only convex, so u need not be unique
+  /// u itself: the minimiser is unique.
+  kOutput,
+  /// The best objective that u admits. The program is only convex, so u need not be unique.
+  kObjective,
 };
 
 /// Samples that break one rule.
 struct Finding {
   std::uint64_t count = 0;
-  double worst = 0.0;       ///< in the measure of the rule
-  Eigen::VectorXd example;  ///< parameter of the worst, empty if count is 0
+  /// Greatest violation, in the measure of the rule.
+  double worst = 0.0;
+  /// Parameter of the greatest violation. Empty if count is 0.
+  Eigen::VectorXd example;
 };
 
 /// Result of `verify`. "[scaled]" means in units of half a parameter's range.
@@ -44,36 +48,52 @@ struct VerifyReport {
   double tolerance = 0.0;
   double edge_tolerance = 0.0;
   std::uint64_t requested = 0;
-  std::uint64_t samples = 0;  ///< tried
-  /// Of them uniform in the box; the others near faces, edges, vertices and centres.
+  /// Samples that were tried.
+  std::uint64_t samples = 0;
+  /// Samples drawn uniformly in the box. The others are near faces, edges, vertices and centres.
   std::uint64_t uniform = 0;
-  std::uint64_t inside = 0;    ///< of them the map answers
-  std::uint64_t compared = 0;  ///< of them compared with the program
+  /// Samples that the map answers.
+  std::uint64_t inside = 0;
+  /// Samples that were compared with the program.
+  std::uint64_t compared = 0;
   /// Of `compared`: oracle and map differed by more than the tolerance, and the region's active set met the
   /// conditions of optimality in rational arithmetic, so that its solution took the oracle's place.
   std::uint64_t settled = 0;
-  std::uint64_t infeasible = 0;  ///< the program has no solution there
+  /// Samples at which the program has no solution.
+  std::uint64_t infeasible = 0;
   /// Map and program differ, but within edge_tolerance of the feasible set's edge.
   std::uint64_t borderline = 0;
-  double max_error = 0.0;         ///< of u [unit of u] or of the objective
-  double max_scaled_error = 0.0;  ///< divided by max(1, |u|) or max(1, |objective|)
+  /// Greatest error of u [unit of u] or of the objective.
+  double max_error = 0.0;
+  /// Greatest error, divided by max(1, |u|) or max(1, |objective|).
+  double max_scaled_error = 0.0;
   Eigen::VectorXd max_error_theta;
 
-  Finding errors;        ///< scaled error above the tolerance
-  Finding missed;        ///< feasible, but the map has no region
-  Finding false_inside;  ///< infeasible, but the map answers; worst: distance to the feasible set [scaled]
-  Finding overlaps;      ///< regions that both hold the sample and differ in u; worst: scaled difference
-  Finding tree_errors;   ///< the tree and the test of all regions disagree
-  Finding unbounded;     ///< the program has solutions there, but its cost is unbounded below
-  Finding undecided;     ///< the oracle was not accurate enough
-  /// Regions without a point inside, among those visited; worst: by how much [scaled].
+  /// The scaled error is above the tolerance.
+  Finding errors;
+  /// The sample is feasible, but the map has no region.
+  Finding missed;
+  /// The sample is infeasible, but the map answers. Worst: distance to the feasible set [scaled].
+  Finding false_inside;
+  /// Two regions hold the sample and differ in u. Worst: scaled difference.
+  Finding overlaps;
+  /// The tree and the test of all regions disagree.
+  Finding tree_errors;
+  /// The program has solutions at the sample, but its cost is unbounded below.
+  Finding unbounded;
+  /// The oracle was not accurate enough.
+  Finding undecided;
+  /// Visited regions without a point inside. Worst: by how much [scaled].
   Finding empty_regions;
 
   std::uint64_t regions = 0;
   std::uint64_t regions_hit = 0;
-  double oracle_residual = 0.0;  ///< greatest scaled KKT residual of the oracle where it decided
-  int oracle_iterations = 0;     ///< greatest
-  std::string map_status;        ///< solver status written in the map
+  /// Greatest scaled KKT residual of the oracle where it decided.
+  double oracle_residual = 0.0;
+  /// Greatest number of iterations of the oracle.
+  int oracle_iterations = 0;
+  /// Solver status that is written in the map.
+  std::string map_status;
   bool interrupted = false;
 
   /// Every sample was tried and decided, none breaks a rule, and the map says that it is complete.
@@ -86,7 +106,8 @@ struct VerifyReport {
 VerifyReport verify(const RegionMap& map, const ParametricProgram& program,
                     const VerifyOptions& options = {});
 
-std::string verifyText(const VerifyReport& report);  ///< for people, several lines
+/// The report for people, several lines.
+std::string verifyText(const VerifyReport& report);
 std::string verifyJson(const VerifyReport& report);
 
 }  // namespace polyfly

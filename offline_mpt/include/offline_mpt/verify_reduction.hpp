@@ -45,14 +45,20 @@ struct ReductionReport {
   std::uint64_t original_regions = 0;
   std::uint64_t reduced_regions = 0;
   std::uint64_t fallback_regions = 0;
-  std::uint64_t cells = 0;         ///< parts of regions that were looked at
-  std::uint64_t flat_regions = 0;  ///< of either map: without interior
-  double slack = 0.0;              ///< half the maps' tolerance [scaled]
+  /// Parts of regions that were examined.
+  std::uint64_t cells = 0;
+  /// Regions of either map without interior.
+  std::uint64_t flat_regions = 0;
+  /// Half of the maps' tolerance.
+  double slack = 0.0;  ///< [scaled]
   double law_tolerance = 0.0;
-  double law_error = 0.0;  ///< greatest difference of laws that count as one, relative as law_tolerance
-  std::vector<ReductionDefect> defects;  ///< by map, then region
+  /// Greatest difference of laws that count as one, relative as law_tolerance.
+  double law_error = 0.0;
+  /// Defects by map, then region.
+  std::vector<ReductionDefect> defects;
   bool interrupted = false;
-  std::string certificate;  ///< where it was asked for and the reduction is proven (CERTIFICATE.md)
+  /// The certificate (CERTIFICATE.md), if it was asked for and the reduction is proven.
+  std::string certificate;
 
   bool passed() const { return defects.empty() && !interrupted && original_regions > 0; }
 };
@@ -82,7 +88,8 @@ bool repairLeaves(MapContent& content, const ReductionReport& report);
 /// Writes the certificate beside `path`, syncs and renames it. Throws Error where there is none.
 void writeCertificate(const ReductionReport& report, const std::string& path);
 
-std::string reductionText(const ReductionReport& report);  ///< for people, several lines
+/// The report for people, several lines.
+std::string reductionText(const ReductionReport& report);
 std::string reductionJson(const ReductionReport& report);
 
 }  // namespace polyfly

@@ -12,8 +12,10 @@ namespace {
 
 /// What a file says of one disturbance.
 struct Cited {
-  std::string range;   ///< as in the file
-  std::string remark;  ///< where it is from, without a line break
+  /// The range as the file has it.
+  std::string range;
+  /// Origin of the range, without a line break.
+  std::string remark;
 };
 
 std::string oneLine(std::string text) {

@@ -34,7 +34,8 @@ class Estimation {
  public:
   explicit Estimation(const RobustProblem& problem)
       : problem_(problem), A_(toDoubles(problem.A)), B_(toDoubles(problem.B)), G_(toDoubles(problem.G)) {
-    for (Eigen::Index c = 0; c < G_.cols(); ++c) {  // in the channel's unit again
+    // Scales each column of G back to the channel's unit.
+    for (Eigen::Index c = 0; c < G_.cols(); ++c) {
       const Signal& channel = problem.disturbances[at(c)];
       G_.col(c) *= 2.0 / (channel.upper - channel.lower);
     }
@@ -111,7 +112,8 @@ class Estimation {
   MatrixXd A_, B_, G_;
   VectorXd weight_;
   std::optional<PivotedQr> solver_;
-  std::vector<std::vector<double>> samples_;  // by channel
+  // Samples of each channel.
+  std::vector<std::vector<double>> samples_;
   double total_ = 0.0;
   double unexplained_ = 0.0;
 };

@@ -58,15 +58,16 @@ class DualSimplex {
   int h_;
   int width_;
   std::vector<double> eta_;
-  // rows as they were given
+  // Rows as they were given.
   std::vector<int> tags_;
   std::vector<double> a_;
   std::vector<double> e_;
-  // the dictionary: basic variable = table row . (nonbasic, eta); variables n.. are slacks
+  // The dictionary: basic variable = table row . (nonbasic, eta). Variables n.. are slacks.
   std::vector<double> table_;
   std::vector<int> basic_;
   std::vector<int> nonbasic_;
-  std::vector<int> place_;  // of a structural variable: its row, or kNone where it is nonbasic
+  // Row of each structural variable, or kNone where it is nonbasic.
+  std::vector<int> place_;
   std::vector<double> cost_;
   std::uint64_t pivots_ = 0;
   std::uint64_t since_rebuild_ = 0;

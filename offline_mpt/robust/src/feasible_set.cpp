@@ -14,10 +14,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kInside = 1e-9;     // how far outside, of the way from the interior point, a vertex counts
-                                     // as feasible in floating point
-constexpr double kSupport = 1e-9;    // multipliers below this share of the greatest are none
-constexpr double kLeastRoom = 1e-9;  // of the interior point
+// In floating point, a vertex may be this far outside, relative to its distance from the interior point.
+constexpr double kInside = 1e-9;
+// Multipliers below this share of the greatest one count as zero.
+constexpr double kSupport = 1e-9;
+// Least margin of all rows at the interior point.
+constexpr double kLeastRoom = 1e-9;
 
 Eigen::VectorXd rounded(const RationalVector& values) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
@@ -248,7 +250,8 @@ class Projection {
   struct Tested {
     std::vector<Scenario> basis;
     bool proven = false;
-    CommonFraction prediction{};  // over its denominator times y[0]
+    // Numerators over the denominator times y[0].
+    CommonFraction prediction{};
   };
 
   const RobustProgram& program_;
@@ -257,7 +260,8 @@ class Projection {
   Eigen::VectorXd centre_;
   ScenarioLp gauge_;
   DoubleDescription cone_;
-  std::vector<FeasibleSet::Facet> facets_;  // in the order of the cone's rows
+  // Facets in the order of the cone's rows.
+  std::vector<FeasibleSet::Facet> facets_;
   std::set<std::vector<Integer>> known_;
   std::map<HomogeneousPoint, Tested> tested_;
   FeasibleSet result_;

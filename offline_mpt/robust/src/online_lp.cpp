@@ -10,7 +10,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSlack = 1e-11;  // of tau when the move is chosen
+// First slack of tau when the move is chosen.
+constexpr double kSlack = 1e-11;
 
 Eigen::VectorXd rounded(const Rational* first, Eigen::Index count) {
   Eigen::VectorXd result(count);

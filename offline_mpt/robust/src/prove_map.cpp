@@ -14,8 +14,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLawError = 1e-9;    // of the map's law, at vertices of its region
-constexpr double kPlaneError = 1e-9;  // of its planes [scaled]
+// Greatest allowed error of the map's law at vertices of its region.
+constexpr double kLawError = 1e-9;
+// Greatest allowed error of the map's planes.
+constexpr double kPlaneError = 1e-9;  // [scaled]
 
 void requireSameSignals(const RegionMap& map, const std::vector<Signal>& have,
                         const std::vector<Signal>& want, const char* kind) {

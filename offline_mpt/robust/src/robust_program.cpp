@@ -21,8 +21,10 @@ void addTo(Affine& sum, const Rational& factor, const Affine& other) {
 
 /// The worst case of a signal: its nominal part and its reaction to each disturbance so far.
 struct Signals {
-  std::vector<Affine> nominal;                   // by entry
-  std::vector<std::vector<Affine>> disturbance;  // by step and channel, then by entry
+  // Nominal part of each entry.
+  std::vector<Affine> nominal;
+  // Reaction of each entry, by step and channel of the disturbance.
+  std::vector<std::vector<Affine>> disturbance;
 };
 
 /// Predicts e_k and u~_k of Eq. 17 and 18 as affine functions of y and z.

@@ -6,9 +6,11 @@
 namespace polyfly {
 namespace {
 
-constexpr double kViolation = 1e-10;  // of a scaled row
+// Greatest allowed violation of a scaled row.
+constexpr double kViolation = 1e-10;
 constexpr int kMaxRounds = 500;
-constexpr int kRowsPerVariable = 12;  // more rows than this are not kept from one solution to the next
+// Rows per variable that are kept from one solution to the next, at most.
+constexpr int kRowsPerVariable = 12;
 
 double greatest(const ScenarioRow& row) {
   double result = row.a.cwiseAbs().maxCoeff();

@@ -41,7 +41,8 @@ class ScenarioLp {
 
   struct Tight {
     Scenario scenario;
-    double multiplier;  ///< of the row as it was given
+    /// Multiplier of the row as it was given.
+    double multiplier;
   };
   std::vector<Tight> tight() const;
   std::uint64_t pivots() const { return simplex_.pivots(); }
@@ -54,8 +55,10 @@ class ScenarioLp {
   int n_;
   std::vector<ScenarioRow> rows_;
   std::vector<double> scale_;
-  std::vector<Scenario> scenarios_;  // by tag
-  std::map<Scenario, int> tags_;     // of those that are rows now
+  // Scenarios by tag.
+  std::vector<Scenario> scenarios_;
+  // Tags of the scenarios that are rows of the simplex now.
+  std::map<Scenario, int> tags_;
   DualSimplex simplex_;
 };
 

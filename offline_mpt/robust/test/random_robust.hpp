@@ -19,7 +19,8 @@ class RandomRobust {
   struct State {
     const char* name;
     const char* unit;
-    double half;  // of the bound, and of the error's box
+    // Half width of the bound and of the error's box.
+    double half;
     bool bounded;
   };
 

@@ -27,7 +27,8 @@ namespace {
 // same program.
 constexpr double kPeak = 1e-8;
 constexpr double kBound = 1e-9;
-constexpr double kSlack = 1e-7;  // of tau, where the interval of optimal moves is sought
+// Slack of tau at which the interval of optimal moves is computed.
+constexpr double kSlack = 1e-7;
 
 int asked(const char* name, int usual) {
   const char* text = std::getenv(name);
@@ -44,10 +45,12 @@ Eigen::MatrixXd toDoubles(const RationalMatrix& matrix) {
 
 struct Totals {
   int solved = 0;
-  int hopeless = 0;  // no parameter has a plan
+  // Problems in which no parameter has a plan.
+  int hopeless = 0;
   int feasible = 0;
   int infeasible = 0;
-  int undecided = 0;  // by the oracle
+  // Parameters that the oracle could not decide.
+  int undecided = 0;
   std::uint64_t regions = 0;
 };
 

@@ -266,18 +266,21 @@ TEST(RobustReferences, FeasibleSetIsThatOfTheData) {
       least = difference;
       nearest = k;
     }
-    EXPECT_LT(least, 1e-7);  // the data were projected by linear programs with that tolerance
+    // The linear programs that projected the data had this tolerance.
+    EXPECT_LT(least, 1e-7);
     met[nearest] = 1;
   }
   for (std::size_t k = 0; k < known.size(); ++k) {
-    if (met[k] != 0 || known[k][6] == 1.0) continue;  // the data end at some tau
+    // Upper bounds of tau are left out, since the data end at some tau.
+    if (met[k] != 0 || known[k][6] == 1.0) continue;
     double greatest = -INFINITY;
     for (const FeasibleSet::Vertex& vertex : set.vertices) {
       double value = -known[k].back();
       for (std::size_t j = 0; j < vertex.y.size(); ++j) value += known[k][j] * vertex.y[j].get_d();
       greatest = std::max(greatest, value);
     }
-    EXPECT_LT(greatest, 1e-7) << k;  // not needed beside the others
+    // The half-space is redundant.
+    EXPECT_LT(greatest, 1e-7) << k;
   }
 }
 

@@ -32,11 +32,16 @@ struct Finding {
   bool flat = false;
   bool offends = false;
   bool stopped = false;
-  std::uint64_t tight = 0;  // facets with an excess that the tolerance forgives
-  Rational out_of_domain;   // of the region itself
-  Rational excess;          // greatest, of its successors
-  std::size_t facet = 0;    // where
-  RationalVector vertex;    // where; with a union as target (theta, d)
+  // Facets whose excess the tolerance forgives.
+  std::uint64_t tight = 0;
+  // Greatest excess of the region itself over the domain.
+  Rational out_of_domain;
+  // Greatest excess of the region's successors.
+  Rational excess;
+  // Facet with the greatest excess.
+  std::size_t facet = 0;
+  // Vertex with the greatest excess. With a union as target: (theta, d).
+  RationalVector vertex;
   RationalVector middle;
 };
 
@@ -305,9 +310,11 @@ class Analysis {
   const AnalyzeOptions& options_;
   MapRegions regions_;
   Rational tolerance_;
-  std::vector<RationalVector> corners_;  // of D
+  // Vertices of D.
+  std::vector<RationalVector> corners_;
   std::vector<ExactHalfSpace> domain_;
-  std::vector<std::vector<std::vector<Integer>>> slivers_;  // vertices, by region
+  // Vertices of slivers, by region.
+  std::vector<std::vector<std::vector<Integer>>> slivers_;
   std::uint64_t total_ = 0;
 };
 

@@ -13,7 +13,8 @@ struct PolytopeCone {
   bool isEmpty() const;
 
   DoubleDescription cone;
-  std::vector<std::size_t> place;  ///< of each row of the set, among the cone's rows
+  /// Place of each row of the set among the rows of the cone.
+  std::vector<std::size_t> place;
 };
 
 /// Throws Error naming `what` when the set does not have this many dimensions.

@@ -159,7 +159,8 @@ ExactPolytope minimal(const ExactPolytope& set) {
       if (rays[k].tight.test(polytope.place[i])) faces[i].set(k);
     }
   }
-  DoubleDescription flat(set.dimension + 1);  // to tell equalities that follow from those before
+  // Tells whether an equality follows from those before it.
+  DoubleDescription flat(set.dimension + 1);
   const auto add_equality = [&](const ExactHalfSpace& row) {
     const std::vector<Integer> values = coneRow(row);
     const bool depends = std::all_of(flat.lines().begin(), flat.lines().end(),

@@ -166,7 +166,8 @@ InvarianceProof proveInvariant(const SetModel& model, const ExactPolytope& set) 
   const ExactPolytope target = asRows(set);
   const ExactPolytope pairs = pairsInto(model, target, vertices(model.D));
   for (const RationalVector& vertex : vertices(set)) {
-    ExactPolytope inputs;  // those that keep this vertex in the set
+    // Inputs that keep this vertex in the set.
+    ExactPolytope inputs;
     inputs.dimension = model.inputCount();
     const auto fix = [&](const std::vector<ExactHalfSpace>& from, std::vector<ExactHalfSpace>& to) {
       for (const ExactHalfSpace& row : from) {

@@ -55,7 +55,8 @@ InvariantUnion maximalInvariantUnion(const std::vector<AffineMode>& modes, const
     if (!isBounded(modes[k].region)) throw Error("invariant set: regions: must be bounded");
     if (affineDimension(modes[k].region) == domain.dimension) parts.push_back({k, minimal(modes[k].region)});
   }
-  std::vector<ExactPolytope> forbidden;  // what was removed last; first, the outside
+  // Polytopes that were removed last. At first, the outside of the domain.
+  std::vector<ExactPolytope> forbidden;
   for (const ExactHalfSpace& row : minimal(domain).rows) {
     ExactPolytope outside;
     outside.dimension = domain.dimension;

@@ -62,7 +62,8 @@ class DomainGuess {
       const auto is = [&](const ExactHalfSpace& row) { return sameHalfSpace(row, facet); };
       result.push_back(*std::find_if(set.rows.begin(), set.rows.end(), is));
     }
-    for (const ExactHalfSpace& row : smallest.equalities) {  // of a parameter that cannot change
+    // Equalities belong to parameters that cannot change.
+    for (const ExactHalfSpace& row : smallest.equalities) {
       result.push_back(row);
       result.push_back({row.a, Rational(-row.b)});
       for (Rational& value : result.back().a) value = -value;

@@ -28,7 +28,8 @@ class MappedCells {
  public:
   MappedCells(const MapRegions& regions, RationalMatrix M, RationalVector m);
 
-  int dimension() const { return M_.columns(); }  ///< of x
+  /// Dimension of x.
+  int dimension() const { return M_.columns(); }
 
   MappedCell cell(DoubleDescription cone) const;
 

@@ -13,7 +13,8 @@ namespace {
 
 struct SignalList {
   std::vector<ModelSignal> signals;
-  ExactPolytope ranges;  // of those that have one
+  // Ranges of the signals that have one.
+  ExactPolytope ranges;
 };
 
 ModelSignal signalOf(const YamlField& field, std::set<std::string>& names) {

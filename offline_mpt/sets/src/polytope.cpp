@@ -10,8 +10,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kZeroEntry = 1e-12;  // of a row of length 1
-constexpr double kSameRow = 1e-11;    // difference of two rows of length 1 that are one
+// Entries of a row of length 1 below this are zero.
+constexpr double kZeroEntry = 1e-12;
+// Two rows of length 1 are the same if they differ by less.
+constexpr double kSameRow = 1e-11;
 
 std::vector<double> flatRows(const Polytope& set) {
   std::vector<double> rows;

@@ -13,9 +13,11 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kTasks = 64;  // cells that threads share out
+// Number of cells that threads share.
+constexpr std::size_t kTasks = 64;
 constexpr int kWholeBits = 40;
-constexpr double kWhole = 0x1p40;  // of a share that is done
+// Value of the share counter when all is done.
+constexpr double kWhole = 0x1p40;
 
 }  // namespace
 

@@ -12,7 +12,8 @@
 namespace polyfly {
 
 struct CoverOptions {
-  int threads = 1;  ///< the answer does not depend on it
+  /// Number of threads. The answer does not depend on it.
+  int threads = 1;
   const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread with the share that is done: of each polytope that is cut,
   /// the parts count half.
@@ -58,12 +59,14 @@ class RegionCover {
 
   const MapRegions& regions_;
   MappedCells mapped_;
-  std::vector<std::vector<IntegerRow>> insides_[2];  // by region: >= 0 inside
+  // Rows of each region, >= 0 inside: as they are, and moved outwards.
+  std::vector<std::vector<IntegerRow>> insides_[2];
   std::uint64_t cells_ = 0;
   std::vector<Sliver> slivers_;
   RationalVector gap_;
   const std::atomic<bool>* stop_ = nullptr;
-  std::atomic<std::uint64_t>* share_ = nullptr;  // done, of kWhole
+  // Share that is done, in units of 1 / kWhole.
+  std::atomic<std::uint64_t>* share_ = nullptr;
   bool stopped_ = false;
 };
 

@@ -150,7 +150,8 @@ ExactPolytope project(const ExactPolytope& set, const std::vector<int>& keep, Pr
   for (int j = set.dimension - 1; j >= 0; --j) {
     if (kept[static_cast<std::size_t>(j)] == 0) result = minimal(eliminate(result, j));
   }
-  std::vector<std::size_t> places;  // of each kept coordinate among the ascending ones
+  // Place of each kept coordinate among the kept ones in ascending order.
+  std::vector<std::size_t> places;
   for (const int j : keep)
     places.push_back(static_cast<std::size_t>(
         std::count_if(keep.begin(), keep.end(), [j](int other) { return other < j; })));

@@ -187,7 +187,8 @@ TEST(AnalyzeMap, AMissingRegionIsFound) {
     const MapInMemory map(broken);
     const AnalyzeReport report = analyzed(broken, doubleIntegrator("0.1"));
     EXPECT_FALSE(report.holds()) << r;
-    if (report.covered) continue;  // what is left is convex, but no longer invariant
+    // The remaining union is convex, but no longer invariant.
+    if (report.covered) continue;
     ASSERT_TRUE(report.gap.has_value());
     const double gap[] = {(*report.gap)[0].get_d(), (*report.gap)[1].get_d()};
     EXPECT_NE(map.map().locateExhaustively(gap).status, LookupStatus::kInside) << r;

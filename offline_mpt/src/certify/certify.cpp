@@ -63,7 +63,8 @@ constexpr std::uint64_t kMostWidened = 3000;  // regions of a map that is also t
 struct Closed {
   std::string text;
   std::vector<Defect> defects;
-  std::uint64_t counts[5] = {};  // by FacetCoverKind
+  // Number of facets by FacetCoverKind.
+  std::uint64_t counts[5] = {};
 };
 
 Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionCheck>& checks,

@@ -13,7 +13,8 @@ namespace polyfly {
 /// A region that may lie behind a facet.
 struct CoverCandidate {
   std::uint32_t region = 0;
-  const std::vector<ExactRow>* rows = nullptr;  ///< as the map lists them, in map order
+  /// Rows that the map lists, in map order.
+  const std::vector<ExactRow>* rows = nullptr;
 };
 
 /// Whether `row` is zero on all of the plane.

@@ -160,7 +160,8 @@ std::vector<CoverCandidate> FacetCoverProof::behind(std::uint32_t region, const 
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     for (const int sign : {1, -1}) {
       if (!onePlane(planes_[k], plane.unit, sign)) continue;
-      for (const std::int32_t user : users_[k]) {  // those on the other side
+      // Only regions on the other side of the plane count.
+      for (const std::int32_t user : users_[k]) {
         const auto other = static_cast<std::uint32_t>(std::abs(user) - 1);
         if (other != region && (user > 0) != (sign > 0)) found.push_back(other);
       }

@@ -54,8 +54,10 @@ class FacetCoverProof {
   /// Of each region of the map, moved outwards; empty unless widened.
   std::vector<std::vector<ExactRow>> wide_;
   std::map<std::vector<int>, std::uint32_t> by_active_set_;
-  std::vector<std::vector<double>> planes_;       // of the map, unit in t, as they are
-  std::vector<std::vector<std::int32_t>> users_;  // of each plane: region + 1, negative where it is negated
+  // Planes of the map without relaxation, with unit normals in t.
+  std::vector<std::vector<double>> planes_;
+  // Users of each plane: region + 1, negative where the plane is negated.
+  std::vector<std::vector<std::int32_t>> users_;
 };
 
 /// The active set across a facet of this origin, if one row changes: the row of a multiplier or cost multiplier leaves,

@@ -9,10 +9,13 @@
 namespace polyfly {
 namespace {
 
-constexpr int kShortBits = 24;  // of the weights of a first try: short ones keep the certificate small
+// Bits of the weights in a first try. Short weights keep the certificate small.
+constexpr int kShortBits = 24;
 constexpr int kLongBits = 60;
-constexpr double kPositive = 1e-10;  // radius from which on a rounded centre is taken for one
-constexpr double kNear = 1e-9;       // difference of unit rows that may be the same plane
+// Least radius at which a rounded centre counts as an interior point.
+constexpr double kPositive = 1e-10;
+// Greatest difference of two unit rows that may be the same plane.
+constexpr double kNear = 1e-9;
 
 using Rows = ExactRows;
 

@@ -21,8 +21,10 @@ bool proves(const FarkasProof& proof, const std::vector<const ExactRow*>& rows, 
 /// What became of a claim.
 struct Implication {
   bool holds = false;
-  FarkasProof proof;              ///< where it holds
-  std::vector<Rational> witness;  ///< where not: in the box, all rows >= 0, target < 0
+  /// The proof, if the implication holds.
+  FarkasProof proof;
+  /// If it does not hold: a point in the box where all rows are >= 0 and target < 0.
+  std::vector<Rational> witness;
 };
 
 /// Decides whether target >= 0 wherever the rows are >= 0 in the box. `solver` has the dimension p.

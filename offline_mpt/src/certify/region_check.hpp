@@ -21,23 +21,33 @@ struct CheckedFacet {
 
 /// What one region of the map is by itself.
 struct RegionCheck {
-  bool described = false;            ///< the optimality conditions could be solved
-  std::vector<int> active;           ///< without equalities, ascending
-  bool is_sliver = false;            ///< not in the map, see slivers.hpp
-  std::vector<CheckedFacet> facets;  ///< as the map lists them, then those that it leaves out
-  std::vector<ExactRow> listed;      ///< their exact rows; empty in large maps, where they take too much
-  std::vector<int> idle;             ///< inequalities outside the active set that are tight everywhere
-  std::vector<Rational> point;       ///< strictly inside; empty if there is none
+  /// Whether the optimality conditions could be solved.
+  bool described = false;
+  /// Active rows without equalities, ascending.
+  std::vector<int> active;
+  /// Whether the map leaves the region out as a sliver, see slivers.hpp.
+  bool is_sliver = false;
+  /// Facets in the order of the map, then those that it leaves out.
+  std::vector<CheckedFacet> facets;
+  /// Exact rows of `facets`. Empty in large maps, to save memory.
+  std::vector<ExactRow> listed;
+  /// Inequalities outside the active set that are tight in the whole region.
+  std::vector<int> idle;
+  /// A point strictly inside. Empty if there is none.
+  std::vector<Rational> point;
   std::uint64_t rows = 0;
   std::uint64_t implied = 0;
   /// Conditions that bound it although the map does not list them: last of `listed`.
   std::size_t left_out = 0;
-  std::uint64_t forgiven = 0;  ///< conditions that hold up to rounding only
-  std::vector<int> unlisted;   ///< rows whose slack is negative in it
+  /// Number of conditions that hold up to rounding only.
+  std::uint64_t forgiven = 0;
+  /// Rows whose slack is negative somewhere in the region.
+  std::vector<int> unlisted;
   double law_error = 0.0;
   double plane_error = 0.0;
   std::vector<Defect> defects;
-  std::string text;  ///< lines P, I and D of the certificate
+  /// Lines P, I and D of the certificate.
+  std::string text;
 };
 
 /// The map, the program and what of the map is needed in exact form.

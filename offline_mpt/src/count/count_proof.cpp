@@ -5,8 +5,10 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kProofPiece = std::size_t{1} << 20;  // [bytes] written at a time
-constexpr std::size_t kWitnessBytes = 5;                   // of each parameter
+// Size of one write.
+constexpr std::size_t kProofPiece = std::size_t{1} << 20;  // [bytes]
+// Bytes of each parameter of a witness.
+constexpr std::size_t kWitnessBytes = 5;
 
 }  // namespace
 

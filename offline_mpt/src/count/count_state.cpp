@@ -111,10 +111,14 @@ class CountWorker : public Worker {
   ActiveSet active_;
   RegionResult described_;
   std::vector<int> rows_;
-  std::vector<char> proven_;                         // of the neighbours
-  std::uint32_t facet_ = kNoFacet;                   // which the next three are of
-  std::vector<double> from_, direction_;             // of the ray behind it
-  int leaving_ = StrictComplementarityCheck::kNone;  // row of the set that a new one replaces there
+  // Whether each neighbour is proven.
+  std::vector<char> proven_;
+  // The facet that the next three members belong to.
+  std::uint32_t facet_ = kNoFacet;
+  // Start and direction of the ray behind the facet.
+  std::vector<double> from_, direction_;
+  // Row of the set that a new row replaces behind the facet.
+  int leaving_ = StrictComplementarityCheck::kNone;
   Witness witness_;
 };
 

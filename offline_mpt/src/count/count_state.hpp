@@ -32,22 +32,28 @@ struct CountState : SetQueue {
   void findProven(const ActiveSetList& sets, std::vector<char>& proven) const;
 
   MapCount count;
-  ActiveSetPool tight;                  // rows tight in a region that only slacks bound, to know it again
-  std::pmr::vector<bool> is_proven;     // of each set of `found`
-  std::pmr::vector<bool> is_region;     // of each set described: one of `regions`
-  std::pmr::vector<double> unresolved;  // probes, p numbers each, that must lie in some region
+  // Tight rows of each region that only slacks bound. They show that a region was found before.
+  ActiveSetPool tight;
+  // Whether each set of `found` is proven.
+  std::pmr::vector<bool> is_proven;
+  // Whether each described set is one of `regions`.
+  std::pmr::vector<bool> is_region;
+  // Probes that must lie in some region, p numbers each.
+  std::pmr::vector<double> unresolved;
   std::uint64_t regions = 0;
   std::uint64_t unproven = 0;
   std::uint64_t facets = 0;
   std::uint64_t contradicted = 0;
-  bool failed = false;  // the simplex gave up on a set
+  // The simplex gave up on a set.
+  bool failed = false;
 
  private:
   std::uint8_t readProof(ByteReader& answer);
   void prove(std::uint32_t set, std::uint8_t proof);
   bool mergeRegion(ByteReader& answer);
 
-  mutable std::shared_mutex growing_;  // guards found and is_proven
+  // Guards `found` and `is_proven`.
+  mutable std::shared_mutex growing_;
   const ParametricProgram& program_;
   const std::uint64_t map_limit_;
   const Record record_;

@@ -7,7 +7,8 @@ namespace polyfly {
 namespace {
 
 constexpr double kDoubleRounding = 0x1.0p-52;
-constexpr double kExactSafety = 100.0;  // by how much a value must exceed what rounding does
+// Least ratio of a value to its rounding error.
+constexpr double kExactSafety = 100.0;
 
 }  // namespace
 

@@ -7,9 +7,9 @@
 
 namespace polyfly {
 
-/// What StrictComplementarityCheck::at asks, where doubles leave it in doubt: of sets whose rows nearly depend on each other.
-/// Multipliers and slacks are functions of t that were found in rational arithmetic and rounded once. One
-/// object, one thread.
+/// What StrictComplementarityCheck::at asks, where doubles leave it in doubt: of sets whose rows nearly
+/// depend on each other. Multipliers and slacks are functions of t that were found in rational arithmetic and
+/// rounded once. One object, one thread.
 class ExactStrictComplementarity {
  public:
   ExactStrictComplementarity(const NormalisedProgram& reduced, const StrictComplementaritySystem& system,
@@ -25,7 +25,8 @@ class ExactStrictComplementarity {
   const NormalisedProgram& reduced_;
   const StrictComplementaritySystem& system_;
   const std::vector<double>& gap_;
-  std::vector<char> is_kept_;  // of each row of the program, by the reduced one
+  // Whether each row of the program is a row of the reduced program or an equality.
+  std::vector<char> is_kept_;
   std::vector<char> is_active_;
   ExactDescription exact_;
 };

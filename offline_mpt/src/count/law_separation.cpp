@@ -12,8 +12,10 @@ namespace {
 
 // Weight of |(z, t)|^2 that makes the search for bounds strictly convex.
 constexpr double kBoundWeight = 1e-9;
-constexpr double kMostLeft = 0.5;     // of z_j that its weights may leave unexplained
-constexpr double kRoundingUp = 1.01;  // for the rounding of what is computed here
+// Greatest sum of |coefficients| that the weights may leave besides z_j.
+constexpr double kMostLeft = 0.5;
+// Factor that covers the rounding of the bounds computed here.
+constexpr double kRoundingUp = 1.01;
 // Two laws that a map stores as one differ from the first of them by kSameLaw each. The other half is for rounding.
 constexpr double kLawErrors = 4.0;
 

@@ -58,17 +58,27 @@ class StrictComplementarityCheck {
 
   const StrictComplementaritySystem& system_;
   const std::vector<double>& gap_;
-  Eigen::MatrixXd size_;     // |gram|
-  std::vector<int> active_;  // with the equalities
-  std::vector<char> state_;  // m: of each row, what has to hold
-  Eigen::MatrixXd factor_;   // lower triangular, inverse of the Cholesky factor of the next's inverse
-  Eigen::MatrixXd inverse_;  // of gram of the active rows
-  Eigen::VectorXd values_;   // m: of active rows the multiplier, of others the slack
-  Eigen::VectorXd changes_;  // m: of values_, along a ray
-  Eigen::VectorXd slopes_;   // m: of values_ with t, from above
-  Eigen::VectorXd doubts_;   // m: of values_, by rounding
-  Eigen::VectorXd point_;    // p: where values_ are evaluated
-  Eigen::VectorXd distances_, right_, multipliers_;  // work space
+  Eigen::MatrixXd size_;  // |gram|
+  // Active rows, with the equalities.
+  std::vector<int> active_;
+  // What has to hold for each row.
+  std::vector<char> state_;  // m
+  // Inverse of the Cholesky factor of the active rows' gram matrix, lower triangular.
+  Eigen::MatrixXd factor_;
+  // Inverse of the active rows' gram matrix.
+  Eigen::MatrixXd inverse_;
+  // Multipliers of active rows, slacks of all others.
+  Eigen::VectorXd values_;  // m
+  // Change of values_ along a ray.
+  Eigen::VectorXd changes_;  // m
+  // Upper bounds of the slope of values_ in t.
+  Eigen::VectorXd slopes_;  // m
+  // Errors of values_ by rounding.
+  Eigen::VectorXd doubts_;  // m
+  // The point at which values_ are evaluated.
+  Eigen::VectorXd point_;  // p
+  // Work space.
+  Eigen::VectorXd distances_, right_, multipliers_;
 };
 
 /// Whether a witness lies in the box and in A_theta, off their edges.

@@ -19,15 +19,23 @@ struct StrictComplementaritySystem {
 
   int m = 0;
   int p = 0;
-  Eigen::MatrixXd gram;         ///< m x m
-  Eigen::MatrixXd D;            ///< m x (p + 1), constant last
-  Eigen::VectorXd slope;        ///< m, length of a row of D but for its constant
-  Eigen::VectorXd length;       ///< m, what the rows were divided by
-  Eigen::MatrixXd domain;       ///< k x (p + 1), rows of A_theta as (a, b): a . t <= b, |a| = 1
-  Eigen::VectorXd reach;        ///< m, greatest |D (t, 1)| in the box
-  double noise = 0.0;           ///< relative error of gram and D, and of an operation with them
-  std::vector<int> equalities;  ///< of the program
-  std::vector<int> first_of;    ///< m, the first row of which row i is an exact positive multiple
+  Eigen::MatrixXd gram;  ///< m x m
+  /// Slack without multipliers, constant last.
+  Eigen::MatrixXd D;  ///< m x (p + 1)
+  /// Length of each row of D without its constant.
+  Eigen::VectorXd slope;  ///< m
+  /// Lengths by which the rows were divided.
+  Eigen::VectorXd length;  ///< m
+  /// Rows of A_theta as (a, b): a . t <= b, |a| = 1.
+  Eigen::MatrixXd domain;  ///< k x (p + 1)
+  /// Greatest |D (t, 1)| in the box.
+  Eigen::VectorXd reach;  ///< m
+  /// Relative error of gram and D, and of an operation with them.
+  double noise = 0.0;
+  /// Rows of the program that are equalities.
+  std::vector<int> equalities;
+  /// First row of which row i is an exact positive multiple.
+  std::vector<int> first_of;  ///< m
 };
 
 }  // namespace polyfly

@@ -15,14 +15,22 @@ using ZeroCombination = std::vector<std::pair<int, Integer>>;
 
 /// What is certified in place of the program as it was given; nothing, where all fields are empty.
 struct ProgramPerturbation {
-  bool singular = false;                         ///< H is, and not zero: of several optima the shortest
-  std::vector<ReplacedEntry> replaced;           ///< of H, f, F and A; with H, all its entries
-  std::vector<std::pair<int, Rational>> bounds;  ///< rows, and what counts instead of their entries of b
-  double penalty = 0.0;      ///< H + penalty A_e'A_e, over the equalities, is positive semidefinite
-  std::vector<int> dropped;  ///< rows that others imply up to rounding, ascending
-  std::vector<int> relaxed;  ///< inequalities whose bounds count as b + 2^-kRelaxedBits |row|
-  std::vector<int> basis;    ///< rows taken as equalities: independent, and all others follow from them
-  std::vector<ZeroCombination> implied;  ///< why inequalities are among them
+  /// H is singular and not zero. Of several optima, the shortest counts.
+  bool singular = false;
+  /// Replaced entries of H, f, F and A. If an entry of H is replaced, all entries of H are listed.
+  std::vector<ReplacedEntry> replaced;
+  /// Rows, and the bounds that count instead of their entries of b.
+  std::vector<std::pair<int, Rational>> bounds;
+  /// H + penalty A_e'A_e, over the equalities, is positive semidefinite.
+  double penalty = 0.0;
+  /// Rows that others imply up to rounding, ascending.
+  std::vector<int> dropped;
+  /// Inequalities whose bounds count as b + 2^-kRelaxedBits |row|.
+  std::vector<int> relaxed;
+  /// Independent rows taken as equalities. All other equalities follow from them.
+  std::vector<int> basis;
+  /// Proofs that the inequalities in the basis are implied equalities.
+  std::vector<ZeroCombination> implied;
 };
 
 /// A ParametricProgram in whole numbers. Its doubles are taken at their exact values; parameters are

@@ -12,12 +12,18 @@ namespace polyfly {
 /// Where a half-space of a region comes from.
 struct ExactOrigin {
   enum class Kind : std::uint8_t {
-    kMultiplier,      ///< of row `index` of the program, >= 0
-    kCostMultiplier,  ///< the same where H is singular and the cost decides it
-    kSlack,           ///< of row `index`, >= 0
-    kDomain,          ///< row `index` of A_theta
-    kBox,             ///< t_(index / 2) <= 1 (even) or >= -1 (odd)
-    kExcess,          ///< minus the slack of row `index`, an equality that is dropped
+    /// Multiplier of row `index` of the program, >= 0.
+    kMultiplier,
+    /// Cost multiplier of row `index`, >= 0. H is singular, and the cost decides the multiplier's sign.
+    kCostMultiplier,
+    /// Slack of row `index`, >= 0.
+    kSlack,
+    /// Row `index` of A_theta.
+    kDomain,
+    /// Side of the box: t_(index / 2) <= 1 (even) or >= -1 (odd).
+    kBox,
+    /// Minus the slack of row `index`, a dropped equality.
+    kExcess,
   };
   Kind kind = Kind::kDomain;
   int index = 0;
@@ -31,8 +37,10 @@ struct ExactRow {
   std::vector<Integer> value;
   /// (a, b) with |a| = 1: a . t <= b, rounded; a = 0 where the row is constant. Infinite b: beyond doubles.
   std::vector<double> unit;
-  std::size_t bits = 0;  ///< of the greatest entry
-  double length = 0.0;   ///< of the row without its constant, times 2^-bits; 0 only where it is constant
+  /// Bits of the greatest entry.
+  std::size_t bits = 0;
+  /// Length of the row without its constant, times 2^-bits. It is 0 only where the row is constant.
+  double length = 0.0;
 };
 
 /// All that optimality asks of t when a given set of rows is active: where every row here is >= 0, the law
@@ -49,9 +57,12 @@ struct ExactRegion {
 
 enum class ExactStatus : std::uint8_t {
   kRegion,
-  kDependent,       ///< the active rows are linearly dependent
-  kCostNotSpanned,  ///< H singular: the cost is not in the span of these rows
-  kInconsistent,    ///< an equality does not hold
+  /// The active rows are linearly dependent.
+  kDependent,
+  /// H is singular, and the cost is not in the span of these rows.
+  kCostNotSpanned,
+  /// An equality does not hold.
+  kInconsistent,
 };
 
 /// The optimality conditions of one active set, solved: each unknown is an affine function of t, p + 1 whole
@@ -81,7 +92,8 @@ class ExactSolution {
   IntegerMatrix system_;
   Integer determinant_;
   int n_ = 0, first_ = 0, width_ = 0;
-  int multipliers_ = 0, cost_column_ = 0;  // where they stand in system_
+  // First row of the multipliers and first column of the cost multipliers in system_.
+  int multipliers_ = 0, cost_column_ = 0;
 };
 
 /// Solves the optimality conditions for one active set, which may name equalities or not.

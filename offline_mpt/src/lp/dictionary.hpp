@@ -127,7 +127,8 @@ class Dictionary {
   const int* growingPlaces(int& found) {
     found = static_cast<int>(placesAbove(columns_.data() + stride_, stride_,
                                          padded(static_cast<std::size_t>(size_)), N, -kPivot, above_.data()));
-    while (found > 0 && above_[found - 1] >= size_) --found;  // the padding
+    // Places in the padding are left out.
+    while (found > 0 && above_[found - 1] >= size_) --found;
     return above_.data();
   }
 
@@ -234,12 +235,18 @@ class Dictionary {
   int size_ = 0;
   std::size_t stride_ = 0;
   unsigned long long pivots_ = 0;
-  std::vector<double> columns_;   // of constants, then of the coefficients of each x_j
-  std::vector<double> quotient_;  // work space
-  std::vector<int> above_;        // the same
-  std::vector<int> row_;          // by place
-  std::vector<int> place_;        // by row: place, -1 - column, or kRemoved
-  std::array<double, (N + 1) * kCoordinates> coordinates_{};  // as columns_
+  // Column of constants, then the columns of the coefficients of each x_j.
+  std::vector<double> columns_;
+  // Work space.
+  std::vector<double> quotient_;
+  // Work space.
+  std::vector<int> above_;
+  // Row at each place.
+  std::vector<int> row_;
+  // Place of each row, or -1 - column, or kRemoved.
+  std::vector<int> place_;
+  // Coordinates, in the layout of columns_.
+  std::array<double, (N + 1) * kCoordinates> coordinates_{};
   std::array<int, N> nonbasic_{};
 };
 

@@ -174,7 +174,8 @@ class CgalLp {
   Program program_{CGAL::SMALLER, false, Number(0), false, Number(0)};
   Solution solution_;
   std::vector<int> row_of_;
-  std::vector<Rational> scale_;  // of columns
+  // Scale of each column.
+  std::vector<Rational> scale_;
   std::vector<Rational> row_scale_;
   Rational cost_scale_ = 1;
 };

@@ -60,7 +60,8 @@ int RationalPolytope::blocking(std::size_t column, bool growing, mpq_class& step
 }
 
 void RationalPolytope::pivot(std::size_t row, std::size_t column) {
-  std::vector<mpq_class> replacement(n_ + 1);  // the column's quantity in terms of the new columns
+  // The quantity of the column, in terms of the new columns.
+  std::vector<mpq_class> replacement(n_ + 1);
   const mpq_class inverse = 1 / slacks_[row][column + 1];
   for (std::size_t k = 0; k <= n_; ++k) replacement[k] = -slacks_[row][k] * inverse;
   replacement[column + 1] = inverse;

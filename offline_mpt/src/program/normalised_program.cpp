@@ -10,13 +10,17 @@
 namespace polyfly {
 namespace {
 
-constexpr double kProgramRank = 1e-11;  // relative size below which a pivot or length counts as zero
+// Relative size below which a pivot or length counts as zero.
+constexpr double kProgramRank = 1e-11;
 constexpr double kEpsilon = 0x1.0p-52;
-constexpr double kSingularStart = 1e-6;  // the same of a singular H, relative to its mean eigenvalue
-constexpr double kLinearStart =
-    1e-5;  // weight of |z|^2, relative to the cost, for starting points of linear programs
-constexpr double kParallel = 1e-12;  // difference below which two unit rows are parallel
-constexpr double kSameSide = 1e-12;  // difference below which two right-hand sides are equal
+// Weight of |z|^2, relative to the mean eigenvalue of a singular H, for starting points.
+constexpr double kSingularStart = 1e-6;
+// Weight of |z|^2, relative to the cost, for starting points of linear programs.
+constexpr double kLinearStart = 1e-5;
+// Difference below which two unit rows are parallel.
+constexpr double kParallel = 1e-12;
+// Difference below which two right-hand sides are equal.
+constexpr double kSameSide = 1e-12;
 
 /// Columns (t, 1) -> columns of theta: M theta + v = M half .* t + (M centre + v).
 Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
@@ -140,7 +144,8 @@ void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
 
 /// Lower triangular L with LL' = H; L = I where H is singular.
 Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
-  if (ld.n == 0) return ld.H;  // the equalities leave nothing to choose
+  // H is empty if the equalities leave no variable free.
+  if (ld.n == 0) return ld.H;
   const double mean = ld.H.trace() / ld.n;
   if (vanishes(ld.H, ld.source.H)) {
     ld.linear = true;

@@ -29,39 +29,56 @@ inline bool vanishes(const Eigen::MatrixXd& reduced, const Eigen::MatrixXd& H) {
 ///
 /// A linear program (H = 0) is the limit of H = eps I for eps -> 0, taken symbolically: of all optima the one
 /// of least length |z| is chosen, which is unique and, where the cost does not depend on theta, continuous.
-/// Multipliers are then cost multipliers / eps + lambda with cost + M' cost multipliers = 0, and all of the above holds with the
-/// lambda of order one. H that is singular otherwise is the limit of H + eps I, which the equation above does
-/// not describe: ShortestOptimum does. D, U and V are then those of H = I without cost.
+/// Multipliers are then cost multipliers / eps + lambda with cost + M' cost multipliers = 0, and all of the
+/// above holds with the lambda of order one. H that is singular otherwise is the limit of H + eps I, which
+/// the equation above does not describe: ShortestOptimum does. D, U and V are then those of H = I without
+/// cost.
 struct NormalisedProgram {
-  int p = 0;                   ///< parameters
-  int n = 0;                   ///< variables left
-  int m = 0;                   ///< rows left
-  Eigen::VectorXd centre;      ///< p
-  Eigen::VectorXd half;        ///< p
-  std::vector<int> row_ids;    ///< m, rows of the program
-  Eigen::MatrixXd M;           ///< m x n, unit rows A L^-T with H = L L'
-  Eigen::MatrixXd gram;        ///< m x m, M M'
-  Eigen::MatrixXd D;           ///< m x (p + 1), slack of the unconstrained minimiser; constant last
-  Eigen::MatrixXd U;           ///< q x (p + 1)
-  Eigen::MatrixXd V;           ///< q x m
-  std::vector<double> domain;  ///< rows (a, b): a . t <= b, |a| = 1; the first 2 p are the box
-  double rounding = 0.0;       ///< about what doubles lose in D, gram, U and V, relative
-  bool linear = false;         ///< H = 0
-  bool semidefinite = false;   ///< H is singular otherwise
-  Eigen::MatrixXd cost;        ///< n x (p + 1), where H is singular
-  Eigen::MatrixXd output;      ///< q x n, from z to u
-  Eigen::MatrixXd curvature;   ///< n x n, a singular H, without what rounding adds to it
-  bool domain_empty = false;   ///< a row without z can never hold
+  /// Number of parameters.
+  int p = 0;
+  /// Number of variables left.
+  int n = 0;
+  /// Number of rows left.
+  int m = 0;
+  Eigen::VectorXd centre;  ///< p
+  Eigen::VectorXd half;    ///< p
+  /// Rows of the program.
+  std::vector<int> row_ids;  ///< m
+  /// Unit rows A L^-T with H = L L'.
+  Eigen::MatrixXd M;  ///< m x n
+  /// Gram matrix M M'.
+  Eigen::MatrixXd gram;  ///< m x m
+  /// Slack of the unconstrained minimiser, constant last.
+  Eigen::MatrixXd D;  ///< m x (p + 1)
+  Eigen::MatrixXd U;  ///< q x (p + 1)
+  Eigen::MatrixXd V;  ///< q x m
+  /// Rows (a, b): a . t <= b, |a| = 1. The first 2 p are the box.
+  std::vector<double> domain;
+  /// Approximate relative rounding error of D, gram, U and V.
+  double rounding = 0.0;
+  bool linear = false;  ///< H = 0
+  /// H is singular and not zero.
+  bool semidefinite = false;
+  /// The cost, where H is singular.
+  Eigen::MatrixXd cost;  ///< n x (p + 1)
+  /// Map from z to u.
+  Eigen::MatrixXd output;  ///< q x n
+  /// A singular H, without what starting points add to it.
+  Eigen::MatrixXd curvature;  ///< n x n
+  /// A row without z can never hold.
+  bool domain_empty = false;
 
   // The reduced program in t, for starting points: min 1/2 z'Hz + (f + F t)'z, A z <= b + S t. A singular H
   // has something added to its diagonal.
   Eigen::MatrixXd H;
-  Eigen::MatrixXd F;       ///< n x (p + 1), constant last
-  Eigen::MatrixXd A;       ///< m x n
-  Eigen::VectorXd length;  ///< m, of the rows of A in the norm of H^-1
+  Eigen::MatrixXd F;  ///< n x (p + 1), constant last
+  Eigen::MatrixXd A;  ///< m x n
+  /// Lengths of the rows of A in the norm of H^-1.
+  Eigen::VectorXd length;  ///< m
   Eigen::MatrixXd S;       ///< m x (p + 1), constant last
 
-  ParametricProgram source;  ///< what was reduced
+  /// The program before the reduction.
+  ParametricProgram source;
 
   int domainCount() const { return static_cast<int>(domain.size()) / (p + 1); }
 };

@@ -10,15 +10,20 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLeastMargin = 1e-9;     // margins below this count as none [rows of unit length]
-constexpr double kMarginRounding = 1e-7;  // by how much rounding may take a margin of zero below zero
-constexpr double kSlaterWeight = 1e-7;    // weight of |(z, t)|^2 that makes the search strictly convex
-constexpr double kImplied = 1e-4;  // share of the margin's multiplier above which a row counts as blocking
-constexpr double kOppositeRows = 1e-14;  // entries of two unit rows that cancel up to this are opposite
-constexpr double kSmallColumn =
-    1e-2;  // variables with greater entries in a row of length one stay as they are
-constexpr double kNoLength =
-    1e-13;  // rows shorter than this, relative to their largest entry, have no normal
+// Margins below this count as none.
+constexpr double kLeastMargin = 1e-9;  // [rows of unit length]
+// A margin of zero may be this far below zero by rounding.
+constexpr double kMarginRounding = 1e-7;
+// Weight of |(z, t)|^2 that makes the search strictly convex.
+constexpr double kSlaterWeight = 1e-7;
+// Share of the margin's multiplier above which a row counts as blocking.
+constexpr double kImplied = 1e-4;
+// Two unit rows are opposite if their entries cancel up to this.
+constexpr double kOppositeRows = 1e-14;
+// Variables with greater entries in a row of length one are not scaled.
+constexpr double kSmallColumn = 1e-2;
+// Rows shorter than this, relative to their largest entry, have no normal.
+constexpr double kNoLength = 1e-13;
 
 /// max r over (z, t, r): rows of the program in scaled parameters with slack r, r <= 1. Box rows follow, then
 /// A_theta's.

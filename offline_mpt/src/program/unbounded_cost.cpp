@@ -11,15 +11,24 @@
 namespace polyfly {
 namespace {
 
-constexpr double kFalls = 1e-9;   // slope below which the cost is level, relative to its greatest entry
-constexpr double kOpen = 1e-9;    // by how much a direction of length 1 may run into a row of unit length
-constexpr int kMostCuts = 300;    // directions that are cut off in search of a start
-constexpr int kMostCorners = 10;  // parameters up to which all corners of their box are asked
-constexpr int kQuickBits = 6;     // a quick search asks 2^6 corners at most
-constexpr std::size_t kQuickHarmless = 8;  // and gives up after so many directions, a linear program each
-constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;  // odd: its multiples take all values of their low bits
-constexpr double kSteps[] = {1e-2, 1e-4};              // across a facet [scaled]
-constexpr double kEdge = 1e-9;  // planes nearer to one of the domain's are its edge [scaled]
+// Slope below which the cost is level, relative to its greatest entry.
+constexpr double kFalls = 1e-9;
+// Greatest product of a direction and a row, both of length 1, at which the row leaves the direction open.
+constexpr double kOpen = 1e-9;
+// Directions that the search for a start cuts off at most.
+constexpr int kMostCuts = 300;
+// Number of parameters up to which all corners of their box are tested.
+constexpr int kMostCorners = 10;
+// A quick search tests 2^6 corners at most.
+constexpr int kQuickBits = 6;
+// A quick search gives up after this number of harmless directions. Each costs a linear program.
+constexpr std::size_t kQuickHarmless = 8;
+// Odd, so that its multiples take all values of their low bits.
+constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
+// Steps across a facet.
+constexpr double kSteps[] = {1e-2, 1e-4};  // [scaled]
+// Planes nearer to a plane of the domain are its edge.
+constexpr double kEdge = 1e-9;  // [scaled]
 
 /// `program` for those t alone where sign * affine(t) >= 0.
 void restrictParameters(ParametricProgram& program, const NormalisedProgram& reduced,
@@ -163,7 +172,8 @@ std::optional<Eigen::VectorXd> UnboundedCost::behind(const CriticalRegion& regio
     const Eigen::VectorXd foot = centre + inner / (inner + outer) * (beyond - centre);
     for (const double step : kSteps) {
       const Eigen::VectorXd t = foot + step * normal;
-      if (t.cwiseAbs().maxCoeff() > 1.0 + kEdge) continue;  // the edge of the box
+      // Points beyond the box are left out: the facet lies on its edge.
+      if (t.cwiseAbs().maxCoeff() > 1.0 + kEdge) continue;
       if (std::optional<Eigen::VectorXd> found = test(t)) return found;
     }
   }

@@ -50,12 +50,17 @@ class UnboundedCost {
 
   const ParametricProgram& program_;
   const NormalisedProgram& reduced_;
-  Eigen::MatrixXd null_;       // n x r, what H leaves free
-  std::optional<DenseQp> qp_;  // the shortest way from -cost to the open directions; none where r = 0
-  double size_ = 0.0;          // of the cost
-  std::optional<Eigen::VectorXd> first_;  // found by `start`
+  // Basis of the null space of H.
+  Eigen::MatrixXd null_;  // n x r
+  // Projects -cost onto the cone of open directions. None where r = 0.
+  std::optional<DenseQp> qp_;
+  // Greatest entry of the cost.
+  double size_ = 0.0;
+  // Parameter that `start` found.
+  std::optional<Eigen::VectorXd> first_;
   bool cut_short_ = false;
-  std::vector<Eigen::VectorXd> harmless_;  // directions along which no feasible parameter's cost falls
+  // Directions along which the cost of no feasible parameter falls.
+  std::vector<Eigen::VectorXd> harmless_;
 };
 
 }  // namespace polyfly

@@ -13,15 +13,18 @@ struct ArrangementCell {
   std::uint64_t signs = 0;
   std::vector<double> centre;
   double radius = 0.0;
-  bool inside = false;  ///< in the union of the pieces
+  /// Whether the cell lies in the union of the pieces.
+  bool inside = false;
 };
 
 /// All planes of some pieces that cut their envelope, and the cells that these make of it.
 struct Arrangement {
   static constexpr std::size_t kMaxPlanes = 64;
 
-  RowList hull;    ///< of all the pieces
-  RowList planes;  ///< as rows, > 0
+  /// Envelope of all pieces.
+  RowList hull;
+  /// The planes as rows that are not negated (> 0).
+  RowList planes;
   std::vector<ArrangementCell> cells;
 };
 

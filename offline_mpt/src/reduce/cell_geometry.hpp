@@ -30,9 +30,12 @@ struct ScaledPlanes {
 /// A polytope in t: its rows, and the box.
 struct ConvexCell {
   RowList rows;
-  std::vector<double> centre;  ///< of the largest ball
-  double radius = 0.0;         ///< of the largest ball; <= 0: no interior
-  std::vector<double> points;  ///< some of its extreme points
+  /// Centre of the largest ball.
+  std::vector<double> centre;
+  /// Radius of the largest ball. <= 0: no interior.
+  double radius = 0.0;
+  /// Some extreme points.
+  std::vector<double> points;
 };
 
 /// Decisions about polytopes by linear programming in floating point. What they say is proven afterwards, or

@@ -56,7 +56,8 @@ std::vector<std::uint32_t> lawClasses(const RegionMap& map, double tolerance) {
   const std::size_t p = map.parameters().size();
   const std::vector<double> scales = lawScales(map);
   std::vector<std::vector<double>> laws;
-  std::multimap<double, std::uint32_t> heads;  // by the first input at the centre of the box
+  // First law of each class, by the first input at the centre of the box.
+  std::multimap<double, std::uint32_t> heads;
   std::vector<std::uint32_t> result;
   for (std::uint32_t law = 0; law < map.lawCount(); ++law) {
     laws.push_back(scaledLaw(map, law, scales));

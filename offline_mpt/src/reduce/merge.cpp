@@ -37,7 +37,8 @@ class GreedyMerger {
     for (std::size_t i = 0; i < unions_.size(); ++i) {
       for (std::size_t j = 0; j < unions_.size(); ++j) {
         if (j == i || !tryPair(i, j)) continue;
-        i = 0;  // what could not be joined before may be now
+        // A pair that could not be joined before may be joined now.
+        i = 0;
         j = static_cast<std::size_t>(-1);
       }
     }
@@ -122,12 +123,14 @@ class GreedyMerger {
   CellGeometry& geometry_;
   const MergeTask& task_;
   std::size_t p_;
-  std::vector<ConvexCell> pieces_;  // as the task has them, with points that were found
+  // The pieces of the task, with the extreme points found so far.
+  std::vector<ConvexCell> pieces_;
   Envelopes envelopes_;
   std::vector<Union> unions_;
   std::size_t next_id_ = 0;
   std::set<std::pair<std::size_t, std::size_t>> tried_;
-  std::vector<std::pair<double, double>> ranges_;  // of the pieces, along each axis
+  // Range of each piece along each axis.
+  std::vector<std::pair<double, double>> ranges_;
 };
 
 }  // namespace

@@ -10,20 +10,28 @@ namespace polyfly {
 
 /// Regions of one law that are to be described by fewer.
 struct MergeTask {
-  std::vector<ConvexCell> pieces;  ///< with interiors
+  /// Regions to merge, all with interior points.
+  std::vector<ConvexCell> pieces;
   // All regions of the map: a union holds the centre of none with another law.
   const std::vector<double>* centres = nullptr;      ///< p numbers each
   const std::vector<std::uint32_t>* laws = nullptr;  ///< one each
-  std::uint32_t law = 0;                             ///< of the pieces
-  RowList box;                                       ///< rows of the box
-  double slack = 0.0;  ///< how far outside a half-space still counts as inside [scaled]
+  /// Law of the pieces.
+  std::uint32_t law = 0;
+  /// Rows of the box.
+  RowList box;
+  /// A point may be this far outside a half-space and still count as inside.
+  double slack = 0.0;  ///< [scaled]
 };
 
 struct MergeLimits {
-  std::size_t planes = 24;        ///< of an arrangement; at most 64
-  std::size_t cells = 1000;       ///< of an arrangement
-  std::size_t unions = 20'000;    ///< convex unions looked at
-  std::uint64_t covers = 50'000;  ///< branches in the search for the fewest of them
+  /// Greatest number of planes of an arrangement, at most 64.
+  std::size_t planes = 24;
+  /// Greatest number of cells of an arrangement.
+  std::size_t cells = 1000;
+  /// Greatest number of convex unions that are examined.
+  std::size_t unions = 20'000;
+  /// Greatest number of branches in the search for the fewest unions.
+  std::uint64_t covers = 50'000;
 };
 
 struct Merged {
@@ -54,8 +62,10 @@ class Envelopes {
   std::vector<ConvexCell>& pieces_;
   const RowList& box_;
   double slack_;
-  RowList rows_;                          // of all pieces, sorted
-  std::vector<std::vector<char>> known_;  // per piece and row: whether it holds there
+  // Rows of all pieces, sorted.
+  RowList rows_;
+  // Whether each row holds on each piece, by piece and row.
+  std::vector<std::vector<char>> known_;
 };
 
 }  // namespace polyfly

@@ -117,7 +117,8 @@ class Transversals {
 struct Cube {
   std::uint64_t mask = 0;
   std::uint64_t signs = 0;
-  BitSet cells;  // of those inside
+  // Cells of the union, numbered among the cells inside the pieces.
+  BitSet cells;
 
   bool operator<(const Cube& other) const {
     if (!(cells == other.cells)) return cells < other.cells;

@@ -15,7 +15,8 @@ class BitSet {
   bool test(std::size_t i) const { return (words_[i / 64] >> (i % 64) & 1) != 0; }
   bool empty() const;
   std::size_t count() const;
-  std::size_t countWith(const BitSet& other) const;  ///< of the intersection
+  /// Size of the intersection.
+  std::size_t countWith(const BitSet& other) const;
   bool subsetOf(const BitSet& other) const;
   void remove(const BitSet& other);
   bool operator==(const BitSet& other) const { return words_ == other.words_; }

@@ -114,7 +114,8 @@ class Pruner {
   RowList path_;
   std::vector<Candidates> leaves_;
   std::map<Candidates, std::uint32_t> known_;
-  std::map<std::uint32_t, std::uint32_t> number_;  // of leaves that are used
+  // New number of each leaf that is used.
+  std::map<std::uint32_t, std::uint32_t> number_;
 };
 
 }  // namespace

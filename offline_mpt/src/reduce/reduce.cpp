@@ -21,17 +21,19 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSlackShare =
-    0.125;  // of the map's tolerance: how far regions may be off when they are joined
+// Slack that regions may use when they are joined, as a share of the map's tolerance.
+constexpr double kSlackShare = 0.125;
 // Regions with a smaller inscribed ball are left as they are [scaled]
 constexpr double kEmptyInterior = 1e-11;
-constexpr double kConstantInput = 1e-6;  // greatest change of a constant input over the box, relative as laws
+// Greatest change of a constant input over the box, relative as for laws.
+constexpr double kConstantInput = 1e-6;
 constexpr std::size_t kMostFallbacks = 64;
 
 /// Regions of the map with the same law.
 struct LawGroup {
   std::uint32_t law = 0;
-  std::vector<std::uint32_t> regions;  // with interiors
+  // Regions with interior points.
+  std::vector<std::uint32_t> regions;
   Merged merged;
 };
 
@@ -255,19 +257,27 @@ class Reducer {
   const RegionMap& map_;
   const ReduceOptions& options_;
   double slack_;
-  ScaledPlanes planes_;  // those of the map, then those that were added
+  // Planes of the map, then the planes that were added.
+  ScaledPlanes planes_;
   RowList box_;
-  std::vector<ConvexCell> pieces_;       // per region
-  std::vector<std::uint32_t> class_of_;  // of the map's laws
-  std::vector<std::uint32_t> laws_;      // per region
-  std::vector<double> centres_;          // of the regions
+  // One piece for each region.
+  std::vector<ConvexCell> pieces_;
+  // Class of each law of the map.
+  std::vector<std::uint32_t> class_of_;
+  // Law of each region.
+  std::vector<std::uint32_t> laws_;
+  // Centre of each region.
+  std::vector<double> centres_;
   std::vector<LawGroup> groups_;
-  std::vector<std::uint32_t> replaced_;  // laws whose regions gave way to fallback regions
+  // Laws whose regions fallback regions replace.
+  std::vector<std::uint32_t> replaced_;
   std::vector<ReducedRegion> entries_, fallbacks_;
   std::size_t first_fallback_ = 0;
-  LawGroup* upper_ = nullptr;  // saturated
+  // Saturated at the upper and at the lower bound.
+  LawGroup* upper_ = nullptr;
   LawGroup* lower_ = nullptr;
-  std::size_t kinds_ = 0;  // of saturation
+  // Number of kinds of saturation.
+  std::size_t kinds_ = 0;
   Separation separation_;
   ReduceStats stats_;
 };

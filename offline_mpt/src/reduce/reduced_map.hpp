@@ -11,9 +11,12 @@ namespace polyfly {
 
 /// A region of a reduced map.
 struct ReducedRegion {
-  ConvexCell piece;       ///< described, and bounded by its own rows
-  std::uint32_t law = 0;  ///< of the original
-  int source = -1;        ///< the region of the original that it is, unchanged; -1: a union
+  /// The polytope, described, and bounded by its own rows.
+  ConvexCell piece;
+  /// Index of the law in the original.
+  std::uint32_t law = 0;
+  /// The region of the original that is kept unchanged. -1: the region is a union.
+  int source = -1;
 };
 
 struct ReducedRegions {

@@ -6,12 +6,16 @@
 namespace polyfly {
 namespace {
 
-constexpr double kPlaneMargin = 1e-6;  // least distance of the pieces from the plane between them [scaled]
-constexpr double kAccurate = 0.5;      // share of the margin that every piece must keep
-constexpr double kNoPiece = 1e-10;     // a part of a piece whose largest ball is smaller is left out [scaled]
-constexpr double kSharp =
-    1e-12;                    // fallback regions must not reach beyond the domain, even by little [scaled]
-constexpr int kRounds = 400;  // of finding points that a plane must respect
+// Least distance of the pieces from the plane between them.
+constexpr double kPlaneMargin = 1e-6;  // [scaled]
+// Share of the margin that every piece must keep.
+constexpr double kAccurate = 0.5;
+// A part of a piece is left out if its largest ball is smaller.
+constexpr double kNoPiece = 1e-10;  // [scaled]
+// Fallback regions may reach this far beyond the domain.
+constexpr double kSharp = 1e-12;  // [scaled]
+// Rounds of the search for points that a plane must respect, at most.
+constexpr int kRounds = 400;
 
 using Pieces = std::vector<ConvexCell>;
 

@@ -14,13 +14,17 @@ ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, con
 
 struct Fallback {
   ConvexCell piece;
-  bool upper = false;  ///< which kind of saturation
+  /// Whether the input is saturated at its upper bound.
+  bool upper = false;
 };
 
 struct Separation {
-  std::vector<Fallback> fallbacks;  ///< disjoint; what they leave of the domain is not saturated
-  std::size_t planes = 0;           ///< that were added
-  bool done = false;                ///< otherwise no planes were found; the fallbacks are meaningless
+  /// Disjoint fallback regions. Nothing else of the domain is saturated.
+  std::vector<Fallback> fallbacks;
+  /// Number of planes that were added.
+  std::size_t planes = 0;
+  /// False: no planes were found, and the fallbacks are meaningless.
+  bool done = false;
 };
 
 /// Divides the domain by planes, which are added to `planes` (those of the geometry), so that each part meets

@@ -17,7 +17,8 @@ class CountedMemory : public std::pmr::memory_resource {
   std::uint64_t peak() const { return peak_; }
 
  private:
-  static constexpr std::size_t kHeader = 8;  // what the heap adds to a block, and the step of its sizes
+  // Bytes that the heap adds to a block, and the step of its block sizes.
+  static constexpr std::size_t kHeader = 8;
   static constexpr std::size_t kStep = 16;
 
   static std::uint64_t rounded(std::size_t bytes) { return (bytes + kHeader + kStep - 1) / kStep * kStep; }
@@ -90,8 +91,10 @@ class Arena {
   }
 
   CountedMemory& memory_;
-  std::pmr::vector<Block> blocks_;  // in the order of allocation
-  std::size_t freed_ = 0;           // of blocks_, the first ones
+  // Blocks in the order of allocation.
+  std::pmr::vector<Block> blocks_;
+  // Number of blocks freed, the first ones of blocks_.
+  std::size_t freed_ = 0;
   T* next_ = nullptr;
   std::size_t left_ = 0;
 };

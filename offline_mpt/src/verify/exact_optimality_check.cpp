@@ -57,7 +57,8 @@ bool ExactOptimalityCheck::optimal(const Eigen::VectorXd& theta, const std::vect
     as_given.singular = program_->H.cwiseAbs().maxCoeff() > 0.0 && isSingular(*program_, as_given.basis);
     exact_ = std::make_shared<const ExactProgram>(*program_, as_given);
   }
-  if (exact_->hasCostMultipliers()) return false;  // whose optimum need not be unique
+  // A program with cost multipliers need not have a unique optimum.
+  if (exact_->hasCostMultipliers()) return false;
   ExactSolution solution;
   if (solution.solve(*exact_, active) != ExactStatus::kRegion) return false;
   const std::vector<Rational> t = scaled(*exact_, theta);

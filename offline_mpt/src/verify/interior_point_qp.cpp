@@ -13,25 +13,41 @@ namespace {
 
 constexpr int kMaxIterations = 80;
 constexpr int kMehrotraIterations = 30;
-constexpr double kPlainCentring = 0.2;  // of the mean product, after those
-constexpr double kRowRounding = 1e-15;  // of a row [scaled]
+// Target of plain path-following steps after the Mehrotra iterations, as a share of the mean product.
+constexpr double kPlainCentring = 0.2;
+// Residual of a row that is only rounding.
+constexpr double kRowRounding = 1e-15;  // [scaled]
 constexpr int kMaxStalledSteps = 4;
-constexpr double kStalledStep = 1e-6;           // a shorter step is no progress
-constexpr double kStepFraction = 0.995;         // of the way to the boundary, at first
-constexpr double kLastStepFraction = 0.999999;  // the same, near the end
-constexpr double kResidualGoal = 1e-11;         // of the Newton iteration [scaled]
-constexpr double kEarlyGapGoal = 1e-12;     // mean complementarity product, when residuals are small [scaled]
-constexpr double kGapGoal = 1e-14;          // the same, when they are not
-constexpr double kCarefulGapGoal = 1e-22;   // tells multipliers from slacks of 1e-10
-constexpr double kLateResidualGoal = 1e-6;  // residuals that the final correction can take away [scaled]
-constexpr double kRowTolerance =
-    1e-11;                             // a row shorter than this times its norm is implied by the equalities
-constexpr double kConsistency = 1e-9;  // equalities off by less hold [scaled]
-constexpr double kRegularisation = 1e-14;  // added to the normal matrix when it is not positive definite
-constexpr double kCertificateSum = 1e2;    // multipliers must have grown so far before a certificate is tried
-constexpr double kCertificateRadius = 1e7;  // a Farkas certificate excludes all solutions up to this norm
-constexpr double kRayGrowth = 1e6;          // iterates must have grown so far before unboundedness is tried
-constexpr double kRayTolerance = 1e-7;      // relative, for a direction of unlimited descent
+// A shorter step is no progress.
+constexpr double kStalledStep = 1e-6;
+// Share of the way to the boundary that a step may take, at first.
+constexpr double kStepFraction = 0.995;
+// Share of the way to the boundary that a step may take, near the end.
+constexpr double kLastStepFraction = 0.999999;
+// Residual at which the Newton iteration ends.
+constexpr double kResidualGoal = 1e-11;  // [scaled]
+// Mean complementarity product at which the iteration ends when residuals are small.
+constexpr double kEarlyGapGoal = 1e-12;  // [scaled]
+// Mean complementarity product from which on kLateResidualGoal is enough.
+constexpr double kGapGoal = 1e-14;  // [scaled]
+// Mean complementarity product that tells multipliers from slacks of 1e-10.
+constexpr double kCarefulGapGoal = 1e-22;
+// Greatest residual that the final correction can remove.
+constexpr double kLateResidualGoal = 1e-6;  // [scaled]
+// The equalities imply a row if it is shorter than this times its norm.
+constexpr double kRowTolerance = 1e-11;
+// Equalities hold if their error is smaller.
+constexpr double kConsistency = 1e-9;  // [scaled]
+// Added to the diagonal of the normal matrix if that is not positive definite.
+constexpr double kRegularisation = 1e-14;
+// Size of the multipliers from which on a Farkas certificate is tried.
+constexpr double kCertificateSum = 1e2;
+// A Farkas certificate excludes all solutions up to this norm.
+constexpr double kCertificateRadius = 1e7;
+// Size of the iterates from which on unboundedness is tested.
+constexpr double kRayGrowth = 1e6;
+// Relative tolerance for a direction of unlimited descent.
+constexpr double kRayTolerance = 1e-7;
 
 }  // namespace
 
@@ -286,7 +302,8 @@ InteriorPointQp::End InteriorPointQp::iterate() {
       target_ += ds_.cwiseProduct(dl_);
       target_.array() -= ratio * ratio * ratio * mu_;
     } else {
-      target_.array() -= kPlainCentring * mu_;  // the predictor can cycle; a plain path-following step cannot
+      // The predictor can cycle, but a plain path-following step cannot.
+      target_.array() -= kPlainCentring * mu_;
     }
     direction(target_);
     const double fraction =

@@ -38,9 +38,11 @@ class ParameterSampler {
   const RegionMap* map_;
   std::mt19937_64 engine_;
   Eigen::VectorXd middle_, half_;
-  Eigen::MatrixXd rows_;    // unit normals of the current region and of the box [scaled]
+  // Unit normals of the current region and of the box.
+  Eigen::MatrixXd rows_;    // [scaled]
   Eigen::VectorXd bounds_;  // rows_ t <= bounds_
-  Eigen::VectorXd centre_;  // of the current region [scaled]
+  // Centre of the current region.
+  Eigen::VectorXd centre_;  // [scaled]
 };
 
 }  // namespace polyfly

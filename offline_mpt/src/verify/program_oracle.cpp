@@ -11,13 +11,18 @@
 namespace polyfly {
 namespace {
 
-constexpr double kOppositeEntries = 1e-12;  // entries of two unit rows that cancel up to this are opposite
-constexpr double kParameterSet = 1e-9;  // how far outside A_theta theta <= b_theta counts as inside [scaled]
-constexpr double kLeastEigenvalue = 1e-10;  // least eigenvalue over the greatest that counts as positive
-constexpr double kOracleRank = 1e-11;       // relative, of the equalities
-constexpr double kUsableResidual = 1e-9;    // of the auxiliary programs
-constexpr double kCertainDistance =
-    1e-8;  // a greater distance to the feasible set is not a matter of rounding
+// Two unit rows are opposite if their entries cancel up to this.
+constexpr double kOppositeEntries = 1e-12;
+// A parameter may be this far outside A_theta theta <= b_theta.
+constexpr double kParameterSet = 1e-9;  // [scaled]
+// Least ratio of the least to the greatest eigenvalue that counts as positive.
+constexpr double kLeastEigenvalue = 1e-10;
+// Relative rank tolerance of the equalities.
+constexpr double kOracleRank = 1e-11;
+// Greatest residual at which a solution of an auxiliary program is used.
+constexpr double kUsableResidual = 1e-9;
+// A greater distance to the feasible set cannot be due to rounding.
+constexpr double kCertainDistance = 1e-8;
 constexpr double kOracleInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 

@@ -257,7 +257,8 @@ class Checker {
         if (settle(theta, region, error, scale)) {
           ++report.settled;
         } else if (oracle_.place(theta, options_.edge_tolerance) == ProgramOracle::Place::kEdge) {
-          ++report.borderline;  // where nothing need be feasible, a steep law and the oracle may well differ
+          // Near the edge of the feasible set, a steep law and the oracle may differ.
+          ++report.borderline;
           return;
         }
       }

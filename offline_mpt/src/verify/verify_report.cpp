@@ -11,7 +11,8 @@ namespace {
 struct NamedFinding {
   const char* key;
   const char* sentence;
-  const char* measure;  // what `worst` is; none if empty
+  // Meaning of `worst`. Empty: none.
+  const char* measure;
   const Finding* finding;
 };
 

@@ -12,11 +12,15 @@ namespace polyfly::format {
 constexpr unsigned char kMagic[8] = {'P', 'F', 'L', 'Y', 'M', 'A', 'P', '\n'};
 constexpr std::uint32_t kByteOrder = 0x01020304u;
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kAlignment = 64;  ///< of the file in memory and of each section in the file [bytes]
+/// Alignment of the file in memory and of each section in the file.
+constexpr std::size_t kAlignment = 64;  ///< [bytes]
 constexpr std::uint32_t kMaxSignals = 256;
-constexpr double kMaxTolerance = 1e-8;     ///< what `solve` writes, and no reader takes more [scaled]
-constexpr double kHandicap = 1.0 / 128.0;  ///< of fallback regions, in tolerances
-constexpr std::uint64_t kMaxElements = 0x7fffffffu;  ///< of a section, text excepted
+/// Greatest tolerance that readers accept. `solve` writes this one.
+constexpr double kMaxTolerance = 1e-8;  ///< [scaled]
+/// Handicap of fallback regions, in tolerances.
+constexpr double kHandicap = 1.0 / 128.0;
+/// Greatest number of elements of a section, text excepted.
+constexpr std::uint64_t kMaxElements = 0x7fffffffu;
 
 enum Section : std::size_t {
   kText,

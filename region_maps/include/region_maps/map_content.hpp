@@ -39,25 +39,41 @@ struct MapContent {
 
   static constexpr std::uint32_t kLeaf = 0x80000000u;
 
-  std::string name;           ///< short identifier of the problem
-  std::string problem_text;   ///< the problem file, verbatim
-  std::string problem_kind;   ///< "yaml" or "json"
-  std::string solver_status;  ///< "complete", "limited", "incomplete", ...
-  std::string solver_notes;   ///< deterministic facts about the solution, `key: value` lines
-  double period = 0.0;        ///< sampling time of the controller [s], 0 if there is none
-  double tolerance = 0.0;     ///< how far outside a half-space a parameter still counts as inside [scaled]
+  /// Short identifier of the problem.
+  std::string name;
+  /// Text of the problem file, verbatim.
+  std::string problem_text;
+  /// Kind of the problem file: "yaml" or "json".
+  std::string problem_kind;
+  /// Status of the solver: "complete", "limited", "incomplete", ...
+  std::string solver_status;
+  /// Deterministic facts about the solution, in lines `key: value`.
+  std::string solver_notes;
+  /// Sampling time of the controller. 0: none.
+  double period = 0.0;  ///< [s]
+  /// Distance outside a half-space at which a parameter still counts as inside.
+  double tolerance = 0.0;  ///< [scaled]
 
-  std::vector<Signal> parameters;  ///< with the box: lower and upper
-  std::vector<Signal> inputs;      ///< with their bounds
+  /// Parameters with their box: lower and upper.
+  std::vector<Signal> parameters;
+  /// Inputs with their bounds.
+  std::vector<Signal> inputs;
 
-  std::vector<double> planes;  ///< unique planes, p + 1 numbers each
-  std::vector<double> laws;    ///< unique laws, m rows of p + 1 numbers (K row, k): u = K theta + k
+  /// Unique planes, p + 1 numbers each.
+  std::vector<double> planes;
+  /// Unique laws u = K theta + k, m rows of p + 1 numbers (K row, k).
+  std::vector<double> laws;
   std::vector<Region> regions;
-  std::vector<std::int32_t> rows;    ///< i + 1: plane i as it is; -(i + 1): plane i with both sides negated
-  std::vector<std::int32_t> active;  ///< active sets (row indices of the program), concatenated
-  std::uint32_t first_fallback = 0;  ///< regions from here on count only where none before does; 0: all count
-  std::uint64_t reduced_from = 0;    ///< checksum of the map that this one was reduced from, 0: none
-  std::uint32_t root = 0;            ///< as a child: node index, or leaf index with kLeaf set
+  /// i + 1: plane i as it is. -(i + 1): plane i with both sides negated.
+  std::vector<std::int32_t> rows;
+  /// Active sets (row indices of the program), concatenated.
+  std::vector<std::int32_t> active;
+  /// Regions from here on count only where no region before does. 0: all count.
+  std::uint32_t first_fallback = 0;
+  /// Checksum of the map that this one was reduced from. 0: none.
+  std::uint64_t reduced_from = 0;
+  /// The root as a child: node index, or leaf index with kLeaf set.
+  std::uint32_t root = 0;
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
   std::vector<std::uint32_t> candidates;

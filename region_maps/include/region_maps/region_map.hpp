@@ -18,12 +18,14 @@ namespace polyfly {
 
 /// A critical region as it lies in the file. Pointers live as long as the map.
 struct RegionView {
-  const std::int32_t* rows = nullptr;  ///< see MapContent::rows
+  /// Rows of the region, see MapContent::rows.
+  const std::int32_t* rows = nullptr;
   std::uint32_t row_count = 0;
   const std::int32_t* active = nullptr;
   std::uint32_t active_count = 0;
   std::uint32_t law = 0;
-  std::uint32_t first_row = 0;  ///< of rows, among all of the file
+  /// Index of the first row among all rows of the file.
+  std::uint32_t first_row = 0;
 };
 
 /// The regions that may hold a parameter at a leaf of the search tree, in the order in which they are tested.
@@ -56,7 +58,8 @@ class RegionMap {
   const std::vector<Signal>& parameters() const noexcept { return parameters_; }
   const std::vector<Signal>& inputs() const noexcept { return inputs_; }
   const LookupCost& cost() const noexcept { return cost_; }
-  const SearchIndex& index() const noexcept { return index_; }  ///< made in memory when the map opened
+  /// The index that was made in memory when the map opened.
+  const SearchIndex& index() const noexcept { return index_; }
 
   std::size_t regionCount() const noexcept;
   std::size_t lawCount() const noexcept;
@@ -64,18 +67,21 @@ class RegionMap {
   std::size_t nodeCount() const noexcept;
   std::size_t leafCount() const noexcept;
   std::size_t bytes() const noexcept;
-  std::uint64_t checksum() const noexcept;  ///< of the whole file, as its header has it
+  /// Checksum of the whole file, as in its header.
+  std::uint64_t checksum() const noexcept;
 
   /// Regions from this one on are fallback regions: they count only where no region before it does.
   /// regionCount() where there are none.
   std::size_t firstFallback() const noexcept;
-  std::uint64_t reducedFrom() const noexcept;  ///< checksum of the map that this one was reduced from, or 0
+  /// Checksum of the map that this one was reduced from, or 0.
+  std::uint64_t reducedFrom() const noexcept;
 
   RegionView region(std::size_t index) const noexcept;
   const double* plane(std::size_t index) const noexcept;  ///< p + 1 numbers
   const double* law(std::size_t index) const noexcept;    ///< m rows of p + 1 numbers
 
-  std::uint32_t root() const noexcept;  ///< a child, see MapContent::Node
+  /// The root as a child, see MapContent::Node.
+  std::uint32_t root() const noexcept;
   const MapContent::Node& node(std::size_t index) const noexcept;
   LeafView leaf(std::size_t index) const noexcept;
 
@@ -105,7 +111,8 @@ class RegionMap {
  private:
   /// What a look-up reads. All but `box` and `index` points into the file.
   struct Tables {
-    const double* box = nullptr;  ///< (lower, upper) of each parameter, widened by the tolerance
+    /// Bounds (lower, upper) of each parameter, widened by the tolerance.
+    const double* box = nullptr;
     const double* planes = nullptr;
     const double* laws = nullptr;
     const MapContent::Region* regions = nullptr;
@@ -115,7 +122,8 @@ class RegionMap {
     const std::uint32_t* candidates = nullptr;
     SearchIndex::View index;
     double tolerance = 0.0;
-    double handicap = 0.0;  // of fallback regions
+    /// Handicap of fallback regions.
+    double handicap = 0.0;
     std::uint32_t first_fallback = 0;
     std::uint32_t root = 0;
     std::uint32_t parameters = 0;
@@ -143,9 +151,10 @@ class RegionMap {
 
   std::string path_;
   MappedFile file_;
-  const format::Header* header_ = nullptr;                  // into the file
-  const std::int32_t* active_ = nullptr;                    // into the file
-  std::array<std::string_view, format::kTextCount> texts_;  // into the file
+  const format::Header* header_ = nullptr;  // into the file
+  const std::int32_t* active_ = nullptr;    // into the file
+  // Views into the file.
+  std::array<std::string_view, format::kTextCount> texts_;
   std::vector<Signal> parameters_;
   std::vector<Signal> inputs_;
   std::vector<double> box_;

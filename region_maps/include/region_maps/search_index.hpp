@@ -21,19 +21,27 @@ class RegionMap;
 class SearchIndex {
  public:
   static constexpr std::uint32_t kMostParameters = 8;
-  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;  ///< larger ones are not made,
-  static constexpr std::size_t kMostBytesPerByte = 16;  ///< nor larger ones for a byte of the file
+  /// Greatest size of an index. Larger ones are not made.
+  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;  ///< [bytes]
+  /// Greatest size of an index for each byte of the file. Larger ones are not made.
+  static constexpr std::size_t kMostBytesPerByte = 16;  ///< [bytes]
 
   // Layout. Lanes are words of 32 bits side by side, one for each plane of a block or row of a group: first
   // those of parameters 0 and 1, both coefficients in one word, negated; then those of 2 and 3, ..; last the
   // constants.
-  static constexpr std::uint32_t kLevels = 3;               ///< of the tree in a block
-  static constexpr std::uint32_t kChildren = 1 << kLevels;  ///< of a block, and its lanes, the last unused
-  static constexpr std::uint32_t kRowLanes = 4;             ///< of a group of rows
-  static constexpr std::uint32_t kHead = 4;                 ///< words before the groups of a region
-  /// Of a reference: the rest is its first candidate, not a block.
+
+  /// Levels of the tree in a block.
+  static constexpr std::uint32_t kLevels = 3;
+  /// Children of a block, and its lanes. No plane uses the last lane.
+  static constexpr std::uint32_t kChildren = 1 << kLevels;
+  /// Lanes of a group of rows.
+  static constexpr std::uint32_t kRowLanes = 4;
+  /// Words before the groups of a region.
+  static constexpr std::uint32_t kHead = 4;
+  /// Flag of a reference to a leaf. The rest is its first candidate, not a block.
   static constexpr std::uint32_t kLeaf = 0x80000000u;
-  static constexpr std::uint32_t kLast = 0x80000000u;  ///< of a candidate: the leaf's last
+  /// Flag of the last candidate of a leaf.
+  static constexpr std::uint32_t kLast = 0x80000000u;
 
   /// Words for two parameters each, for p parameters.
   static constexpr std::uint32_t pairs(std::uint32_t p) noexcept { return (p + 1) / 2; }
@@ -59,13 +67,18 @@ class SearchIndex {
     /// which planes are those of nodes (bits), and as its constant the node of the file that the block begins
     /// with. Then a reference for each child, from below to above.
     const std::int32_t* blocks = nullptr;
-    const std::uint32_t* candidates = nullptr;  ///< where in `records` a region begins, in kHead words; kLast
-    /// Of a region: its index, law, number of groups, first row; groups.
+    /// Place in `records` where each candidate begins, in kHead words, with the flag kLast.
+    const std::uint32_t* candidates = nullptr;
+    /// Of each region: its index, law, number of groups, first row, then the groups.
     const std::int32_t* records = nullptr;
-    std::uint32_t root = 0;                        ///< a reference
-    std::int32_t margin = 0;                       ///< taken off all constants
-    std::array<double, kMostParameters> centre{};  ///< of each range
-    std::array<double, kMostParameters> gain{};    ///< 2^14 over half of it; 0: the range is a point
+    /// Reference to the root.
+    std::uint32_t root = 0;
+    /// Margin subtracted from all constants.
+    std::int32_t margin = 0;
+    /// Centre of each range.
+    std::array<double, kMostParameters> centre{};
+    /// 2^14 over half of each range. 0: the range is a point.
+    std::array<double, kMostParameters> gain{};
   };
   const View& view() const noexcept { return view_; }
 

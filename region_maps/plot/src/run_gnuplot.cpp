@@ -16,7 +16,8 @@ extern char** environ;
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kMessageLength = 400;  // of gnuplot's complaint, in an error's text
+// Characters of gnuplot's message that an error quotes, at most.
+constexpr std::size_t kMessageLength = 400;
 
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }

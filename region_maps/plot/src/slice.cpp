@@ -10,9 +10,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLeastArea = 1e-12;  // of a polygon worth drawing, in units of the rectangle's area
-constexpr double kVanishingCoefficient =
-    1e-12;  // of a plane that is parallel to the slice, in scaled parameters
+// Least area of a polygon worth drawing, in units of the rectangle's area.
+constexpr double kLeastArea = 1e-12;
+// Greatest coefficient of a plane that is parallel to the slice, in scaled parameters.
+constexpr double kVanishingCoefficient = 1e-12;
 
 int indexOf(const RegionMap& map, const std::string& name) {
   const auto& parameters = map.parameters();

@@ -57,7 +57,8 @@ std::pair<double, double> inputRange(const RegionMap& map, const Slice& cut) {
   if (!std::isfinite(lower)) {
     return {-1.0, 1.0};
   }
-  if (lower < 0.0 && upper > 0.0) {  // the middle colour means zero
+  // The middle colour means zero if the range holds zero.
+  if (lower < 0.0 && upper > 0.0) {
     upper = std::max(upper, -lower);
     lower = -upper;
   }
@@ -83,7 +84,8 @@ std::vector<Patches> inputBands(const RegionMap& map, const Slice& cut, std::pai
       if (band + 1 < count) ring = clip(ring, input.a, input.b, high - input.c);
       if (ring.size() > 2) bands[band].polygons.push_back(std::move(ring));
     }
-    bands[band].fill = bands[band].border = kColors[band];  // the border hides the seams of anti-aliasing
+    // The border hides the seams of anti-aliasing.
+    bands[band].fill = bands[band].border = kColors[band];
     bands[band].width = 0.4;
   }
   bands.erase(

@@ -153,7 +153,8 @@ TEST(SlicePanel, coversTheSliceWithBandsOfTheInput) {
   const Panel panel = slicePanel(memory.map(), cut);
   double sum = 0.0;
   for (const Patches& patches : panel.patches) {
-    if (patches.fill.empty()) continue;  // the outlines
+    // Outlines have no fill.
+    if (patches.fill.empty()) continue;
     for (const auto& ring : patches.polygons) {
       for (std::size_t corner = 0; corner < ring.size(); ++corner) {
         const auto& [x0, y0] = ring[corner];

@@ -46,7 +46,8 @@ int openStream(const std::string& path) {
 }
 
 void writeStream(const std::string& path, std::string_view text) {
-  std::fflush(stdout);  // what was printed before comes before
+  // Text that was printed before must come first.
+  std::fflush(stdout);
   const int descriptor = openStream(path);
   bool good = descriptor >= 0;
   while (good && !text.empty()) {

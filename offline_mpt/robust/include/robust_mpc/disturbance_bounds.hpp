@@ -9,9 +9,11 @@
 namespace polyfly {
 
 struct BoundsOptions {
-  double coverage = 0.99;    ///< share of disturbances that the range of a channel shall hold, in (0, 1)
-  double confidence = 0.95;  ///< of that, in (0, 1)
-  /// Only each so-manieth step counts towards the confidence, which takes samples as independent.
+  /// Share of disturbances that the range of a channel shall hold, in (0, 1).
+  double coverage = 0.99;
+  /// Confidence that the range holds the share `coverage`, in (0, 1).
+  double confidence = 0.95;
+  /// Only every n-th step counts towards the confidence, which assumes independent samples.
   int every = 1;
 };
 
@@ -20,15 +22,19 @@ struct ChannelBounds {
   std::string name;
   std::string unit;
   std::size_t samples = 0;
-  double lower = 0.0;  ///< range to write into a problem file [unit]
+  /// Range to write into a problem file.
+  double lower = 0.0;  ///< [unit]
   double upper = 0.0;
-  double covered = 0.0;  ///< share of all samples within it
-  /// That the range holds `coverage`: as asked, or less where there are too few samples.
+  /// Share of all samples within the range.
+  double covered = 0.0;
+  /// Confidence that the range holds `coverage`: as asked, or less where there are too few samples.
   double confidence = 0.0;
-  double least = 0.0;  ///< of all samples
+  /// Least value of all samples.
+  double least = 0.0;
   double greatest = 0.0;
   double mean = 0.0;
-  double declared = 0.0;  ///< share of all samples within the range that the problem has now
+  /// Share of all samples within the range that the problem has now.
+  double declared = 0.0;
 };
 
 struct DisturbanceBounds {

@@ -28,9 +28,12 @@ struct FeasibleSet {
     Rational weight;  ///< > 0
   };
   struct Facet {
-    ExactHalfSpace half_space;  ///< in y, whole numbers without a common factor
-    bool of_box = false;        ///< it is a row of the box of theta alone
-    std::vector<Part> parts;    ///< their weighted sum, in which z cancels, is the half-space times a number
+    /// The half-space in y, in whole numbers without a common factor.
+    ExactHalfSpace half_space;
+    /// Whether the facet is a row of the box of theta alone.
+    bool of_box = false;
+    /// Parts whose weighted sum is a multiple of the half-space. z cancels in the sum.
+    std::vector<Part> parts;
   };
   struct Vertex {
     RationalVector y;
@@ -38,10 +41,13 @@ struct FeasibleSet {
     RationalVector prediction;  ///< a z that meets every row with it; empty where none was computed
   };
   struct Stats {
-    std::uint64_t linear_programs = 0;  ///< in floating point
+    /// Linear programs solved in floating point.
+    std::uint64_t linear_programs = 0;
     std::uint64_t pivots = 0;
-    std::uint64_t exact_programs = 0;  ///< vertices that no basis found in floating point could decide
-    std::uint64_t exact_cuts = 0;      ///< facets that only exact arithmetic found
+    /// Vertices that no basis found in floating point could decide.
+    std::uint64_t exact_programs = 0;
+    /// Facets that only exact arithmetic found.
+    std::uint64_t exact_cuts = 0;
     std::uint64_t vertices_proven = 0;
   };
 

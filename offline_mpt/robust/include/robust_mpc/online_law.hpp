@@ -22,7 +22,8 @@ class OnlineRobustLaw {
  private:
   OnlineLp lp_;
   Eigen::VectorXd theta_;
-  Eigen::VectorXd shift_;  // of the input by each parameter: the references' part
+  // Shift of the input by each parameter. Only references shift it.
+  Eigen::VectorXd shift_;
 };
 
 /// The same behind a function, from the text that a map carries; empty when that is no robust problem. Throws

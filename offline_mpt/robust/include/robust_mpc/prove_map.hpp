@@ -26,32 +26,44 @@ struct RobustWitness {
 struct RobustProof {
   std::uint64_t facets = 0;
   std::uint64_t vertices = 0;
-  bool set_valid = false;     ///< each facet is a weighted sum of rows: nothing feasible is cut off
-  bool set_feasible = false;  ///< each vertex has a plan that meets every row: all that is left is feasible
+  /// Each facet is a weighted sum of rows, so no feasible point is cut off.
+  bool set_valid = false;
+  /// Each vertex has a plan that meets every row, so all remaining points are feasible.
+  bool set_feasible = false;
   std::uint64_t regions = 0;
   /// tau is reached, and no less is possible: the duals of one combination.
   std::uint64_t optimal_regions = 0;
-  bool preferred = false;  ///< the move is the optimal one nearest to K e, at every vertex
-  bool covered = false;    ///< the regions' volumes add up to that of the feasible parameters
+  /// At every vertex, the move is the optimal one nearest to K e.
+  bool preferred = false;
+  /// The volumes of the regions add up to that of the feasible parameters.
+  bool covered = false;
   Rational volume;
-  std::uint64_t steps = 0;                    ///< vertex of a region with vertex of the disturbances
-  std::optional<RobustWitness> broken_bound;  ///< after one step
-  std::optional<RobustWitness> lost;  ///< a successor beyond what has a plan, not for the box of theta
+  /// Number of pairs of a region's vertex and a vertex of the disturbances.
+  std::uint64_t steps = 0;
+  /// A bound that one step breaks.
+  std::optional<RobustWitness> broken_bound;
+  /// A successor that has no plan. The box of theta does not count.
+  std::optional<RobustWitness> lost;
   /// A successor may leave the box of an error without breaking a bound: the map ends there.
   struct BoxExit {
     int parameter = 0;
-    double excess = 0.0;  ///< greatest, of the box's half width
+    /// Greatest excess, in half widths of the box.
+    double excess = 0.0;
     /// No row of the program but those of the peak depends on it, as on a position without bounds: with the
     /// parameter cut to its box the map's plan still meets all bounds, and only tau is not promised.
     bool clips_safely = false;
   };
   std::vector<BoxExit> box_exits;
 
-  std::vector<std::string> defects;  ///< of the map's numbers
-  double law_error = 0.0;            ///< greatest difference of map and exact law at vertices of its regions
-  double plane_error = 0.0;          ///< greatest distance of a vertex outside the map's region [scaled]
+  /// Errors of the map's numbers.
+  std::vector<std::string> defects;
+  /// Greatest difference of the map's law and the exact law at vertices of its regions.
+  double law_error = 0.0;
+  /// Greatest distance of a vertex outside the map's region.
+  double plane_error = 0.0;  ///< [scaled]
 
-  bool invariance_asked = false;  ///< the problem has an invariance rule
+  /// Whether the problem has an invariance rule.
+  bool invariance_asked = false;
 
   bool recursivelyFeasible() const { return !lost; }
   /// Everything; without an invariance rule, recursive feasibility may fail: it is a finding then, not a
@@ -84,10 +96,14 @@ std::string proofJson(const RobustProblem& problem, const RobustProof& proof);
 struct RobustSampling {
   std::uint64_t samples = 0;
   std::uint64_t inside = 0;
-  std::uint64_t status_differs = 0;  ///< the one has an answer, the other has none, beyond `tolerance`
-  double input_error = 0.0;          ///< relative to max(1, |u|)
-  double peak_error = 0.0;           ///< with peak_in_map
-  std::uint64_t wrong = 0;           ///< samples whose error exceeds the tolerance
+  /// Samples for which only the map or only OnlineLp has an answer, beyond `tolerance`.
+  std::uint64_t status_differs = 0;
+  /// Greatest error of u, relative to max(1, |u|).
+  double input_error = 0.0;
+  /// Greatest error of tau, with peak_in_map.
+  double peak_error = 0.0;
+  /// Samples whose error exceeds the tolerance.
+  std::uint64_t wrong = 0;
   bool passed() const { return status_differs == 0 && wrong == 0; }
 };
 RobustSampling sampleRobustMap(const RegionMap& map, const RobustProblem& problem, std::uint64_t samples,

@@ -14,16 +14,22 @@ namespace polyfly {
 struct RobustLaw {
   /// Which part of the optimal moves is taken.
   enum class Move {
-    kUnique,     ///< the optimum admits one move only
-    kPreferred,  ///< K e is optimal
-    kLimited,    ///< K e is cut to the nearest optimal move
+    /// The optimum admits one move only.
+    kUnique,
+    /// K e is optimal.
+    kPreferred,
+    /// K e is cut to the nearest optimal move.
+    kLimited,
   };
   struct Region {
     Move move = Move::kUnique;
-    std::vector<int> active;  ///< facets of the feasible set that are tight: two, or one (kPreferred)
-    ExactPolytope polytope;   ///< in theta: facets only, whole numbers
-    std::vector<RationalVector> vertices;  ///< sorted
-    RationalVector input_gain;             ///< u~_0 = input_gain . theta + input_offset
+    /// Tight facets of the feasible set: two, or one (kPreferred).
+    std::vector<int> active;
+    /// The region in theta: facets only, whole numbers.
+    ExactPolytope polytope;
+    /// Vertices of the region, sorted.
+    std::vector<RationalVector> vertices;
+    RationalVector input_gain;  ///< u~_0 = input_gain . theta + input_offset
     Rational input_offset;
     RationalVector peak_gain;  ///< tau* = peak_gain . theta + peak_offset
     Rational peak_offset;

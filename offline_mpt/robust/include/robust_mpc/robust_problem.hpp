@@ -25,8 +25,10 @@ enum class FeedbackPrediction {
 /// What is added so that feasibility is never lost.
 enum class InvarianceRule {
   kNone,
-  kFirstStep,  ///< A x + B u_0 + G w in the maximal robust control invariant set, for all w
-  kTerminal,   ///< the last stage of the stack in that set, for all disturbances
+  /// A x + B u_0 + G w lies in the maximal robust control invariant set, for all w.
+  kFirstStep,
+  /// The last stage of the stack lies in the maximal robust control invariant set, for all disturbances.
+  kTerminal,
 };
 
 /// The minimum-peak robust MPC of Sect. 2.4: Eq. 8 with disturbances in a box, and Eq. 34. All numbers are
@@ -42,38 +44,56 @@ struct RobustProblem {
     Rational upper;
   };
   struct Parameter {
-    Signal signal;               ///< name, unit; bounds rounded
-    Range range;                 ///< the box in which the law is computed
-    int state = -1;              ///< which error it is; -1: a reference
-    RationalVector state_shift;  ///< of a reference: nx
-    RationalVector input_shift;  ///< of a reference: nu
+    /// Name and unit. The bounds are rounded.
+    Signal signal;
+    /// The box in which the law is computed.
+    Range range;
+    /// Index of the error's state. -1: the parameter is a reference.
+    int state = -1;
+    /// Shift of the state by a reference.
+    RationalVector state_shift;  ///< nx
+    /// Shift of the input by a reference.
+    RationalVector input_shift;  ///< nu
   };
 
   std::string name;
   std::string description;
-  std::string source;  ///< path it was read from, for messages
-  std::string text;    ///< the file, verbatim
+  /// Path of the file, for messages.
+  std::string source;
+  /// Text of the file, verbatim.
+  std::string text;
 
-  std::vector<Signal> states;                      ///< names and units
-  std::vector<std::optional<Range>> state_ranges;  ///< bounds on x, where there are any
+  /// Names and units of the states.
+  std::vector<Signal> states;
+  /// Bounds on x. Empty: the state has no bounds.
+  std::vector<std::optional<Range>> state_ranges;
   std::vector<Signal> inputs;
-  std::vector<Range> input_ranges;   ///< bounds on u
-  std::vector<Signal> disturbances;  ///< bounds rounded
-  RationalMatrix A;                  ///< nx x nx, discrete time
-  RationalMatrix B;                  ///< nx x nu
-  RationalMatrix G;                  ///< nx x nw, times half the width of each channel's range
-  RationalVector drift;              ///< nx, effect of the middle of the ranges
-  RationalMatrix C;  ///< ny x nx; several outputs: the greatest of them counts, weigh by scaling
+  /// Bounds on u.
+  std::vector<Range> input_ranges;
+  /// Disturbances with rounded bounds.
+  std::vector<Signal> disturbances;
+  RationalMatrix A;  ///< nx x nx, discrete time
+  RationalMatrix B;  ///< nx x nu
+  /// Effect of the disturbances, times half the width of each channel's range.
+  RationalMatrix G;  ///< nx x nw
+  /// Effect of the middle of the ranges.
+  RationalVector drift;  ///< nx
+  /// The greatest of several outputs counts, so scale outputs to weigh them.
+  RationalMatrix C;  ///< ny x nx
 
   double sampling_time = 0.0;  ///< [s]
   int horizon = 0;             ///< N
   Stack stack = Stack::kPaper;
   FeedbackPrediction feedback = FeedbackPrediction::kFree;
-  RationalMatrix feedback_gain;  ///< nu x nx, with kFixed
-  RationalMatrix tie_gain;       ///< nu x nx: among optimal first moves, the one nearest to K e
-  Rational floor;                ///< tau >= floor >= 0: peaks below it are all alike
+  /// The given feedback gain, with kFixed.
+  RationalMatrix feedback_gain;  ///< nu x nx
+  /// Among optimal first moves, the law takes the one nearest to K e.
+  RationalMatrix tie_gain;  ///< nu x nx
+  /// tau >= floor >= 0. Peaks below the floor are equally good.
+  Rational floor;
   InvarianceRule invariance = InvarianceRule::kNone;
-  bool peak_in_map = false;  ///< the map gives tau as one more output
+  /// Whether the map gives tau as one more output.
+  bool peak_in_map = false;
   std::vector<Parameter> parameters;
 
   int stateCount() const { return A.rows(); }

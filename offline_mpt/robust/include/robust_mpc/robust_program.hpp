@@ -17,12 +17,18 @@ namespace polyfly {
 /// no effect, or are constant, are no variables. It has the optimum of Eq. 34, see FullProgram.
 struct RobustProgram {
   enum class Kind {
-    kPeak,        ///< tau >= +-y_k (Eq. 25, 26)
-    kFloor,       ///< tau >= floor
-    kState,       ///< bounds on x (Eq. 31)
-    kInput,       ///< bounds on u
-    kInvariance,  ///< first step or last stage in the invariant set
-    kBox,         ///< the box of theta
+    /// tau >= +-y_k (Eq. 25, 26).
+    kPeak,
+    /// tau >= floor.
+    kFloor,
+    /// Bounds on x (Eq. 31).
+    kState,
+    /// Bounds on u.
+    kInput,
+    /// First step or last stage in the invariant set.
+    kInvariance,
+    /// The box of theta.
+    kBox,
   };
   struct Term {
     Rational constant;

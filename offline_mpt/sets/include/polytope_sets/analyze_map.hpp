@@ -31,23 +31,35 @@ struct AnalyzeOptions {
   /// How far outside a half-space a parameter still counts as inside [scaled, see region_maps/FORMAT.md];
   /// below 0: the map's own membership tolerance, which its look-up grants.
   double tolerance = -1.0;
-  std::optional<ExactPolytope> within;  ///< ask about this set of parameters instead of the whole domain
-  int threads = 1;                      ///< 1..256; the report does not depend on it
+  /// Set of parameters to analyse instead of the whole domain.
+  std::optional<ExactPolytope> within;
+  /// Number of threads. The report does not depend on it.
+  int threads = 1;  ///< 1..256
   const std::atomic<bool>* stop = nullptr;
-  std::function<void(std::uint64_t done, std::uint64_t total)> progress;  ///< from the calling thread
+  /// Called from the calling thread.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
 /// A state that leaves: exact numbers, and what the map itself says of them.
 struct AnalyzeWitness {
-  std::vector<double> theta;       ///< the parameter; exactly these doubles
-  std::uint32_t region = 0;        ///< whose successor set leaves
-  std::vector<double> u;           ///< the map's answer at theta, by its look-up
-  RationalVector d;                ///< a vertex of D
-  RationalVector successor;        ///< F theta + G u + E d + c of exactly these numbers
-  ExactHalfSpace facet;            ///< a . successor <= b is broken; empty where the target is a union
-  double excess = 0.0;             ///< by this much [scaled], at theta
-  bool answered = false;           ///< the look-up finds a region at theta
-  bool successor_outside = false;  ///< ... and none at the successor, or it is outside `within`
+  /// The parameter, in exactly these doubles.
+  std::vector<double> theta;
+  /// Region whose successor set leaves the target.
+  std::uint32_t region = 0;
+  /// Answer of the map's look-up at theta.
+  std::vector<double> u;
+  /// A vertex of D.
+  RationalVector d;
+  /// F theta + G u + E d + c of exactly these numbers.
+  RationalVector successor;
+  /// The successor breaks a . successor <= b. Empty where the target is a union.
+  ExactHalfSpace facet;
+  /// Excess of the successor over the facet.
+  double excess = 0.0;  ///< [scaled]
+  /// Whether the look-up finds a region at theta.
+  bool answered = false;
+  /// Whether the look-up finds no region at the successor, or the successor is outside `within`.
+  bool successor_outside = false;
   /// Whether the numbers above were evaluated again and break the facet by more than the tolerance.
   bool verified = false;
 };
@@ -55,9 +67,11 @@ struct AnalyzeWitness {
 /// What was found of the closed loop. All of it is exact but for numbers that are named as rounded: the map's
 /// doubles and the model's numbers count at their exact values, u = K theta + k is taken without rounding.
 struct AnalyzeReport {
-  double tolerance = 0.0;  ///< t [scaled]
+  /// The tolerance t.
+  double tolerance = 0.0;  ///< [scaled]
   std::uint64_t regions = 0;
-  std::uint64_t flat_regions = 0;  ///< without interior: their closure is tested all the same
+  /// Regions without interior. Their closure is tested, too.
+  std::uint64_t flat_regions = 0;
   std::uint64_t empty_regions = 0;
 
   /// The domain P: the box and those half-spaces of regions that hold all regions. No redundant row. With
@@ -72,17 +86,21 @@ struct AnalyzeReport {
   /// polytope P, up to t.
   bool covered = false;
   std::uint64_t cells = 0;
-  std::uint64_t slivers = 0;          ///< of them in a region only as it is moved outwards
-  std::optional<RationalVector> gap;  ///< in P, in no region, where not
+  /// Number of cells that lie in a region only if it is moved outwards.
+  std::uint64_t slivers = 0;
+  /// A point of P in no region, where P is not covered.
+  std::optional<RationalVector> gap;
 
   /// For every region, theta in it or in a sliver that is given to it, d in D: theta+ lies in the target,
   /// each half-space moved out by t. The target is P; where P is not covered and not `within`, the union of
   /// the regions as they are.
   bool successors_inside = false;
   bool target_is_union = false;
-  double greatest_excess = 0.0;   ///< over regions and facets [scaled, rounded up]; 0: needs no tolerance
-  std::uint64_t tight_pairs = 0;  ///< (region, facet) with excess in (0, t]: they agree up to rounding
-  /// With excess above t, or with a part of the successor set in no region.
+  /// Greatest excess over regions and facets, rounded up. 0: no tolerance is needed.
+  double greatest_excess = 0.0;  ///< [scaled]
+  /// Pairs (region, facet) with an excess in (0, t]. They agree up to rounding.
+  std::uint64_t tight_pairs = 0;
+  /// Regions with an excess above t, or with a part of the successor set in no region.
   std::uint64_t offending_regions = 0;
   std::optional<AnalyzeWitness> witness;
 

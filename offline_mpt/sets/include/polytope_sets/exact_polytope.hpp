@@ -52,22 +52,27 @@ ExactPolytope minimal(const ExactPolytope& set);
 struct ExactSupport {
   enum class Status { kOptimal, kEmpty, kUnbounded };
   Status status = Status::kEmpty;
-  Rational value;        ///< max direction . x
-  RationalVector point;  ///< where
+  /// Greatest direction . x.
+  Rational value;
+  /// A point with the greatest direction . x.
+  RationalVector point;
 };
 
 /// The greatest direction . x, by an exact linear program (ExactLp).
 ExactSupport support(const ExactPolytope& set, const RationalVector& direction);
 
 bool isEmpty(const ExactPolytope& set);
-bool isBounded(const ExactPolytope& set);  ///< also true when empty
+/// True also for the empty set.
+bool isBounded(const ExactPolytope& set);
 
 /// Dimension of the smallest flat that holds the set; -1 when it is empty.
 int affineDimension(const ExactPolytope& set);
 
 bool contains(const ExactPolytope& set, const RationalVector& point);
-bool contains(const ExactPolytope& outer, const ExactPolytope& inner);  ///< every point of `inner`
-bool equal(const ExactPolytope& first, const ExactPolytope& second);    ///< the same points
+/// Whether `outer` contains every point of `inner`.
+bool contains(const ExactPolytope& outer, const ExactPolytope& inner);
+/// Whether both sets have the same points.
+bool equal(const ExactPolytope& first, const ExactPolytope& second);
 
 /// Least and greatest value of each coordinate of a set that must be bounded and not empty. Throws Error.
 struct ExactBox {

@@ -14,7 +14,8 @@ struct InvariantOptions {
   /// Fractions throughout: a set that is found is proven to be the maximal one. The numbers grow by some
   /// digits with every step. Else floating point, rounded after each step.
   bool exact = true;
-  double tolerance = 1e-9;   ///< in floating point: distances below this count as none
+  /// In floating point, distances below this count as zero.
+  double tolerance = 1e-9;
   int max_iterations = 200;  ///< at least 1
   const std::atomic<bool>* stop = nullptr;
   std::function<void(int iteration, std::size_t half_spaces)> progress;
@@ -22,9 +23,12 @@ struct InvariantOptions {
 
 struct InvariantSet {
   enum class Status {
-    kMaximal,  ///< the maximal set; exact: proven; else up to the tolerance at each half-space
-    kEmpty,    ///< there is no invariant set in X; in floating point: none with interior
-    kLimit,    ///< not reached in max_iterations: `set` holds the maximal one
+    /// The maximal set: proven in exact arithmetic, else up to the tolerance at each half-space.
+    kMaximal,
+    /// X contains no invariant set. In floating point: none with interior.
+    kEmpty,
+    /// The recursion reached max_iterations. `set` contains the maximal set.
+    kLimit,
     kInterrupted,
   };
   Status status = Status::kLimit;

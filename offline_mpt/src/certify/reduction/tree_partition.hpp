@@ -18,7 +18,8 @@ class RegionMap;
 /// How far relaxed rows are moved outwards, in the measure of FORMAT.md.
 enum class Slack : std::uint8_t {
   kFull,
-  kHandicap,  ///< that of fallback regions
+  /// The handicap of fallback regions.
+  kHandicap,
 };
 
 /// A map's half-spaces without rounding, in t, theta = centre + half .* t: row (t, 1) >= 0.
@@ -43,13 +44,15 @@ class ExactMap {
 
  private:
   enum Variant : std::size_t { kRow, kRelaxed, kOutside, kNear, kBeyond, kVariants };
-  using PlaneRows = std::array<ExactRow, 2 * kVariants>;  // of the row, then of its opposite
+  // Variants of the row, then of its opposite.
+  using PlaneRows = std::array<ExactRow, 2 * kVariants>;
   const ExactRow& at(std::int32_t row, Variant variant) const;
   PlaneRows makeRows(const double* plane, double full_slack) const;
 
   const RegionMap& map_;
   std::vector<Rational> centre_, half_;
-  std::vector<std::shared_ptr<const PlaneRows>> rows_;  // per plane
+  // Rows of each plane.
+  std::vector<std::shared_ptr<const PlaneRows>> rows_;
 };
 
 /// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
@@ -57,7 +60,8 @@ class ExactMap {
 struct ExactCell {
   std::vector<const ExactRow*> rows;
   std::vector<Rational> point;
-  bool certain = true;  ///< the point lies strictly inside
+  /// Whether the point is known to lie strictly inside.
+  bool certain = true;
 };
 
 /// What cutting leaves behind: how many parts were looked at and, where it is wanted, the proof in the words
@@ -95,9 +99,12 @@ bool dissect(const ExactMap& map, const ExactCell& cell, const LeafVisit& visit,
 
 /// Whose regions cut, and how far their rows are relaxed.
 enum class CutBy : char {
-  kOriginal = 'N',   ///< of the original, by the slack
-  kCandidate = 'C',  ///< of the reduced map, by the slack
-  kOrdinary = 'O',   ///< of the reduced map, by the handicap
+  /// Regions of the original, relaxed by the slack.
+  kOriginal = 'N',
+  /// Regions of the reduced map, relaxed by the slack.
+  kCandidate = 'C',
+  /// Regions of the reduced map, relaxed by the handicap.
+  kOrdinary = 'O',
 };
 
 /// Calls `visit` with every part of the cell that lies in none of the map's regions, their rows relaxed,

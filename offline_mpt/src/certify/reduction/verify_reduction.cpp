@@ -17,11 +17,14 @@
 namespace polyfly {
 namespace {
 
-constexpr double kSlackShare = 0.5;  // of the maps' tolerance
-constexpr std::size_t kFew = 16;     // regions that are tried without asking the tree which ones matter
+// Slack, as a share of the maps' tolerance.
+constexpr double kSlackShare = 0.5;
+// Up to this number, all regions are tried, and the tree is not asked which ones matter.
+constexpr std::size_t kFew = 16;
 // Regions farther from a sliver's point are looked at only if that fails [scaled]
 constexpr double kNearRegion = 0.01;
-constexpr std::size_t kMostLost = 100;  // parts of a region that are reported
+// Number of parts of a region that are reported at most.
+constexpr std::size_t kMostLost = 100;
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// Which laws of two maps count as one.

@@ -9,8 +9,10 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kMostSetsSent = 32;  // in a batch for another process
-constexpr std::size_t kAhead = 3;  // batches with a process for each of its threads, so that none waits
+// Sets in a batch for another process, at most.
+constexpr std::size_t kMostSetsSent = 32;
+// Batches that a process holds for each of its threads, so that no thread waits.
+constexpr std::size_t kAhead = 3;
 
 std::string nameOf(int rank) { return "process " + std::to_string(rank); }
 

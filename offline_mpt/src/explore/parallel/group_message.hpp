@@ -11,18 +11,28 @@ namespace polyfly {
 
 /// The first byte of a message between the processes of a group.
 enum class GroupMessage : std::uint8_t {
-  kJoin,       ///< to process 0: threads, fingerprint of the program
-  kFailure,    ///< to process 0: a text
-  kBatch,      ///< from process 0: number, count, sets
-  kAnswers,    ///< to process 0: number, what ExplorationState::merge reads
-  kHeartbeat,  ///< both ways, periodically
-  kEnd,        ///< from process 0: nothing more to do
+  /// To process 0: threads, fingerprint of the program.
+  kJoin,
+  /// To process 0: a text.
+  kFailure,
+  /// From process 0: number, count, sets.
+  kBatch,
+  /// To process 0: number, then the data that ExplorationState::merge reads.
+  kAnswers,
+  /// Both ways, periodically.
+  kHeartbeat,
+  /// From process 0: the work is over.
+  kEnd,
 };
 
-constexpr auto kPollPeriod = std::chrono::microseconds(100);      // between two polls for messages
-constexpr auto kHeartbeatPeriod = std::chrono::seconds(1);        // between two heartbeats
-constexpr auto kLossCheckPeriod = std::chrono::milliseconds(50);  // between two checks for lost processes
-constexpr auto kHeartbeatTimeout = std::chrono::seconds(60);      // without a heartbeat, a process is lost
+// Time between two polls for messages.
+constexpr auto kPollPeriod = std::chrono::microseconds(100);
+// Time between two heartbeats.
+constexpr auto kHeartbeatPeriod = std::chrono::seconds(1);
+// Time between two checks for lost processes.
+constexpr auto kLossCheckPeriod = std::chrono::milliseconds(50);
+// A process is lost after this time without a heartbeat.
+constexpr auto kHeartbeatTimeout = std::chrono::seconds(60);
 
 inline std::vector<std::byte> groupMessage(GroupMessage kind) { return {static_cast<std::byte>(kind)}; }
 

@@ -7,10 +7,14 @@
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kMostSets = 16;  // in a batch for a thread of this process
-constexpr std::size_t kShare = 4;      // batches that the open sets are cut into, for each worker
-constexpr std::size_t kWindow = 16;    // batches out at a time, for each worker
-constexpr double kSavingShare = 0.05;  // greatest part of the time that saving may take
+// Sets in a batch for a thread of this process, at most.
+constexpr std::size_t kMostSets = 16;
+// Number of batches into which the open sets are divided, for each worker.
+constexpr std::size_t kShare = 4;
+// Batches in work at a time, for each worker.
+constexpr std::size_t kWindow = 16;
+// Greatest share of the time that saving may take.
+constexpr double kSavingShare = 0.05;
 
 }  // namespace
 

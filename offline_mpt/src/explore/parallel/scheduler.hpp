@@ -85,14 +85,17 @@ class Scheduler : public WorkQueue {
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point next_save_;
 
-  mutable std::mutex mutex_;  // guards all that follows, and the state
+  // Guards all members that follow, and the state.
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   int waiting_ = 0;
   std::size_t workers_;
   std::uint64_t dispatched_;
   std::uint64_t batches_ = 0;
-  std::deque<std::unique_ptr<Batch>> out_;     // not merged yet, in the order of the queue
-  std::vector<std::unique_ptr<Batch>> spare_;  // to be used again
+  // Batches that are not merged yet, in queue order.
+  std::deque<std::unique_ptr<Batch>> out_;
+  // Batches to be used again.
+  std::vector<std::unique_ptr<Batch>> spare_;
   bool unsaved_ = false;
   bool ended_ = false;
   ExploreStatus status_ = ExploreStatus::kComplete;

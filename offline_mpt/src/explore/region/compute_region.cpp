@@ -10,14 +10,16 @@
 namespace polyfly {
 namespace {
 
-constexpr double kProbeStep = 1e-7;  // how far a probe steps across a degenerate facet [scaled]
-constexpr double kLinearProbe =
-    1e4;  // by how much step and edge are wider for linear programs, whose starting points are less exact
-constexpr double kClearlyInside =
-    1e-10;  // distance from all of a region's half-spaces at which it has an interior for certain [scaled]
+// Step of a probe across a degenerate facet.
+constexpr double kProbeStep = 1e-7;  // [scaled]
+// Factor of step and edge for linear programs, whose starting points are less exact.
+constexpr double kLinearProbe = 1e4;
+// A region has an interior for certain if a point has this distance from all its half-spaces.
+constexpr double kClearlyInside = 1e-10;  // [scaled]
 // A probe whose rows cannot all keep this slack lies at the edge of the feasible set.
 constexpr double kProbeEdge = 1e-9;
-constexpr double kActiveMultiplier = 1e-10;  // multipliers below this are not active in a starting point
+// Multipliers below this are not active in a starting point.
+constexpr double kActiveMultiplier = 1e-10;
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
 Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double step) {
@@ -47,8 +49,8 @@ void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const
   };
   if (held(-kClearlyInside)) return;
   ActiveSet active;
-  if (!activeSetAt(program, worker.qp, probe, widen * kProbeEdge, kActiveMultiplier, active))
-    return;  // the edge of the feasible set
+  // A probe without an active set lies at the edge of the feasible set.
+  if (!activeSetAt(program, worker.qp, probe, widen * kProbeEdge, kActiveMultiplier, active)) return;
   if (!activeSetAt(program, worker.qp, probe, 0.0, kActiveMultiplier, active)) return;
   out.addNeighbour(active, degenerate.facet);
   if (held(kProbeTolerance) || worker.builder.holds(active, probe.data(), kProbeTolerance)) return;
@@ -130,8 +132,8 @@ void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, co
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active) {
-  const double least =
-      program.semidefinite ? 0.0 : kActiveMultiplier;  // where they are as small as what is added to H
+  // Where H is singular, multipliers are as small as the multiple of the identity that is added to H.
+  const double least = program.semidefinite ? 0.0 : kActiveMultiplier;
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   Region region;

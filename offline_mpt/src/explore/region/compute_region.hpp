@@ -17,11 +17,14 @@ struct RegionResult {
   BuildStatus status = BuildStatus::kEmptyInterior;
   Region region;
   ActiveSetList neighbours;
-  std::vector<std::uint32_t> behind;  ///< of a strictly convex program's region: the neighbours' facets
-  std::vector<double> unresolved;     ///< probes (p numbers each) that no candidate of their facet holds
+  /// Facet of each neighbour, for a strictly convex program.
+  std::vector<std::uint32_t> behind;
+  /// Probes (p numbers each) that no candidate of their facet holds.
+  std::vector<double> unresolved;
   std::uint32_t degenerate_facets = 0;
 
-  void clear();  ///< all but the region
+  /// Clears everything but the region.
+  void clear();
   void addNeighbour(const ActiveSet& active, std::uint32_t facet);
 };
 
@@ -42,7 +45,8 @@ struct RegionWorkspace {
 
   RegionBuilder builder;
   DenseQp qp;
-  std::optional<FacetNeighbours> behind;  ///< where H is singular and not zero
+  /// Present if H is singular and not zero.
+  std::optional<FacetNeighbours> behind;
   ActiveSetList sets;
   ActiveSet candidate;
   std::vector<DegenerateFacet> degenerate;

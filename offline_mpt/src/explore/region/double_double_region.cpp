@@ -6,8 +6,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kTrusted = 1e-16;  // error of multipliers, relative to their size, that is left to 32 digits
-constexpr double kGrowth = 64.0;    // by how much sums of products lose more than one operation does
+// Relative error of multipliers up to which 32 digits are enough.
+constexpr double kTrusted = 1e-16;
+// Factor by which the error of a sum of products exceeds that of one operation.
+constexpr double kGrowth = 64.0;
 
 DoubleDouble dot(const DoubleDouble* a, const DoubleDouble* b, std::size_t count) {
   DoubleDouble sum;

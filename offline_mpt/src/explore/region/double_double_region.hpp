@@ -45,16 +45,18 @@ class DoubleDoubleRegionSolver {
   const NormalisedProgram& reduced_;
   std::size_t n_, width_;  // width: p + 1
   bool usable_ = false;
-  double root_condition_ = 1.0;  // about that of L
-  Numbers root_;                 // L, n x n
-  Numbers free_;                 // L^-1 cost, n x (p + 1)
-  Numbers rows_;                 // m_i, m x n
-  Numbers bounds_;               // s_i, m x (p + 1)
-  Numbers outputs_;              // E L^-T, q x n
-  Numbers offsets_;              // q x (p + 1)
-  Numbers factor_;               // of the active rows' products, k x k
-  Numbers multipliers_;          // k x (p + 1)
-  Numbers point_;                // w, n x (p + 1)
+  // Approximate condition number of L.
+  double root_condition_ = 1.0;
+  Numbers root_;     // L, n x n
+  Numbers free_;     // L^-1 cost, n x (p + 1)
+  Numbers rows_;     // m_i, m x n
+  Numbers bounds_;   // s_i, m x (p + 1)
+  Numbers outputs_;  // E L^-T, q x n
+  Numbers offsets_;  // q x (p + 1)
+  // Cholesky factor of the active rows' gram matrix.
+  Numbers factor_;       // k x k
+  Numbers multipliers_;  // k x (p + 1)
+  Numbers point_;        // w, n x (p + 1)
 };
 
 }  // namespace polyfly

@@ -10,15 +10,24 @@
 namespace polyfly {
 namespace {
 
-constexpr double kAdded[] = {1e-6, 1e-8, 1e-4, 1e-9};              // to H, shares of its mean eigenvalue
-constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};  // behind the facet [scaled]
-constexpr double kMultiplier = 1e-4;      // multipliers below this share of what is added to H are not active
-constexpr double kFacetEdge = 1e-9;       // a point whose rows cannot all keep this slack lies at the edge
-constexpr double kThinPiece = 1e-9;       // parts of a facet with a smaller inscribed ball are left [scaled]
-constexpr double kParallelPlanes = 1e-9;  // sine below which two planes are parallel
-constexpr double kHolds = 1e-8;           // a region holds a point of its own facet within this [scaled]
-constexpr double kGrows = 20.0;  // |z| that grows so much when a hundredth is added to H has no limit
-constexpr double kFar = 1e3;     // and exceeds this, relative to the rows' distances
+// Multiples of the identity that are added to H, as shares of its mean eigenvalue.
+constexpr double kAdded[] = {1e-6, 1e-8, 1e-4, 1e-9};
+// Distances of probes behind the facet.
+constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};  // [scaled]
+// Multipliers below this share of the added multiple of the identity are not active.
+constexpr double kMultiplier = 1e-4;
+// A point lies at the edge of the feasible set if its rows cannot all keep this slack.
+constexpr double kFacetEdge = 1e-9;
+// Parts of a facet with a smaller inscribed ball are left out.
+constexpr double kThinPiece = 1e-9;  // [scaled]
+// Sine below which two planes are parallel.
+constexpr double kParallelPlanes = 1e-9;
+// Distance within which a region holds a point of its own facet.
+constexpr double kHolds = 1e-8;  // [scaled]
+// |z| has no limit if it grows by this factor when a hundredth as much is added to H, and exceeds kFar.
+constexpr double kGrows = 20.0;
+// |z| without limit exceeds this, relative to the rows' distances.
+constexpr double kFar = 1e3;
 constexpr std::size_t kMostPieces = 20'000;
 
 }  // namespace
@@ -155,7 +164,8 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
     const Eigen::VectorXd t = foot_ + basis_ * centre;
     const std::size_t known = behind_.size();
     const Behind what = lookBehind(t);
-    if (what == Behind::kBoundary) break;  // of a convex set: along the whole facet
+    // The feasible set is convex, so the boundary reaches along the whole facet.
+    if (what == Behind::kBoundary) break;
     if (what == Behind::kRegion || behind_.size() > known) {
       pieces.push_back(piece);
       continue;

@@ -39,7 +39,8 @@ class HighPrecisionRegionSolver {
   const NormalisedProgram& reduced_;
   std::optional<DoubleDoubleRegionSolver> long_;
   ExactDescription exact_;
-  bool is_long_ = false;  // the last set is described by long_
+  // Whether long_ describes the last set.
+  bool is_long_ = false;
 };
 
 }  // namespace polyfly

@@ -187,14 +187,16 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
     for (const double cost_multiplier : cost_multipliers_)
       cost_scale = std::max(cost_scale, std::abs(cost_multiplier));
   }
-  const double zero = program_.linear ? kCostResidual * cost_scale : 0.0;  // cost multipliers below this are
+  // Cost multipliers below this are zero.
+  const double zero = program_.linear ? kCostResidual * cost_scale : 0.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear || program_.semidefinite) {
       const double* cost_multiplier = cost_multipliers_.data() + r * width_;
       const double largest =
           std::abs(*std::max_element(cost_multiplier, cost_multiplier + width_,
                                      [](double a, double b) { return std::abs(a) < std::abs(b); }));
-      if (largest > zero) {  // the multiplier's sign is the cost multiplier's
+      // The sign of the multiplier is that of the cost multiplier.
+      if (largest > zero) {
         for (int j = 0; j < width_; ++j)
           scratch_[j] = std::abs(cost_multiplier[j]) > zero ? cost_multiplier[j] : 0.0;
         if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]}, cost_scale,
@@ -337,7 +339,8 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
     if (describeAccurately(active)) {
       status = measure(active, region);
     } else if (program_.semidefinite && accurate_.isNoSolution()) {
-      return BuildStatus::kEmptyInterior;  // what doubles took for a solution is none
+      // The doubles found a solution where there is none.
+      return BuildStatus::kEmptyInterior;
     }
   }
   if (status == BuildStatus::kEmptyInterior && isFlat(region)) return inflateFlat(active, region);

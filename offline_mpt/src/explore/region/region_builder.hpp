@@ -43,12 +43,18 @@ struct Region {
 double crossingFraction(const Region& region, const Facet& facet);
 
 enum class BuildStatus : std::uint8_t {
-  kRegion,            ///< full-dimensional
-  kEmptyInterior,     ///< empty or flatter than the tolerance
-  kLowerDimensional,  ///< thin, but the way to what lies behind may lead through it alone
-  kDependent,         ///< the active rows are linearly dependent
-  kWeaklyActive,      ///< a multiplier is zero everywhere: the set without it is the same
-  kFailed,            ///< the simplex gave up
+  /// The region is full-dimensional.
+  kRegion,
+  /// The region is empty or flatter than the tolerance.
+  kEmptyInterior,
+  /// The region is thin, but may be the only way to the regions behind it.
+  kLowerDimensional,
+  /// The active rows are linearly dependent.
+  kDependent,
+  /// A multiplier is zero everywhere, so the set without its row describes the same solution.
+  kWeaklyActive,
+  /// The simplex gave up.
+  kFailed,
 };
 
 /// What lies behind a facet.
@@ -117,46 +123,71 @@ class RegionBuilder {
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool findCostMultipliers(const ActiveSet& active);
 
-  static constexpr double kAccurate = 1e-9;     // error of a plane or law that is left to doubles
-  static constexpr double kErrorMargin = 10.0;  // by how much an estimated error may be too small
+  // Error of a plane or law up to which doubles are used.
+  static constexpr double kAccurate = 1e-9;
+  // Factor by which an estimated error may be too small.
+  static constexpr double kErrorMargin = 10.0;
   /// Squared distance from others below which products of unit rows mislead.
   static constexpr double kSafePivot = 1e-6;
-  static constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
-  static constexpr double kDistant = 1e-7;       // the same, below which estimates of errors mislead too
+  // Distance of a unit row from the span of the others, above which it is independent of them.
+  static constexpr double kIndependent = 1e-10;
+  // Distance of a unit row from the span of the others, below which error estimates mislead, too.
+  static constexpr double kDistant = 1e-7;
   /// Residual of the cost outside the span of the active rows, relative to its largest entry.
   static constexpr double kCostResidual = 1e-9;
 
   const NormalisedProgram& program_;
   double facet_tolerance_;
   double radius_tolerance_;
-  int width_;                 // p + 1
-  std::vector<double> gram_;  // row-major copies, so that the inner loops run along memory
+  int width_;  // p + 1
+  // Row-major copies, so that the inner loops run along memory.
+  std::vector<double> gram_;
   std::vector<double> D_;
   std::vector<double> M_;
-  std::vector<double> factor_;            // lower triangle, k x k
-  std::vector<double> inverse_;           // of its diagonal
-  std::vector<double> multipliers_;       // k x (p + 1)
-  std::vector<double> cost_multipliers_;  // as multipliers_, of a linear program
-  double size_ = 0.0;                     // greatest of multipliers_
-  double pivot_ = 1.0;                    // least of the factor's diagonal
-  ShortestOptimum shortest_;              // describes the set where H is singular and not zero
-  bool cost_spanned_ = true;              // by cost multipliers, there
+  // Lower triangle.
+  std::vector<double> factor_;  // k x k
+  // Inverse of each diagonal entry of factor_.
+  std::vector<double> inverse_;
+  std::vector<double> multipliers_;  // k x (p + 1)
+  // Cost multipliers of a linear program, in the layout of multipliers_.
+  std::vector<double> cost_multipliers_;
+  // Greatest entry of multipliers_.
+  double size_ = 0.0;
+  // Least diagonal entry of factor_.
+  double pivot_ = 1.0;
+  // Describes the set where H is singular and not zero.
+  ShortestOptimum shortest_;
+  // Whether cost multipliers span the cost, where shortest_ describes the set.
+  bool cost_spanned_ = true;
   HighPrecisionRegionSolver accurate_;
-  bool is_accurate_ = false;         // the set is described by accurate_
-  bool doubtful_ = false;            // rounding decided whether a row is constant
-  double plane_error_ = 0.0;         // about what rounding does to the half-spaces in the box [scaled]
-  double law_error_ = 0.0;           // the same for the law, relative to max(1, |u|)
-  std::vector<double> D_size_;       // greatest |entry| of each row of D
-  std::vector<double> U_size_;       // the same of U
-  double reach_;                     // distance of the box's corners
-  std::vector<std::uint16_t> idle_;  // rows outside the set that are tight everywhere
-  std::vector<double> rows_;         // (a, b)
+  // Whether accurate_ describes the set.
+  bool is_accurate_ = false;
+  // Whether rounding decided that a row is constant.
+  bool doubtful_ = false;
+  // Approximate rounding error of the half-spaces in the box.
+  double plane_error_ = 0.0;  // [scaled]
+  // Approximate rounding error of the law, relative to max(1, |u|).
+  double law_error_ = 0.0;
+  // Greatest |entry| of each row of D.
+  std::vector<double> D_size_;
+  // Greatest |entry| of each row of U.
+  std::vector<double> U_size_;
+  // Distance of the corners of the box from its centre.
+  double reach_;
+  // Rows outside the active set that are tight everywhere.
+  std::vector<std::uint16_t> idle_;
+  std::vector<double> rows_;  // (a, b)
   std::vector<RowOrigin> origins_;
-  std::vector<double> lengths_;   // what rows_ were divided by; of the domain's, 1
-  double nearest_miss_ = 0.0;     // least value in the box of a slack that does not meet it
-  std::vector<int> changes_;      // rows in the plane of a facet
-  std::vector<double> weights_;   // of the active rows, in a row that depends on them
-  std::vector<double> crossing_;  // p, in a facet
+  // Lengths by which rows_ were divided. 1 for rows of the domain.
+  std::vector<double> lengths_;
+  // Least value in the box of a slack whose plane does not meet the box.
+  double nearest_miss_ = 0.0;
+  // Rows in the plane of a facet.
+  std::vector<int> changes_;
+  // Weights of the active rows in a row that depends on them.
+  std::vector<double> weights_;
+  // A point in a facet.
+  std::vector<double> crossing_;  // p
   std::vector<double> column_;
   std::vector<char> is_active_;
   std::vector<double> scratch_, at_point_;

@@ -9,9 +9,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kIndependent = 1e-10;  // distance of a unit row from the span of the others
-constexpr double kZero = 1e-10;         // relative size below which a number is zero
-constexpr double kDoubt = 1e3;  // by how much it may be greater or smaller to be decided without rounding
+// Distance of a unit row from the span of the others, above which it is independent of them.
+constexpr double kIndependent = 1e-10;
+// Relative size below which a number is zero.
+constexpr double kZero = 1e-10;
+// Rounding may decide the test for zero if a number is within this factor of kZero.
+constexpr double kDoubt = 1e3;
 
 }  // namespace
 

@@ -23,8 +23,10 @@ class ShortestOptimum {
 
   enum class Outcome {
     kDescribed,
-    kDependent,      ///< the rows are
-    kCostNotSpanned  ///< z can go on for ever: the cost is not in the span of these rows
+    /// The active rows are linearly dependent.
+    kDependent,
+    /// The cost is not in the span of the active rows, so z has no bound.
+    kCostNotSpanned
   };
   /// Rows of the reduced program. After kDescribed the rest has an answer, in the units of NormalisedProgram.
   Outcome solve(const std::vector<std::uint16_t>& active);
@@ -36,18 +38,24 @@ class ShortestOptimum {
 
   // Affine functions of t are p + 1 numbers, constant last.
 
-  void multiplier(std::size_t place, double* affine) const;  ///< of active row `place`, in the order given
-  void costMultiplier(std::size_t place, double* affine) const;  ///< zeros where only rounding is left
-  void slack(int row, double* affine) const;                     ///< of row `row` of the reduced program
-  void law(std::vector<double>& out) const;                      ///< q rows
+  /// Multiplier of active row `place`, in the order given.
+  void multiplier(std::size_t place, double* affine) const;
+  /// Cost multiplier of active row `place`. Numbers that are only rounding are set to zero.
+  void costMultiplier(std::size_t place, double* affine) const;
+  /// Slack of row `row` of the reduced program.
+  void slack(int row, double* affine) const;
+  /// The law, q rows.
+  void law(std::vector<double>& out) const;
 
  private:
   bool isZero(double part, double whole);
 
   const NormalisedProgram& program_;
-  double greatest_ = 0.0;             // eigenvalue of the curvature
-  Eigen::MatrixXd z_;                 // n x (p + 1)
-  Eigen::MatrixXd cost_multipliers_;  // as many rows as the set
+  // Greatest eigenvalue of the curvature.
+  double greatest_ = 0.0;
+  Eigen::MatrixXd z_;  // n x (p + 1)
+  // One row for each row of the active set.
+  Eigen::MatrixXd cost_multipliers_;
   Eigen::MatrixXd multipliers_;
   double noise_ = 0.0;
   bool doubtful_ = false;

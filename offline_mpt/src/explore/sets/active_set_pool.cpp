@@ -9,7 +9,8 @@ namespace polyfly {
 namespace {
 
 constexpr std::size_t kFirstSlots = 64;
-constexpr std::size_t kFull = 3;  // the table grows when more than kFull of kFullOf slots are taken
+// The table grows when more than kFull of kFullOf slots are taken.
+constexpr std::size_t kFull = 3;
 constexpr std::size_t kFullOf = 4;
 
 std::uint32_t hashOf(RowSpan set) {

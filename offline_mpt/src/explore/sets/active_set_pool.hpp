@@ -49,7 +49,8 @@ class ActiveSetPool {
   std::size_t placeOf(RowSpan set, std::uint32_t hash) const;
   void grow();
 
-  Arena<std::uint16_t> arena_;  // for each set its size, then its rows
+  // Size of each set, then its rows.
+  Arena<std::uint16_t> arena_;
   std::pmr::deque<const std::uint16_t*> sets_;
   std::pmr::vector<Slot> table_;
 };

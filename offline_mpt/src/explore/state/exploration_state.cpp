@@ -59,7 +59,8 @@ void ExplorationState::merge(ByteReader& answer) {
 void ExplorationState::mergeRegion(ByteReader& answer) {
   const RowSpan tight_rows = readSet(answer, rows_);
   degenerate_facets += answer.get<std::uint32_t>();
-  const bool known = tight_rows.count > 0 && !tight.insert(tight_rows);  // the same region was found before
+  // Known tight rows mean that the same region was found before.
+  const bool known = tight_rows.count > 0 && !tight.insert(tight_rows);
   const auto count = answer.get<std::uint32_t>();
   answer.need(count, sizeof(double));
   std::vector<double> probes(count);

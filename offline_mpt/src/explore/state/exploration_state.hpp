@@ -25,7 +25,8 @@ struct ExplorationState : SetQueue {
   std::pmr::vector<double> unresolved;
   std::uint64_t degenerate_facets = 0;
   std::uint64_t pivots = 0;
-  bool failed = false;  // the simplex gave up on a set
+  // The simplex gave up on a set.
+  bool failed = false;
 
  private:
   void mergeRegion(ByteReader& answer);

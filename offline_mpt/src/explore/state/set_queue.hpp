@@ -26,9 +26,11 @@ struct SetQueue {
   /// Merges the result of the set number `described`.
   virtual void merge(ByteReader& answer) = 0;
 
-  CountedMemory memory;  ///< of all that follows, and of what derived queues hold
+  /// Memory of `found` and of all containers of derived queues.
+  CountedMemory memory;
   ActiveSetPool found;
-  std::uint64_t described = 0;  ///< sets of `found` that were merged
+  /// Number of sets of `found` that were merged.
+  std::uint64_t described = 0;
 };
 
 /// Reads a set as writeSet wrote it; the view is of `rows`.

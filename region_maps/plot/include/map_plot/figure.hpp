@@ -24,17 +24,23 @@ struct Series {
   enum class Style {
     kLine,
     kDashed,
-    kSteps,   ///< holds each value until the next x
-    kPoints,  ///< a dot for each sample
-    kBars,    ///< boxes of the width between neighbouring x, from the axis up
+    /// Holds each value until the next x.
+    kSteps,
+    /// A dot for each sample.
+    kPoints,
+    /// Boxes of the width between neighbouring x, from the axis up.
+    kBars,
   };
 
-  std::string label;  ///< in the legend; none if empty
+  /// Text in the legend. Empty: none.
+  std::string label;
   std::vector<double> x;
-  std::vector<double> y;  ///< a NaN interrupts the line
+  /// A NaN interrupts the line.
+  std::vector<double> y;
   Style style = Style::kLine;
   std::string color = palette::kBlue;  ///< #rrggbb
-  double width = 1.8;                  ///< of the line, or of a dot about [px]
+  /// Width of the line, or approximate diameter of a dot.
+  double width = 1.8;  ///< [px]
 };
 
 /// A straight line across the panel: horizontal (a bound of y) or vertical (a mark on x).
@@ -56,9 +62,12 @@ struct Band {
 struct Patches {
   /// Each a ring of (x, y), closed by the writer.
   std::vector<std::vector<std::pair<double, double>>> polygons;
-  std::string fill;    ///< #rrggbb; outline only if empty
-  std::string border;  ///< #rrggbb; none if empty
-  double width = 0.6;  ///< of the border [px]
+  /// Fill colour #rrggbb. Empty: outline only.
+  std::string fill;
+  /// Border colour #rrggbb. Empty: none.
+  std::string border;
+  /// Width of the border.
+  double width = 0.6;  ///< [px]
 };
 
 /// What the fill colours of the patches mean; drawn as a bar to the right of the panel.
@@ -66,7 +75,8 @@ struct ColorScale {
   double lower = 0.0;
   double upper = 1.0;
   std::string label;
-  std::vector<std::string> colors;  ///< from lower to upper, at equal distances
+  /// Colours from lower to upper, at equal distances.
+  std::vector<std::string> colors;
 };
 
 /// One coordinate system. Axes carry their unit in the label, for example "time [s]".

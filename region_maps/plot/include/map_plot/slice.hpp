@@ -31,12 +31,17 @@ struct SlicePolygon {
 };
 
 struct Slice {
-  int x = 0;             ///< index of the parameter along x
-  int y = 0;             ///< index of the parameter along y
-  Panel::Range x_range;  ///< cut to the box
+  /// Index of the parameter along x.
+  int x = 0;
+  /// Index of the parameter along y.
+  int y = 0;
+  /// Ranges along x and y, cut to the box.
+  Panel::Range x_range;
   Panel::Range y_range;
-  std::vector<double> theta;           ///< all parameters; entries x and y are not used
-  std::vector<SlicePolygon> polygons;  ///< in file order; regions that the plane misses are left out
+  /// All parameters. Entries x and y are not used.
+  std::vector<double> theta;
+  /// Polygons in file order. Regions that the plane misses are left out.
+  std::vector<SlicePolygon> polygons;
 };
 
 /// Cuts every region of the map. Throws Error naming the map, the parameter and the rule when a name is

@@ -108,7 +108,8 @@ int runTool(CLI::App& app, int argc, const char* const* argv, const std::functio
     return fail(error.what() + help);
   } catch (const std::bad_alloc&) {
     return fail("out of memory");
-  } catch (const std::length_error&) {  // of a container that would be larger than memory can be
+  } catch (const std::length_error&) {
+    // A container would be larger than memory can be.
     return fail("out of memory");
   } catch (const std::exception& error) {
     return fail(error.what());

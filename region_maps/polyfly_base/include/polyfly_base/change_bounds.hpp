@@ -14,7 +14,8 @@ namespace polyfly {
 /// kRest. So many small changes in a row go no further than one. Reads no clock; time is an argument [s].
 class ChangeBounds {
  public:
-  static constexpr double kRest = 10.0;  ///< without a change [s]
+  /// Time without a change after which an option rests.
+  static constexpr double kRest = 10.0;  ///< [s]
 
   struct Option {
     std::string name;
@@ -37,9 +38,12 @@ class ChangeBounds {
 
  private:
   struct Past {
-    double base = 0.0;     // changes count from it
-    double value = 0.0;    // in force
-    bool changed = false;  // since it was settled; with it:
+    // Value from which changes count.
+    double base = 0.0;
+    // Value in force.
+    double value = 0.0;
+    // Whether the value changed since it was settled. Only then `last_change` is valid.
+    bool changed = false;
     double last_change = 0.0;
   };
 

@@ -33,8 +33,10 @@ class FileDraft {
  private:
   [[noreturn]] void fail(const char* what) const;
 
-  const std::string name_;    // as the caller calls the target
-  const std::string target_;  // behind links
+  // Name of the target as the caller gives it.
+  const std::string name_;
+  // Path of the target behind links.
+  const std::string target_;
   std::string path_;
   int descriptor_ = -1;
   bool renamed_ = false;

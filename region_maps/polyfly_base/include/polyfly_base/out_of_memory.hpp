@@ -13,7 +13,8 @@
 namespace polyfly {
 namespace out_of_memory {
 
-constexpr int kExitCode = 2;  // of every tool that could not do what it was asked
+// Exit code of every tool that could not do what it was asked.
+constexpr int kExitCode = 2;
 inline const char* tool = "";
 
 /// Ends with one line and exit code 2 from any thread and any depth. Nothing is unwound: a draft of an output

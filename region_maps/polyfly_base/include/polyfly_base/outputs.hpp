@@ -8,12 +8,15 @@ namespace polyfly {
 /// A file that a tool is asked to write.
 struct Output {
   enum class Kind {
-    kText,  ///< from its first byte to its last: into a device or a FIFO too
-    kFile,  ///< mapped, resumed or written in any order: must be a file, or nothing yet
+    /// Written from its first byte to its last. A device or a FIFO is allowed.
+    kText,
+    /// Mapped, resumed or written in any order. It must be a file, or not exist yet.
+    kFile,
   };
   enum class Folder { kExists, kIsMade };
 
-  std::string path;  ///< empty where nothing is asked for
+  /// Empty: no output is asked for.
+  std::string path;
   Kind kind = Kind::kText;
   Folder folder = Folder::kExists;
 };

@@ -25,19 +25,29 @@ class TimeSource {
   /// Odometry with this stamp [s] arrived.
   void onOdometry(double ros, double wall, double stamp) noexcept;
 
-  bool byWall() const noexcept { return by_wall_; }     ///< wall time decides
-  double silence() const noexcept { return silence_; }  ///< since the last odometry [s]
-  double ahead() const noexcept { return ahead_; }      ///< of ROS time is the time that decides [s]
+  /// Whether wall time decides.
+  bool byWall() const noexcept { return by_wall_; }
+  /// Time since the last odometry [s].
+  double silence() const noexcept { return silence_; }
+  /// Lead of the time that decides over ROS time [s].
+  double ahead() const noexcept { return ahead_; }
 
  private:
   bool simulated_;
-  double ros_ = 0.0;             // ROS time when it last moved; 0: no clock came yet
-  double since_ = 0.0;           // silence counts from this ROS time
-  bool heard_ = false;           // odometry, since ROS time last moved; with it:
-  double first_wall_ = 0.0;      // when that came first
-  double first_stamp_ = 0.0;     // its stamp
-  double greatest_stamp_ = 0.0;  // of those since
-  double last_wall_ = 0.0;       // when odometry came last
+  // ROS time when it last moved. 0: no clock came yet.
+  double ros_ = 0.0;
+  // ROS time from which silence counts.
+  double since_ = 0.0;
+  // Whether odometry came since ROS time last moved. Only then the next four members are valid.
+  bool heard_ = false;
+  // Wall time of the first odometry since ROS time last moved.
+  double first_wall_ = 0.0;
+  // Stamp of the first odometry since ROS time last moved.
+  double first_stamp_ = 0.0;
+  // Greatest stamp of odometry since ROS time last moved.
+  double greatest_stamp_ = 0.0;
+  // Wall time of the last odometry.
+  double last_wall_ = 0.0;
   double silence_ = 0.0;
   double ahead_ = 0.0;
   bool by_wall_ = false;

@@ -21,29 +21,40 @@ class YamlField {
                  std::initializer_list<const char*> optional) const;
 
   bool has(const std::string& key) const;
-  YamlField at(const std::string& key) const;  ///< fails when the key is absent
+  /// Throws Error when the key is absent.
+  YamlField at(const std::string& key) const;
 
   bool isList() const;
-  std::vector<YamlField> items() const;  ///< elements of a sequence
-  std::string text() const;              ///< a non-empty scalar
-  std::string name() const;              ///< an identifier: letter or _, then letters, digits, _
-  std::string unit() const;              ///< a unit without spaces, such as m/s^2; 1 if dimensionless
-  double number() const;                 ///< finite, at most kGreatestNumber in size
+  /// Elements of a sequence.
+  std::vector<YamlField> items() const;
+  /// A non-empty scalar.
+  std::string text() const;
+  /// An identifier: letter or _, then letters, digits, _.
+  std::string name() const;
+  /// A unit without spaces, such as m/s^2. It is 1 if dimensionless.
+  std::string unit() const;
+  /// A finite number, at most kGreatestNumber in size.
+  double number() const;
   int integer(int least, int greatest) const;
-  void range(double* lower, double* upper) const;  ///< [lower, upper], finite, lower < upper
+  /// A range [lower, upper], finite, lower < upper.
+  void range(double* lower, double* upper) const;
 
-  Eigen::MatrixXd matrix(int rows, int cols) const;  ///< list of rows
-  Eigen::MatrixXd weight(int size) const;  ///< symmetric, either a list of rows or the diagonal alone
+  /// A matrix, given as a list of rows.
+  Eigen::MatrixXd matrix(int rows, int cols) const;
+  /// A symmetric matrix, given as a list of rows or as the diagonal alone.
+  Eigen::MatrixXd weight(int size) const;
 
   [[noreturn]] void fail(const std::string& rule) const;
-  [[noreturn]] void failAt(const std::string& field, const std::string& rule) const;  ///< of a member of this
+  /// Fails for member `field` of this value.
+  [[noreturn]] void failAt(const std::string& field, const std::string& rule) const;
 
  private:
   YamlField(const YAML::Node& node, std::string source, std::string path, int line);
 
   YAML::Node node_;
   std::string source_;
-  std::string path_;  ///< such as parameters[2].unit
+  /// Path of the field, such as parameters[2].unit.
+  std::string path_;
   int line_ = 1;
 };
 

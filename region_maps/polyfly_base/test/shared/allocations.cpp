@@ -61,7 +61,8 @@ void* realloc(void* memory, std::size_t size) {
   ++allocations;
   return __libc_realloc(memory, size);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) {  // what new of over-aligned types calls
+// The operator new of over-aligned types calls this function.
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
   ++allocations;
   return __libc_memalign(alignment, size);
 }
