@@ -404,7 +404,7 @@ Size CountProof::check(int threads) {
 
 // By the sections of region_maps/FORMAT.md.
 std::uint64_t CountProof::leastBytes(const Size& size) const {
-  constexpr std::uint64_t kHeader = 256, kBounds = 16, kRegion = 20, kIndex = 4, kNumber = 8;
+  constexpr std::uint64_t kHeader = 272, kBounds = 16, kRegion = 20, kIndex = 4, kNumber = 8;
   const std::uint64_t of_region = kRegion + kIndex * (p_ + 1) + kIndex;  // rows, and a place in a leaf
   const std::uint64_t laws = std::max<std::uint64_t>(1, size.laws);
   return kHeader + kBounds * (p_ + q_) + of_region * size.regions + kIndex * size.active_rows +

@@ -33,7 +33,20 @@ class SearchIndex {
   static constexpr std::uint32_t kHead = 4;                 ///< words before the groups of a region
   /// Of a reference: the rest is its first candidate, not a block.
   static constexpr std::uint32_t kLeaf = 0x80000000u;
-  static constexpr std::uint32_t kLast = 0x80000000u;  ///< of a candidate: the leaf's last
+  static constexpr std::uint32_t kLast = 0x80000000u;  ///< In Candidate::record: it is the leaf's last.
+
+  struct Candidate {
+    std::uint32_t record = 0;  ///< Where its region's record begins [kHead words], and kLast.
+    std::uint32_t tests = 0;   ///< Rows to test, see MapContent::tests.
+  };
+
+  /// Which rows of group g are tested, bit i: row i of the group.
+  static constexpr std::uint32_t testedLanes(std::uint32_t tests, std::uint32_t g) noexcept {
+    constexpr std::uint32_t kLastGroup = 31 / kRowLanes;  // that the bits tell apart
+    constexpr std::uint32_t kAllLanes = (1u << kRowLanes) - 1;
+    if (g <= kLastGroup) return tests >> kRowLanes * g & kAllLanes;
+    return (tests >> 31) != 0 ? kAllLanes : 0u;
+  }
 
   /// Words for two parameters each, for p parameters.
   static constexpr std::uint32_t pairs(std::uint32_t p) noexcept { return (p + 1) / 2; }
@@ -59,7 +72,7 @@ class SearchIndex {
     /// which planes are those of nodes (bits), and as its constant the node of the file that the block begins
     /// with. Then a reference for each child, from below to above.
     const std::int32_t* blocks = nullptr;
-    const std::uint32_t* candidates = nullptr;  ///< where in `records` a region begins, in kHead words; kLast
+    const Candidate* candidates = nullptr;
     /// Of a region: its index, law, number of groups, first row; groups.
     const std::int32_t* records = nullptr;
     std::uint32_t root = 0;                        ///< a reference
@@ -76,7 +89,7 @@ class SearchIndex {
   };
 
   std::vector<Line> blocks_;
-  std::vector<std::uint32_t> candidates_;
+  std::vector<Candidate> candidates_;
   std::vector<Line> records_;
   std::size_t block_count_ = 0;
   std::uint64_t multiply_adds_ = 0;
