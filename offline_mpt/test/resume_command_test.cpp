@@ -155,7 +155,7 @@ TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
   };
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const std::string map = "by_signal_" + std::to_string(signal) + ".map";
-    const pid_t child = start(solve("many.json", map, {"--quiet"}));
+    const pid_t child = start(solve("many.json", map, {"--quiet", "--tree", "small"}));
     while (!fs::exists(path(map + ".checkpoint"))) {
       ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "ended by itself";
       sched_yield();
@@ -164,8 +164,9 @@ TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
     expect_kept(wait(child), map);
   }
   // A complete exploration is resumed at its search tree, with a limit for this run.
-  expect_kept(wait(start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3"}))),
-              "by_signal_2.map");
+  const pid_t resumed =
+      start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3", "--tree", "small"}));
+  expect_kept(wait(resumed), "by_signal_2.map");
 }
 
 TEST_F(ResumeCommand, BuildsTheSearchTreeOfACompleteExploration) {
