@@ -36,7 +36,7 @@ GuidanceInput Sensors::measure(const Aircraft& aircraft, double period) {
 
 LateralLaw lawOf(LateralGuidance& guidance) {
   return [&guidance](const GuidanceInput& input) {
-    const GuidanceOutput output = guidance.update(input);
+    GuidanceOutput output = guidance.update(input);
     guidance.prepare();
     return output;
   };

@@ -42,7 +42,7 @@ class Failsafe : public ::testing::Test {
   }
 
   GuidanceOutput step(const GuidanceInput& input) {
-    const GuidanceOutput output = guidance_.update(input);
+    GuidanceOutput output = guidance_.update(input);
     guidance_.prepare();
     EXPECT_TRUE(std::isfinite(output.roll_reference));
     EXPECT_LE(std::abs(output.roll_reference), guidance_.options().limits.roll_reference);

@@ -168,7 +168,8 @@ TEST(LateralObserver, DoesNotLearnFromAHeadingThatIsSetAnew) {
   LateralObserver observer{LateralModel{}};
   for (int i = 0; i < 2000; ++i) {
     AircraftState state = aircraft.state();
-    state.heading += (i / 100) * 0.8;  // every five seconds
+    const int jumps = i / 100;  // one every five seconds
+    state.heading += jumps * 0.8;
     observer.update(state, aircraft.airspeed(), 0.3);
     aircraft.fly(0.3, kPeriod);
   }

@@ -76,6 +76,7 @@ void printJson(const RegionMap& map) {
   json["depth"] = map.cost().depth;
   json["region_checks"] = map.cost().region_checks;
   json["multiply_adds"] = map.cost().multiply_adds;
+  json["format_version"] = map.formatVersion();
   json["bytes"] = map.bytes();
   json["index"] = {{"blocks", map.index().blockCount()},
                    {"bytes", map.index().bytes()},
@@ -116,6 +117,7 @@ void printText(const RegionMap& map) {
   std::printf("tolerance   %.3g of half a range\n", map.tolerance());
   std::printf("regions     %zu\nlaws        %zu\nplanes      %zu\nnodes       %zu\nleaves      %zu\n",
               map.regionCount(), map.lawCount(), map.planeCount(), map.nodeCount(), map.leafCount());
+  std::printf("format      version %u\n", map.formatVersion());
   std::printf("bytes       %zu\nchecksum    %s\n", map.bytes(), checksumText(map.checksum()).c_str());
   if (map.reducedFrom() != 0) {
     std::printf("reduced     from the map with checksum %s; %zu fallback regions\n",

@@ -41,12 +41,12 @@ sigset_t allSignals() {
 
 // As under nohup, before this program has changed it.
 bool hangUpIsIgnored() {
-  static const bool ignored = [] {
+  static const bool kIgnored = [] {
     struct sigaction current = {};
     sigaction(SIGHUP, nullptr, &current);
     return (current.sa_flags & SA_SIGINFO) == 0 && current.sa_handler == SIG_IGN;
   }();
-  return ignored;
+  return kIgnored;
 }
 
 void install(void (*handler)(int), int flags) {

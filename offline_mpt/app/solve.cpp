@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -38,6 +39,9 @@ A stopped run also writes the regions found so far, if their search tree takes l
 status of the map says so. It replaces an existing MAP only with --force. A new run replaces the
 checkpoint of an unfinished run only with --force.
 
+The search tree answers which region holds a parameter. --tree fast builds it in about the time of the
+exploration. --tree small makes the shortest worst case, and the largest file where parameters are many.
+
 With mpirun, the processes explore together (--threads each), and process 0 writes the same map. If a
 process is lost, the run ends with a checkpoint.
 
@@ -53,6 +57,7 @@ struct SolveArguments {
   std::string stats;
   ExploreOptions explore;
   double time_limit = 0.0;  // [s], of all phases
+  TreeMode tree_mode = TreeMode::kAuto;
   std::uint64_t tree_nodes = 0;
   bool quiet = false;
   bool force = false;
@@ -283,6 +288,7 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
+  tree.mode = options.tree_mode;
   tree.node_limit = options.tree_nodes;
   tree.progress = [&](std::uint64_t done, std::uint64_t total) {
     const auto share = static_cast<double>(done) / static_cast<double>(total);
@@ -298,8 +304,8 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   checkFiles(options);
   if (isRobustFile(options.problem)) {
     session.leave();
-    return solveRobust({options.problem, options.map, options.stats, options.time_limit, options.tree_nodes,
-                        options.explore.threads, options.quiet});
+    return solveRobust({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
+                        options.tree_nodes, options.explore.threads, options.quiet});
   }
   Stopwatch watch;
   Seconds seconds;
@@ -363,6 +369,21 @@ ExitCode solve(const SolveArguments& options) {
   return lead(options, session);
 }
 
+void addTreeOptions(CLI::App& command, TreeMode& mode, std::uint64_t& nodes) {
+  const std::map<std::string, TreeMode> modes = {
+      {"fast", TreeMode::kFast}, {"auto", TreeMode::kAuto}, {"small", TreeMode::kSmall}};
+  command
+      .add_option_function<std::string>(
+          "--tree", [&mode, modes](const std::string& name) { mode = modes.at(name); },
+          "How far the search tree grows: fast, small (as far as it shortens look-ups), or auto (default).")
+      ->check(CLI::IsMember(modes));
+  command
+      .add_option(
+          "--tree-nodes", nodes,
+          "Limit of interior nodes of the search tree (default: 2 per region; small: 64; at least 4096).")
+      ->check(wholeNumber<std::uint64_t>(1));
+}
+
 }  // namespace
 
 void addSolve(CLI::App& app, ExitCode& exit_code) {
@@ -382,11 +403,7 @@ void addSolve(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--checkpoint-period", options->explore.checkpoint_period,
                    "Seconds between checkpoints (default: 300; 0: only at the end).")
       ->check(numberFrom(0.0));
-  command
-      ->add_option("--tree-nodes", options->tree_nodes,
-                   "Limit of interior nodes of the search tree (default: 64 per region up to 131072, 2 per "
-                   "region beyond). Each takes 12 bytes and time.")
-      ->check(wholeNumber<std::uint64_t>(1));
+  addTreeOptions(*command, options->tree_mode, options->tree_nodes);
   command->add_flag("--quiet", options->quiet, "Print nothing but errors.");
   command->add_flag("--force", options->force,
                     "Let a partial result replace an existing map, and a new run an old checkpoint.");

@@ -67,6 +67,7 @@ ExitCode solveRobust(const SolveRobustOptions& options) {
   const double region_time = watch.lap();
   TreeOptions tree;
   tree.threads = options.threads;
+  tree.mode = options.tree_mode;
   tree.node_limit = options.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
   ignoreSignals();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "command.hpp"
+#include "offline_mpt/search_tree.hpp"
 
 namespace polyfly {
 
@@ -13,6 +14,7 @@ struct SolveRobustOptions {
   std::string map;
   std::string stats;        ///< file to write, empty: none
   double time_limit = 0.0;  ///< [s], of all phases; 0: none
+  TreeMode tree_mode = TreeMode::kAuto;
   std::uint64_t tree_nodes = 0;
   int threads = 1;
   bool quiet = false;

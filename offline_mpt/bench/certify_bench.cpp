@@ -15,7 +15,6 @@
 namespace polyfly::bench {
 namespace {
 
-constexpr int kQuickLeaf = 64;  // regions in a leaf: the tree plays no part here, so it is built quickly
 
 // Sets a flag after some seconds unless it ends before.
 class Alarm {
@@ -54,7 +53,7 @@ Json timeCertificate(const CertifyArguments& arguments) {
   const ParametricProgram program = loadProgram(arguments.problem);
   const Partition partition = explore(program);
   TreeOptions tree;
-  tree.leaf_regions = kQuickLeaf;
+  tree.mode = TreeMode::kFast;  // the tree plays no part here
   const MapInMemory memory(encode(program, partition, tree));
   CertifyOptions options;
   options.threads = arguments.threads;

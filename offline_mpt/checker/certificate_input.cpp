@@ -106,7 +106,9 @@ std::string hexText(std::uint64_t value) {
 Map::Map(const std::string& file) {
   require(file.size() >= 256 && file.compare(0, 8, "PFLYMAP\n") == 0, "not a region map");
   require(load<std::uint32_t>(file, 8) == 0x01020304u, "the byte order of the map is not this machine's");
-  require(load<std::uint32_t>(file, 12) == 1, "the version of the map is unknown");
+  const auto version = load<std::uint32_t>(file, 12);
+  require(version == 1 || version == 2, "the version of the map is unknown");
+  require(version == 1 || file.size() >= 272, "the map is cut off");
   size = load<std::uint64_t>(file, 16);
   checksum = load<std::uint64_t>(file, 24);
   require(size == file.size(), "the map is cut off");
@@ -132,6 +134,7 @@ Map::Map(const std::string& file) {
   nodes = section<Node>(file, 7, 1);
   leaves = section<Leaf>(file, 8, 1);
   candidates = section<std::uint32_t>(file, 9, 1);
+  if (version == 2) tests = section<std::uint32_t>(file, 10, 1);
   checkTables();
   checkTree();
 }

@@ -67,6 +67,7 @@ struct Map {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
   std::vector<std::uint32_t> candidates;
+  std::vector<std::uint32_t> tests;  ///< rows that leaves test; empty: all
 
  private:
   void readText(const std::string& file);

@@ -268,13 +268,13 @@ bool CountProof::confirms(const Reduced<Number>& reduced, const Record& record, 
   const Number* const kind = nullptr;
   std::vector<Number> t;
   for (const std::int64_t steps : record.t) t.push_back(numberOf(steps, kind));
-  const auto valueAt = [&](const Number* affine) {
+  const auto value_at = [&](const Number* affine) {
     Number sum = affine[p_];
     for (std::size_t j = 0; j < p_; ++j) sum = sum + affine[j] * t[j];
     return sum;
   };
   for (std::size_t i = 0; i < reduced.domain.size(); i += p_ + 1)
-    if (!isPositive(valueAt(reduced.domain.data() + i))) return false;
+    if (!isPositive(value_at(reduced.domain.data() + i))) return false;
 
   std::vector<std::size_t> rows(equalities_.begin(), equalities_.end());
   rows.insert(rows.end(), record.set.begin(), record.set.end());
@@ -283,7 +283,7 @@ bool CountProof::confirms(const Reduced<Number>& reduced, const Record& record, 
   std::vector<Number> matrix(k * k), multipliers(k);
   for (std::size_t r = 0; r < k; ++r) {
     for (std::size_t c = 0; c < k; ++c) matrix[r * k + c] = reduced.gram[rows[r] * m_ + rows[c]];
-    multipliers[r] = Number(0.0) - valueAt(reduced.D.data() + rows[r] * (p_ + 1));
+    multipliers[r] = Number(0.0) - value_at(reduced.D.data() + rows[r] * (p_ + 1));
   }
   for (std::size_t c = 0; c < k; ++c) {
     // The rows are dependent, or rounding leaves that open.
@@ -305,7 +305,7 @@ bool CountProof::confirms(const Reduced<Number>& reduced, const Record& record, 
   for (std::size_t i = 0; i < m_; ++i) {
     const std::size_t first = first_of_[i];
     if (std::binary_search(record.set.begin(), record.set.end(), first) || equalities_.count(i) > 0) continue;
-    Number slack = valueAt(reduced.D.data() + i * (p_ + 1));
+    Number slack = value_at(reduced.D.data() + i * (p_ + 1));
     for (std::size_t r = 0; r < k; ++r) slack = slack + reduced.gram[i * m_ + rows[r]] * multipliers[r];
     if (!isPositive(slack)) return false;
     apart = apart && isPositive(Number(slack - reduced.gap[i]));
@@ -406,7 +406,7 @@ Size CountProof::check(int threads) {
 
 // By the sections of region_maps/FORMAT.md.
 std::uint64_t CountProof::leastBytes(const Size& size) const {
-  constexpr std::uint64_t kHeader = 256, kBounds = 16, kRegion = 20, kIndex = 4, kNumber = 8;
+  constexpr std::uint64_t kHeader = 272, kBounds = 16, kRegion = 20, kIndex = 4, kNumber = 8;
   const std::uint64_t of_region = kRegion + kIndex * (p_ + 1) + kIndex;  // rows, and a place in a leaf
   const std::uint64_t laws = std::max<std::uint64_t>(1, size.laws);
   return kHeader + kBounds * (p_ + q_) + of_region * size.regions + kIndex * size.active_rows +

@@ -14,6 +14,7 @@ constexpr int kDeepest = 20000;      // nested cuts
 /// The two maps are of one problem, and belong together.
 void requirePair(const Map& reduced, const Map& original) {
   require(reduced.reduced_from != 0, "the map was not reduced from another one");
+  require(reduced.tests.empty(), "its leaves test some rows only, which no proof covers");
   require(original.reduced_from == 0, "the original was itself reduced from another map");
   require(reduced.reduced_from == original.checksum, "the map was reduced from another original");
   require(reduced.p == original.p && reduced.q == original.q && reduced.bounds == original.bounds,

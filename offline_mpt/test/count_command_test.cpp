@@ -15,7 +15,7 @@ namespace {
 const char kToy[] =
     R"({"name": "toy", "H": [[1]], "f": [0], "F": [[-1]], "A": [[1], [-1]], "b": [0.5, 0.25], "B": [[0], [0]],
 "eq_ids": [], "lb": [-1], "ub": [1], "A_theta": [], "b_theta": [], "out": [0]})";
-constexpr int kToyBytes = 256 + 16 * 2 + 3 * (20 + 4 * 2 + 4) + 4 * 2 + 3 * 16;
+constexpr int kToyBytes = 272 + 16 * 2 + 3 * (20 + 4 * 2 + 4) + 4 * 2 + 3 * 16;
 
 class CountCommand : public testing::Test {
  protected:

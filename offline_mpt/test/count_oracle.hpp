@@ -33,7 +33,7 @@ inline std::vector<CountedSet> readCountProof(const ParametricProgram& program, 
       if ((bytes[static_cast<std::size_t>(i) / 8] >> i % 8 & 1) != 0) set.rows.push_back(i);
     }
     for (std::size_t j = 0; j < program.parameters.size(); ++j) {
-      std::int64_t steps = static_cast<signed char>(bytes[key + 5 * j + 4]);
+      std::int64_t steps = static_cast<int>(static_cast<signed char>(bytes[key + 5 * j + 4]));
       for (std::size_t k = 4; k-- > 0;)
         steps = steps * 256 + static_cast<unsigned char>(bytes[key + 5 * j + k]);
       const mpq_class lower(program.parameters[j].lower), upper(program.parameters[j].upper);

@@ -197,6 +197,7 @@ class CorruptedMap : public ::testing::Test {
     content_.leaves = {{0, static_cast<std::uint32_t>(content_.regions.size())}};
     content_.root = MapContent::kLeaf;
     content_.candidates.clear();
+    content_.tests.clear();
     for (std::uint32_t r = 0; r < content_.regions.size(); ++r) content_.candidates.push_back(r);
   }
 

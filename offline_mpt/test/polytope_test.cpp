@@ -25,7 +25,7 @@ struct Rows {
   int count() const { return static_cast<int>(data.size()) / (n + 1); }
   const double* row(int i) const { return data.data() + static_cast<std::ptrdiff_t>(i) * (n + 1); }
 
-  void add(std::vector<double> a, double b) {
+  void add(const std::vector<double>& a, double b) {
     double squared = 0.0;
     for (const double value : a) squared += value * value;
     for (const double value : a) data.push_back(value / std::sqrt(squared));

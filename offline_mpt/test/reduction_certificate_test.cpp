@@ -18,7 +18,7 @@
 namespace polyfly {
 namespace {
 
-std::string withEnd(std::string text) {
+std::string withEnd(const std::string& text) {
   char line[64];
   std::snprintf(line, sizeof line, "end %016llx\n", static_cast<unsigned long long>(checker::xxh64(text)));
   return text + line;

@@ -146,7 +146,7 @@ TEST_F(ResumeCommand, SaysThatTheCostIsUnboundedBeforeTheEnd) {
 // A problem that is explored at once, and whose search tree takes minutes.
 TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
   writeBytes(path("many.json"), chainProblem(8, 7));
-  const auto expectKept = [&](const Outcome& result, const std::string& map) {
+  const auto expect_kept = [&](const Outcome& result, const std::string& map) {
     EXPECT_EQ(result.exit_code, 3) << result.err;
     EXPECT_NE(result.err.find(map + ": not written: stopped while its search tree was built"),
               std::string::npos)
@@ -157,17 +157,18 @@ TEST_F(ResumeCommand, IsStoppedWhileTheSearchTreeIsBuilt) {
   };
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const std::string map = "by_signal_" + std::to_string(signal) + ".map";
-    const pid_t child = start(solve("many.json", map, {"--quiet"}));
+    const pid_t child = start(solve("many.json", map, {"--quiet", "--tree", "small"}));
     while (!fs::exists(path(map + ".checkpoint"))) {
       ASSERT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "ended by itself";
       sched_yield();
     }
     kill(child, signal);
-    expectKept(wait(child), map);
+    expect_kept(wait(child), map);
   }
   // A complete exploration is resumed at its search tree, with a limit for this run.
-  expectKept(wait(start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3"}))),
-             "by_signal_2.map");
+  const pid_t resumed =
+      start(solve("many.json", "by_signal_2.map", {"--resume", "--time-limit", "3", "--tree", "small"}));
+  expect_kept(wait(resumed), "by_signal_2.map");
 }
 
 TEST_F(ResumeCommand, BuildsTheSearchTreeOfACompleteExploration) {

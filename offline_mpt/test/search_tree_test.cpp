@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <random>
 
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "random_program.hpp"
-#include "tree/tree_cells.hpp"
+#include "tree/member_solver.hpp"
 
 namespace polyfly {
 namespace {
@@ -99,44 +101,112 @@ std::size_t mostCandidates(const SearchTree& tree) {
   return most;
 }
 
-TEST(SearchTree, IntervalsAreHalvedUntilALeafIsSmallEnough) {
-  const TreeRegions regions = intervals();
-  for (int leaf_regions = 1; leaf_regions <= 16; leaf_regions *= 2) {
+// A balanced tree whose leaves hold one interval each, of which no row is left to test.
+TEST(SearchTree, IntervalsAreHalvedUntilNoRowIsLeft) {
+  for (const TreeMode mode : {TreeMode::kFast, TreeMode::kAuto, TreeMode::kSmall}) {
     TreeOptions options;
-    options.leaf_regions = leaf_regions;
-    const SearchTree tree = buildTree(regions, options);
-    EXPECT_EQ(tree.leaves.size(), 16u / static_cast<unsigned>(leaf_regions));
-    EXPECT_EQ(mostCandidates(tree), static_cast<std::size_t>(leaf_regions));
-    EXPECT_EQ(1u << tree.depth, tree.leaves.size());
+    options.mode = mode;
+    const SearchTree tree = buildTree(intervals(), options);
+    EXPECT_EQ(tree.leaves.size(), 16u);
+    EXPECT_EQ(tree.depth, 4u);
+    EXPECT_EQ(mostCandidates(tree), 1u);
+    EXPECT_EQ(tree.tests, std::vector<std::uint32_t>(16, 0));
+    EXPECT_EQ(tree.end, TreeEnd::kNoGain);
   }
 }
 
-TEST(SearchTree, RegionsOfOneLawMayShareALeaf) {
-  TreeRegions regions = intervals();
-  for (std::size_t i = 0; i < 16; ++i) regions.laws.push_back(i < 8 ? 0 : static_cast<std::uint32_t>(i));
+TEST(SearchTree, ThereMayBeNoNodes) {
   TreeOptions options;
-  options.leaf_regions = 1;
-  // Half-spaces of eight intervals.
-  options.law_rows = 16;
-  const SearchTree tree = buildTree(regions, options);
-  EXPECT_EQ(tree.leaves.size(), 9u);
-  EXPECT_EQ(mostCandidates(tree), 8u);
-  options.law_rows = 15;
-  EXPECT_EQ(mostCandidates(buildTree(regions, options)), 4u);
+  options.mode = TreeMode::kNone;
+  const SearchTree tree = buildTree(intervals(), options);
+  EXPECT_TRUE(tree.nodes.empty());
+  EXPECT_EQ(mostCandidates(tree), 16u);
+  // The first and the last interval end where the box does.
+  EXPECT_EQ(tree.tests.front(), 0b01u);
+  EXPECT_EQ(tree.tests[7], 0b11u);
+  EXPECT_EQ(tree.tests.back(), 0b10u);
+}
+
+TEST(SearchTree, AllRowsAreTestedOnRequest) {
+  TreeOptions options;
+  options.all_rows = true;
+  const SearchTree tree = buildTree(intervals(), options);
+  EXPECT_EQ(tree.leaves.size(), 16u);
+  EXPECT_TRUE(tree.tests.empty());
 }
 
 TEST(SearchTree, TheLimitOnNodesIsKept) {
   const TreeRegions regions = intervals();
   for (const std::uint64_t limit : {1u, 2u, 3u, 7u, 100u}) {
     TreeOptions options;
-    options.leaf_regions = 1;
     options.node_limit = limit;
     const SearchTree tree = buildTree(regions, options);
-    EXPECT_LE(tree.nodes.size(), limit);
-    EXPECT_GE(tree.nodes.size(), std::min<std::size_t>(limit, 15) / 2);
+    EXPECT_EQ(tree.nodes.size(), std::min<std::size_t>(limit, 15));
+    EXPECT_EQ(tree.end, limit < 15 ? TreeEnd::kNodes : TreeEnd::kNoGain);
     std::size_t listed = 0;
     for (const MapContent::Leaf& leaf : tree.leaves) listed += leaf.count;
     EXPECT_EQ(listed, 16u);
+  }
+}
+
+/// Half-spaces that the worst look-up evaluates.
+std::uint64_t worstCase(const MapContent& content) {
+  const MapInMemory memory(content);
+  const std::uint64_t p = content.parameters.size();
+  return memory.map().cost().multiply_adds / p - content.inputs.size();
+}
+
+TEST(SearchTree, ALargerTreeHasABetterWorstCase) {
+  const ParametricProgram program = randomProgram(8, 24, 4, 3);
+  const Partition partition = explore(program);
+  std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
+  for (const TreeMode mode : {TreeMode::kNone, TreeMode::kFast, TreeMode::kAuto, TreeMode::kSmall}) {
+    TreeOptions options;
+    options.mode = mode;
+    const std::uint64_t worst = worstCase(encode(program, partition, options));
+    EXPECT_LE(worst, last) << toString(mode);
+    last = worst;
+  }
+  EXPECT_LE(last, 2.0 * std::log2(static_cast<double>(partition.regions.size())) + 8.0);
+}
+
+// Rows are left out only where the nodes, the box and the other rows imply them: a row that is left out holds at each
+// parameter whose leaf it belongs to and that meets the others.
+TEST(SearchTree, RowsThatAreLeftOutAreImplied) {
+  for (const int p : {2, 3, 5}) {
+    const ParametricProgram program = randomProgram(6, 16, p, 11);
+    const Partition partition = explore(program);
+    const MapInMemory memory(encode(program, partition));
+    const RegionMap& map = memory.map();
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    std::size_t left_out = 0;
+    for (int k = 0; k < 5000; ++k) {
+      const Eigen::VectorXd theta = Eigen::VectorXd::NullaryExpr(p, [&] { return uniform(random); });
+      const auto violation = [&](std::int32_t row) {
+        const double* const plane = map.plane(static_cast<std::size_t>(std::abs(row)) - 1);
+        const double distance = Eigen::Map<const Eigen::VectorXd>(plane, p).dot(theta) - plane[p];
+        return row > 0 ? distance : -distance;
+      };
+      std::uint32_t child = map.root();
+      while ((child & MapContent::kLeaf) == 0) {
+        const MapContent::Node& node = map.node(child);
+        child = violation(static_cast<std::int32_t>(node.plane) + 1) <= 0.0 ? node.below : node.above;
+      }
+      const LeafView leaf = map.leaf(child & ~MapContent::kLeaf);
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const RegionView region = map.region(leaf.candidates[i]);
+        double tested = -1.0, others = -1.0;
+        for (std::uint32_t row = 0; row < region.row_count; ++row) {
+          double& worst = isTested(leaf.testsOf(i), row) ? tested : others;
+          worst = std::max(worst, violation(region.rows[row]));
+          left_out += isTested(leaf.testsOf(i), row) ? 0 : 1;
+        }
+        if (tested > 0.0) continue;
+        EXPECT_LE(others, 1e-9);
+      }
+    }
+    EXPECT_GT(left_out, 1000u);
   }
 }
 
@@ -164,6 +234,7 @@ TEST(SearchTree, EndsEarlyWhenToldTo) {
   options.stop = &stop;
   const SearchTree tree = buildTree(intervals(), options);
   EXPECT_EQ(tree.nodes.size(), 0u);
+  EXPECT_EQ(tree.end, TreeEnd::kStopped);
   EXPECT_EQ(mostCandidates(tree), 16u);
 }
 
@@ -198,34 +269,30 @@ TreeRegions polygonWithCuts() {
   return regions;
 }
 
-// The point that shows a side may give way to that of the next plane tried. The part on that side once kept
-// an inner point on the other, and then seemed to reach where it does not: the tree got leaves without
-// interior, and parameters in them, by rounding, no answer.
+// The part on one side once kept an inner point on the other, and then seemed to reach where it does not: the tree got
+// leaves without interior, and parameters in them, by rounding, no answer.
 TEST(SearchTree, PartsOfRegionsKeepAPointInside) {
   const TreeRegions regions = polygonWithCuts();
-  TreeGeometry geometry(regions, 1e-9, 1);
-  CellSplitter splitter(geometry);
-  CellMembers whole = geometry.takeMembers(), left, right;
-  std::vector<std::int32_t> path;
-  splitter.divide(whole, 0, path, {static_cast<unsigned char>(splitter.sides(whole[0], 0, path))}, left,
-                  right);
-  ASSERT_EQ(left.size(), 1u);
-  path = {1};
+  MemberSolver solver(regions, 1e-9);
+  CellMember whole = solver.whole(0);
+  ASSERT_EQ(solver.sides(whole, 0), kBelow | kAbove);
+  const CellMember left = solver.half(whole, 0, kBelow);
   for (const std::size_t plane : {std::size_t{1}, std::size_t{2}}) {
-    CellMembers members = left, below, above;
-    const unsigned sides = splitter.sides(members[0], plane, path);
-    ASSERT_EQ(sides, kBelow | kAbove);
-    ASSERT_EQ(splitter.sides(members[0], 3 - plane, path), kBelow | kAbove);
-    splitter.divide(members, plane, path, {static_cast<unsigned char>(sides)}, below, above);
-    ASSERT_EQ(below.size() + above.size(), 2u);
+    CellMember member = left;
+    ASSERT_EQ(solver.sides(member, plane), kBelow | kAbove);
+    ASSERT_EQ(solver.sides(member, 3 - plane), kBelow | kAbove);
+    const CellMember below = solver.half(member, plane, kBelow);
+    const CellMember above = solver.half(member, plane, kAbove);
     const auto distance = [&](std::size_t of, const CellMember& part) {
       const double* row = regions.planes.data() + 3 * of;
       return row[0] * part.inner[0] + row[1] * part.inner[1] - row[2];
     };
-    EXPECT_LT(distance(plane, below[0]), 0.0);
-    EXPECT_GT(distance(plane, above[0]), 0.0);
-    EXPECT_LT(distance(0, above[0]), 0.0);
-    for (std::size_t k = 3; k < regions.planes.size() / 3; ++k) EXPECT_LT(distance(k, above[0]), 0.0);
+    EXPECT_LT(distance(plane, below), 0.0);
+    EXPECT_GT(distance(plane, above), 0.0);
+    EXPECT_LT(distance(0, above), 0.0);
+    for (std::size_t k = 3; k < regions.planes.size() / 3; ++k) EXPECT_LT(distance(k, above), 0.0);
+    EXPECT_LT(above.rows.size(), 8u);  // the sides about its tip
+    EXPECT_EQ(above.walls.size(), 2u);
   }
 }
 

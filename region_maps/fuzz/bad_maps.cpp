@@ -81,7 +81,9 @@ std::vector<Rule> headerRules() {
        inHeader([](Header& h) { h.parameters = 257; })},
       {"no_input", "header: inputs must be 1 to 256", inHeader([](Header& h) { h.inputs = 0; })},
       {"many_inputs", "header: inputs must be 1 to 256", inHeader([](Header& h) { h.inputs = 0xffffffffu; })},
-      {"section_count", "header: sections must be 10", inHeader([](Header& h) { h.section_count = 11; })},
+      {"section_count", "header: sections must be 11", inHeader([](Header& h) { h.section_count = 10; })},
+      {"section_count_of_version_1", "header: sections must be 10",
+       inHeader([](Header& h) { h.version = 1; })},
       {"period_nan", "header: period must be", inHeader([](Header& h) { h.period = kNan; })},
       {"period_infinite", "header: period must be", inHeader([](Header& h) { h.period = kInfinity; })},
       {"period_negative", "header: period must be", inHeader([](Header& h) { h.period = -0.1; })},
@@ -112,7 +114,7 @@ std::vector<Rule> sectionRules() {
     return inHeader([=](Header& h) { h.sections[section].count = value; });
   };
   return {
-      {"section_in_header", "section text: must start at byte 256", offset(format::kText, 0)},
+      {"section_in_header", "section text: must start at byte 320", offset(format::kText, 0)},
       {"section_overlap", "section rows: must start at byte",
        inHeader([](Header& h) { h.sections[format::kRows].offset = h.sections[format::kRegions].offset; })},
       {"section_gap", "section nodes: must start at byte",
@@ -257,6 +259,13 @@ std::vector<Rule> treeRules() {
          patient.put(format::kCandidates, 1, 1u);
        }},
       {"candidate", "candidate 2: region does not exist", put(format::kCandidates, 2, 4u)},
+      {"test", "test 1: names a row that its region lacks", put(format::kTests, 1, 0x10u)},
+      {"test_last_bit", "test 3: names a row that its region lacks", put(format::kTests, 3, 0x80000000u)},
+      {"tests_fewer", "section tests: must be empty, or have one element for each candidate",
+       [](MapMutation& patient) {
+         patient.put(format::kTests, 3, 0u);
+         patient.header.sections[format::kTests].count = 3;
+       }},
   };
 }
 
@@ -309,9 +318,9 @@ std::vector<BadMap> mapsWithBadFrame() {
       {"line_ends_translated", text("PFLYMAP\r\n", 1000), "is not a region map"},
       {"big_endian", changed([](Header& h) { h.byte_order = 0x04030201u; }), "byte order mark is wrong"},
       {"version_0", changed([](Header& h) { h.version = 0; }),
-       "has format version 0, this program reads version 1"},
-      {"version_2", changed([](Header& h) { h.version = 2; }),
-       "has format version 2, this program reads version 1"},
+       "has format version 0, this program reads versions 1 and 2"},
+      {"version_3", changed([](Header& h) { h.version = 3; }),
+       "has format version 3, this program reads versions 1 and 2"},
       {"flipped_law", flipped, "checksum does not match"},
       {"flipped_padding", padding, "checksum does not match"},
       {"flipped_checksum", changed([](Header& h) { h.checksum ^= 1; }), "checksum does not match"},

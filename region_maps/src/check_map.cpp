@@ -19,8 +19,9 @@ using Node = MapContent::Node;
 using Leaf = MapContent::Leaf;
 using Region = MapContent::Region;
 
-constexpr const char* kSectionNames[format::kSectionCount] = {
-    "text", "bounds", "planes", "laws", "regions", "rows", "active", "nodes", "leaves", "candidates"};
+constexpr const char* kSectionNames[format::kSectionCount] = {"text",    "bounds",     "planes", "laws",
+                                                              "regions", "rows",       "active", "nodes",
+                                                              "leaves",  "candidates", "tests"};
 
 [[noreturn]] void refuse(const std::string& name, const std::string& rule) {
   throw Error(name + ": " + rule);
@@ -51,7 +52,7 @@ class MapValidator {
   MapValidator(const void* data, std::size_t size, const std::string& name)
       : bytes_(static_cast<const unsigned char*>(data)),
         size_(size),
-        header_(*static_cast<const Header*>(data)),
+        header_(format::readHeader(data)),
         name_(name) {}
 
   void checkHeader() const;
@@ -61,6 +62,7 @@ class MapValidator {
   void checkNumbers() const;
   void checkRegions() const;
   void checkLeaves() const;
+  void checkTests() const;
   void checkPriority() const;
   LookupCost checkTree() const;
 
@@ -71,7 +73,7 @@ class MapValidator {
   std::uint64_t count(Section section) const noexcept { return header_.sections[section].count; }
   template <typename T>
   const T* start(Section section) const noexcept {
-    return sectionStart<T>(header_, section);
+    return sectionStart<T>(bytes_, header_, section);
   }
   void checkZero(std::uint64_t first, std::uint64_t end, const std::string& where) const;
   void checkFinite(Section section, std::uint64_t numbers) const;
@@ -81,7 +83,7 @@ class MapValidator {
 
   const unsigned char* bytes_;
   std::uint64_t size_;
-  const Header& header_;
+  const Header header_;
   const std::string& name_;
 };
 
@@ -92,8 +94,10 @@ void MapValidator::checkHeader() const {
   if (header_.inputs < 1 || header_.inputs > format::kMaxSignals) {
     fail("header: inputs must be 1 to 256, got " + std::to_string(header_.inputs));
   }
-  if (header_.section_count != format::kSectionCount) {
-    fail("header: sections must be 10, got " + std::to_string(header_.section_count));
+  const std::size_t sections = format::sectionCount(header_.version);
+  if (header_.section_count != sections) {
+    fail("header: sections must be " + std::to_string(sections) + ", got " +
+         std::to_string(header_.section_count));
   }
   if (!std::isfinite(header_.period) || header_.period < 0.0) {
     fail("header: period must be finite and not negative");
@@ -108,8 +112,8 @@ void MapValidator::checkHeader() const {
 
 void MapValidator::checkSections() const {
   // The place of every section follows from the counts, so overlaps and gaps need no test of their own.
-  std::uint64_t end = sizeof(Header);
-  for (std::size_t i = 0; i < format::kSectionCount; ++i) {
+  std::uint64_t end = format::headerSize(header_.version);
+  for (std::size_t i = 0; i < header_.section_count; ++i) {
     const format::SectionEntry& entry = header_.sections[i];
     const std::string section = std::string("section ") + kSectionNames[i];
     const std::uint64_t offset = format::alignUp(end);
@@ -270,6 +274,20 @@ void MapValidator::checkPriority() const {
   }
 }
 
+/// One element for each candidate, with bits of rows that its region has.
+void MapValidator::checkTests() const {
+  if (count(format::kTests) == 0) return;
+  if (count(format::kTests) != count(format::kCandidates))
+    fail("section tests: must be empty, or have one element for each candidate");
+  const auto* const candidates = start<std::uint32_t>(format::kCandidates);
+  const auto* const tests = start<std::uint32_t>(format::kTests);
+  const Region* const regions = start<Region>(format::kRegions);
+  for (std::uint64_t i = 0; i < count(format::kTests); ++i) {
+    const std::uint32_t rows = regions[candidates[i]].row_count;
+    if (rows < 32 && tests[i] >> rows != 0) fail(at("test", i) + ": names a row that its region lacks");
+  }
+}
+
 /// Half-spaces tested at each leaf if no candidate but the last holds theta.
 std::vector<std::uint64_t> MapValidator::leafRowCounts() const {
   const Region* const regions = start<Region>(format::kRegions);
@@ -277,7 +295,11 @@ std::vector<std::uint64_t> MapValidator::leafRowCounts() const {
   const std::uint32_t* const candidates = start<std::uint32_t>(format::kCandidates);
   // Leaves may overlap: running sums keep the time linear in the size of the file.
   std::vector<std::uint64_t> sums(count(format::kCandidates) + 1, 0);
-  for (std::size_t i = 0; i + 1 < sums.size(); ++i) sums[i + 1] = sums[i] + regions[candidates[i]].row_count;
+  const auto* const tests = count(format::kTests) == 0 ? nullptr : start<std::uint32_t>(format::kTests);
+  for (std::size_t i = 0; i + 1 < sums.size(); ++i) {
+    const std::uint32_t all = regions[candidates[i]].row_count;
+    sums[i + 1] = sums[i] + (tests == nullptr ? all : testedRows(tests[i], all));
+  }
   std::vector<std::uint64_t> rows(count(format::kLeaves));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i] = sums[std::uint64_t{leaves[i].first} + leaves[i].count] - sums[leaves[i].first];
@@ -355,15 +377,21 @@ void checkFrame(const void* data, std::size_t size, const std::string& name) {
     refuse(name, "is unfinished: its writer was stopped");
   }
   if (std::memcmp(data, format::kMagic, std::min(size, kMagicSize)) != 0) refuse(name, "is not a region map");
-  if (size < sizeof(Header)) {
+  if (size < format::kFirstHeader) {
     refuse(name, "is cut off: " + std::to_string(size) + " bytes are less than a header of 256");
   }
-  const Header& header = *static_cast<const Header*>(data);
+  Header header = {};
+  std::memcpy(&header, data, format::kFirstHeader);
   if (header.byte_order != format::kByteOrder) {
     refuse(name, "header: byte order mark is wrong: a damaged file, or a machine that is not little-endian");
   }
-  if (header.version != format::kVersion) {
-    refuse(name, "has format version " + std::to_string(header.version) + ", this program reads version 1");
+  if (header.version < format::kFirstVersion || header.version > format::kVersion) {
+    refuse(name,
+           "has format version " + std::to_string(header.version) + ", this program reads versions 1 and 2");
+  }
+  if (size < format::headerSize(header.version)) {
+    refuse(name, "is cut off: " + std::to_string(size) + " bytes are less than a header of " +
+                     std::to_string(format::headerSize(header.version)));
   }
   if (header.file_size != size) {
     const char* const verdict = size < header.file_size ? "is cut off: " : "is too long: ";
@@ -384,6 +412,7 @@ MapFacts checkStructure(const void* data, std::size_t size, const std::string& n
   examiner.checkNumbers();
   examiner.checkRegions();
   examiner.checkLeaves();
+  examiner.checkTests();
   facts.cost = examiner.checkTree();
   return facts;
 }

@@ -27,10 +27,10 @@ MapFacts checkStructure(const void* data, std::size_t size, const std::string& n
 /// The cost in the header against the one computed. Throws Error.
 void checkCost(const format::Header& header, const LookupCost& cost, const std::string& name);
 
-/// Start of a section in a file whose header was checked.
+/// Start of a section in the file at `data`, whose header was checked.
 template <typename T>
-const T* sectionStart(const format::Header& header, format::Section section) noexcept {
-  return reinterpret_cast<const T*>(reinterpret_cast<const unsigned char*>(&header) +
+const T* sectionStart(const void* data, const format::Header& header, format::Section section) noexcept {
+  return reinterpret_cast<const T*>(static_cast<const unsigned char*>(data) +
                                     header.sections[section].offset);
 }
 

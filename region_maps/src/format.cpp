@@ -28,6 +28,7 @@ std::size_t elementSize(std::size_t section, std::uint64_t p, std::uint64_t m) n
     case kLeaves:
       return sizeof(MapContent::Leaf);
     case kCandidates:
+    case kTests:
       return sizeof(std::uint32_t);
     case kSectionCount:
       break;
@@ -35,9 +36,16 @@ std::size_t elementSize(std::size_t section, std::uint64_t p, std::uint64_t m) n
   return 1;
 }
 
+Header readHeader(const void* data) noexcept {
+  Header header = {};
+  std::memcpy(&header, data, kFirstHeader);
+  if (header.version != kFirstVersion) std::memcpy(&header, data, sizeof(header));
+  return header;
+}
+
 std::uint64_t checksum(const void* data, std::size_t size) noexcept {
   const auto* bytes = static_cast<const unsigned char*>(data);
-  unsigned char head[sizeof(Header)];
+  unsigned char head[kFirstHeader];
   std::memcpy(head, bytes, sizeof(head));
   std::memset(head + offsetof(Header, checksum), 0, sizeof(Header::checksum));
   XXH64_state_t state;

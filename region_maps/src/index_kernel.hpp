@@ -84,27 +84,29 @@ struct IndexKernel {
     return number == kNumbers[sides.surely] ? number : kNoChild;
   }
 
-  /// Of the region whose record that is.
-  static Verdict verdict(const std::int32_t* record, const Theta& theta,
+  /// Of the region with that record, by the rows that `tests` names.
+  static Verdict verdict(const std::int32_t* record, std::uint32_t tests, const Theta& theta,
                          const Lanes::Type& twice_margin) noexcept {
-    const std::int32_t groups = record[2];
-    Lanes::Type unsure = Lanes::all(0);
-    for (std::int32_t g = 0; g < groups; ++g) {
+    const auto groups = static_cast<std::uint32_t>(record[2]);
+    unsigned unsure = 0;
+    for (std::uint32_t g = 0; g < groups; ++g) {
+      const unsigned tested = Index::testedLanes(tests, g);
+      if (tested == 0) continue;
       const Lanes::Type rows = sum<Index::kRowLanes>(group(record, g), theta);
-      if (Lanes::negative(Lanes::add(rows, twice_margin)) != 0) return Verdict::kOutside;
-      unsure = Lanes::either(unsure, rows);
+      if ((Lanes::negative(Lanes::add(rows, twice_margin)) & tested) != 0) return Verdict::kOutside;
+      unsure |= Lanes::negative(rows) & tested;
     }
-    return Lanes::negative(unsure) == 0 ? Verdict::kInside : Verdict::kUnsure;
+    return unsure == 0 ? Verdict::kInside : Verdict::kUnsure;
   }
 
   /// Which rows of group g it is not sure that theta holds, bit i: row i.
-  static unsigned unsureRows(const std::int32_t* record, std::int32_t g, const Theta& theta) noexcept {
+  static unsigned unsureRows(const std::int32_t* record, std::uint32_t g, const Theta& theta) noexcept {
     return Lanes::negative(sum<Index::kRowLanes>(group(record, g), theta));
   }
 
  private:
-  static const std::int32_t* group(const std::int32_t* record, std::int32_t g) noexcept {
-    return record + Index::kHead + static_cast<std::size_t>(g) * kGroupWords;
+  static const std::int32_t* group(const std::int32_t* record, std::uint32_t g) noexcept {
+    return record + Index::kHead + g * kGroupWords;
   }
 
   /// Of four of kCount lanes.

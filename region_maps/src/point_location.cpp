@@ -74,13 +74,15 @@ struct RegionMap::PointLocation {
     return negatedIf(row < 0, distance(tables.planes + plane * (p + 1), theta, p));
   }
 
-  /// How far theta violates the row of the region that it violates most; <= 0 within the region, infinite
-  /// when it is more than the tolerance.
-  static double violation(const Tables& tables, std::size_t region, const double* theta) noexcept {
+  /// How far theta violates the row that it violates most, of the region's rows that `tests` names. At most 0
+  /// within the region, infinite when it is more than the tolerance.
+  static double violation(const Tables& tables, std::size_t region, std::uint32_t tests,
+                          const double* theta) noexcept {
     const MapContent::Region& r = tables.regions[region];
     const std::int32_t* const rows = tables.rows + r.first_row;
     double greatest = -kInfinity;
     for (std::uint32_t i = 0; i < r.row_count; ++i) {
+      if (!isTested(tests, i)) continue;
       const double beyond = rowViolation(tables, rows[i], theta);
       if (!(beyond <= tables.tolerance)) return kInfinity;
       greatest = std::max(greatest, beyond);
@@ -89,7 +91,7 @@ struct RegionMap::PointLocation {
   }
 
   static bool contains(const Tables& tables, std::size_t region, const double* theta) noexcept {
-    return violation(tables, region, theta) <= tables.tolerance;
+    return violation(tables, region, MapContent::kAllRows, theta) <= tables.tolerance;
   }
 
   /// The first of the regions offered that holds theta; failing that, the one that theta violates least,
@@ -108,8 +110,9 @@ struct RegionMap::PointLocation {
       return beyond <= 0.0;
     }
 
-    bool offerOfFile(const Tables& tables, std::uint32_t region, const double* theta) noexcept {
-      return offer(tables, region, tables.regions[region].law, violation(tables, region, theta));
+    bool offerOfFile(const Tables& tables, std::uint32_t region, std::uint32_t tests,
+                     const double* theta) noexcept {
+      return offer(tables, region, tables.regions[region].law, violation(tables, region, tests, theta));
     }
   };
 
@@ -148,7 +151,9 @@ struct RegionMap::PointLocation {
     const std::uint32_t* const candidates = tables.candidates + leaf.first;
     Best best;
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      if (best.offerOfFile(tables, candidates[i], theta)) break;
+      const std::uint32_t tests =
+          tables.tests == nullptr ? MapContent::kAllRows : tables.tests[leaf.first + i];
+      if (best.offerOfFile(tables, candidates[i], tests, theta)) break;
     }
     return best.found;
   }
@@ -166,16 +171,17 @@ struct RegionMap::PointLocation {
       if (number == Kernel::kNoChild) number = childNumber(tables, block, sides, theta);
       reference = Kernel::child(block, number);
     }
-    const std::uint32_t* candidate = index.candidates + (reference & ~SearchIndex::kLeaf);
+    const SearchIndex::Candidate* candidate = index.candidates + (reference & ~SearchIndex::kLeaf);
     Best best;
     for (bool more = true; more; ++candidate) {
-      more = (*candidate & SearchIndex::kLast) == 0;
-      const std::int32_t* const record = Kernel::record(index, *candidate & ~SearchIndex::kLast);
-      const Verdict verdict = Kernel::verdict(record, rounded, twice_margin);
+      more = (candidate->record & SearchIndex::kLast) == 0;
+      const std::int32_t* const record = Kernel::record(index, candidate->record & ~SearchIndex::kLast);
+      const Verdict verdict = Kernel::verdict(record, candidate->tests, rounded, twice_margin);
       // Candidates that theta violates by more than the tolerance are left out.
       if (verdict == Verdict::kOutside) continue;
       const auto region = static_cast<std::uint32_t>(record[0]);
-      const double beyond = verdict == Verdict::kInside ? 0.0 : violation(tables, record, rounded, theta);
+      const double beyond =
+          verdict == Verdict::kInside ? 0.0 : violation(tables, record, candidate->tests, rounded, theta);
       if (best.offer(tables, region, static_cast<std::uint32_t>(record[1]), beyond)) break;
     }
     return best.found;
@@ -206,15 +212,17 @@ struct RegionMap::PointLocation {
   /// that of the rows of which it is not sure.
   template <class Theta>
   [[gnu::noinline]] static double violation(const Tables& tables, const std::int32_t* record,
-                                            const Theta& rounded, const double* theta) noexcept {
+                                            std::uint32_t tests, const Theta& rounded,
+                                            const double* theta) noexcept {
     const std::int32_t* const rows = tables.rows + static_cast<std::uint32_t>(record[3]);
     double greatest = -kInfinity;
-    for (std::int32_t g = 0; g < record[2]; ++g) {
-      const unsigned unsure = IndexKernel<kParameters>::unsureRows(record, g, rounded);
+    for (std::uint32_t g = 0; g < static_cast<std::uint32_t>(record[2]); ++g) {
+      const unsigned tested = SearchIndex::testedLanes(tests, g);
+      if (tested == 0) continue;
+      const unsigned unsure = IndexKernel<kParameters>::unsureRows(record, g, rounded) & tested;
       for (std::uint32_t i = 0; i < SearchIndex::kRowLanes; ++i) {
         if ((unsure >> i & 1u) == 0) continue;
-        const double beyond =
-            rowViolation(tables, rows[static_cast<std::uint32_t>(g) * SearchIndex::kRowLanes + i], theta);
+        const double beyond = rowViolation(tables, rows[g * SearchIndex::kRowLanes + i], theta);
         if (!(beyond <= tables.tolerance)) return kInfinity;
         greatest = std::max(greatest, beyond);
       }
@@ -223,7 +231,7 @@ struct RegionMap::PointLocation {
   }
 
   static Lookup locateFrom(const Tables& tables, const double* theta, std::uint32_t last) noexcept {
-    if (last < tables.first_fallback && violation(tables, last, theta) <= 0.0 &&
+    if (last < tables.first_fallback && violation(tables, last, MapContent::kAllRows, theta) <= 0.0 &&
         testBox(tables, theta) == LookupStatus::kInside) {
       return {LookupStatus::kInside, last, tables.regions[last].law};
     }
@@ -256,7 +264,7 @@ struct RegionMap::PointLocation {
     if (box != LookupStatus::kInside) return {box};
     Best best;
     for (std::size_t i = 0; i < regions; ++i) {
-      if (best.offerOfFile(tables, static_cast<std::uint32_t>(i), theta)) break;
+      if (best.offerOfFile(tables, static_cast<std::uint32_t>(i), MapContent::kAllRows, theta)) break;
     }
     return best.found;
   }

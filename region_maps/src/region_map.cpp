@@ -49,26 +49,28 @@ RegionMap RegionMap::view(const void* data, std::size_t size, const std::string&
 void RegionMap::load(const void* data, std::size_t size) {
   checkFrame(data, size, path_);
   const MapFacts facts = checkStructure(data, size, path_);
-  const format::Header& header = *static_cast<const format::Header*>(data);
+  const format::Header header = format::readHeader(data);
   checkCost(header, facts.cost, path_);
   cost_ = facts.cost;
-  header_ = &header;
+  header_ = header;
   for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i] = facts.texts[i];
   const std::string_view* const signal_texts = facts.texts.data() + format::kTextCount;
-  const auto* const bounds = sectionStart<format::Bounds>(header, format::kBounds);
+  const auto* const bounds = sectionStart<format::Bounds>(data, header, format::kBounds);
   const std::size_t p = header.parameters;
   parameters_ = readSignals(signal_texts, bounds, p);
   inputs_ = readSignals(signal_texts + 2 * p, bounds + p, header.inputs);
   box_ = widenedBox(parameters_, header.tolerance);
-  active_ = sectionStart<std::int32_t>(header, format::kActive);
+  active_ = sectionStart<std::int32_t>(data, header, format::kActive);
   tables_.box = box_.data();
-  tables_.planes = sectionStart<double>(header, format::kPlanes);
-  tables_.laws = sectionStart<double>(header, format::kLaws);
-  tables_.regions = sectionStart<MapContent::Region>(header, format::kRegions);
-  tables_.rows = sectionStart<std::int32_t>(header, format::kRows);
-  tables_.nodes = sectionStart<MapContent::Node>(header, format::kNodes);
-  tables_.leaves = sectionStart<MapContent::Leaf>(header, format::kLeaves);
-  tables_.candidates = sectionStart<std::uint32_t>(header, format::kCandidates);
+  tables_.planes = sectionStart<double>(data, header, format::kPlanes);
+  tables_.laws = sectionStart<double>(data, header, format::kLaws);
+  tables_.regions = sectionStart<MapContent::Region>(data, header, format::kRegions);
+  tables_.rows = sectionStart<std::int32_t>(data, header, format::kRows);
+  tables_.nodes = sectionStart<MapContent::Node>(data, header, format::kNodes);
+  tables_.leaves = sectionStart<MapContent::Leaf>(data, header, format::kLeaves);
+  tables_.candidates = sectionStart<std::uint32_t>(data, header, format::kCandidates);
+  if (header.sections[format::kTests].count != 0)
+    tables_.tests = sectionStart<std::uint32_t>(data, header, format::kTests);
   tables_.tolerance = header.tolerance;
   tables_.handicap = format::kHandicap * header.tolerance;
   tables_.first_fallback = static_cast<std::uint32_t>(firstFallback());
@@ -85,20 +87,21 @@ std::string_view RegionMap::problemText() const noexcept { return texts_[format:
 std::string_view RegionMap::problemKind() const noexcept { return texts_[format::kProblemKind]; }
 std::string_view RegionMap::solverStatus() const noexcept { return texts_[format::kSolverStatus]; }
 std::string_view RegionMap::solverNotes() const noexcept { return texts_[format::kSolverNotes]; }
-double RegionMap::period() const noexcept { return header_->period; }
-double RegionMap::tolerance() const noexcept { return header_->tolerance; }
+double RegionMap::period() const noexcept { return header_.period; }
+double RegionMap::tolerance() const noexcept { return header_.tolerance; }
 
-std::size_t RegionMap::regionCount() const noexcept { return header_->sections[format::kRegions].count; }
-std::size_t RegionMap::lawCount() const noexcept { return header_->sections[format::kLaws].count; }
-std::size_t RegionMap::planeCount() const noexcept { return header_->sections[format::kPlanes].count; }
-std::size_t RegionMap::nodeCount() const noexcept { return header_->sections[format::kNodes].count; }
-std::size_t RegionMap::leafCount() const noexcept { return header_->sections[format::kLeaves].count; }
-std::size_t RegionMap::bytes() const noexcept { return header_->file_size; }
-std::uint64_t RegionMap::checksum() const noexcept { return header_->checksum; }
+std::size_t RegionMap::regionCount() const noexcept { return header_.sections[format::kRegions].count; }
+std::size_t RegionMap::lawCount() const noexcept { return header_.sections[format::kLaws].count; }
+std::size_t RegionMap::planeCount() const noexcept { return header_.sections[format::kPlanes].count; }
+std::size_t RegionMap::nodeCount() const noexcept { return header_.sections[format::kNodes].count; }
+std::size_t RegionMap::leafCount() const noexcept { return header_.sections[format::kLeaves].count; }
+std::uint32_t RegionMap::formatVersion() const noexcept { return header_.version; }
+std::size_t RegionMap::bytes() const noexcept { return header_.file_size; }
+std::uint64_t RegionMap::checksum() const noexcept { return header_.checksum; }
 std::size_t RegionMap::firstFallback() const noexcept {
-  return header_->first_fallback != 0 ? header_->first_fallback : regionCount();
+  return header_.first_fallback != 0 ? header_.first_fallback : regionCount();
 }
-std::uint64_t RegionMap::reducedFrom() const noexcept { return header_->reduced_from; }
+std::uint64_t RegionMap::reducedFrom() const noexcept { return header_.reduced_from; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
   const MapContent::Region& region = tables_.regions[index];
@@ -116,7 +119,8 @@ const MapContent::Node& RegionMap::node(std::size_t index) const noexcept { retu
 
 LeafView RegionMap::leaf(std::size_t index) const noexcept {
   const MapContent::Leaf& leaf = tables_.leaves[index];
-  return {tables_.candidates + leaf.first, leaf.count};
+  return {tables_.candidates + leaf.first, tables_.tests == nullptr ? nullptr : tables_.tests + leaf.first,
+          leaf.count};
 }
 
 const double* RegionMap::plane(std::size_t index) const noexcept {

@@ -36,6 +36,13 @@ std::uint32_t groupCount(const RegionView& region) {
                                     SearchIndex::kRowLanes);
 }
 
+/// Groups that hold tested rows.
+std::uint32_t testedGroups(const RegionView& region, std::uint32_t tests) {
+  std::uint32_t count = 0;
+  for (std::uint32_t g = 0; g < groupCount(region); ++g) count += SearchIndex::testedLanes(tests, g) != 0;
+  return count;
+}
+
 bool isLeaf(std::uint32_t child) { return (child & MapContent::kLeaf) != 0; }
 
 }  // namespace
@@ -105,7 +112,7 @@ class SearchIndex::Builder {
       words += kHead + std::size_t{groupCount(map_.region(i))} * groupWords(p_);
     }
     for (std::size_t i = 0; i < map_.leafCount() && words <= limit; ++i) {
-      words += std::max<std::size_t>(map_.leaf(i).count, 1);
+      words += 2 * std::max<std::size_t>(map_.leaf(i).count, 1);
     }
     if (words > limit) index_.block_count_ = 0;
     return words <= limit;
@@ -209,17 +216,17 @@ class SearchIndex::Builder {
   }
 
   void addLeaves() {
-    std::vector<std::uint32_t>& candidates = index_.candidates_;
+    std::vector<Candidate>& candidates = index_.candidates_;
     for (std::size_t i = 0; i < map_.leafCount(); ++i) {
       const LeafView leaf = map_.leaf(i);
       first_.push_back(static_cast<std::uint32_t>(candidates.size()));
       groups_.push_back(leaf.count == 0 ? 1 : 0);
       for (std::uint32_t k = 0; k < leaf.count; ++k) {
-        candidates.push_back(record_[leaf.candidates[k]]);
-        groups_.back() += groupCount(map_.region(leaf.candidates[k]));
+        candidates.push_back({record_[leaf.candidates[k]], leaf.testsOf(k)});
+        groups_.back() += testedGroups(map_.region(leaf.candidates[k]), leaf.testsOf(k));
       }
-      if (leaf.count == 0) candidates.push_back(record_.back());
-      candidates.back() |= kLast;
+      if (leaf.count == 0) candidates.push_back({record_.back(), MapContent::kAllRows});
+      candidates.back().record |= kLast;
     }
     index_.view_.candidates = candidates.data();
   }

@@ -79,7 +79,8 @@ std::vector<std::byte> layOut(const MapContent& content) {
                                                  sourceOf(content.active),
                                                  sourceOf(content.nodes),
                                                  sourceOf(content.leaves),
-                                                 sourceOf(content.candidates)};
+                                                 sourceOf(content.candidates),
+                                                 sourceOf(content.tests)};
 
   format::Header header = {};
   std::memcpy(header.magic, format::kMagic, sizeof(header.magic));

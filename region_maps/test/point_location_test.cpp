@@ -107,6 +107,33 @@ TEST_P(PointLocation, FindsTheRegionThatHoldsTheParameter) {
   EXPECT_GT(outside, 0);
 }
 
+// Rows that the nodes on the path and the box imply change no answer.
+TEST_P(PointLocation, ImpliedRowsNeedNoTest) {
+  for (const std::uint32_t leaf_regions : {1u, 3u, 60u}) {
+    TreeRecipe recipe;
+    recipe.parameters = GetParam();
+    recipe.regions = 60;
+    recipe.leaf_regions = leaf_regions;
+    recipe.holes_one_in = 3;
+    recipe.seed = 100 * recipe.parameters + leaf_regions;
+    const MadeMap all(makeTreeMap(recipe));
+    recipe.names_tests = true;
+    const MadeMap named(makeTreeMap(recipe));
+    ASSERT_EQ(named.content.tests.size(), named.content.candidates.size());
+    EXPECT_LT(named.map.cost().multiply_adds, all.map.cost().multiply_adds);
+    Random random(recipe.seed);
+    for (int i = 0; i < 500; ++i) {
+      const std::vector<double> theta = randomPoint(all.content, random, 1.0);
+      const Lookup expected = all.map.locate(theta.data());
+      for (const Lookup& found : {named.map.locate(theta.data()), named.map.locateInFile(theta.data())}) {
+        ASSERT_EQ(found.status, expected.status);
+        if (expected.status != LookupStatus::kInside) continue;
+        EXPECT_EQ(found.region, expected.region);
+      }
+    }
+  }
+}
+
 TEST_P(PointLocation, LeavesNoGapBetweenRegionsEvenWithoutTolerance) {
   TreeRecipe recipe;
   recipe.parameters = GetParam();

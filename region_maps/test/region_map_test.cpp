@@ -77,8 +77,11 @@ LookupCost walkedCost(const MapContent& map) {
     }
     const MapContent::Leaf& leaf = map.leaves[child & ~MapContent::kLeaf];
     std::uint32_t rows = 0;
-    for (std::uint32_t i = 0; i < leaf.count; ++i)
-      rows += map.regions[map.candidates[leaf.first + i]].row_count;
+    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+      const std::uint32_t all = map.regions[map.candidates[i]].row_count;
+      for (std::uint32_t row = 0; row < all; ++row)
+        rows += map.tests.empty() || (map.tests[i] >> std::min(row, 31u) & 1u) != 0 ? 1 : 0;
+    }
     cost.depth = std::max(cost.depth, depth);
     cost.region_checks = std::max(cost.region_checks, rows);
     both = std::max<std::uint64_t>(both, depth + rows);
@@ -146,6 +149,7 @@ TEST(RegionMap, BoundsTheCostOfALookUp) {
     recipe.seed = seed;
     recipe.regions = static_cast<std::uint32_t>(1 + 13 * seed);
     recipe.leaf_regions = static_cast<std::uint32_t>(1 + seed % 5);
+    recipe.names_tests = seed % 2 == 0;
     const MapContent content = makeTreeMap(recipe);
     AlignedBytes bytes(layOut(content));
     const LookupCost found = RegionMap::view(bytes.data(), bytes.size(), "cost").cost();
@@ -153,6 +157,31 @@ TEST(RegionMap, BoundsTheCostOfALookUp) {
     EXPECT_EQ(found.depth, expected.depth);
     EXPECT_EQ(found.region_checks, expected.region_checks);
     EXPECT_EQ(found.multiply_adds, expected.multiply_adds);
+  }
+}
+
+TEST(RegionMap, ReadsVersion1) {
+  for (std::uint32_t p = 1; p <= 9; p += 4) {
+    TreeRecipe recipe;
+    recipe.parameters = p;
+    recipe.leaf_regions = 3;
+    recipe.seed = p;
+    const MadeMap made(makeTreeMap(recipe));
+    const std::vector<std::byte> old = layOutVersion1(made.content);
+    ASSERT_EQ(old.size() + format::kAlignment, made.bytes.size());
+    AlignedBytes bytes(old);
+    const RegionMap map = RegionMap::view(bytes.data(), bytes.size(), "old");
+    EXPECT_EQ(map.formatVersion(), 1u);
+    EXPECT_EQ(made.map.formatVersion(), 2u);
+    expectSame(map, made.content);
+    EXPECT_EQ(map.cost().multiply_adds, made.map.cost().multiply_adds);
+    EXPECT_EQ(map.leaf(0).tests, nullptr);
+    std::mt19937_64 random(p);
+    for (int i = 0; i < 500; ++i) {
+      const std::vector<double> theta = randomPoint(made.content, random, 1.05);
+      EXPECT_EQ(map.locate(theta.data()).status, made.map.locate(theta.data()).status);
+      EXPECT_EQ(map.locate(theta.data()).region, made.map.locate(theta.data()).region);
+    }
   }
 }
 

@@ -75,6 +75,25 @@ void expectAsInFileEverywhere(const MadeMap& made, std::uint64_t seed, int point
   }
 }
 
+/// Some of the tests that a map may name.
+void spoilTests(MapContent& content, Random& random) {
+  for (std::size_t i = 0; i < content.tests.size(); ++i) {
+    const std::uint32_t rows = content.regions[content.candidates[i]].row_count;
+    const std::uint32_t all = rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+    content.tests[i] =
+        random() % 4 == 0 ? static_cast<std::uint32_t>(random()) & all : content.tests[i] & all;
+  }
+}
+
+void addFallbackRegions(MapContent& content, Random& random) {
+  content.first_fallback = static_cast<std::uint32_t>(1 + random() % (content.regions.size() - 1));
+  for (const MapContent::Leaf& leaf : content.leaves) {
+    const auto first = content.candidates.begin() + leaf.first;
+    std::stable_partition(first, first + leaf.count,
+                          [&](std::uint32_t region) { return region < content.first_fallback; });
+  }
+}
+
 /// Regions that overlap, leave gaps, have no rows or are fallback regions: all that a valid file may hold.
 void spoil(MapContent& content, Random& random) {
   for (std::int32_t& row : content.rows) {
@@ -83,13 +102,8 @@ void spoil(MapContent& content, Random& random) {
   for (MapContent::Region& region : content.regions) {
     if (random() % 8 == 0) region.row_count = static_cast<std::uint32_t>(random() % (region.row_count + 1));
   }
-  if (content.regions.size() < 2) return;
-  content.first_fallback = static_cast<std::uint32_t>(1 + random() % (content.regions.size() - 1));
-  for (const MapContent::Leaf& leaf : content.leaves) {
-    const auto first = content.candidates.begin() + leaf.first;
-    std::stable_partition(first, first + leaf.count,
-                          [&](std::uint32_t region) { return region < content.first_fallback; });
-  }
+  if (content.regions.size() > 1) addFallbackRegions(content, random);
+  spoilTests(content, random);
 }
 
 class SearchIndexTest : public testing::TestWithParam<std::uint32_t> {};
@@ -103,6 +117,7 @@ TEST_P(SearchIndexTest, AnswersAsTheFileDoes) {
       recipe.tolerance = tolerance;
       recipe.leaf_regions = leaf_regions;
       recipe.holes_one_in = leaf_regions == 4 ? 3 : 0;
+      recipe.names_tests = tolerance == 1e-9;
       recipe.seed = 50 * recipe.parameters + leaf_regions;
       MapContent content = makeTreeMap(recipe);
       const MadeMap made(content);

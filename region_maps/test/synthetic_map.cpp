@@ -115,6 +115,13 @@ class TreeMaker {
     if (regions <= recipe_.leaf_regions) {
       std::vector<std::uint32_t> candidates;
       fill(regions, path, candidates);
+      // A region lists the box, then its path: the rows behind those are tested.
+      const std::size_t implied = std::min<std::size_t>(31, box_rows_.size() + path.size());
+      for (const std::uint32_t candidate : candidates) {
+        const std::uint32_t rows = map_.regions[candidate].row_count;
+        const std::uint32_t all = rows < 32 ? (1u << rows) - 1 : MapContent::kAllRows;
+        if (recipe_.names_tests) map_.tests.push_back(all & ~((1u << implied) - 1));
+      }
       return addLeaf(map_, candidates);
     }
     const std::int32_t row = randomPlane();
@@ -158,8 +165,17 @@ class TreeMaker {
     for (std::size_t i = 0; i < number.size(); ++i) regions[number[i]] = map_.regions[i];
     map_.regions = regions;
     for (std::uint32_t& candidate : map_.candidates) candidate = number[candidate];
-    for (const MapContent::Leaf& leaf : map_.leaves) {
-      std::sort(map_.candidates.begin() + leaf.first, map_.candidates.begin() + leaf.first + leaf.count);
+    for (const MapContent::Leaf& leaf : map_.leaves) sortLeaf(leaf);
+  }
+
+  void sortLeaf(const MapContent::Leaf& leaf) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;
+    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i)
+      sorted.emplace_back(map_.candidates[i], recipe_.names_tests ? map_.tests[i] : 0);
+    std::sort(sorted.begin(), sorted.end());
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      map_.candidates[leaf.first + i] = sorted[i].first;
+      if (recipe_.names_tests) map_.tests[leaf.first + i] = sorted[i].second;
     }
   }
 
@@ -240,7 +256,26 @@ MapContent makeSmallMap() {
   map.tolerance = 1e-8;
   map.parameters[1].unit = "m/s";
   map.inputs[0].unit = "rad";
+  map.tests.assign(map.candidates.size(), 0xf);
   return map;
+}
+
+std::vector<std::byte> layOutVersion1(const MapContent& content) {
+  const std::vector<std::byte> bytes = layOut(content);
+  format::Header header = format::readHeader(bytes.data());
+  const std::uint64_t first = header.sections[format::kText].offset;
+  const std::uint64_t saved = first - format::kFirstHeader;
+  header.version = format::kFirstVersion;
+  header.section_count = static_cast<std::uint32_t>(format::sectionCount(header.version));
+  header.file_size -= saved;
+  for (format::SectionEntry& section : header.sections) section.offset -= saved;
+  std::vector<std::byte> old(bytes.size() - saved);
+  std::copy(bytes.begin() + static_cast<std::ptrdiff_t>(first), bytes.end(),
+            old.begin() + static_cast<std::ptrdiff_t>(format::kFirstHeader));
+  std::memcpy(old.data(), &header, format::kFirstHeader);
+  header.checksum = format::checksum(old.data(), old.size());
+  std::memcpy(old.data(), &header, format::kFirstHeader);
+  return old;
 }
 
 AlignedBytes::AlignedBytes(const std::byte* data, std::size_t size)

@@ -17,6 +17,7 @@ struct TreeRecipe {
   std::uint32_t regions = 40;      ///< at least 1
   std::uint32_t leaf_regions = 1;  ///< greatest number of regions that a leaf leaves to be tested
   std::uint32_t holes_one_in = 0;  ///< one region in so many is left out of the map; 0: none
+  bool names_tests = false;        ///< leaves name the rows that the nodes and the box do not imply
   std::uint32_t laws = 7;          ///< distinct laws, shared by the regions
   double tolerance = 1e-9;         ///< [scaled]
   std::uint64_t seed = 1;
@@ -32,6 +33,9 @@ MapContent makeGridMap(std::uint32_t parameters, std::uint32_t cells);
 
 /// Two by two unit squares, with every section filled and multi-line text: the map that tests damage.
 MapContent makeSmallMap();
+
+/// The same map as version 1 of the format had it. `content` names no tests.
+std::vector<std::byte> layOutVersion1(const MapContent& content);
 
 /// A copy aligned as RegionMap::view wants it. Heap memory of the exact size, so that sanitizers see each
 /// step over its end.

@@ -89,6 +89,7 @@ struct NamedLaw {
   MakeLaw make;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest finds it by this name.
 void PrintTo(const NamedLaw& law, std::ostream* stream) { *stream << law.name; }
 
 /// In hover, or in the middle of its way, where it has its greatest speed of 2.3 m/s.
@@ -112,7 +113,7 @@ Flown fly(MakeLaw make, const Setting& setting, Task task, const Fault& fault) {
 
 /// Samples that are none: how the same vehicle flies where nothing of them reaches the law.
 Fault unusable(double length) {
-  const double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   return {[=](VehicleState& state, double) { state.attitude.coeffs().setConstant(kNan); }, length};
 }
 

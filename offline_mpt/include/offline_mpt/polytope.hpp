@@ -50,6 +50,9 @@ class PolytopeSolver {
   /// A point where direction . t is greatest; false when there is none. `interior` must lie inside.
   bool support(const double* rows, int count, const double* interior, const double* direction, double* point);
 
+  /// As `support`, with fewer pivots: the first ones already climb. `point` may be another of several maximisers.
+  bool furthest(const double* rows, int count, const double* interior, const double* direction, double* point);
+
   /// Pivots since construction.
   unsigned long long pivots() const;
 

@@ -9,56 +9,72 @@
 
 namespace polyfly {
 
-/// Regions in scaled parameters, as the tree builder sees them. A plane is p + 1 numbers (a, c) with |a| = 1,
-/// the half-space a . t <= c; rows refer to planes as MapContent::rows does.
+/// Regions in scaled parameters: each parameter's range is [-1, 1]. A plane is p + 1 numbers (a, c) with |a| = 1,
+/// the half-space a . t <= c. Rows refer to planes as MapContent::rows does.
 struct TreeRegions {
   int p = 0;
   std::vector<double> planes;
   std::vector<std::vector<std::int32_t>> rows;  ///< per region
   std::vector<double> centres;                  ///< per region p numbers, strictly inside
-  std::vector<std::uint32_t> laws;              ///< per region; empty: all differ
 };
 
+/// Why a tree has grown no further.
+enum class TreeEnd : std::uint8_t {
+  kNoGain,  ///< No split shortens a look-up any more.
+  kLittleGain,
+  kNodes,    ///< The limit of nodes was reached.
+  kBytes,    ///< The tree takes much more memory than the regions.
+  kPivots,   ///< It took as long as the mode allows.
+  kStopped,  ///< TreeOptions::stop
+};
+const char* toString(TreeEnd end);
+
 struct SearchTree {
+  TreeEnd end = TreeEnd::kNoGain;
   std::uint32_t root = MapContent::kLeaf;
   std::uint32_t depth = 0;
   std::vector<MapContent::Node> nodes;  ///< children follow their parents
   std::vector<MapContent::Leaf> leaves;
   std::vector<std::uint32_t> candidates;
+  /// Per candidate the rows to test, as MapContent::tests: those that the planes on the path to the leaf, and the
+  /// box, do not imply.
+  std::vector<std::uint32_t> tests;
 };
 
+/// How much work and memory a tree may take for fast look-ups.
+enum class TreeMode : std::uint8_t {
+  kNone,   ///< No nodes: a look-up tests all regions.
+  kFast,   ///< About as long as the exploration took, by its simplex pivots.
+  kAuto,   ///< Until further nodes gain little, or the tree takes much more memory than the regions.
+  kSmall,  ///< Until no split shortens a look-up any more.
+};
+const char* toString(TreeMode mode);
+
 struct TreeOptions {
-  /// Regions that a leaf may hold, tested in turn. 0: 5, or 6 above 1500 regions.
-  int leaf_regions = 0;
-  /// A leaf may hold regions of one and the same law with so many half-spaces together; 0: 40, or 80 above
-  /// 1500 regions.
-  int law_rows = 0;
-  /// Budget of interior nodes for small leaves: at most 2 regions, or 20 half-spaces of one law. -1: 3 per
-  /// region, or 0 where leaves are chosen.
-  double fine_nodes = -1.0;
-  /// Budget of interior nodes, divided by regions on the way down. 0: 64 per region up to 131072, 2 per region
-  /// beyond.
+  TreeMode mode = TreeMode::kAuto;
+  /// Greatest number of interior nodes. 0: 64 per region in kSmall, 2 per region in the other modes.
   std::uint64_t node_limit = 0;
+  /// Simplex pivots of the exploration: the measure of kFast.
+  std::uint64_t explored_pivots = 0;
+  /// Look-ups test all rows of a candidate: the leaves of the map will not name any, and `tests` stays empty.
+  bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
   double side_tolerance = 1e-9;
-  /// Candidate planes that are examined in a node.
-  int planes_scored = 300;
-  /// Best-estimated candidate planes that are split exactly. 0: 6, or 3 above 1500 regions.
-  int planes_tried = 0;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
-  /// Set from outside to end early: what is not split by then stays one leaf, so that the tree is of no use
-  /// but for its shape.
+  /// Set from outside to end early, with the tree as far as it has grown.
   const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
-/// Binary search tree over the regions' own planes (Tondel, Johansen and Bemporad, 2003), smallest worst case
-/// first: each node takes the plane that leaves the fewest regions on its fuller side. A region stays on a
-/// side if its part there, within the cell of the node, reaches further than side_tolerance, by linear
-/// programming. A leaf holds few regions, or regions of one law, or those that no plane keeps apart, or what
-/// the limit on nodes leaves together; a look-up tests them in turn.
+/// Binary search tree over the regions' own planes (Tondel, Johansen and Bemporad, 2003), grown from its worst leaf:
+/// the one whose look-up evaluates the most half-spaces, nodes on the path and rows of its candidates together.
+///
+/// A region stays on a side of a plane if its part there, within the cell of the node, reaches further than
+/// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell, unless
+/// all_rows is set.
+/// Each split takes the plane after which the fuller side has the fewest rows to test.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
 
 }  // namespace polyfly

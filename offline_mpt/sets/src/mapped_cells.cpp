@@ -48,8 +48,8 @@ bool cuts(const MappedCell& cell, const CellPlane& plane) {
 MappedCells::MappedCells(const MapRegions& regions, RationalMatrix M, RationalVector m)
     : regions_(regions), M_(std::move(M)), m_(std::move(m)) {
   for (int i = 0; i < M_.rows(); ++i) {
-    for (int j = 0; j < M_.columns(); ++j) rounded_M_.push_back(M_(i, j).get_d());
-    rounded_m_.push_back(m_[static_cast<std::size_t>(i)].get_d());
+    for (int j = 0; j < M_.columns(); ++j) M_rounded_.push_back(M_(i, j).get_d());
+    m_rounded_.push_back(m_[static_cast<std::size_t>(i)].get_d());
   }
 }
 
@@ -57,9 +57,9 @@ MappedCell MappedCells::cell(DoubleDescription cone) const {
   MappedCell result{std::move(cone), {}};
   for (const DoubleDescription::Ray& ray : result.cone.rays()) {
     for (int i = 0; i < M_.rows(); ++i) {
-      double sum = rounded_m_[static_cast<std::size_t>(i)];
+      double sum = m_rounded_[static_cast<std::size_t>(i)];
       for (int j = 0; j < M_.columns(); ++j) {
-        const double factor = rounded_M_[static_cast<std::size_t>(i * M_.columns() + j)];
+        const double factor = M_rounded_[static_cast<std::size_t>(i * M_.columns() + j)];
         if (factor != 0.0) sum += factor * ratio(ray.value[static_cast<std::size_t>(j) + 1], ray.value[0]);
       }
       result.images.push_back(sum);

@@ -70,8 +70,8 @@ class MappedCells {
   const MapRegions& regions_;
   RationalMatrix M_;
   RationalVector m_;
-  std::vector<double> rounded_M_;
-  std::vector<double> rounded_m_;
+  std::vector<double> M_rounded_;
+  std::vector<double> m_rounded_;
 };
 
 }  // namespace polyfly

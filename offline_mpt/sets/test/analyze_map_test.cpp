@@ -183,6 +183,7 @@ TEST(AnalyzeMap, AMissingRegionIsFound) {
     broken.root = MapContent::kLeaf;
     broken.leaves = {{0, static_cast<std::uint32_t>(broken.regions.size())}};
     broken.candidates.clear();
+    broken.tests.clear();
     for (std::uint32_t k = 0; k < broken.regions.size(); ++k) broken.candidates.push_back(k);
     const MapInMemory map(broken);
     const AnalyzeReport report = analyzed(broken, doubleIntegrator("0.1"));

@@ -61,6 +61,7 @@ FarkasProof roundWeights(const std::vector<std::pair<int, double>>& weights, con
   return proof;
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): the first loop changes the weights.
 FarkasProof clearFractions(std::vector<std::pair<int, Rational>> weights, const ExactRows& rows,
                            std::size_t bits, std::size_t target_bits) {
   Integer denominator(1);

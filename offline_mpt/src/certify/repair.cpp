@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <map>
 
 #include "certify/region_check.hpp"
@@ -79,7 +78,7 @@ class TreelessMap {
  public:
   TreelessMap(const ParametricProgram& program, const Partition& partition) {
     TreeOptions options;
-    options.leaf_regions = std::numeric_limits<int>::max();
+    options.mode = TreeMode::kNone;
     const std::vector<std::byte> bytes = layOut(encode(program, partition, options));
     storage_.resize(bytes.size() / sizeof(Block) + 1);
     std::memcpy(storage_.data(), bytes.data(), bytes.size());

@@ -106,12 +106,12 @@ void finishRow(ExactRow& row) {
     for (Integer& value : row.value) mpz_divexact(value.get_mpz_t(), value.get_mpz_t(), divisor.get_mpz_t());
   }
   const std::size_t p = row.value.size() - 1;
-  const auto bitsOf = [](const Integer& value) {
+  const auto bits_of = [](const Integer& value) {
     return value == 0 ? std::size_t{0} : mpz_sizeinbase(value.get_mpz_t(), 2);
   };
   std::size_t gradient_bits = 0;
-  for (std::size_t j = 0; j < p; ++j) gradient_bits = std::max(gradient_bits, bitsOf(row.value[j]));
-  row.bits = std::max(gradient_bits, bitsOf(row.value[p]));
+  for (std::size_t j = 0; j < p; ++j) gradient_bits = std::max(gradient_bits, bits_of(row.value[j]));
+  row.bits = std::max(gradient_bits, bits_of(row.value[p]));
   // Relative to the gradient, which a far greater constant would let vanish.
   const auto reference = static_cast<long>(gradient_bits > 0 ? gradient_bits : row.bits);
   row.unit.assign(p + 1, 0.0);

@@ -32,6 +32,15 @@ class Dictionary {
 
   /// Stands at `point`, which must satisfy every row, and walks to a vertex.
   bool start(const double* rows, int count, const double* point) {
+    startFree(rows, count, point);
+    for (int j = 0; j < N; ++j) {
+      if (!enterFree(j)) return false;
+    }
+    return true;
+  }
+
+  /// Stands at `point`, which must satisfy every row. All columns are free.
+  void startFree(const double* rows, int count, const double* point) {
     prepare(count);
     for (int i = 0; i < count; ++i) {
       const double* row = rows + static_cast<std::ptrdiff_t>(i) * (N + 1);
@@ -49,10 +58,6 @@ class Dictionary {
       coordinates_[(q + 1) * kCoordinates + q] = 1.0;
       nonbasic_[q] = -1;
     }
-    for (int j = 0; j < N; ++j) {
-      if (!enterFree(j)) return false;
-    }
-    return true;
   }
 
   /// For balls in {t in R^(N - 1) : a_i . t <= b_i}, whose first rows are t_j <= 1 and -t_j <= 1 in turn:
@@ -190,6 +195,22 @@ class Dictionary {
         steepest = slope;
         best = j;
       }
+    }
+    return best;
+  }
+
+  /// As fallingColumn, where free columns may be left: `objective` falls along those in one of both directions. The
+  /// steepest; `direction` receives kGrowing or kShrinking.
+  int steepestColumn(const Row& objective, double& direction) const {
+    int best = -1;
+    double steepest = kPivot;
+    for (int j = 0; j < N; ++j) {
+      const double slope = objective[j + 1];
+      const double fall = nonbasic_[j] < 0 ? std::abs(slope) : -slope;
+      if (fall <= steepest) continue;
+      steepest = fall;
+      best = j;
+      direction = slope < 0.0 ? kGrowing : kShrinking;
     }
     return best;
   }

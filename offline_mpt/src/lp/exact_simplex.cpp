@@ -127,7 +127,7 @@ int ExactSimplex::leaving(const std::vector<Integer>& share, const std::vector<I
 }
 
 void ExactSimplex::replace(int place, int row, const std::vector<Integer>& share) {
-  const Integer pivot = share[static_cast<std::size_t>(place)];
+  const Integer& pivot = share[static_cast<std::size_t>(place)];
   Integer work;
   for (int k = 0; k < dimension_; ++k) {
     if (k == place) continue;

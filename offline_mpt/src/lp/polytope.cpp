@@ -18,6 +18,9 @@ class PolytopeSolver::Kernel {
   /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
   virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
                         double* point) = 0;
+  /// As `maximise`, straight towards the maximiser.
+  virtual bool climb(const double* rows, int count, const double* start, const double* direction,
+                     double* point) = 0;
   /// Of `rows` in one dimension less, the first of which are those of the box: centre and radius of the
   /// largest ball, `hopeless` where its radius is below -kHopeless for certain.
   enum class Ball { kFound, kHopeless, kFailed };
@@ -60,20 +63,36 @@ class KernelOf final : public PolytopeSolver::Kernel {
   bool maximise(const double* rows, int count, const double* start, const double* direction,
                 double* point) override {
     if (!dictionary_.start(rows, count, start)) return false;
-    typename Dictionary<N>::Row objective;
     int stalled = 0;
     for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
-      objective.fill(0.0);
-      for (int q = 0; q < N; ++q) {
-        if (direction[q] == 0.0) continue;
-        for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * dictionary_.coordinate(q, k);
-      }
+      const auto objective = objectiveOf(direction);
       const int column = dictionary_.fallingColumn(objective, stalled > Dictionary<N>::kStallLimit);
       if (column < 0) {
         dictionary_.point(0, 0.0, point);
         return true;
       }
       const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing);
+      if (blocking < 0) return false;
+      stalled = step > kStall ? 0 : stalled + 1;
+      dictionary_.pivot(blocking, column);
+    }
+    return false;
+  }
+
+  bool climb(const double* rows, int count, const double* start, const double* direction,
+             double* point) override {
+    dictionary_.startFree(rows, count, start);
+    int stalled = 0;
+    for (int round = 0; round < Dictionary<N>::kPivotLimit; ++round) {
+      const auto objective = objectiveOf(direction);
+      double way = Dictionary<N>::kGrowing;
+      const int column = stalled > Dictionary<N>::kStallLimit ? dictionary_.fallingColumn(objective, true)
+                                                              : dictionary_.steepestColumn(objective, way);
+      if (column < 0) {
+        dictionary_.point(0, 0.0, point);
+        return true;
+      }
+      const auto [step, blocking] = dictionary_.ratio(column, way);
       if (blocking < 0) return false;
       stalled = step > kStall ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
@@ -94,6 +113,17 @@ class KernelOf final : public PolytopeSolver::Kernel {
 
  private:
   static constexpr int kDualPivotLimit = 40 * (N + 1);
+
+  // -direction . t in terms of the columns.
+  typename Dictionary<N>::Row objectiveOf(const double* direction) const {
+    typename Dictionary<N>::Row objective;
+    objective.fill(0.0);
+    for (int q = 0; q < N; ++q) {
+      if (direction[q] == 0.0) continue;
+      for (int k = 0; k <= N; ++k) objective[k] -= direction[q] * dictionary_.coordinate(q, k);
+    }
+    return objective;
+  }
 
   // The dual simplex: what the rows looked at so far allow bounds the radius from above.
   Ball largestBall(const double* rows, int count, double* ball) {
@@ -320,6 +350,12 @@ bool PolytopeSolver::minimal(const double* rows, int count, const double* interi
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,
                              double* point) {
   return plain_->maximise(rows, count, interior, direction, point) ||
+         RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
+}
+
+bool PolytopeSolver::furthest(const double* rows, int count, const double* interior, const double* direction,
+                              double* point) {
+  return plain_->climb(rows, count, interior, direction, point) ||
          RationalPolytope(dimension_, rows, count).maximise(interior, direction, point);
 }
 

@@ -16,6 +16,9 @@ namespace {
 // another.
 constexpr double kSharpSide = 0.03;
 
+// A reduced map is to be small.
+constexpr std::size_t kNodesPerRegion = 2;
+
 class Encoder {
  public:
   Encoder(const RegionMap& map, const ScaledPlanes& planes, ReducedRegions reduced)
@@ -45,6 +48,8 @@ class Encoder {
   void addTree(MapContent& content, const TreeRegions& tree) const {
     TreeOptions options;
     options.side_tolerance = reduced_.side_tolerance;
+    options.all_rows = true;  // the proof of a reduction knows no others
+    options.node_limit = kNodesPerRegion * tree.rows.size();
     PruneRegions regions{tree.rows, {}, content.regions.size()};
     for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
     if (reduced_.first_fallback != 0) {

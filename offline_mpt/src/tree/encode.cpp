@@ -1,6 +1,7 @@
 #include "offline_mpt/encode.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <sstream>
@@ -195,7 +196,39 @@ void addLaws(const Partition& partition, const Scaling& scaling, MapContent& con
   for (std::size_t r = 0; r < content.regions.size(); ++r) content.regions[r].law = sharing.index()[r];
 }
 
-std::string notes(const Partition& partition, const SearchTree& tree) {
+/// Rows that many leaves test come first in their region: a look-up then reads fewer of them. Row 31 and those after it,
+/// which share one bit of MapContent::tests, stay where they are.
+void orderRows(MapContent& content) {
+  constexpr std::uint32_t kMoved = 31;
+  if (content.tests.empty()) return;
+  std::vector<std::array<std::uint32_t, kMoved>> count(content.regions.size());
+  for (std::size_t i = 0; i < content.tests.size(); ++i) {
+    for (std::uint32_t row = 0; row < kMoved; ++row)
+      count[content.candidates[i]][row] += content.tests[i] >> row & 1u;
+  }
+  std::vector<std::array<std::uint32_t, kMoved>> place(content.regions.size());  // of each row
+  for (std::size_t r = 0; r < content.regions.size(); ++r) {
+    const MapContent::Region& region = content.regions[r];
+    std::vector<std::uint32_t> order(std::min(region.row_count, kMoved));
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return count[r][a] > count[r][b]; });
+    const auto rows = content.rows.begin() + static_cast<std::ptrdiff_t>(region.first_row);
+    const std::vector<std::int32_t> before(rows, rows + static_cast<std::ptrdiff_t>(order.size()));
+    for (std::uint32_t k = 0; k < order.size(); ++k) {
+      rows[k] = before[order[k]];
+      place[r][order[k]] = k;
+    }
+  }
+  for (std::size_t i = 0; i < content.tests.size(); ++i) {
+    std::uint32_t moved = content.tests[i] & ~((1u << kMoved) - 1);
+    for (std::uint32_t row = 0; row < kMoved; ++row)
+      moved |= (content.tests[i] >> row & 1u) << place[content.candidates[i]][row];
+    content.tests[i] = moved;
+  }
+}
+
+std::string notes(const Partition& partition, const SearchTree& tree, TreeMode mode) {
   double radius = partition.regions.front().radius;
   for (const CriticalRegion& region : partition.regions) radius = std::min(radius, region.radius);
   std::ostringstream text;
@@ -203,7 +236,8 @@ std::string notes(const Partition& partition, const SearchTree& tree) {
        << "candidate_sets: " << partition.stats.candidate_sets << "\n"
        << "degenerate_facets: " << partition.stats.degenerate_facets << "\n"
        << "least_radius: " << radius << "\n"
-       << "tree_depth: " << tree.depth << "\n";
+       << "tree_depth: " << tree.depth << "\n"
+       << "tree: " << toString(mode) << ", " << toString(tree.end) << "\n";
   if (partition.unbounded_at.size() > 0)
     text << "unbounded_at: " << vectorText(partition.unbounded_at) << "\n";
   return text.str();
@@ -229,13 +263,16 @@ MapContent encode(const ParametricProgram& program, const Partition& partition, 
   regions.p = program.parameterCount();
   addPlanes(partition, scaling, content, regions);
   addLaws(partition, scaling, content);
-  for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
-  SearchTree tree = buildTree(regions, options);
-  content.solver_notes = notes(partition, tree);
+  TreeOptions choices = options;
+  if (choices.explored_pivots == 0) choices.explored_pivots = partition.stats.lp_pivots;
+  SearchTree tree = buildTree(regions, choices);
+  content.solver_notes = notes(partition, tree, options.mode);
   content.root = tree.root;
   content.nodes = std::move(tree.nodes);
   content.leaves = std::move(tree.leaves);
   content.candidates = std::move(tree.candidates);
+  content.tests = std::move(tree.tests);
+  orderRows(content);
   return content;
 }
 

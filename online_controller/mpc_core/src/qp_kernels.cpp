@@ -39,8 +39,8 @@ const QpKernels& plainQpKernels() noexcept { return plain::kKernels; }
 
 const QpKernels& qpKernels() noexcept {
 #if defined(__x86_64__)
-  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
-  if (has_avx2) return avx2::kKernels;
+  static const bool kHasAvx2 = __builtin_cpu_supports("avx2") != 0;
+  if (kHasAvx2) return avx2::kKernels;
 #endif
   return plain::kKernels;
 }

@@ -30,7 +30,7 @@ std::string commented(const std::string& text, const std::string& key) {
 }
 
 std::vector<YamlField> citedFiles(const YamlField& field) {
-  const std::vector<YamlField> files = field.isList() ? field.items() : std::vector<YamlField>{field};
+  std::vector<YamlField> files = field.isList() ? field.items() : std::vector<YamlField>{field};
   if (files.empty()) field.fail("must name a file that `calibrate` wrote, or several");
   return files;
 }
@@ -39,7 +39,7 @@ std::vector<YamlField> citedFiles(const YamlField& field) {
 
 std::string readProblem(const std::string& path) {
   const std::string key = "calibration";
-  const std::string text = readText(path);
+  std::string text = readText(path);
   const YamlField root = YamlField::parse(text, path);
   if (!root.has(key)) return text;
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();

@@ -39,6 +39,9 @@ struct MapContent {
 
   static constexpr std::uint32_t kLeaf = 0x80000000u;
 
+  /// Value of an element of `tests` that names all rows.
+  static constexpr std::uint32_t kAllRows = 0xffffffffu;
+
   /// Short identifier of the problem.
   std::string name;
   /// Text of the problem file, verbatim.
@@ -77,6 +80,21 @@ struct MapContent {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
   std::vector<std::uint32_t> candidates;
+  /// Per candidate the rows that a look-up tests. Bit i is row i of the region; the last bit is row 31 and all rows
+  /// after it. Empty: all rows of each candidate's region.
+  std::vector<std::uint32_t> tests;
 };
+
+/// Whether a look-up tests row `row` of a candidate with the bits `tests`, see MapContent::tests.
+constexpr bool isTested(std::uint32_t tests, std::uint32_t row) noexcept {
+  return (tests >> (row < 31 ? row : 31) & 1u) != 0;
+}
+
+/// How many of a region's rows a look-up tests.
+constexpr std::uint32_t testedRows(std::uint32_t tests, std::uint32_t row_count) noexcept {
+  std::uint32_t count = 0;
+  for (std::uint32_t row = 0; row < row_count && row < 31; ++row) count += tests >> row & 1u;
+  return row_count > 31 && isTested(tests, 31) ? count + row_count - 31 : count;
+}
 
 }  // namespace polyfly

@@ -31,7 +31,13 @@ struct RegionView {
 /// The regions that may hold a parameter at a leaf of the search tree, in the order in which they are tested.
 struct LeafView {
   const std::uint32_t* candidates = nullptr;
+  /// Per candidate the rows that are tested, see MapContent::tests. nullptr: all rows of each.
+  const std::uint32_t* tests = nullptr;
   std::uint32_t count = 0;
+
+  std::uint32_t testsOf(std::uint32_t i) const noexcept {
+    return tests == nullptr ? MapContent::kAllRows : tests[i];
+  }
 };
 
 /// A region map file, read in place. Opening checks the whole file once (sizes, alignment, every
@@ -67,6 +73,7 @@ class RegionMap {
   std::size_t nodeCount() const noexcept;
   std::size_t leafCount() const noexcept;
   std::size_t bytes() const noexcept;
+  std::uint32_t formatVersion() const noexcept;
   /// Checksum of the whole file, as in its header.
   std::uint64_t checksum() const noexcept;
 
@@ -120,6 +127,7 @@ class RegionMap {
     const MapContent::Node* nodes = nullptr;
     const MapContent::Leaf* leaves = nullptr;
     const std::uint32_t* candidates = nullptr;
+    const std::uint32_t* tests = nullptr;  // nullptr: all rows
     SearchIndex::View index;
     double tolerance = 0.0;
     /// Handicap of fallback regions.
@@ -151,8 +159,8 @@ class RegionMap {
 
   std::string path_;
   MappedFile file_;
-  const format::Header* header_ = nullptr;  // into the file
-  const std::int32_t* active_ = nullptr;    // into the file
+  format::Header header_ = {};
+  const std::int32_t* active_ = nullptr;  // into the file
   // Views into the file.
   std::array<std::string_view, format::kTextCount> texts_;
   std::vector<Signal> parameters_;

@@ -40,8 +40,24 @@ class SearchIndex {
   static constexpr std::uint32_t kHead = 4;
   /// Flag of a reference to a leaf. The rest is its first candidate, not a block.
   static constexpr std::uint32_t kLeaf = 0x80000000u;
-  /// Flag of the last candidate of a leaf.
+  /// Flag of the last candidate of a leaf, in Candidate::record.
   static constexpr std::uint32_t kLast = 0x80000000u;
+
+  struct Candidate {
+    /// Where the region's record begins [kHead words], with the flag kLast.
+    std::uint32_t record = 0;
+    /// Rows to test, see MapContent::tests.
+    std::uint32_t tests = 0;
+  };
+
+  /// Which rows of group g are tested, bit i: row i of the group.
+  static constexpr std::uint32_t testedLanes(std::uint32_t tests, std::uint32_t g) noexcept {
+    // The last group whose rows have bits of their own.
+    constexpr std::uint32_t kLastGroup = 31 / kRowLanes;
+    constexpr std::uint32_t kAllLanes = (1u << kRowLanes) - 1;
+    if (g <= kLastGroup) return tests >> kRowLanes * g & kAllLanes;
+    return (tests >> 31) != 0 ? kAllLanes : 0u;
+  }
 
   /// Words for two parameters each, for p parameters.
   static constexpr std::uint32_t pairs(std::uint32_t p) noexcept { return (p + 1) / 2; }
@@ -67,8 +83,7 @@ class SearchIndex {
     /// which planes are those of nodes (bits), and as its constant the node of the file that the block begins
     /// with. Then a reference for each child, from below to above.
     const std::int32_t* blocks = nullptr;
-    /// Place in `records` where each candidate begins, in kHead words, with the flag kLast.
-    const std::uint32_t* candidates = nullptr;
+    const Candidate* candidates = nullptr;
     /// Of each region: its index, law, number of groups, first row, then the groups.
     const std::int32_t* records = nullptr;
     /// Reference to the root.
@@ -89,7 +104,7 @@ class SearchIndex {
   };
 
   std::vector<Line> blocks_;
-  std::vector<std::uint32_t> candidates_;
+  std::vector<Candidate> candidates_;
   std::vector<Line> records_;
   std::size_t block_count_ = 0;
   std::uint64_t multiply_adds_ = 0;

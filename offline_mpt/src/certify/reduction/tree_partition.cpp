@@ -15,7 +15,7 @@ namespace {
 
 using Cell = ExactCell;
 
-ExactRow wholeRow(std::vector<Rational> value) {
+ExactRow wholeRow(const std::vector<Rational>& value) {
   Integer denominator(1);
   for (const Rational& entry : value)
     mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
@@ -213,7 +213,7 @@ ExactMap::PlaneRows ExactMap::makeRows(const double* plane, double full_slack) c
       moved.back() += Rational(slack);
       rows[first + inside] = wholeRow(moved);
       for (Rational& entry : moved) entry = -entry;
-      rows[first + outside] = wholeRow(std::move(moved));
+      rows[first + outside] = wholeRow(moved);
     };
     relax(full_slack, kRelaxed, kOutside);
     relax(format::kHandicap * map_.tolerance(), kNear, kBeyond);

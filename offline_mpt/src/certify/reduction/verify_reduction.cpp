@@ -289,6 +289,9 @@ class ReductionProof {
 void requireSameMaps(const RegionMap& reduced, const RegionMap& original) {
   const auto fail = [&](const std::string& rule) { throw Error(reduced.path() + ": " + rule); };
   if (reduced.reducedFrom() == 0) fail("was not reduced from another map");
+  for (std::size_t i = 0; i < reduced.leafCount(); ++i) {
+    if (reduced.leaf(i).tests != nullptr) fail("its leaves test some rows only, which no proof covers");
+  }
   if (original.reducedFrom() != 0) fail(original.path() + " was itself reduced from another map");
   if (reduced.reducedFrom() != original.checksum()) {
     char text[96];

@@ -60,15 +60,15 @@ bool RepeatCheck::repeats(const VehicleState& state, double repeat_time) noexcep
   last_ = state;
   started_ = true;
   if (repeat_time <= 0.0) return false;
-  const auto isLong = [&](double since) { return state.stamp - since > repeat_time; };
+  const auto is_long = [&](double since) { return state.stamp - since > repeat_time; };
   for (const Stretch* stretch : {&pose_, &twist_}) {
     const double time = state.stamp - stretch->first.stamp;
     const Eigen::Vector3d went = state.position - stretch->first.position;
     const bool moves = (went - stretch->moved).norm() > kMovingSpeed * time;
     // Written so that NaN in the rates is no motion.
     const bool turns = stretch == &pose_ && stretch->turned.norm() > kTurningRate * time;
-    if (isLong(stretch->first.stamp) && (moves || turns)) return true;
-    if (stretch->asked && isLong(stretch->asked_at)) return true;
+    if (is_long(stretch->first.stamp) && (moves || turns)) return true;
+    if (stretch->asked && is_long(stretch->asked_at)) return true;
   }
   return false;
 }

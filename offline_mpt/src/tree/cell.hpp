@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace polyfly {
+
+/// The part of a region within a cell of the search tree. Rows refer to planes as MapContent::rows does.
+struct CellMember {
+  std::uint32_t region = 0;
+  /// The region's rows that the cell does not imply: those that a look-up tests.
+  std::vector<std::int32_t> rows;
+  /// The bounds of the cell, planes of nodes and sides of the box, that bound the part as well.
+  std::vector<std::int32_t> walls;
+  /// p numbers, strictly inside.
+  std::vector<double> inner;
+  /// p numbers each, inside or on the border. They show on which sides of a plane the part reaches.
+  std::vector<double> points;
+};
+
+/// A node of the search tree that is not split yet.
+struct Cell {
+  std::vector<CellMember> members;
+  std::uint32_t depth = 0;
+};
+
+/// The plane that a row refers to.
+inline std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(row < 0 ? -row : row) - 1; }
+
+}  // namespace polyfly

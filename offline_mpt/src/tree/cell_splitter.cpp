@@ -1,0 +1,171 @@
+#include "tree/cell_splitter.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "support/in_parallel.hpp"
+
+namespace polyfly {
+namespace {
+
+// Planes and members that estimates look at, evenly drawn from more.
+constexpr std::size_t kPlanesScored = 60;
+constexpr std::size_t kMembersScored = 1024;
+// Planes whose split is computed exactly. Above kManyMembers members, estimates are good enough for one.
+constexpr std::size_t kPlanesTried = 3;
+constexpr std::size_t kManyMembers = 200;
+// Planes tried before a cell counts as one that no plane divides.
+constexpr std::size_t kMostTried = 64;
+// Members that a thread takes at once.
+constexpr std::uint64_t kChunk = 64;
+
+}  // namespace
+
+void CellSplitter::Estimate::add(unsigned sides, std::size_t rows) {
+  if ((sides & kBelow) != 0) below += rows;
+  if ((sides & kAbove) != 0) above += rows;
+}
+
+bool CellSplitter::Estimate::isBetterThan(const Estimate& other) const {
+  if (fuller() != other.fuller()) return fuller() < other.fuller();
+  if (below + above != other.below + other.above) return below + above < other.below + other.above;
+  return plane < other.plane;
+}
+
+CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& options)
+    : regions_(regions), threads_(std::max(1, options.threads)), all_rows_(options.all_rows) {
+  for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
+}
+
+Cell CellSplitter::whole() {
+  Cell cell;
+  cell.members.resize(regions_.rows.size());
+  const std::uint64_t chunks = (cell.members.size() + kChunk - 1) / kChunk;
+  inParallel(chunks, threads_, nullptr, {}, [&](std::size_t thread, std::uint64_t chunk) {
+    const std::size_t end = std::min(cell.members.size(), (chunk + 1) * kChunk);
+    for (std::size_t r = chunk * kChunk; r < end; ++r)
+      cell.members[r] = solvers_[thread].whole(static_cast<std::uint32_t>(r));
+  });
+  return cell;
+}
+
+std::size_t CellSplitter::tests(const CellMember& member) const {
+  return all_rows_ ? regions_.rows[member.region].size() : member.rows.size();
+}
+
+std::size_t CellSplitter::tests(const Cell& cell) const {
+  std::size_t sum = 0;
+  for (const CellMember& member : cell.members) sum += tests(member);
+  return sum;
+}
+
+// A row on the plane of a node becomes a bound of the cells.
+std::size_t CellSplitter::testsBesides(const CellMember& member, std::size_t plane) const {
+  const auto on_plane = [&](std::int32_t row) { return planeOf(row) == plane; };
+  const bool saves = !all_rows_ && std::any_of(member.rows.begin(), member.rows.end(), on_plane);
+  return tests(member) - (saves ? 1 : 0);
+}
+
+std::uint64_t CellSplitter::pivots() const {
+  std::uint64_t sum = 0;
+  for (const MemberSolver& solver : solvers_) sum += solver.pivots();
+  return sum;
+}
+
+std::optional<CellSplit> CellSplitter::split(Cell& cell, std::size_t thread) {
+  MemberSolver& solver = solvers_[thread];
+  return splitWith(cell, [&](std::size_t count, const auto& work) {
+    for (std::size_t i = 0; i < count; ++i) work(solver, i);
+  });
+}
+
+std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
+  return splitWith(cell, [&](std::size_t count, const auto& work) {
+    const std::uint64_t chunks = (count + kChunk - 1) / kChunk;
+    inParallel(chunks, threads_, nullptr, {}, [&](std::size_t thread, std::uint64_t chunk) {
+      const std::size_t end = std::min<std::size_t>(count, (chunk + 1) * kChunk);
+      for (std::size_t i = chunk * kChunk; i < end; ++i) work(solvers_[thread], i);
+    });
+  });
+}
+
+template <class ForEach>
+std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, const ForEach& for_each) {
+  if (cell.members.size() < 2) return std::nullopt;
+  std::vector<Estimate> estimates = estimate(cell);
+  std::sort(estimates.begin(), estimates.end(),
+            [](const Estimate& a, const Estimate& b) { return a.isBetterThan(b); });
+  const std::size_t all = tests(cell);
+  const std::size_t tried = cell.members.size() > kManyMembers ? 1 : kPlanesTried;
+  std::vector<unsigned char> sides(cell.members.size()), best_sides;
+  std::optional<Estimate> best;
+  for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
+    if (best && (i >= tried || estimates[i].fuller() > best->fuller())) break;
+    Estimate exact{estimates[i].plane};
+    for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
+      sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
+    });
+    for (std::size_t k = 0; k < sides.size(); ++k)
+      exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
+    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best))) continue;
+    best = exact;
+    best_sides = sides;
+  }
+  if (!best) return std::nullopt;
+  return divide(cell, best->plane, best_sides, for_each);
+}
+
+std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) const {
+  const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
+  std::vector<Estimate> estimates;
+  for (const std::size_t plane : planesOf(cell, step)) estimates.push_back({plane});
+  for (std::size_t m = 0; m < cell.members.size(); m += step) {
+    const CellMember& member = cell.members[m];
+    for (Estimate& entry : estimates) {
+      entry.add(solvers_.front().seenSides(member, entry.plane), tests(member));
+    }
+  }
+  return estimates;
+}
+
+// Planes of rows to test, each once, at most kPlanesScored.
+std::vector<std::size_t> CellSplitter::planesOf(const Cell& cell, std::size_t step) const {
+  std::vector<std::size_t> planes;
+  for (std::size_t m = 0; m < cell.members.size(); m += step) {
+    for (const std::int32_t row : cell.members[m].rows) planes.push_back(planeOf(row));
+  }
+  std::sort(planes.begin(), planes.end());
+  planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+  const std::size_t stride = (planes.size() + kPlanesScored - 1) / kPlanesScored;
+  std::vector<std::size_t> drawn;
+  for (std::size_t i = 0; i < planes.size(); i += stride) drawn.push_back(planes[i]);
+  return drawn;
+}
+
+template <class ForEach>
+CellSplit CellSplitter::divide(Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                               const ForEach& for_each) {
+  constexpr unsigned kBoth = kBelow | kAbove;
+  std::vector<CellMember> above(cell.members.size());
+  for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
+    CellMember& member = cell.members[k];
+    if (sides[k] == kBoth) {
+      above[k] = solver.half(member, plane, kAbove);
+      member = solver.half(member, plane, kBelow);
+    } else if (sides[k] != 0) {
+      solver.enter(member, plane, sides[k]);
+    }
+  });
+  CellSplit split;
+  split.plane = plane;
+  split.below.depth = split.above.depth = cell.depth + 1;
+  for (std::size_t k = 0; k < cell.members.size(); ++k) {  // those on no side only touch the plane
+    if (sides[k] == kBoth) split.above.members.push_back(std::move(above[k]));
+    if ((sides[k] & kBelow) != 0) split.below.members.push_back(std::move(cell.members[k]));
+    if (sides[k] == kAbove) split.above.members.push_back(std::move(cell.members[k]));
+  }
+  std::vector<CellMember>().swap(cell.members);
+  return split;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "offline_mpt/search_tree.hpp"
+#include "tree/cell.hpp"
+#include "tree/member_solver.hpp"
+
+namespace polyfly {
+
+/// A plane and what it leaves on its sides.
+struct CellSplit {
+  std::size_t plane = 0;
+  Cell below;
+  Cell above;
+};
+
+/// Chooses planes and splits cells. What it returns depends on the cell alone.
+class CellSplitter {
+ public:
+  /// `regions` must outlive the object.
+  CellSplitter(const TreeRegions& regions, const TreeOptions& options);
+
+  /// All regions, to begin with.
+  Cell whole();
+
+  /// Half-spaces that a look-up tests in the cell at most.
+  std::size_t tests(const Cell& cell) const;
+
+  /// Splits the cell by the plane after which the fuller side has the fewest rows to test, and takes its members.
+  /// Nothing, and the cell stays, where no plane shortens its look-ups. Different threads may split
+  /// different cells; `thread` is 0 .. TreeOptions::threads - 1.
+  std::optional<CellSplit> split(Cell& cell, std::size_t thread);
+
+  /// The same with all threads, for a cell with many members.
+  std::optional<CellSplit> splitTogether(Cell& cell);
+
+  std::uint64_t pivots() const;
+
+ private:
+  /// The rows to test that a plane leaves on its sides.
+  struct Estimate {
+    std::size_t plane = 0;
+    std::size_t below = 0;
+    std::size_t above = 0;
+
+    std::size_t fuller() const { return below > above ? below : above; }
+    void add(unsigned sides, std::size_t rows);
+    bool isBetterThan(const Estimate& other) const;
+  };
+
+  std::size_t tests(const CellMember& member) const;
+  std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
+  template <class ForEach>
+  std::optional<CellSplit> splitWith(Cell& cell, const ForEach& for_each);
+  std::vector<Estimate> estimate(const Cell& cell) const;
+  std::vector<std::size_t> planesOf(const Cell& cell, std::size_t step) const;
+  template <class ForEach>
+  CellSplit divide(Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                   const ForEach& for_each);
+
+  const TreeRegions& regions_;
+  int threads_;
+  bool all_rows_;
+  std::vector<MemberSolver> solvers_;  // one per thread
+};
+
+}  // namespace polyfly

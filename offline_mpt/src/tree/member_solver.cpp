@@ -1,0 +1,202 @@
+#include "tree/member_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace polyfly {
+namespace {
+
+// Points kept per member.
+constexpr std::size_t kPoints = 10;
+// Rows that others imply up to this are dropped [scaled]. It is far below a map's tolerance, so that dropped rows do
+// not change which candidate is the nearest.
+constexpr double kImplied = 1e-12;
+// Difference from a side of the box up to which a row counts as that side [scaled].
+constexpr double kSameAsBox = 1e-12;
+
+double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
+
+}  // namespace
+
+MemberSolver::MemberSolver(const TreeRegions& regions, double side_tolerance)
+    : regions_(regions),
+      tolerance_(side_tolerance),
+      kernels_(planeSidesFor(static_cast<std::size_t>(regions.p))),
+      solver_(regions.p),
+      direction_(static_cast<std::size_t>(regions.p)),
+      point_(static_cast<std::size_t>(regions.p)) {}
+
+CellMember MemberSolver::whole(std::uint32_t region) {
+  const std::size_t p = parameters();
+  const double* const centre = regions_.centres.data() + region * p;
+  CellMember member;
+  member.region = region;
+  member.inner.assign(centre, centre + p);
+  for (const std::int32_t row : regions_.rows[region])
+    (boundsBox(row) ? member.walls : member.rows).push_back(row);
+  addPoints(member);
+  return member;
+}
+
+// A look-up has tested the box before it comes to the tree.
+bool MemberSolver::boundsBox(std::int32_t row) const {
+  const std::size_t p = parameters();
+  const double* const a = plane(planeOf(row));
+  std::size_t large = 0, axis = p;
+  for (std::size_t j = 0; j < p; ++j) {
+    if (std::abs(a[j]) <= kSameAsBox) continue;
+    ++large;
+    axis = j;
+  }
+  if (large != 1) return false;
+  const double bound = (row > 0 ? 1.0 : -1.0) * a[p] / std::abs(a[axis]);
+  return std::abs(bound - 1.0) <= kSameAsBox;
+}
+
+unsigned MemberSolver::seenSides(const CellMember& member, std::size_t plane) const {
+  const std::size_t p = parameters();
+  constexpr unsigned kBoth = kBelow | kAbove;
+  const double* const row = this->plane(plane);
+  const unsigned sides = kernels_.ofPoints(row, member.inner.data(), 1, tolerance_, kBoth, 0u, p);
+  return kernels_.ofPoints(row, member.points.data(), member.points.size() / p, tolerance_, kBoth, sides, p);
+}
+
+unsigned MemberSolver::sides(CellMember& member, std::size_t plane) {
+  const auto row = static_cast<std::int32_t>(plane) + 1;
+  for (const std::int32_t own : member.rows) {
+    if (own == row) return kBelow;
+    if (own == -row) return kAbove;
+  }
+  unsigned sides = seenSides(member, plane);
+  for (const unsigned side : {kBelow, kAbove}) {
+    if ((sides & side) == 0 && reaches(member, plane, sign(side))) sides |= side;
+  }
+  return sides;
+}
+
+void MemberSolver::gatherRows(const CellMember& member) {
+  const std::size_t width = parameters() + 1;
+  rows_.resize((member.rows.size() + member.walls.size()) * width);
+  double* out = rows_.data();
+  for (const auto* const list : {&member.rows, &member.walls}) {
+    for (const std::int32_t row : *list) {
+      const double* const a = plane(planeOf(row));
+      const double factor = row > 0 ? 1.0 : -1.0;
+      for (std::size_t j = 0; j < width; ++j) *out++ = factor * a[j];
+    }
+  }
+}
+
+// Finds the member's point that is furthest out on a side of the plane (-1: below, 1: above), and keeps it.
+bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
+  const std::size_t p = parameters();
+  gatherRows(member);
+  const double* const normal = this->plane(plane);
+  for (std::size_t j = 0; j < p; ++j) direction_[j] = side * normal[j];
+  const int count = static_cast<int>(rows_.size() / (p + 1));
+  if (!solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data())) {
+    return true;  // undecided: it stays on both sides
+  }
+  if (side * kernels_.distance(normal, point_.data(), p) <= tolerance_) return false;
+  member.points.insert(member.points.end(), point_.begin(), point_.end());
+  return true;
+}
+
+CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsigned side) {
+  const std::size_t p = parameters();
+  CellMember part;
+  part.region = member.region;
+  part.rows = member.rows;
+  part.walls = member.walls;
+  part.inner = member.inner;
+  part.points.reserve(kPoints * p);
+  for (std::size_t k = 0; k < member.points.size() && part.points.size() < kPoints * p; k += p) {
+    const double* const point = member.points.data() + k;
+    if (sign(side) * kernels_.distance(this->plane(plane), point, p) >= 0.0)
+      part.points.insert(part.points.end(), point, point + p);
+  }
+  moveInner(part, plane, sign(side), member.points);
+  const auto row = static_cast<std::int32_t>(plane) + 1;
+  part.walls.push_back(side == kBelow ? row : -row);
+  // Undecided members may have no known point here. Without one inside, all rows stay.
+  if (sign(side) * kernels_.distance(this->plane(plane), part.inner.data(), p) > 0.0) dropImplied(part);
+  addPoints(part);
+  return part;
+}
+
+void MemberSolver::enter(CellMember& member, std::size_t plane, unsigned side) const {
+  moveInner(member, plane, sign(side), member.points);
+  const std::size_t most = kPoints * parameters();
+  if (member.points.size() > most) {  // cells are many: no memory is left over
+    member.points.resize(most);
+    member.points.shrink_to_fit();
+  }
+  const auto own = std::find_if(member.rows.begin(), member.rows.end(),
+                                [&](std::int32_t row) { return planeOf(row) == plane; });
+  if (own == member.rows.end()) return;
+  member.walls.push_back(*own);
+  member.rows.erase(own);
+}
+
+void MemberSolver::dropImplied(CellMember& member) {
+  gatherRows(member);
+  const int count = static_cast<int>(rows_.size() / (parameters() + 1));
+  if (!solver_.minimal(rows_.data(), count, member.inner.data(), kImplied, minimal_)) return;
+  std::vector<std::int32_t> rows, walls;
+  for (const int facet : minimal_.facets) {
+    const auto i = static_cast<std::size_t>(facet);
+    if (i < member.rows.size()) {
+      rows.push_back(member.rows[i]);
+    } else {
+      walls.push_back(member.walls[i - member.rows.size()]);
+    }
+  }
+  member.rows = std::move(rows);
+  member.walls = std::move(walls);
+}
+
+// Where rays from the inner point along and against the normals of its rows meet the border.
+void MemberSolver::addPoints(CellMember& member) {
+  const std::size_t p = parameters();
+  gatherRows(member);
+  for (std::size_t ray = 0; ray < rows_.size(); ray += p + 1) {
+    for (const double way : {1.0, -1.0}) {
+      if (member.points.size() >= kPoints * p) return;
+      double reach = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < rows_.size(); i += p + 1) {
+        double slope = 0.0, slack = rows_[i + p];
+        for (std::size_t j = 0; j < p; ++j) {
+          slope += way * rows_[i + j] * rows_[ray + j];
+          slack -= rows_[i + j] * member.inner[j];
+        }
+        if (slope > kImplied) reach = std::min(reach, std::max(slack, 0.0) / slope);
+      }
+      if (!std::isfinite(reach)) continue;
+      for (std::size_t j = 0; j < p; ++j)
+        member.points.push_back(member.inner[j] + reach * way * rows_[ray + j]);
+    }
+  }
+}
+
+// Moves the inner point, if it lies on the other side, to half-way between the plane and the point furthest out on
+// this side. What lies between an inner point and one of the border is inside.
+void MemberSolver::moveInner(CellMember& part, std::size_t plane, double side,
+                             const std::vector<double>& points) const {
+  const std::size_t p = parameters();
+  const double inner = side * kernels_.distance(this->plane(plane), part.inner.data(), p);
+  if (inner > 0.0) return;
+  const double* furthest = nullptr;
+  double reach = 0.0;
+  for (std::size_t k = 0; k < points.size(); k += p) {
+    const double value = side * kernels_.distance(this->plane(plane), points.data() + k, p);
+    if (value <= reach) continue;
+    reach = value;
+    furthest = points.data() + k;
+  }
+  if (furthest == nullptr) return;
+  const double fraction = (0.5 * reach - inner) / (reach - inner);
+  for (std::size_t j = 0; j < p; ++j) part.inner[j] += fraction * (furthest[j] - part.inner[j]);
+}
+
+}  // namespace polyfly

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "offline_mpt/polytope.hpp"
+#include "offline_mpt/search_tree.hpp"
+#include "tree/cell.hpp"
+#include "tree/plane_sides.hpp"
+
+namespace polyfly {
+
+/// Answers questions about one part of a region at a time, by linear programming. One object serves one thread.
+class MemberSolver {
+ public:
+  /// `side_tolerance` as in TreeOptions. `regions` must outlive the object.
+  MemberSolver(const TreeRegions& regions, double side_tolerance);
+
+  /// The whole region, within the box.
+  CellMember whole(std::uint32_t region);
+
+  /// Sides of the plane on which known points of the member lie, further away than the tolerance.
+  unsigned seenSides(const CellMember& member, std::size_t plane) const;
+
+  /// Sides of the plane to which the member reaches, further than the tolerance. A point on each such side is kept
+  /// in the member.
+  unsigned sides(CellMember& member, std::size_t plane);
+
+  /// The half of a member that reaches to both sides, on one of them: kBelow or kAbove. The member's points must show
+  /// that side.
+  CellMember half(const CellMember& member, std::size_t plane, unsigned side);
+
+  /// Makes a member that reaches to one side only a member of the cell on that side.
+  void enter(CellMember& member, std::size_t plane, unsigned side) const;
+
+  /// Simplex pivots since construction.
+  std::uint64_t pivots() const { return solver_.pivots(); }
+
+ private:
+  std::size_t parameters() const { return static_cast<std::size_t>(regions_.p); }
+  const double* plane(std::size_t index) const { return regions_.planes.data() + index * (parameters() + 1); }
+  bool boundsBox(std::int32_t row) const;
+  void gatherRows(const CellMember& member);
+  bool reaches(CellMember& member, std::size_t plane, double side);
+  void dropImplied(CellMember& member);
+  void addPoints(CellMember& member);
+  void moveInner(CellMember& part, std::size_t plane, double side, const std::vector<double>& points) const;
+
+  const TreeRegions& regions_;
+  double tolerance_;
+  PlaneSides kernels_;
+  PolytopeSolver solver_;
+  MinimalRows minimal_;
+  std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
+  std::vector<double> direction_, point_;
+};
+
+}  // namespace polyfly
