@@ -28,12 +28,15 @@ using namespace polyfly;
 using Eigen::Vector2d;
 using Rows = std::vector<std::vector<double>>;
 
-constexpr double kSettle = 0.5;   // share of a segment's time for joining it
-constexpr double kWindow = 7.0;   // before a segment's end, where the next one is in the horizon [s]
+// Share of a segment's time for joining it.
+constexpr double kSettle = 0.5;
+// Time before a segment's end in which the next segment is in the horizon [s].
+constexpr double kWindow = 7.0;
 constexpr double kPeriod = 0.05;  // [s]
 constexpr double kAirspeed = 14.0;
 constexpr double kDuration = 240.0;
-constexpr double kLoiterSettled = 25.0;  // of the 50 s of the recordings [s]
+// Time from which a loiter counts as settled; the recordings last 50 s [s].
+constexpr double kLoiterSettled = 25.0;
 const Vector2d kWind(0.6 * 0.5 * kAirspeed, -0.8 * 0.5 * kAirspeed);
 
 std::ostringstream table() {
@@ -113,7 +116,8 @@ Mission missionOf(const Case& chosen) {
 std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const std::string& law) {
   const std::unique_ptr<Aircraft> aircraft = aircraftOf(chosen);
   SensorOptions late;
-  if (chosen.plant != "model") late.wind_lag = 3.0;  // of the estimate
+  // Only with the plant `model` the wind estimate has no lag.
+  if (chosen.plant != "model") late.wind_lag = 3.0;
   Sensors sensors(late, 1);
   if (law == "l1") {
     L1Guidance guidance(mission, SwitchCriterion{}, L1Options{});

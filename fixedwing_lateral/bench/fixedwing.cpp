@@ -121,7 +121,8 @@ std::string mark(double value, double most) {
 }  // namespace
 
 int main() {
-  fly(40);  // to warm up
+  // Warm-up run.
+  fly(40);
   double at_40 = 0.0;
   bool first = true;
   for (const int horizon : {20, 40, 60, 80, 100, 200}) {

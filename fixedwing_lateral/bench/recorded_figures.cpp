@@ -11,8 +11,10 @@ namespace polyfly {
 namespace {
 
 constexpr double kDegree = 180.0 / kPi;
-constexpr double kSpacing = 2.0;  // of the path's points [s]
-constexpr double kAhead = 1.0;    // of the roll that is predicted [s]
+// Time between the path's points [s].
+constexpr double kSpacing = 2.0;
+// Prediction time of the roll [s].
+constexpr double kAhead = 1.0;
 
 double meanAirspeed(const std::vector<RecordedSample>& samples) {
   double sum = 0.0;

@@ -16,8 +16,10 @@ struct RecordedLog {
 RecordedLog parseLog(const std::string& text);
 
 struct ReplayedLog {
-  std::string csv;         ///< t, north, east, roll, asked, wind
-  nlohmann::json metrics;  ///< what there is to say of it
+  /// Columns t, north, east, roll, asked, wind.
+  std::string csv;
+  /// Statistics of the replay.
+  nlohmann::json metrics;
 };
 
 /// Replays the guidance over the log open loop.

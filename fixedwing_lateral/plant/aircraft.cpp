@@ -6,7 +6,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kStep = 0.005;  // of the simulations [s]
+// Step of the simulations [s].
+constexpr double kStep = 0.005;
 constexpr double kGravity = 9.81;
 
 DrydenOptions levelGusts(const RoughOptions& options) {

@@ -16,7 +16,8 @@ constexpr double kLeastAirspeed = 0.5;  // below it the air does nothing [m/s]
 
 struct BodyRate {
   Vector3d position, velocity, rates;
-  Eigen::Vector4d attitude;  // of the quaternion's coefficients (x, y, z, w)
+  // Rates of the quaternion's coefficients (x, y, z, w).
+  Eigen::Vector4d attitude;
 };
 
 BodyRate rateOf(const Airframe& airframe, const BodyState& state, const Controls& controls,

@@ -18,8 +18,8 @@ Controls Autopilot::step(double roll_reference, const AutopilotInput& input, dou
   const double rate =
       std::clamp(o.roll_gain * (roll_reference - input.roll), -o.roll_rate_max, o.roll_rate_max);
   controls.aileron = o.aileron_feedforward * rate + o.aileron_gain * (rate - input.rates.x());
-  const double turn =
-      kGravity * std::sin(input.roll) / std::max(input.airspeed, 1.0);  // of a coordinated turn
+  // Turn rate of a coordinated turn.
+  const double turn = kGravity * std::sin(input.roll) / std::max(input.airspeed, 1.0);
   controls.rudder = o.rudder_gain * (turn - input.rates.z());
 
   const double climb = std::clamp(o.climb_gain * (o.altitude - input.altitude), -o.climb_max, o.climb_max);

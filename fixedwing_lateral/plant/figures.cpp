@@ -8,7 +8,8 @@ namespace {
 constexpr double kTurnRadius = 45.0;    // V^2 / (g tan 24 deg) at 14 m/s [m]
 constexpr double kLoiterRadius = 60.0;  // [m]
 
-constexpr double kTurnShare = 0.9;  // of the roll bound; the rest is for gusts
+// Share of the roll bound for turns; the rest is for gusts.
+constexpr double kTurnShare = 0.9;
 
 double degrees(double angle) { return angle * kPi / 180.0; }
 

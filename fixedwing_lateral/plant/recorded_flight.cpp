@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPointsOfASpline = 5;
-constexpr double kStep = 0.02;     // of predicted rolls [s]
+// Step of the roll prediction [s].
+constexpr double kStep = 0.02;
 constexpr double kFitAhead = 1.0;  // [s]
 
 std::vector<std::string> cellsOf(const std::string& line) {
@@ -230,7 +231,8 @@ RollPrediction predictRoll(const RollFit& fit, const std::vector<RecordedSample>
 
 GuidanceOptions replayOptions(double airspeed) {
   GuidanceOptions options;
-  options.learn_disturbance = false;  // what is asked for is not what was flown
+  // The guidance's roll references are not those that were flown.
+  options.learn_disturbance = false;
   options.airspeed_nominal = airspeed;
   options.criterion.acceptance_radius = options.criterion.smooth_radius;
   options.limits.roll_reference = 0.8;

@@ -236,7 +236,8 @@ void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
 void fillMarkers(const polyfly::LateralGuidance& guidance, const std_msgs::Header& header, double altitude,
                  visualization_msgs::MarkerArray& message) {
   constexpr int kPoints = 60;
-  visualization_msgs::Marker clear;  // what a longer mission left
+  // Deletes the markers that a longer mission left.
+  visualization_msgs::Marker clear;
   clear.header = header;
   clear.action = visualization_msgs::Marker::DELETEALL;
   message.markers.push_back(clear);

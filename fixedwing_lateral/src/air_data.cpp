@@ -6,8 +6,10 @@
 namespace polyfly {
 namespace {
 
-constexpr double kAssumedWindTime = 3.0;  // of the filter on the wind from ground velocity [s]
-constexpr double kLeastAirspeed = 1.0;    // that the model is given [m/s]
+// Time constant of the filter on the wind from ground velocity [s].
+constexpr double kAssumedWindTime = 3.0;
+// Least airspeed that the model receives [m/s].
+constexpr double kLeastAirspeed = 1.0;
 
 bool isRecent(double stamp, double time, double timeout) noexcept {
   return time - stamp <= timeout && stamp - time <= timeout;

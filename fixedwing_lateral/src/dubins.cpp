@@ -42,7 +42,8 @@ Eigen::Vector2d circleCentre(const PathPose& pose, TurnDirection direction, doub
 struct TurnWord {
   TurnDirection first;
   TurnDirection last;
-  bool straight;  // the middle; else the turn opposite to the others
+  // True: the middle part is straight. False: it is a turn opposite to the others.
+  bool straight;
 };
 
 TurnWord turnsOf(DubinsWord word) noexcept {
@@ -69,11 +70,15 @@ TurnWord turnsOf(DubinsWord word) noexcept {
 struct Circles {
   Eigen::Vector2d first;
   Eigen::Vector2d last;
-  double distance;      // between the centres
-  double bearing;       // from the first to the last
-  double heading_from;  // of the path at its ends
+  // Distance between the centres.
+  double distance;
+  // Bearing from the first centre to the last.
+  double bearing;
+  // Headings of the path at its start and its end.
+  double heading_from;
   double heading_to;
-  double noise;  // of `distance`, from rounding
+  // Rounding error of `distance`.
+  double noise;
 };
 
 Circles circlesOf(const TurnWord& turns, const PathPose& from, const PathPose& to, double radius) noexcept {

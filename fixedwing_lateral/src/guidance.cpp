@@ -12,11 +12,16 @@ namespace {
 
 using Index = LateralIndex;
 
-constexpr double kHorizonLife = 0.5;              // after which the nodes are too old to begin with [s]
-constexpr double kFastest = 20.0;                 // roll rate beyond which it is none [rad/s]
-constexpr double kSteepest = 80.0 / 180.0 * kPi;  // roll beyond which the model says nothing [rad]
-constexpr double kTurnRate = 0.5;                 // that a heading is granted between two states [rad/s]
-constexpr double kStandingSpeed = 1.0;            // below which a state may repeat itself [m/s]
+// Age after which the nodes are too old for a start [s].
+constexpr double kHorizonLife = 0.5;
+// Roll rate above which the state is not valid [rad/s].
+constexpr double kFastest = 20.0;
+// Roll above which the model is not valid [rad].
+constexpr double kSteepest = 80.0 / 180.0 * kPi;
+// Rate of heading and roll that is allowed between two states [rad/s].
+constexpr double kTurnRate = 0.5;
+// Ground speed below which a state may repeat itself [m/s].
+constexpr double kStandingSpeed = 1.0;
 
 bool isFinite(const AircraftState& state) noexcept {
   return state.position.allFinite() && state.ground_velocity.allFinite() && std::isfinite(state.heading) &&

@@ -51,7 +51,8 @@ bool HorizonQp::prepare() noexcept {
 HorizonQpStatus HorizonQp::solve(const double* x_0) noexcept {
   iterations_ = 0;
   rollOut(x_0);
-  double sum = 0.0;  // of something that is not finite, not finite
+  // The sum is not finite when one of its terms is not finite.
+  double sum = 0.0;
   for (int c = 0; c < channels_; ++c) sum += free_value_[c];
   for (int k = 1; k <= N_; ++k) sum += x_[kStates * k] + x_[kStates * k + 1];
   if (!std::isfinite(sum)) {
@@ -207,7 +208,8 @@ double HorizonQp::blockingStep(double direction, int& blocking) const noexcept {
   for (int i = 0; i < active_count_; ++i) {
     const int c = active_[i];
     const double pushing = side_[c] * multiplier_[c];
-    const double change = -side_[c] * direction * direction_[i];  // of `pushing`, by the step
+    // Change of `pushing` by the step.
+    const double change = -side_[c] * direction * direction_[i];
     double step = unbounded_;
     if (change < 0.0) step = std::max(0.0, pushing) / -change;
     if (change > 0.0) step = std::max(0.0, reach(c) - pushing) / change;

@@ -165,7 +165,8 @@ void HorizonQp::followMoves(const double* x_0) noexcept {
 void HorizonQp::respond(int channel) noexcept {
   double* answer = &responses_[static_cast<std::size_t>(channel) * channels_];
   const bool is_move = channel < N_;
-  const int last = is_move ? channel : channel - N_;  // the last move that the channel depends on
+  // Last move on which the channel depends.
+  const int last = is_move ? channel : channel - N_;
   double y[kStates] = {0.0, 0.0, 0.0, is_move ? 0.0 : -1.0, 0.0};
   for (int k = last; k >= 0; --k) {
     const double h = alongInput(stages_[k], roll, y) - (is_move && k == last ? 1.0 : 0.0);

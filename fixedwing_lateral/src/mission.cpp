@@ -16,12 +16,17 @@ LoiterCircle loiterAt(const PathPoint& end, const LoiterOptions& options) {
   return {end.position + options.radius * inward, options.radius, options.direction};
 }
 
-constexpr double kSmoothGap = 1.0;       // between an end and the next segment, at most [m]
-constexpr double kSmoothCosine = 0.995;  // of the angle between their directions, at least
+// Greatest distance between the end of a segment and the next one, for a smooth junction [m].
+constexpr double kSmoothGap = 1.0;
+// Least cosine of the angle between the two directions at a smooth junction.
+constexpr double kSmoothCosine = 0.995;
 
-constexpr double kNearShare = 2.0;   // of the acceptance radius, within which an aircraft is close to an end
-constexpr double kLeftShare = 1.25;  // of that, beyond which it has left
-constexpr int kMissesMost = 2;       // of an end, after which the mission goes on
+// Radius within which an aircraft is close to an end, in acceptance radii.
+constexpr double kNearShare = 2.0;
+// Radius beyond which an aircraft has left an end, relative to the radius of kNearShare.
+constexpr double kLeftShare = 1.25;
+// Number of times that an end is missed before the mission goes on.
+constexpr int kMissesMost = 2;
 
 /// The next segment goes on where this one ends, in the same direction.
 bool isSmooth(const PathSegment& segment, const PathSegment& next) {

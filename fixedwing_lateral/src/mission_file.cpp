@@ -71,8 +71,10 @@ TurnPlan readTurns(const YamlField& field) {
 /// What a part amounts to.
 struct Part {
   std::vector<PathSegment> segments;
-  std::shared_ptr<const PathCurve> curve;  // that one of them points to
-  bool may_jump = false;                   // it need not begin where the last one ended
+  // Curve to which one of the segments points.
+  std::shared_ptr<const PathCurve> curve;
+  // True when the part need not begin where the one before ended.
+  bool may_jump = false;
 };
 
 Part readLines(const YamlField& field, const TurnPlan&) {

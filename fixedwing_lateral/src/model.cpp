@@ -16,7 +16,8 @@ constexpr int kInputColumn = Index::kSize;
 using Sensitivity = Eigen::Matrix<double, Index::kSize, Index::kSize + 1>;
 
 constexpr int kStages = 4;
-constexpr std::array<double, kStages> kStageTime = {0.0, 0.5, 0.5, 1.0};  // where each stage looks
+// Time of each stage, as a share of the step.
+constexpr std::array<double, kStages> kStageTime = {0.0, 0.5, 0.5, 1.0};
 constexpr std::array<double, kStages> kStageWeight = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
 
 void checkPositive(double value, const std::string& field) {
@@ -102,7 +103,8 @@ LateralState integrate(const LateralModel& model, const LateralConditions& condi
   LateralState rate = LateralState::Zero();
   LateralState sum = LateralState::Zero();
   const Sensitivity identity = Sensitivity::Identity();
-  Sensitivity slope = Sensitivity::Zero();  // of the stage's rate
+  // Sensitivity of the stage's rate.
+  Sensitivity slope = Sensitivity::Zero();
   Sensitivity slope_sum = Sensitivity::Zero();
   for (int stage = 0; stage < kStages; ++stage) {
     const double time = kStageTime[stage] * step.duration;

@@ -176,7 +176,8 @@ TrackError trackError(const ClosestPoint& nearest, const Eigen::Vector2d& positi
   TrackError error;
   error.track = to_path.x() * tangent.y() - to_path.y() * tangent.x();
   jacobian.track_by_position = {-tangent.y(), tangent.x()};
-  const double share = 1.0 - nearest.curvature * error.track;  // of the radius, from the centre of curvature
+  // Distance from the centre of curvature, as a share of the radius.
+  const double share = 1.0 - nearest.curvature * error.track;
   jacobian.course_by_position = nearest.curvature / std::max(share, kLeastCentreShare) * tangent;
   const double speed_squared = ground_velocity.squaredNorm();
   error.course_defined = speed_squared >= kLeastGroundSpeed * kLeastGroundSpeed;

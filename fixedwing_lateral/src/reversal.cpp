@@ -7,11 +7,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBegins = 120.0 / 180.0 * kPi;  // course error at which a side is chosen [rad]
-constexpr double kEnds =
-    45.0 / 180.0 * kPi;  // below which it is no longer needed, also far from the path [rad]
-constexpr double kDoubtful = 160.0 / 180.0 * kPi;  // above which the error is no reason for a side [rad]
-constexpr double kBeside = 5.0;                    // from the path on which its side counts [m]
+// Course error at which a side is chosen [rad].
+constexpr double kBegins = 120.0 / 180.0 * kPi;
+// Course error below which a side is no longer needed, also far from the path [rad].
+constexpr double kEnds = 45.0 / 180.0 * kPi;
+// Course error above which its sign is no reason for a side [rad].
+constexpr double kDoubtful = 160.0 / 180.0 * kPi;
+// Distance from the path above which the path's side counts [m].
+constexpr double kBeside = 5.0;
 
 /// Positive where `vector` points to the right of `direction`.
 double toTheRight(const Vector2d& direction, const Vector2d& vector) noexcept {

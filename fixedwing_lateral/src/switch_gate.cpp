@@ -7,7 +7,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLongestRest = kPi / 2.0;  // of the segment, in acceptance radii
+// Greatest rest of the segment at a switch, in acceptance radii.
+constexpr double kLongestRest = kPi / 2.0;
 
 }  // namespace
 

@@ -9,7 +9,8 @@ using Index = LateralIndex;
 
 namespace {
 
-constexpr double kLeastCrabCosine = 0.2;  // of the angle between course and heading
+// Least cosine of the angle between course and heading.
+constexpr double kLeastCrabCosine = 0.2;
 
 }  // namespace
 

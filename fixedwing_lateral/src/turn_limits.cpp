@@ -13,9 +13,12 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kDegree = 180.0 / kPi;
-constexpr double kRounding = 1e-9;      // of a roll that a radius was planned for [rad]
-constexpr double kMeets = 1.0;          // from the end of a segment to the loiter after it, at most [m]
-constexpr double kMeetsCosine = 0.995;  // of the angle between their directions, at least
+// Tolerance of a roll for which a radius was planned [rad].
+constexpr double kRounding = 1e-9;
+// Greatest distance from the end of a segment to the loiter after it [m].
+constexpr double kMeets = 1.0;
+// Least cosine of the angle between the directions of that segment and the loiter.
+constexpr double kMeetsCosine = 0.995;
 
 /// Of the segment [1/m], without its sign.
 double largestCurvature(const PathSegment& segment) {

@@ -93,8 +93,8 @@ struct Search {
   double misfit(double turn) const {
     const PathPose at = afterFirst(turn);
     const Vector2d to_goal = goalCentre() - at.position;
-    if (middle == 0.0)
-      return rightOf(at.heading).dot(to_goal) - last * radius;  // the line touches the circle
+    // The straight part must touch the last circle.
+    if (middle == 0.0) return rightOf(at.heading).dot(to_goal) - last * radius;
     return (to_goal - middle * radius * rightOf(at.heading)).norm() - 2.0 * radius;
   }
   Found complete(double turn) const {
@@ -165,7 +165,8 @@ TEST(Dubins, EveryWordEqualsASearchOverTheFirstTurn) {
       const auto path = dubinsPath(word, from, to, radius);
       double expected = kInfinity;
       for (const Found& found : search.all()) {
-        best = std::min(best, found.length);  // the short middle arcs also stand for the optimum
+        // Words with a short middle arc count for the optimum too.
+        best = std::min(best, found.length);
         if (search.middle == 0.0 || found.long_middle) expected = std::min(expected, found.length);
       }
       ASSERT_EQ(path.has_value(), expected < kInfinity) << toString(word) << ", pair " << i;
@@ -208,7 +209,8 @@ TEST(Dubins, EveryWordReachesThePose) {
 
 struct Known {
   const char* what;
-  PathPose to;  // from (0, 0), heading north, radius 50
+  // Goal; the start is (0, 0), heading north, with radius 50.
+  PathPose to;
   double length;
   int segments;
 };

@@ -214,7 +214,8 @@ TEST_F(Failsafe, LevelsAtLowAirspeedUntilThereIsAMargin) {
 
 TEST_F(Failsafe, TurnsIntoAWindAboveTheAirspeed) {
   fly(1.0);
-  aircraft_.setWind({0.0, 16.0});  // to the east: against it is west
+  // The wind blows to the east: upwind is west.
+  aircraft_.setWind({0.0, 16.0});
   GuidanceOutput output = fly(15.0);
   EXPECT_EQ(output.mode, GuidanceMode::kUpwind);
   EXPECT_EQ(output.reason, GuidanceReason::kStrongWind);

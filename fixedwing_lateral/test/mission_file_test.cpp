@@ -74,7 +74,8 @@ TEST(MissionFile, KeepsItsSplinesForAsLongAsItIsFlown) {
   ChapterAircraft aircraft(LateralModel{}, start, 14.0, {2.0, 3.0});
   Sensors sensors({}, 1);
   const auto samples = flyLaw(aircraft, sensors, lawOf(guidance), options.period, 60.0);
-  EXPECT_TRUE(samples.back().output.loitering);  // the end of a mission
+  // The mission ends with a loiter.
+  EXPECT_TRUE(samples.back().output.loitering);
   double late = 0.0;
   for (const FlightSample& sample : samples) {
     if (sample.time > 10.0 && sample.output.segment == 0)

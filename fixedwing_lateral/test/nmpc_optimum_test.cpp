@@ -18,7 +18,8 @@ using Eigen::Vector2d;
 
 constexpr int kStates = 200;
 constexpr int kIterations = 10;
-constexpr double kAgreement = 1e-4;  // of a move [rad], and of the cost, relative
+// Tolerance of a move [rad], and relative tolerance of the cost.
+constexpr double kAgreement = 1e-4;
 constexpr double kDifference = 1e-6;
 
 struct Problem {
@@ -127,7 +128,8 @@ TEST(SequentialProgramming, ReachesTheOptimumThatNloptFinds) {
     reference.set_ftol_rel(1e-13);
     reference.set_maxeval(400);
     const double start = std::clamp(problem.previous, -limits.roll_reference, limits.roll_reference);
-    problem.previous = start;  // the slew counts from what `reset` could hold
+    // The slew counts from the roll reference that `reset` could hold.
+    problem.previous = start;
     std::vector<double> moves(40, start);
     double least = 0.0;
     try {

@@ -20,7 +20,8 @@ using lateral_test::ReferenceQp;
 using Index = LateralIndex;
 using Eigen::Vector2d;
 
-constexpr double kStepAgreement = 1e-6;  // of a move with its reference [rad]
+// Tolerance of a move against its reference [rad].
+constexpr double kStepAgreement = 1e-6;
 
 LateralWeights hardWeights() {
   LateralWeights weights;
@@ -147,7 +148,8 @@ TEST(TrackErrorJacobian, LimitsTheCourseNearACentre) {
   const PathSegment circle = LoiterCircle{{0.0, 0.0}, 50.0, TurnDirection::kRight};
   TrackErrorJacobian by;
   trackError(closestPoint(circle, {1e-3, 0.0}), {1e-3, 0.0}, {14.0, 0.0}, by);
-  EXPECT_NEAR(by.course_by_position.norm(), 1.0 / 5.0, 1e-9);  // that of a tenth of the radius
+  // The limit is the value at a tenth of the radius.
+  EXPECT_NEAR(by.course_by_position.norm(), 1.0 / 5.0, 1e-9);
   trackError(closestPoint(circle, {25.0, 0.0}), {25.0, 0.0}, {14.0, 0.0}, by);
   EXPECT_NEAR(by.course_by_position.norm(), 1.0 / 25.0, 1e-9);
   trackError(closestPoint(circle, {25.0, 0.0}), {25.0, 0.0}, {0.0, 0.0}, by);

@@ -227,7 +227,8 @@ TEST(Segments, RunFromTheirEntranceInTheirDirection) {
   EXPECT_NEAR(length(left), 10.0, kExact);
   for (const PathSegment& segment :
        {PathSegment(kNorthward), PathSegment(left), PathSegment(LoiterCircle{{3.0, 4.0}, 60.0, kLeft})}) {
-    for (double distance = 0.1; distance < 9.0; distance += 0.7) {  // the tangent is the derivative
+    // The tangent is the derivative of the position by the distance.
+    for (double distance = 0.1; distance < 9.0; distance += 0.7) {
       const double step = 1e-5;
       const Vector2d change =
           pointAt(segment, distance + step).position - pointAt(segment, distance - step).position;

@@ -162,7 +162,8 @@ TEST(SixDof, HasTheTrimErrorsThatItIsGiven) {
   SixDofAircraft aircraft(options, {}, 1);
   aircraft.fly(0.0, 20.0);
   const double measured = aircraft.state().roll;
-  EXPECT_GT(measured, 0.005);  // the warped wing; nothing integrates it away
+  // The warped wing causes a roll error, and nothing integrates it away.
+  EXPECT_GT(measured, 0.005);
   EXPECT_NEAR(measured - eulerAngles(aircraft.body().attitude).x(), options.roll_mounting, 1e-12);
 }
 

@@ -14,7 +14,8 @@ struct ReferenceQp {
   std::vector<double> moves;                 // 40
   std::vector<polyfly::LateralState> nodes;  // 41
   std::vector<double> previous;              // 40
-  std::vector<double> solution;              // of the change of the moves
+  // Optimal change of the moves.
+  std::vector<double> solution;
 };
 
 /// The set `name` (fw_rand, fw_seq, fw_hard); empty where the reference data are absent.

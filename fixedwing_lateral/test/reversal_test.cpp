@@ -41,17 +41,17 @@ TEST(CourseError, StaysOnTheSideThatWasChosen) {
 TEST(ReversalChoice, TurnsTowardsThePathOrIntoTheWindAndThenStays) {
   ReversalChoice choice;
   EXPECT_EQ(choice.update(against(1.5), {0.0, 30.0}, kNorthward, kCalm), Reversal::kNone);
-  EXPECT_EQ(choice.update(against(-2.3), {0.0, 30.0}, kNorthward, kCalm),
-            Reversal::kLeft);  // the shorter way
-  EXPECT_EQ(choice.update(against(3.1), {0.0, 30.0}, kNorthward, kCalm),
-            Reversal::kLeft);  // over half a turn
+  // The shorter way is to the left.
+  EXPECT_EQ(choice.update(against(-2.3), {0.0, 30.0}, kNorthward, kCalm), Reversal::kLeft);
+  // The side stays beyond half a turn.
+  EXPECT_EQ(choice.update(against(3.1), {0.0, 30.0}, kNorthward, kCalm), Reversal::kLeft);
   EXPECT_EQ(choice.update(against(-1.0), {0.0, 30.0}, kNorthward, kCalm), Reversal::kLeft);
   EXPECT_EQ(choice.update(against(-0.7), {0.0, 30.0}, kNorthward, kCalm), Reversal::kNone);
-  EXPECT_EQ(choice.update(against(-3.1), {0.0, 30.0}, kNorthward, kCalm),
-            Reversal::kRight);  // the path is there
+  // The path is on the right.
+  EXPECT_EQ(choice.update(against(-3.1), {0.0, 30.0}, kNorthward, kCalm), Reversal::kRight);
   choice.begin(Reversal::kNone);
-  EXPECT_EQ(choice.update(against(3.1), {0.0, 1.0}, kNorthward, {0.0, 5.0}),
-            Reversal::kLeft);  // into the wind
+  // The wind comes from the left.
+  EXPECT_EQ(choice.update(against(3.1), {0.0, 1.0}, kNorthward, {0.0, 5.0}), Reversal::kLeft);
   choice.begin(Reversal::kNone);
   TrackError none;
   none.course = kPi;
@@ -79,10 +79,14 @@ double leastRadiusFor(double airspeed, double wind_share) {
 }
 
 struct Flown {
-  int last = 0;             // segment
-  double loitering = -1.0;  // since [s]
-  int leaps = 0;            // of the roll reference by half its range
-  double late = 0.0;        // from the path once settled on the loiter [m]
+  // Index of the last segment.
+  int last = 0;
+  // Start of the loiter; -1: none [s].
+  double loitering = -1.0;
+  // Number of jumps of the roll reference by half its range.
+  int leaps = 0;
+  // Largest distance from the path once settled on the loiter [m].
+  double late = 0.0;
 };
 
 Flown fly(const Mission& mission, double airspeed, const Vector2d& wind, const AircraftState& start,
@@ -160,7 +164,8 @@ TEST(Reversal, ALoiterIsMetFromTheWrongSideToo) {
         const Mission mission = makeMission({LoiterCircle{{0.0, 0.0}, radius, direction}}, {}, "test");
         const Flown flown = fly(mission, airspeed, airspeed * 0.5 * Vector2d(0.6, -0.8),
                                 at({0.0, -radius}, heading, airspeed), closeTracking(), 0.5);
-        EXPECT_LT(flown.late, 5.0) << airspeed << ' ' << heading;  // in gusts
+        // This limit is for flight in gusts [m].
+        EXPECT_LT(flown.late, 5.0) << airspeed << ' ' << heading;
         EXPECT_LE(flown.leaps, 4) << airspeed << ' ' << heading;
       }
     }

@@ -100,7 +100,8 @@ TEST(FitTurns, KeepsRefusesOrWidens) {
   const auto& loiter = std::get<LoiterCircle>(wide.segments[1]);
   EXPECT_NEAR(loiter.radius, leastRadius(in(7.0)), 1e-9);
   const ClosestPoint met = closestPoint(loiter, {200.0, 0.0});
-  EXPECT_LT((met.point.position - Vector2d(200.0, 0.0)).norm(), 1e-9);  // as before
+  // Place and direction are as before.
+  EXPECT_LT((met.point.position - Vector2d(200.0, 0.0)).norm(), 1e-9);
   EXPECT_LT((met.point.tangent - Vector2d(1.0, 0.0)).norm(), 1e-9);
   const Mission alone =
       fitTurns(makeMission({circleOf(60.0)}, {}, "test"), {TightTurns::kWiden, in(7.0)}, "m");
@@ -136,8 +137,10 @@ TEST(FitTurns, AFilePlansDubinsPathsForItsWind) {
 }
 
 struct Flown {
-  double largest = 0.0;    // from the circle, once joined [m]
-  double reference = 0.0;  // largest roll reference [rad]
+  // Largest distance from the circle, once joined [m].
+  double largest = 0.0;
+  // Largest roll reference [rad].
+  double reference = 0.0;
   bool warned = false;
 };
 

@@ -12,10 +12,13 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kTick = 0.05;           // [s]
-constexpr int kTicksPerWrite = 20;       // of changed parameters to the master
-constexpr double kSwapTimeout = 1.0;     // after which a swap is said to wait for a control period [s]
-constexpr double kSwapInterval = 0.002;  // between two looks [s]
+constexpr double kTick = 0.05;  // [s]
+// Number of ticks between two writes of changed parameters to the master.
+constexpr int kTicksPerWrite = 20;
+// Time after which a swap is said to wait for a control period [s].
+constexpr double kSwapTimeout = 1.0;
+// Time between two looks at a swap that is pending [s].
+constexpr double kSwapInterval = 0.002;
 
 /// Every weight, limit and gain; not what the memory of the laws depends on.
 OptionTable tableOf(LawSetup& setup, const LegacyNames& names) {
@@ -95,8 +98,10 @@ bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
   std::array<double, 3> change{};
   try {
     const LawSetup next = withOtherMaps(setup_, request, snapshot, change);
-    laws_.stage(next);  // throws before anything has changed
-    setup_ = next;      // the table keeps pointing into it
+    // This throws before anything has changed.
+    laws_.stage(next);
+    // The option table keeps pointing into setup_.
+    setup_ = next;
     noteInForce();
     response.success = 1;
     response.message =

@@ -10,5 +10,6 @@ int main(int argc, char** argv) try {
                                          polyfly_ros::ProcessKind::kStandalone);
   ros::spin();
 } catch (const std::exception&) {
-  return 1;  // the node has said why
+  // The node has logged the reason.
+  return 1;
 }

@@ -14,9 +14,12 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kLogInterval = 1.0;    // between two messages about references [s]
-constexpr double kTwistInterval = 5.0;  // about velocities that contradict the positions [s]
-constexpr double kManualBelow = -0.5;   // of the mode axis
+// Time between two messages about references [s].
+constexpr double kLogInterval = 1.0;
+// Time between two messages about velocities that contradict the positions [s].
+constexpr double kTwistInterval = 5.0;
+// Value of the mode axis up to which the mode is manual.
+constexpr double kManualBelow = -0.5;
 constexpr double kPositionFrom = 0.5;
 
 double stick(const sensor_msgs::Joy& message, int axis, double scale) {

@@ -8,7 +8,8 @@
 namespace polyfly_ros {
 namespace {
 
-constexpr double kSamplingTime = 0.1;  // of linear problems made from the model [s]
+// Sampling time of linear problems that are made from the model [s].
+constexpr double kSamplingTime = 0.1;
 constexpr int kHorizon = 20;
 
 MapSet openMaps(const std::array<std::string, 3>& paths, const polyfly::MultirotorOptions& options) {

@@ -15,8 +15,10 @@ using polyfly::Error;
 using polyfly::LookupStatus;
 using polyfly::RegionMap;
 
-constexpr double kMostChange = 0.25;      // of an input's range, unless the request says otherwise
-constexpr double kRestTolerance = 0.001;  // of an input's range
+// Greatest change as a share of an input's range, unless the request says otherwise.
+constexpr double kMostChange = 0.25;
+// Greatest input at rest, as a share of the input's range.
+constexpr double kRestTolerance = 0.001;
 
 double inputRange(const RegionMap& map) { return map.inputs().at(0).upper - map.inputs().at(0).lower; }
 

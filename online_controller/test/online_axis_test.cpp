@@ -212,7 +212,8 @@ TEST(AxisTarget, AtRestIsTheSteadyStateOfEquation6) {
 TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
   // (p_ref, v_ref, s_ref) with u_ref must solve x' = A x + B u + Bd d: the derivative by central differences.
   constexpr double kStep = 1e-4;
-  constexpr double kRate = 1.7;  // of the sine [rad/s]
+  // Angular frequency of the sine [rad/s].
+  constexpr double kRate = 1.7;
   constexpr double kDisturbance = 0.4;
   const auto along = [](double t) {
     return AxisReference{2.0 * std::sin(kRate * t), 2.0 * kRate * std::cos(kRate * t),

@@ -196,7 +196,8 @@ TEST(MultirotorController, OutsideTheBoxIsClippedAndSaysWhich) {
   EXPECT_EQ(report.reason, ControlReason::kOutsideBox);
   EXPECT_EQ(report.axis[1].lookup, polyfly::LookupStatus::kOutsideBox);
   EXPECT_EQ(report.axis[1].outside_parameter, 0);
-  EXPECT_EQ(report.axis[1].theta[0], 5.0);  // as assembled
+  // theta is the parameter as assembled, before clipping.
+  EXPECT_EQ(report.axis[1].theta[0], 5.0);
   EXPECT_EQ(report.axis[1].region, 0);
   EXPECT_EQ(report.axis[1].input, 0.4363323);  // 0.3 * 3 at its bound
   EXPECT_EQ(report.axis[0].outside_parameter, -1);
@@ -245,7 +246,8 @@ TEST(MultirotorController, OutsideThePartitionHoldsThenLevels) {
   good.stamp = 0.06;
   const ControlReport& report = flight.controller->step(good, Reference{});
   EXPECT_EQ(report.status, ControlStatus::kOptimal);
-  EXPECT_EQ(report.axis[0].theta[3], 0.0);  // the level command was applied before
+  // The level command was applied before.
+  EXPECT_EQ(report.axis[0].theta[3], 0.0);
 }
 
 TEST(MultirotorController, ClippedIntoAnInfeasiblePlaceHasNoAnswer) {

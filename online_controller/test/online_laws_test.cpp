@@ -95,7 +95,8 @@ TEST(OnlineLaws, TrimMovesTheCommandsAndNothingElse) {
       ASSERT_NEAR(second.thrust, first.thrust, 1e-9) << i;
       plain.prepare();
       moved.prepare();
-      if (i == 30) {  // as after another law
+      // Both track once, as after another law.
+      if (i == 30) {
         plain.track(state, first);
         moved.track(state, second);
       }

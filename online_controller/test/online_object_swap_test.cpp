@@ -39,13 +39,15 @@ TEST(ObjectSwap, TheNewestStagedObjectIsSwappedInAndTheOldOneComesBack) {
     EXPECT_FALSE(slot.swap(current, transfer));
     slot.stage(std::make_unique<Counted>(1));
     slot.stage(std::make_unique<Counted>(2));
-    EXPECT_EQ(Counted::alive, 2);  // the first staged object is gone
+    // The first staged object is gone.
+    EXPECT_EQ(Counted::alive, 2);
     EXPECT_TRUE(slot.pending());
     EXPECT_TRUE(slot.swap(current, transfer));
     EXPECT_FALSE(slot.pending());
     EXPECT_EQ(current->number, 2);
     EXPECT_EQ(current->seen, 10);
-    EXPECT_EQ(Counted::alive, 2);  // the control thread frees nothing
+    // The control thread frees nothing.
+    EXPECT_EQ(Counted::alive, 2);
     slot.reclaim();
     EXPECT_EQ(Counted::alive, 1);
     slot.stage(std::make_unique<Counted>(3));

@@ -254,7 +254,8 @@ TEST(VehicleObserver, CalibrationAtHoverTakesTheModelsFault) {
   EXPECT_NEAR(observer.estimate().force.x(), 1.0, 0.03);
   observer.reset();
   fly(vehicle, observer, 1500);
-  EXPECT_NEAR(observer.estimate().force.x(), 1.0, 0.03);  // the offset stays
+  // The offset stays after a reset.
+  EXPECT_NEAR(observer.estimate().force.x(), 1.0, 0.03);
 }
 
 TEST(VehicleObserver, AJumpAnnouncedIsNoForce) {

@@ -21,13 +21,17 @@ using polyfly::ReferenceTrajectory;
 using polyfly::TrajectorySample;
 
 constexpr double kWidth = 640.0, kRow = 130.0, kLeft = 20.0, kTop = 34.0, kHeight = 84.0;
-constexpr double kEnd = 6.0;       // of the time axis [s]
-constexpr double kGreatest = 1.2;  // of the position axis [m]
+// End of the time axis [s].
+constexpr double kEnd = 6.0;
+// End of the position axis [m].
+constexpr double kGreatest = 1.2;
 
 struct Panel {
   const char* title;
-  double start;  // of the new trajectory [s]
-  int points;    // of the new trajectory
+  // Start of the new trajectory [s].
+  double start;
+  // Number of points of the new trajectory.
+  int points;
 };
 
 constexpr Panel kPanels[] = {

@@ -162,7 +162,8 @@ TEST(ReferenceTrajectory, GivenVelocitiesHoldWhereOthersAreComputed) {
   }
   const SineErrors most = errorsOf(trajectory, 0.01);
   EXPECT_LT(most.velocity, 0.005);
-  EXPECT_LT(most.jerk, 0.5);  // of 4.4
+  // The jerk itself reaches 4.4 m/s^3.
+  EXPECT_LT(most.jerk, 0.5);
 }
 
 TEST(ReferenceTrajectory, TwoAndThreePositionsGiveALineAndAParabola) {
@@ -293,7 +294,8 @@ TEST(ReferenceSchedule, OneThatStartsWithinTheOldReplacesItFromThereOn) {
   schedule.set(lineFrom(0.0, 21), 10.0);
   schedule.set(lineFrom(100.0, 6), 11.05);
   for (const double t : {10.0, 10.33, 11.02, 11.049}) {
-    EXPECT_NEAR(schedule.sample(t)->position.x(), t - 10.0, 1e-9) << t;  // the old one to the end
+    // The old trajectory counts until the new one starts.
+    EXPECT_NEAR(schedule.sample(t)->position.x(), t - 10.0, 1e-9) << t;
     EXPECT_NEAR(schedule.sample(t)->velocity.x(), 1.0, 1e-9) << t;
   }
   EXPECT_NEAR(schedule.sample(11.05)->position.x(), 100.0, 1e-9);

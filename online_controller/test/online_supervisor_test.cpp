@@ -121,7 +121,8 @@ TEST(Supervisor, TakesOffHoldsAndLands) {
     fastest = std::max(fastest, room.state.velocity.z());
   }
   EXPECT_EQ(room.supervisor.state(), FlightState::kTakeOff);
-  EXPECT_LT(fastest, 0.6);  // the quintic over 1 m in 5 s reaches 0.375 m/s
+  // The quintic over 1 m in 5 s reaches 0.375 m/s.
+  EXPECT_LT(fastest, 0.6);
   room.run(1.5);
   EXPECT_EQ(room.supervisor.state(), FlightState::kPositionHold);
   EXPECT_NEAR(room.state.position.z(), 1.0, 0.1);
@@ -205,7 +206,8 @@ TEST(Supervisor, SticksMoveTheHoldAndManualIsThePilots) {
   EXPECT_NEAR(room.state.position.z(), 2.0, 0.2);
   EXPECT_STREQ(room.supervisor.onReference(line(1.0, 1.0), std::nullopt),
                "the remote control has the vehicle");
-  sticks.forward = 0.05;  // in the dead zone: what was reached is held
+  // In the dead zone, the pose that was reached is held.
+  sticks.forward = 0.05;
   const double reached = room.supervisor.preview().front().position.x();
   for (int k = 0; k < 400; ++k) {
     room.supervisor.onRemoteControl(sticks, room.state.stamp);

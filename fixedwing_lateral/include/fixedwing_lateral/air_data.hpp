@@ -12,8 +12,9 @@ struct StampedAirspeed {
   double stamp = -1e300;  ///< [s]
 };
 struct StampedWind {
-  Eigen::Vector2d value = Eigen::Vector2d::Zero();  ///< where the air moves to (north, east) [m/s]
-  double stamp = -1e300;                            ///< [s]
+  /// Velocity of the air over ground (north, east) [m/s].
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();
+  double stamp = -1e300;  ///< [s]
 };
 
 /// Airspeed and wind that can be flown by, whatever comes in.
@@ -32,8 +33,10 @@ class AirData {
   const Eigen::Vector2d& wind() const noexcept { return wind_; }  ///< [m/s], finite
   bool airspeedAssumed() const noexcept { return airspeed_assumed_; }
   bool windAssumed() const noexcept { return wind_assumed_; }
-  bool isSlow() const noexcept { return slow_; }    ///< below the least airspeed
-  bool isWindy() const noexcept { return windy_; }  ///< wind near or above the airspeed
+  /// True while the airspeed is below the least airspeed.
+  bool isSlow() const noexcept { return slow_; }
+  /// True while the wind speed is near or above the airspeed.
+  bool isWindy() const noexcept { return windy_; }
 
  private:
   SafetyOptions safety_;
@@ -41,8 +44,10 @@ class AirData {
   double correction_time_ = 0.0;
   double airspeed_ = 0.0;
   Eigen::Vector2d wind_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d estimate_ = Eigen::Vector2d::Zero();    // the last that came in
-  Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();  // of it
+  // Last wind estimate received [m/s].
+  Eigen::Vector2d estimate_ = Eigen::Vector2d::Zero();
+  // Filtered correction of the wind estimate from the ground velocity [m/s].
+  Eigen::Vector2d correction_ = Eigen::Vector2d::Zero();
   double last_time_ = -1e300;
   bool airspeed_assumed_ = true;
   bool wind_assumed_ = true;

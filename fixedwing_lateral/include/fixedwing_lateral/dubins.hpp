@@ -30,7 +30,8 @@ struct DubinsPath {
   DubinsWord word = DubinsWord::kLsl;
   double length = 0.0;  ///< [m]
   int segment_count = 0;
-  std::array<PathSegment, 3> segments;  ///< the first segment_count of them, in order of flight
+  /// Segments in order of flight; only the first `segment_count` are used.
+  std::array<PathSegment, 3> segments;
 };
 
 // The poses must be finite and the radius [m] positive; planDubins checks it, the others trust it. They

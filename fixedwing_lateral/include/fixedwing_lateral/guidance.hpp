@@ -25,20 +25,28 @@ struct AircraftState {
 };
 
 struct GuidanceInput {
-  double time = 0.0;  ///< now [s]
+  /// Present time [s].
+  double time = 0.0;
   AircraftState state;
   StampedAirspeed airspeed;  ///< [m/s]
-  StampedWind wind;          ///< where the air moves to (north, east) [m/s]
-  bool engaged = true;       ///< the autopilot follows our commands
+  /// Velocity of the air over ground (north, east) [m/s].
+  StampedWind wind;
+  /// True while the autopilot follows our commands.
+  bool engaged = true;
 };
 
 /// Where the command comes from, from best to worst.
 enum class GuidanceMode : std::uint8_t {
-  kTracking,     ///< the present horizon
-  kHoldHorizon,  ///< a horizon of an earlier call, further on in it
-  kUpwind,       ///< a turn into the wind
-  kLevel,        ///< wings level
-  kStandby,      ///< not engaged: the roll that is flown
+  /// Command of the present horizon.
+  kTracking,
+  /// Command of an earlier horizon, at the time that has passed since.
+  kHoldHorizon,
+  /// Turn into the wind.
+  kUpwind,
+  /// Wings level.
+  kLevel,
+  /// Not engaged: the command is the present roll.
+  kStandby,
 };
 
 /// Why it is not plain tracking; the first that holds.
@@ -46,15 +54,22 @@ enum class GuidanceReason : std::uint8_t {
   kNone,
   kNotEngaged,
   kNoMission,
-  kNotFinite,  ///< a NaN, an infinity, roll of 80 degrees or 20 rad/s and more
-  kStale,      ///< the state is too old, from the future, or repeats itself under new stamps
-  kJump,       ///< position, heading or roll is not where it was expected
-  kSolver,     ///< the optimisation failed, also after beginning anew
+  /// A value is NaN or infinite, roll is 80 degrees or more, or roll rate 20 rad/s or more.
+  kNotFinite,
+  /// The state is too old, is from the future, or repeats itself under new stamps.
+  kStale,
+  /// Position, heading or roll differs too much from the expected one.
+  kJump,
+  /// The optimisation failed, also after a restart.
+  kSolver,
   kLowAirspeed,
   kStrongWind,
-  kAirspeedAssumed,  ///< tracks, with the nominal airspeed
-  kWindAssumed,      ///< tracks, with the wind that ground and air velocity differ by
-  kTooSteep,  ///< tracks a segment that asks for more roll in this wind than is allowed, and leaves it there
+  /// Tracking with the nominal airspeed.
+  kAirspeedAssumed,
+  /// Tracking with a wind that is the difference of ground and air velocity.
+  kWindAssumed,
+  /// Tracking a segment that needs more roll in this wind than is allowed. The aircraft leaves the path there.
+  kTooSteep,
 };
 
 const char* toString(GuidanceMode mode) noexcept;
@@ -63,27 +78,36 @@ const char* toString(GuidanceReason reason) noexcept;
 struct GuidanceOutput {
   GuidanceMode mode = GuidanceMode::kLevel;
   GuidanceReason reason = GuidanceReason::kNoMission;
-  double roll_reference = 0.0;  ///< always finite and within the limit [rad]
-  int segment = 0;              ///< index in the mission
+  /// Roll command, always finite and within the limit [rad].
+  double roll_reference = 0.0;
+  /// Index of the current segment in the mission.
+  int segment = 0;
   int segment_count = 0;
   bool loitering = false;
-  TrackError error;  ///< to the current segment, at the state
+  /// Cross-track and course error from the current segment, at the measured state.
+  TrackError error;
   /// Greatest roll that the current segment needs in this wind, see turn_limits.hpp [rad].
   double segment_roll = 0.0;
-  double airspeed = 0.0;  ///< as flown by [m/s]
+  /// Airspeed in use, measured or nominal [m/s].
+  double airspeed = 0.0;
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();
-  double roll_bias = 0.0;  ///< as learnt, see LateralObserver [rad]
+  /// Learnt roll bias, see LateralObserver [rad].
+  double roll_bias = 0.0;
   double turn_gain = 1.0;
   double turn_bias = 0.0;  ///< [rad/s]
   NmpcReport nmpc;
-  bool restarted = false;  ///< the horizon began anew in this call
+  /// True when the horizon was restarted in this call.
+  bool restarted = false;
 };
 
 /// The fixed wing's lateral guidance: mission, optimisation and what to do when something is missing.
 ///
-///     output = guidance.update(input);   // as soon as the state is in: feedback
-///     while (thereIsTime() && guidance.improve()) {}   // by choice: until it has converged
-///     guidance.prepare();                // when the command is out: preparation of the next call
+///     // Feedback, as soon as the state has arrived.
+///     output = guidance.update(input);
+///     // Optional: further iterations until convergence.
+///     while (thereIsTime() && guidance.improve()) {}
+///     // Preparation of the next call, after the command was sent.
+///     guidance.prepare();
 ///
 /// `update`, `improve` and `prepare` do not allocate, throw, log or read a clock. One object serves one
 /// thread.
@@ -108,10 +132,12 @@ class LateralGuidance {
   bool improve() noexcept;
   void prepare() noexcept;
 
-  const GuidanceOutput& output() const noexcept { return output_; }  ///< of the last call
+  /// Output of the last call.
+  const GuidanceOutput& output() const noexcept { return output_; }
   const GuidanceOptions& options() const noexcept { return options_; }
   const MissionTrack& track() const noexcept { return track_; }
-  const LateralNmpc& nmpc() const noexcept { return nmpc_; }  ///< for the predicted path
+  /// The optimiser; it holds the predicted path.
+  const LateralNmpc& nmpc() const noexcept { return nmpc_; }
 
  private:
   GuidanceReason fault(const GuidanceInput& input) noexcept;
@@ -135,22 +161,31 @@ class LateralGuidance {
   GuidanceOptions options_;
   MissionTrack track_;
   ReversalChoice reversal_;
-  Junction junction_;  // at the end of the current segment
+  // Junction at the end of the current segment.
+  Junction junction_;
   AirData air_;
   LateralObserver observer_;
   LateralNmpc nmpc_;
   HorizonData data_;
   GuidanceOutput output_;
-  LateralState solved_from_ = LateralState::Zero();  // of the last optimisation
+  // Initial state of the last optimisation.
+  LateralState solved_from_ = LateralState::Zero();
   bool can_improve_ = false;
-  std::vector<double> kept_moves_;  // of the last horizon that was good
-  bool prepared_ = false;           // for data_ as it is
-  bool too_steep_ = false;          // the current segment, in this wind
-  bool needs_restart_ = true;       // the nodes are of another flight
-  double horizon_time_ = -1e300;    // of the last horizon that was good [s]
+  // Moves of the last valid horizon.
+  std::vector<double> kept_moves_;
+  // True when the quadratic program is prepared for the present data_.
+  bool prepared_ = false;
+  // True when the current segment needs more roll in this wind than is allowed.
+  bool too_steep_ = false;
+  // True when the nodes are no longer valid, because they belong to another flight.
+  bool needs_restart_ = true;
+  // Time of the last valid horizon [s].
+  double horizon_time_ = -1e300;
   bool has_place_ = false;
-  AircraftState place_;  // the last one believed
-  AircraftState seen_;   // the first one at its position
+  // Last state that passed the jump check.
+  AircraftState place_;
+  // First state received at the present position.
+  AircraftState seen_;
   double jump_since_ = 0.0;
   bool jumping_ = false;
 };

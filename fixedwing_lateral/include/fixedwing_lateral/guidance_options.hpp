@@ -10,17 +10,28 @@ namespace polyfly {
 
 /// When data are too old or too odd to fly by, and what then.
 struct SafetyOptions {
-  double state_timeout = 0.3;     ///< age of the state [s]
-  double airspeed_timeout = 1.0;  ///< age of the airspeed, after which the nominal one is assumed [s]
-  double wind_timeout = 5.0;      ///< age of the wind, after which ground velocity less air velocity is [s]
-  double airspeed_min = 8.0;      ///< below it, wings level [m/s]
-  double wind_share_max = 0.85;   ///< of the airspeed; above it, into the wind [-]
-  double hysteresis = 0.05;       ///< share by which a limit must be left again [-]
-  double jump_distance = 15.0;    ///< of a position from where it was expected [m]
-  double jump_angle = 1.0;        ///< of heading or roll from the last one, beside what turns need [rad]
-  double jump_patience = 0.5;     ///< after which a new place is believed [s]
-  double hold_time = 2.0;         ///< how long the last horizon is flown without a new one [s]
-  double upwind_gain = 0.6;       ///< heading rate per heading error, into the wind [1/s]
+  /// Greatest age of the state [s].
+  double state_timeout = 0.3;
+  /// Greatest age of the airspeed; after it the nominal airspeed is assumed [s].
+  double airspeed_timeout = 1.0;
+  /// Greatest age of the wind; after it the difference of ground and air velocity is assumed [s].
+  double wind_timeout = 5.0;
+  /// Least airspeed; below it the wings are levelled [m/s].
+  double airspeed_min = 8.0;
+  /// Greatest wind speed as a share of the airspeed; above it the aircraft turns into the wind [-].
+  double wind_share_max = 0.85;
+  /// Hysteresis of a limit, as a share of the limit [-].
+  double hysteresis = 0.05;
+  /// Greatest distance of a position from the expected one [m].
+  double jump_distance = 15.0;
+  /// Greatest change of heading or roll from the last state, in addition to what turns need [rad].
+  double jump_angle = 1.0;
+  /// Time after which a new position is accepted [s].
+  double jump_patience = 0.5;
+  /// Longest time for which the last horizon is flown without a new one [s].
+  double hold_time = 2.0;
+  /// Heading rate per heading error in the turn into the wind [1/s].
+  double upwind_gain = 0.6;
 };
 
 /// As published, but counting roll from what the path's curvature asks for.
@@ -47,17 +58,24 @@ struct GuidanceOptions {
   SwitchCriterion criterion;
   LoiterOptions loiter;
   SafetyOptions safety;
-  double period = 0.05;            ///< between two calls [s]
+  /// Time between two calls [s].
+  double period = 0.05;
   double airspeed_nominal = 14.0;  ///< [m/s]
   /// Time in which the wind follows the difference of ground and air velocity. So the predicted course begins
   /// as the measured one. 0: not at all [s].
   double wind_correction_time = 0.3;
-  bool learn_disturbance = true;  ///< predict with the observer's roll bias, turn gain and turn bias
-  int applied_move = 1;           ///< of the horizon: 1 as published, or 0 with `delay`
-  double delay = 0.0;             ///< from the state to the effect of the command, predicted over [s]
-  int iterations = 1;             ///< at most, in one call
-  double time_budget = 0.0;     ///< of a node for further iterations before the command goes out; 0: none [s]
-  double kkt_tolerance = 1e-3;  ///< at which iterations stop
+  /// Whether the prediction uses the observer's roll bias, turn gain and turn bias.
+  bool learn_disturbance = true;
+  /// Index of the move that is sent: 1 as published, or 0 with `delay`.
+  int applied_move = 1;
+  /// Time from the state to the effect of the command; the state is predicted over it [s].
+  double delay = 0.0;
+  /// Greatest number of iterations in one call.
+  int iterations = 1;
+  /// Time in which a node may do further iterations before it sends the command; 0: none [s].
+  double time_budget = 0.0;
+  /// KKT measure below which the iterations stop.
+  double kkt_tolerance = 1e-3;
 };
 
 /// The one list of what a running guidance may change.

@@ -13,7 +13,8 @@ namespace polyfly {
 /// e_chi.
 enum class Reversal : std::int8_t { kLeft = -1, kNone = 0, kRight = 1 };
 
-constexpr double kReversalShift = kPi / 3.0;  ///< of the course error's range [rad]
+/// Shift of the course error's range [rad].
+constexpr double kReversalShift = kPi / 3.0;
 
 /// The error of Eq. 49 [rad], in [-pi, pi) moved by the shift to that side.
 inline double courseError(double wrapped, Reversal reversal) noexcept {
@@ -24,11 +25,15 @@ inline double courseError(double wrapped, Reversal reversal) noexcept {
 
 /// What a horizon flies along and in: at most two segments.
 struct HorizonData {
-  LateralConditions conditions;  ///< its gate is at the end of `current`
+  /// Conditions of the horizon, with the switch gate at the end of `current`.
+  LateralConditions conditions;
   PathSegment current;
-  PathSegment next;                          ///< past the gate; `current` once more where nothing follows
-  Reversal reversal = Reversal::kNone;       ///< along `current`
-  Reversal next_reversal = Reversal::kNone;  ///< along `next`
+  /// Segment after the gate; equal to `current` where nothing follows.
+  PathSegment next;
+  /// Direction of the turn on `current`.
+  Reversal reversal = Reversal::kNone;
+  /// Direction of the turn on `next`.
+  Reversal next_reversal = Reversal::kNone;
 };
 
 }  // namespace polyfly

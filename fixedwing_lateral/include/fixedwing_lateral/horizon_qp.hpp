@@ -8,8 +8,10 @@ namespace polyfly {
 
 enum class HorizonQpStatus : std::uint8_t {
   kOptimal,
-  kIterationLimit,  ///< the moves are those of the last iterate, clipped to their bounds
-  kNotFinite,       ///< NaN or infinity in the data; the moves are zero
+  /// The moves are those of the last iterate, clipped to their bounds.
+  kIterationLimit,
+  /// The data contain NaN or infinity; the moves are zero.
+  kNotFinite,
 };
 
 /// The roll loop over one step, the same at every stage: (phi, p)' = [[phi_phi, phi_p], [p_phi, p_p]] (phi,
@@ -63,10 +65,14 @@ class HorizonQp {
 
   // What the caller fills before `prepare`.
   HorizonStage* stages() noexcept { return stages_.data(); }  ///< N + 1
-  Interval* moveBounds() noexcept { return bounds_.data(); }  ///< N, of u_k
-  Interval* rollBounds() noexcept { return &bounds_[N_]; }    ///< N, of phi_1 .. phi_N
-  RollTransition roll;                                        ///< of every stage
-  double rho = 1e3;                                           ///< > 0; weight of a radian of excess roll
+  /// Bounds of u_k, N of them.
+  Interval* moveBounds() noexcept { return bounds_.data(); }
+  /// Bounds of phi_1 .. phi_N, N of them.
+  Interval* rollBounds() noexcept { return &bounds_[N_]; }
+  /// Transition of the roll loop, the same at every stage.
+  RollTransition roll;
+  /// Penalty weight of a radian of excess roll, > 0.
+  double rho = 1e3;
 
   /// All that does not need x_0: the recursion, and the responses of the bounds active in the last solution.
   /// False where a number is not finite or the curvature is not positive.
@@ -88,8 +94,10 @@ class HorizonQp {
  private:
   enum class Place : std::uint8_t { kFree, kActive, kRelaxed };
   struct Gain {
-    double K[5];       // u = K x + feedforward
-    double D_inverse;  // of the curvature along u
+    // Feedback gain: u = K x + feedforward.
+    double K[5];
+    // Inverse of the curvature along u.
+    double D_inverse;
   };
 
   bool recursion() noexcept;
@@ -121,27 +129,37 @@ class HorizonQp {
   void solveFactor(double* x) const noexcept;
 
   int N_ = 0;
-  int channels_ = 0;  // 2 N: the moves, then phi_1 .. phi_N
+  // Number of channels, 2 N: the moves, then phi_1 .. phi_N.
+  int channels_ = 0;
   double unbounded_ = 0.0;
   std::vector<HorizonStage> stages_;
   std::vector<Interval> bounds_;
   std::vector<Gain> gains_;
   std::vector<double> feedforward_;
   std::vector<double> feedforward_response_;
-  std::vector<double> x_;            // 5 (N + 1)
-  std::vector<double> free_value_;   // of the channels, without multipliers
-  std::vector<double> value_;        // of the channels
-  std::vector<double> multiplier_;   // of the channels
-  std::vector<double> responses_;    // column c: by how much a multiplier of channel c lowers each channel
-  std::vector<std::uint8_t> known_;  // the column is of this recursion
+  std::vector<double> x_;  // 5 (N + 1)
+  // Channel values without multipliers.
+  std::vector<double> free_value_;
+  // Channel values.
+  std::vector<double> value_;
+  // Channel multipliers.
+  std::vector<double> multiplier_;
+  // Column c: the decrease of each channel per unit multiplier of channel c.
+  std::vector<double> responses_;
+  // 1 where the response column belongs to the present recursion.
+  std::vector<std::uint8_t> known_;
   std::vector<Place> place_;
-  std::vector<double> side_;  // of a channel that is not free: 1 at the upper bound, -1 at the lower
+  // Bound of a channel that is not free: 1 is the upper bound, -1 the lower.
+  std::vector<double> side_;
   std::vector<int> active_;
-  std::vector<double> factor_;     // Cholesky, rows of the active channels
-  std::vector<double> direction_;  // work space
+  // Cholesky factor, rows of the active channels.
+  std::vector<double> factor_;
+  // Work space.
+  std::vector<double> direction_;
   int active_count_ = 0;
   int iterations_ = 0;
-  bool is_relaxed_ = false;  // some bound is
+  // True when at least one bound is relaxed.
+  bool is_relaxed_ = false;
 };
 
 }  // namespace polyfly

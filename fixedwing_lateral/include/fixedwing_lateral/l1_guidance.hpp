@@ -6,7 +6,8 @@
 namespace polyfly {
 
 struct L1Options {
-  double period = 16.0;           ///< of the path's oscillation [s], > 0
+  /// Period of the path's oscillation [s], > 0.
+  double period = 16.0;
   double damping = 0.75;          ///< [-], > 0
   double roll_limit = 0.6108652;  ///< [rad]
   double gravity = 9.81;          ///< [m/s^2]

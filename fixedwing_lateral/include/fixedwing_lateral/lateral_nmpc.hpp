@@ -14,25 +14,34 @@
 namespace polyfly {
 
 enum class NmpcStatus : std::uint8_t {
-  kOptimal,         ///< the quadratic program was solved (the iteration itself may not have converged)
-  kIterationLimit,  ///< its moves are feasible, not optimal
-  kNotFinite,       ///< NaN, infinity or no positive curvature: the nodes are as they were
+  /// The quadratic program was solved. The real-time iteration may not have converged.
+  kOptimal,
+  /// The moves are feasible, not optimal.
+  kIterationLimit,
+  /// A value is NaN or infinite, or the curvature is not positive. The nodes stay as they were.
+  kNotFinite,
 };
 
 struct NmpcReport {
   NmpcStatus status = NmpcStatus::kOptimal;
-  double kkt = 0.0;   ///< before this iteration: largest of the projected gradient by a move and the gaps [-]
-  double cost = 0.0;  ///< before this iteration: the sum of Eq. 46 at the nodes [-]
-  int iterations = 0;     ///< Gauss-Newton iterations
-  int active_bounds = 0;  ///< in the last quadratic program
+  /// KKT measure before this iteration: largest of the projected gradient by a move and the gaps [-].
+  double kkt = 0.0;
+  /// Cost before this iteration: the sum of Eq. 46 at the nodes [-].
+  double cost = 0.0;
+  /// Number of Gauss-Newton iterations.
+  int iterations = 0;
+  /// Number of active bounds in the last quadratic program.
+  int active_bounds = 0;
 };
 
 /// Eq. 46 by the Gauss-Newton real-time iteration: direct multiple shooting with one Runge-Kutta step an
 /// interval, one quadratic program an iteration (HorizonQp). Between iterations the nodes stay where they are
 /// (no shift).
 ///
-///     nmpc.prepare(data);                 // before the state is in
-///     report = nmpc.feedback(state);      // when it is
+///     // Preparation, before the state arrives.
+///     nmpc.prepare(data);
+///     // Feedback, when the state has arrived.
+///     report = nmpc.feedback(state);
 ///
 /// All but the constructor is free of allocation and exceptions. One object serves one thread.
 class LateralNmpc {
@@ -101,14 +110,18 @@ class LateralNmpc {
   RollShooting shooting_;
   LateralWeights weights_;
   LateralLimits limits_;
-  std::vector<double> slew_;  // weights
+  // Slew weights of the moves.
+  std::vector<double> slew_;
   HorizonQp qp_;
   std::vector<LateralState> nodes_;
   std::vector<double> moves_;
   std::vector<double> previous_;
-  std::vector<double> switch_rise_;  // of x_sw over an interval
-  std::vector<double> roll_along_;   // from which phi is counted
-  std::vector<double> input_along_;  // from which phi_r is counted: what holds that roll
+  // Rise of x_sw over each interval.
+  std::vector<double> switch_rise_;
+  // Roll from which phi is counted [rad].
+  std::vector<double> roll_along_;
+  // Roll reference that holds roll_along_; phi_r is counted from it [rad].
+  std::vector<double> input_along_;
   std::vector<LateralState> trial_nodes_;
   std::vector<double> trial_moves_;
   bool keep_roll_along_ = false;

@@ -10,13 +10,20 @@ struct AircraftState;
 
 /// How far a gain and a bias may be off, and how fast they may change. For y = gain x + bias.
 struct GainBiasOptions {
-  double gain_deviation = 0.0;  ///< of the gain from 1 at the beginning; 0: it is 1
-  double bias_deviation = 0.0;  ///< of the bias from 0 at the beginning
-  double gain_drift = 0.0;      ///< in a second
-  double bias_drift = 0.0;      ///< in a second
-  double noise = 1.0;           ///< of y
-  double gain_most = 0.0;       ///< farthest from 1
-  double bias_most = 0.0;       ///< farthest from 0
+  /// Standard deviation of the gain from 1 at the beginning; 0: the gain is 1.
+  double gain_deviation = 0.0;
+  /// Standard deviation of the bias from 0 at the beginning.
+  double bias_deviation = 0.0;
+  /// Standard deviation of the gain's change in a second.
+  double gain_drift = 0.0;
+  /// Standard deviation of the bias's change in a second.
+  double bias_drift = 0.0;
+  /// Standard deviation of the noise of y.
+  double noise = 1.0;
+  /// Greatest distance of the gain from 1.
+  double gain_most = 0.0;
+  /// Greatest distance of the bias from 0.
+  double bias_most = 0.0;
 };
 
 /// The Kalman filter of a gain and a bias that wander.
@@ -53,7 +60,8 @@ class LateralObserver {
   void update(const AircraftState& state, double airspeed, double roll_reference) noexcept;
   void interrupt() noexcept { has_last_ = false; }
 
-  double rollBias() const noexcept { return roll_.bias(); }  ///< for LateralConditions
+  /// Roll bias for LateralConditions [rad].
+  double rollBias() const noexcept { return roll_.bias(); }
   double turnGain() const noexcept { return turn_.gain(); }
   double turnBias() const noexcept { return turn_.bias(); }
 
@@ -68,10 +76,14 @@ class LateralObserver {
   GainBiasFilter roll_;
   GainBiasFilter turn_;
   bool has_last_ = false;
-  double stamp_ = 0.0, roll_angle_ = 0.0, rate_ = 0.0, heading_ = 0.0;  // of the last state
-  double begin_roll_ = 0.0, begin_rate_ = 0.0;                          // of the second
-  double length_ = 0.0;                                                 // of the second so far [s]
-  double turned_ = 0.0;                                                 // heading
+  // Values of the last state.
+  double stamp_ = 0.0, roll_angle_ = 0.0, rate_ = 0.0, heading_ = 0.0;
+  // Values at the beginning of the present window.
+  double begin_roll_ = 0.0, begin_rate_ = 0.0;
+  // Length of the present window so far [s].
+  double length_ = 0.0;
+  // Change of the heading in the present window [rad].
+  double turned_ = 0.0;
   double roll_integral_ = 0.0, reference_integral_ = 0.0, turn_integral_ = 0.0;
 };
 

@@ -19,7 +19,8 @@ struct LoiterOptions {
 /// Segments in order of flight; the last is a loiter.
 struct Mission {
   std::vector<PathSegment> segments;
-  std::vector<std::shared_ptr<const PathCurve>> curves;  ///< that segments point to, if they are to be owned
+  /// Curves to which segments point, if the mission must own them.
+  std::vector<std::shared_ptr<const PathCurve>> curves;
 };
 
 /// The segments, with a loiter that begins where the last one ends, unless that is one already. Throws
@@ -39,11 +40,13 @@ class MissionTrack {
  public:
   /// One gate for each segment. Throws polyfly::Error like SwitchGate.
   MissionTrack(Mission mission, const SwitchCriterion& criterion, const std::string& where);
-  MissionTrack() = default;  ///< nothing to fly
+  /// A track with nothing to fly.
+  MissionTrack() = default;
 
   bool empty() const noexcept { return mission_.segments.empty(); }
   int count() const noexcept { return static_cast<int>(mission_.segments.size()); }
-  int index() const noexcept { return index_; }  ///< of the segment that is flown
+  /// Index of the segment that is flown.
+  int index() const noexcept { return index_; }
   bool isLoitering() const noexcept { return !empty() && index_ == count() - 1; }
 
   // Of a track that is not empty.
@@ -62,10 +65,13 @@ class MissionTrack {
   Mission mission_;
   std::vector<SwitchGate> gates_;
   int index_ = 0;
-  bool near_end_ = false;  // on the second half of the segment, at the last call
+  // True when the last call had a position on the second half of the segment.
+  bool near_end_ = false;
   double near_radius_ = 0.0;
-  bool close_to_end_ = false;  // within near_radius_ of it
-  int misses_ = 0;             // of the segment's end
+  // True while the aircraft is within near_radius_ of the segment's end.
+  bool close_to_end_ = false;
+  // Number of times that the segment's end was missed.
+  int misses_ = 0;
 };
 
 }  // namespace polyfly

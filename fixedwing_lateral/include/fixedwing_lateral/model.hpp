@@ -33,28 +33,39 @@ using LateralState = Eigen::Matrix<double, LateralIndex::kSize, 1>;
 
 /// Derivatives of a state or of its rate.
 struct LateralJacobian {
-  Eigen::Matrix<double, LateralIndex::kSize, LateralIndex::kSize> state;  ///< by the state
-  Eigen::Matrix<double, LateralIndex::kSize, 1> input;                    ///< by the roll reference
+  /// Derivative by the state.
+  Eigen::Matrix<double, LateralIndex::kSize, LateralIndex::kSize> state;
+  /// Derivative by the roll reference.
+  Eigen::Matrix<double, LateralIndex::kSize, 1> input;
 };
 
 /// Constant during a flight. The roll loop is that of the Techpod.
 struct LateralModel {
-  double a0 = 13.97;               ///< stiffness of the roll loop [1/s^2], > 0
-  double a1 = 6.577;               ///< damping of the roll loop [1/s], > 0
-  double b0 = 13.48;               ///< gain of the roll loop [1/s^2], > 0
-  double gravity = 9.81;           ///< g [m/s^2], > 0
-  double switch_rate = 1.0;        ///< alpha [1/s], > 0
-  double switch_threshold = 0.05;  ///< of x_sw; above it the switch has happened for good [-], > 0
+  /// Stiffness of the roll loop [1/s^2], > 0.
+  double a0 = 13.97;
+  /// Damping of the roll loop [1/s], > 0.
+  double a1 = 6.577;
+  /// Gain of the roll loop [1/s^2], > 0.
+  double b0 = 13.48;
+  double gravity = 9.81;     ///< g [m/s^2], > 0
+  double switch_rate = 1.0;  ///< alpha [1/s], > 0
+  /// Threshold of x_sw; above it the switch has happened for good [-], > 0.
+  double switch_threshold = 0.05;
 };
 
 /// The online data: constant over a horizon.
 struct LateralConditions {
-  double airspeed = 14.0;                          ///< V [m/s], must be positive
-  Eigen::Vector2d wind = Eigen::Vector2d::Zero();  ///< where the air moves to: (w_n, w_e) [m/s]
-  double roll_bias = 0.0;                          ///< added to every roll reference [rad]
-  double turn_gain = 1.0;                          ///< of the turn rate by roll [-], must be positive
-  double turn_bias = 0.0;                          ///< added to the turn rate [rad/s]
-  SwitchGate gate;                                 ///< at the end of the current segment
+  double airspeed = 14.0;  ///< V [m/s], must be positive
+  /// Velocity of the air over ground, (w_n, w_e) [m/s].
+  Eigen::Vector2d wind = Eigen::Vector2d::Zero();
+  /// Bias added to every roll reference [rad].
+  double roll_bias = 0.0;
+  /// Gain of the turn rate by roll [-], must be positive.
+  double turn_gain = 1.0;
+  /// Bias added to the turn rate [rad/s].
+  double turn_bias = 0.0;
+  /// Gate at the end of the current segment.
+  SwitchGate gate;
 };
 
 /// Throws polyfly::Error, beginning with `where`, if a number is out of its range.

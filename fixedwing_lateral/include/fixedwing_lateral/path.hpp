@@ -66,8 +66,9 @@ class PathCurve {
   virtual ~PathCurve() = default;
   /// Off the ends the nearer end, with curvature 0.
   virtual ClosestPoint closest(const Eigen::Vector2d& position) const noexcept = 0;
-  virtual double length() const noexcept = 0;                     ///< [m], > 0
-  virtual PathPoint pointAt(double distance) const noexcept = 0;  ///< from the start, within the length [m]
+  virtual double length() const noexcept = 0;  ///< [m], > 0
+  /// The point at `distance` from the start, which must be within the length [m].
+  virtual PathPoint pointAt(double distance) const noexcept = 0;
 };
 
 /// A curve that somebody else owns, for as long as the segment is used.
@@ -88,7 +89,7 @@ struct TrackError {
 struct TrackErrorJacobian {
   Eigen::Vector2d track_by_position = Eigen::Vector2d::Zero();   ///< [-]
   Eigen::Vector2d course_by_position = Eigen::Vector2d::Zero();  ///< [rad/m]
-  Eigen::Vector2d course_by_velocity = Eigen::Vector2d::Zero();  ///< by the ground velocity [rad s/m]
+  Eigen::Vector2d course_by_velocity = Eigen::Vector2d::Zero();  ///< [rad s/m], ground velocity
 };
 
 /// Nearer to the centre of curvature than this share of the radius, the course of the foot turns so fast that

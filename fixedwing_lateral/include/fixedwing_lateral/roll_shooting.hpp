@@ -10,8 +10,10 @@ namespace polyfly {
 /// What one interval of shooting gives: the step of `integrate` and its derivatives, in the form of
 /// HorizonStage.
 struct ShootingResult {
-  double end[5];             ///< (n, e, psi, phi, p) at the end of the interval
-  double switch_rise = 0.0;  ///< of x_sw
+  /// State (n, e, psi, phi, p) at the end of the interval.
+  double end[5];
+  /// Rise of x_sw over the interval.
+  double switch_rise = 0.0;
 };
 
 /// The Runge-Kutta step of model.hpp with its derivatives, using that the roll loop is linear, that psi

@@ -9,7 +9,8 @@ namespace polyfly {
 
 /// When a segment counts as flown (Eq. 47, Fig. 18).
 struct SwitchCriterion {
-  double acceptance_radius = 35.0;  ///< about the segment's end [m], > 0
+  /// Radius about the segment's end [m], > 0.
+  double acceptance_radius = 35.0;
   /// Greatest angle from the segment's direction at its end to the ground velocity [rad], in (0, pi).
   double course_tolerance = kPi / 4.0;
   /// The acceptance radius where the next segment continues in the same direction, without a corner [m], > 0.
@@ -41,8 +42,9 @@ class SwitchGate {
   bool can_open_ = false;
   PathSegment segment_;
   PathPoint end_;
-  double acceptance_radius_ = 0.0;    // [m]
-  double least_course_cosine_ = 0.0;  // of the course tolerance
+  double acceptance_radius_ = 0.0;  // [m]
+  // Cosine of the course tolerance.
+  double least_course_cosine_ = 0.0;
 };
 
 }  // namespace polyfly

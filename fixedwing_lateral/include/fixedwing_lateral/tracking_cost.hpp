@@ -8,8 +8,10 @@ namespace polyfly {
 
 /// What a stage costs and asks for.
 struct StageTerms {
-  double cost = 0.0;        ///< of e_t, e_chi and p
-  double roll_along = 0.0;  ///< roll that stays on the path's curvature, times the feed-forward share [rad]
+  /// Cost of e_t, e_chi and p.
+  double cost = 0.0;
+  /// Roll that stays on the path's curvature, times the feed-forward share [rad].
+  double roll_along = 0.0;
 };
 
 /// The stage cost of Eq. 46 without its moves: |(e_t, e_chi, phi, p)|^2 in the weights, towards the segment

@@ -8,12 +8,18 @@ namespace polyfly {
 
 /// Eq. 46, diagonal: Q_y = P over (e_t, e_chi, phi, p), and phi_r. As published.
 struct LateralWeights {
-  double track = 0.01;           ///< of e_t [1/m^2]
-  double course = 10.0;          ///< of e_chi [1/rad^2]
-  double roll = 0.1;             ///< of phi [1/rad^2]
-  double roll_rate = 0.01;       ///< of p [s^2/rad^2]
-  double roll_reference = 10.0;  ///< of phi_r [1/rad^2]
-  double slew = 100.0;           ///< of phi_r less the previous horizon's, falls with (1 - k/N)^2 [1/rad^2]
+  /// Weight of the cross-track error e_t [1/m^2].
+  double track = 0.01;
+  /// Weight of the course error e_chi [1/rad^2].
+  double course = 10.0;
+  /// Weight of the roll phi [1/rad^2].
+  double roll = 0.1;
+  /// Weight of the roll rate p [s^2/rad^2].
+  double roll_rate = 0.01;
+  /// Weight of the roll reference phi_r [1/rad^2].
+  double roll_reference = 10.0;
+  /// Weight of the change of phi_r from the previous horizon; it falls with (1 - k/N)^2 [1/rad^2].
+  double slew = 100.0;
   /// Share of the roll that the path's curvature asks for in this wind, from which phi and phi_r are counted,
   /// taken at the nodes. 0 as published: then a circle is flown a little outside, for the roll's sake.
   double feedforward = 0.0;
@@ -25,15 +31,19 @@ struct LateralWeights {
 };
 
 struct LateralLimits {
-  double roll_reference = 0.6108652381980153;  ///< |phi_r|, 35 degrees [rad]
-  double roll = 0.7853981633974483;            ///< |phi|, 45 degrees; relaxed where it cannot be held [rad]
-  double roll_penalty = 1e3;                   ///< of a radian beyond it, at each stage
+  /// Bound of |phi_r|, 35 degrees [rad].
+  double roll_reference = 0.6108652381980153;
+  /// Bound of |phi|, 45 degrees; relaxed where it cannot be held [rad].
+  double roll = 0.7853981633974483;
+  /// Penalty of a radian beyond the roll bound, at each stage.
+  double roll_penalty = 1e3;
 };
 
 /// What the horizon is over.
 struct HorizonOptions {
-  int horizon = 40;   ///< N
-  double step = 0.1;  ///< of the prediction [s]
+  int horizon = 40;  ///< N
+  /// Step of the prediction [s].
+  double step = 0.1;
 };
 
 /// The one list of these options, see online_controller/types/options.hpp.

@@ -25,10 +25,12 @@ namespace polyfly {
 
 /// In what a path is to be flown.
 struct TurnConditions {
-  double airspeed = 14.0;            ///< V [m/s], > 0
-  double wind_speed = 0.0;           ///< from any direction [m/s], >= 0
-  double roll = 0.6108652381980153;  ///< that turns may ask for, 35 degrees [rad], in (0, pi/2)
-  double gravity = 9.81;             ///< [m/s^2], > 0
+  double airspeed = 14.0;  ///< V [m/s], > 0
+  /// Wind speed, from any direction [m/s], >= 0.
+  double wind_speed = 0.0;
+  /// Greatest roll that turns may need, 35 degrees [rad], in (0, pi/2).
+  double roll = 0.6108652381980153;
+  double gravity = 9.81;  ///< [m/s^2], > 0
 };
 
 /// Throws polyfly::Error, beginning with `where`, if a number is out of its range.

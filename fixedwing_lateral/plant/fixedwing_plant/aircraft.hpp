@@ -14,10 +14,12 @@ class Aircraft {
  public:
   virtual ~Aircraft() = default;
   virtual void fly(double roll_reference, double duration) = 0;  ///< [rad], [s]
-  virtual AircraftState state() const = 0;                       ///< the truth, stamped
-  virtual double airspeed() const = 0;                           ///< [m/s]
-  virtual Eigen::Vector2d wind() const = 0;                      ///< of the air around it [m/s]
-  virtual double altitude() const { return 0.0; }                ///< [m]
+  /// True state with its time stamp.
+  virtual AircraftState state() const = 0;
+  virtual double airspeed() const = 0;  ///< [m/s]
+  /// Velocity of the air around the aircraft [m/s].
+  virtual Eigen::Vector2d wind() const = 0;
+  virtual double altitude() const { return 0.0; }  ///< [m]
 };
 
 /// The model that the controller predicts with (Eq. 45), integrated with a step of its own.
@@ -45,23 +47,38 @@ class ChapterAircraft : public Aircraft {
 /// turn that follows roll with a lag and not quite in coordination; airspeed and altitude loops that a banked
 /// wing disturbs; gusts.
 struct RoughOptions {
-  double roll_frequency = 5.0;     ///< of the roll loop [rad/s]
-  double roll_damping = 0.75;      ///< of the roll loop [-]
-  double roll_gain = 0.96;         ///< [-]
-  double roll_trim = 0.015;        ///< added to every reference [rad]
-  double roll_delay = 0.10;        ///< from command to loop [s]
-  double roll_rate_max = 1.5;      ///< [rad/s]
-  double turn_lag = 0.25;          ///< of the turn rate behind roll [s]
-  double turn_gain = 0.95;         ///< of the turn rate against a coordinated turn [-]
-  double airspeed = 14.0;          ///< that the airspeed loop holds [m/s]
-  double airspeed_lag = 2.0;       ///< of the airspeed loop [s]
-  double load_drag = 6.0;          ///< loss of airspeed by load factor above 1 [m/s^2]
-  double altitude = 80.0;          ///< that the altitude loop holds [m]
-  double altitude_lag = 1.5;       ///< of the climb angle [s]
-  Eigen::Vector2d wind{0.0, 0.0};  ///< mean [m/s]
-  double gust = 0.0;               ///< standard deviation of each component [m/s]
-  double gust_scale = 150.0;       ///< length, Dryden model [m]
-  double gust_roll = 0.15;         ///< roll acceleration by cross gust [rad/s^2 per m/s]
+  /// Natural frequency of the roll loop [rad/s].
+  double roll_frequency = 5.0;
+  /// Damping ratio of the roll loop [-].
+  double roll_damping = 0.75;
+  double roll_gain = 0.96;  ///< [-]
+  /// Offset added to every roll reference [rad].
+  double roll_trim = 0.015;
+  /// Delay from the command to the roll loop [s].
+  double roll_delay = 0.10;
+  double roll_rate_max = 1.5;  ///< [rad/s]
+  /// Time constant with which the turn rate follows the roll [s].
+  double turn_lag = 0.25;
+  /// Turn rate relative to a coordinated turn [-].
+  double turn_gain = 0.95;
+  /// Airspeed that the airspeed loop holds [m/s].
+  double airspeed = 14.0;
+  /// Time constant of the airspeed loop [s].
+  double airspeed_lag = 2.0;
+  /// Deceleration per load factor above 1 [m/s^2].
+  double load_drag = 6.0;
+  /// Altitude that the altitude loop holds [m].
+  double altitude = 80.0;
+  /// Time constant of the climb angle [s].
+  double altitude_lag = 1.5;
+  /// Mean wind [m/s].
+  Eigen::Vector2d wind{0.0, 0.0};
+  /// Standard deviation of each gust component [m/s].
+  double gust = 0.0;
+  /// Length scale of the gusts, Dryden model [m].
+  double gust_scale = 150.0;
+  /// Roll acceleration per cross gust [rad/s^2 per m/s].
+  double gust_roll = 0.15;
 };
 
 class PerturbedAircraft : public Aircraft {

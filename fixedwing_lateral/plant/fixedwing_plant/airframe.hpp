@@ -11,23 +11,31 @@ struct Controls {
   double aileron = 0.0;   ///< [rad]
   double elevator = 0.0;  ///< [rad]
   double rudder = 0.0;    ///< [rad]
-  double throttle = 0.0;  ///< from 0 to 1
+  double throttle = 0.0;  ///< [-], 0 to 1
 };
 
 /// A rigid aircraft and its aerodynamics, in the body's axes (forward, right, down). The values are those
 /// published for the Techpod (2.6 m span) with the simulator RotorS: fw_parameters.h for geometry,
 /// coefficients and limits, techpod.xacro for the masses, summed, and the inertia.
 struct Airframe {
-  double mass = 2.75;                                                  ///< [kg]
-  Eigen::Vector3d inertia = Eigen::Vector3d(0.16632, 0.3899, 0.5243);  ///< about x, y, z [kg m^2]
-  double inertia_xz = 0.0755;                                          ///< integral of x z [kg m^2]
-  double span = 2.59;                                                  ///< b [m]
-  double area = 0.47;                                                  ///< S [m^2]
-  double chord = 0.18;                                                 ///< c [m]
-  double density = 1.225;                                              ///< of the air [kg/m^3]
-  double alpha_max = 0.27;        ///< beyond it, in either direction, the coefficients stay [rad]
-  double deflection_max = 0.349;  ///< of a surface; an aileron has two [rad]
-  double thrust_max = 14.7217;    ///< [N]
+  double mass = 2.75;  ///< [kg]
+  /// Moments of inertia about x, y, z [kg m^2].
+  Eigen::Vector3d inertia = Eigen::Vector3d(0.16632, 0.3899, 0.5243);
+  /// Product of inertia: integral of x z [kg m^2].
+  double inertia_xz = 0.0755;
+  /// Wing span b [m].
+  double span = 2.59;
+  /// Wing area S [m^2].
+  double area = 0.47;
+  /// Wing chord c [m].
+  double chord = 0.18;
+  /// Density of the air [kg/m^3].
+  double density = 1.225;
+  /// Greatest angle of attack, in either direction; beyond it the coefficients stay constant [rad].
+  double alpha_max = 0.27;
+  /// Greatest deflection of a surface; an aileron has two surfaces [rad].
+  double deflection_max = 0.349;
+  double thrust_max = 14.7217;  ///< [N]
 
   // C_L = l0 + l1 alpha + l2 alpha^2 + l3 alpha^3, C_D = d0 + d1 alpha + d2 alpha^2 + d_beta beta^2
   double l0 = 0.2127, l1 = 10.8060, l2 = -46.8324, l3 = 60.6017;
@@ -41,22 +49,24 @@ struct Airframe {
 };
 
 struct BodyState {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< (north, east, down) [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< over ground, in the body's axes [m/s]
-  Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();  ///< from the body to the world
-  Eigen::Vector3d rates = Eigen::Vector3d::Zero();               ///< (p, q, r) [rad/s]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< (north, east, down) [m]
+  /// Velocity over ground, in body axes [m/s].
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  /// Rotation from the body to the world.
+  Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d rates = Eigen::Vector3d::Zero();  ///< (p, q, r) [rad/s]
 };
 
 /// The air about the aircraft.
 struct AirMotion {
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();  ///< (north, east, down) [m/s]
-  Eigen::Vector3d gust = Eigen::Vector3d::Zero();  ///< in the body's axes [m/s]
+  Eigen::Vector3d gust = Eigen::Vector3d::Zero();  ///< body axes [m/s]
   double roll_gust = 0.0;                          ///< [rad/s]
 };
 
 struct Wrench {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< in the body's axes [N]
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the centre of mass [N m]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< body axes [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the centre of mass, body axes [N m]
 };
 
 /// Velocity through the air, in the body's axes [m/s].

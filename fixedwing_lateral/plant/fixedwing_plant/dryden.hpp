@@ -9,10 +9,14 @@ namespace polyfly {
 /// Continuous gusts by the Dryden model (MIL-F-8785C), in the axes of the airspeed: along it, across it to
 /// the right, across it downwards.
 struct DrydenOptions {
-  Eigen::Vector3d deviation = Eigen::Vector3d::Zero();       ///< standard deviation [m/s]
-  Eigen::Vector3d scale = Eigen::Vector3d::Constant(150.0);  ///< length L [m], > 0
-  double roll_deviation = 0.0;  ///< of the roll rate that gusts along the span amount to [rad/s]
-  double span = 2.6;            ///< b, which sets the roll gusts' length 4 b / pi [m], > 0
+  /// Standard deviation of the gusts [m/s].
+  Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
+  /// Length scale L [m], > 0.
+  Eigen::Vector3d scale = Eigen::Vector3d::Constant(150.0);
+  /// Standard deviation of the roll rate that gusts along the span cause [rad/s].
+  double roll_deviation = 0.0;
+  /// Wing span b, which sets the roll gusts' length 4 b / pi [m], > 0.
+  double span = 2.6;
 };
 
 /// The specification's deviations and lengths below 300 m, from the mean wind at 6 m above ground [m/s].
@@ -29,8 +33,10 @@ class DrydenGusts {
   /// `airspeed` [m/s] must be positive; it may change from step to step.
   void step(double airspeed, double duration);
 
-  const Eigen::Vector3d& velocity() const { return velocity_; }  ///< of the air [m/s]
-  double rollRate() const { return roll_rate_; }                 ///< of the air [rad/s]
+  /// Gust velocity of the air [m/s].
+  const Eigen::Vector3d& velocity() const { return velocity_; }
+  /// Roll rate of the air [rad/s].
+  double rollRate() const { return roll_rate_; }
 
  private:
   double draw() { return normal_(random_); }

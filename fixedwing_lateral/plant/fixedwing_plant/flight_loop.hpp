@@ -12,16 +12,22 @@ namespace polyfly {
 /// What the sensors add to the truth. Chances are per second.
 struct SensorOptions {
   double position_noise = 0.0;  ///< [m]
-  double angle_noise = 0.0;     ///< of roll and heading [rad]
+  /// Noise of roll and heading [rad].
+  double angle_noise = 0.0;
   double rate_noise = 0.0;      ///< [rad/s]
   double airspeed_noise = 0.0;  ///< [m/s]
-  double wind_lag = 0.0;        ///< of the wind estimate; 0: none [s]
-  double wind_noise = 0.0;      ///< [m/s]
-  double state_loss = 0.0;      ///< chance that the state stops for up to `loss_time`
-  double wind_loss = 0.0;       ///< chance that wind and airspeed stop
-  double nan_chance = 0.0;      ///< chance of a sample that is not a number
-  double jump_chance = 0.0;     ///< chance of a position that is off by 100 m for up to 0.3 s
-  double loss_time = 3.0;       ///< [s]
+  /// Time constant of the wind estimate; 0: none [s].
+  double wind_lag = 0.0;
+  double wind_noise = 0.0;  ///< [m/s]
+  /// Chance that the state stops for up to `loss_time`.
+  double state_loss = 0.0;
+  /// Chance that wind and airspeed stop.
+  double wind_loss = 0.0;
+  /// Chance of a sample that is not a number.
+  double nan_chance = 0.0;
+  /// Chance of a position that is off by 100 m for up to 0.3 s.
+  double jump_chance = 0.0;
+  double loss_time = 3.0;  ///< [s]
 };
 
 /// One control period of a flight.
@@ -31,7 +37,8 @@ struct FlightSample {
   double airspeed = 0.0;
   Eigen::Vector2d wind = Eigen::Vector2d::Zero();
   double roll_reference = 0.0;
-  GuidanceOutput output;  ///< of the controller; only mode, segment and error are set by other laws
+  /// Output of the controller; other laws set only mode, segment and error.
+  GuidanceOutput output;
 };
 
 /// Measures an aircraft with faults.

@@ -13,12 +13,14 @@ double pathDistance(const std::vector<PathSegment>& segments, const FlightSample
 /// What a flight did on one segment.
 struct SegmentMetrics {
   int segment = 0;
-  double duration = 0.0;   ///< [s]
-  double overshoot = 0.0;  ///< of a line: farthest past it, after it was first reached [m]
+  double duration = 0.0;  ///< [s]
+  /// Overshoot of a line: greatest distance beyond it after it was first reached [m].
+  double overshoot = 0.0;
   /// Largest distance once converged and before the next corner is in the horizon [m].
   double converged = 0.0;
   bool has_converged = false;
-  double convergence = 0.0;  ///< time until the distance fell below `kConverged` for good [s]
+  /// Time after which the distance stays below `kConverged` [s].
+  double convergence = 0.0;
 };
 
 constexpr double kConverged = 1.0;  // [m]
@@ -33,18 +35,25 @@ std::vector<SegmentMetrics> segmentMetrics(const std::vector<PathSegment>& segme
 
 /// Over the whole flight.
 struct FlightMetrics {
-  double rms = 0.0;           ///< of the distance to the path [m]
+  /// Root mean square of the distance to the path [m].
+  double rms = 0.0;
   double largest = 0.0;       ///< [m]
   double roll_largest = 0.0;  ///< [rad]
   double rate_largest = 0.0;  ///< [rad/s]
-  double roll_effort = 0.0;   ///< root mean square of the roll rate [rad/s]
-  double converged = 0.0;     ///< largest of the segments' [m]
-  double loiter = 0.0;        ///< largest distance on the last loiter once converged [m]
-  double overshoot = 0.0;     ///< largest of the segments' [m]
+  /// Root mean square of the roll rate [rad/s].
+  double roll_effort = 0.0;
+  /// Largest `converged` of the segments [m].
+  double converged = 0.0;
+  /// Largest distance on the last loiter once converged [m].
+  double loiter = 0.0;
+  /// Largest overshoot of the segments [m].
+  double overshoot = 0.0;
   /// The path is joined when the distance stays below kConverged for kJoinedFor for the first time.
   bool has_joined = false;
-  double joined = 0.0;         ///< when that begins [s]
-  double after_joining = 0.0;  ///< largest distance from then on, junctions of segments included [m]
+  /// Time from which the path is joined [s].
+  double joined = 0.0;
+  /// Largest distance after joining, junctions of segments included [m].
+  double after_joining = 0.0;
 };
 
 FlightMetrics flightMetrics(const std::vector<PathSegment>& segments,

@@ -34,7 +34,8 @@ std::vector<FlightSample> replayOpenLoop(LateralGuidance& guidance,
 /// The roll loop of the model, from a log with commands.
 struct RollFit {
   LateralModel model;
-  double delay = 0.0;  ///< of the commands [s]
+  /// Delay of the commands [s].
+  double delay = 0.0;
 };
 
 /// The loop and the delay of up to 0.4 s that predict a second ahead best.
@@ -42,8 +43,10 @@ RollFit fitRoll(const std::vector<RecordedSample>& samples);
 
 /// How far roll is off `ahead` [s] after it was predicted from a recorded state with the recorded commands.
 struct RollPrediction {
-  double rms = 0.0;        ///< of the model [rad]
-  double rms_still = 0.0;  ///< of "it stays as it is" [rad]
+  /// Root mean square error of the model [rad].
+  double rms = 0.0;
+  /// Root mean square error of the assumption that roll stays as it is [rad].
+  double rms_still = 0.0;
 };
 RollPrediction predictRoll(const RollFit& fit, const std::vector<RecordedSample>& samples, double ahead);
 

@@ -13,13 +13,20 @@ namespace polyfly {
 struct SixDofOptions {
   Airframe airframe;
   AutopilotOptions autopilot;
-  double command_delay = 0.08;     ///< from a roll reference to the autopilot [s]
-  double actuator_lag = 0.05;      ///< of the surfaces [s]
-  double motor_lag = 0.25;         ///< of the thrust [s]
-  double aileron_trim = 0.015;     ///< deflection of a warped wing: makes a steady error of roll [rad]
-  double roll_mounting = 0.01;     ///< of the attitude sensor, which all measure by [rad]
-  Eigen::Vector2d wind{0.0, 0.0};  ///< mean (north, east) [m/s]
-  double turbulence = 0.0;         ///< wind at 6 m above ground that the gusts belong to; 0: none [m/s]
+  /// Delay from a roll reference to the autopilot [s].
+  double command_delay = 0.08;
+  /// Time constant of the surfaces [s].
+  double actuator_lag = 0.05;
+  /// Time constant of the thrust [s].
+  double motor_lag = 0.25;
+  /// Aileron deflection of a warped wing; it causes a steady error of roll [rad].
+  double aileron_trim = 0.015;
+  /// Roll mounting error of the attitude sensor, in all roll measurements [rad].
+  double roll_mounting = 0.01;
+  /// Mean wind (north, east) [m/s].
+  Eigen::Vector2d wind{0.0, 0.0};
+  /// Wind at 6 m above ground from which the gusts follow; 0: no gusts [m/s].
+  double turbulence = 0.0;
 };
 
 /// A rigid aircraft in six degrees of freedom with published coefficients, an autopilot of its own,
@@ -33,12 +40,15 @@ class SixDofAircraft : public Aircraft {
   void fly(double roll_reference, double duration) override;
   AircraftState state() const override;
   double airspeed() const override;
-  Eigen::Vector2d wind() const override;  ///< with the gusts
+  /// Wind including the gusts [m/s].
+  Eigen::Vector2d wind() const override;
   double altitude() const override { return -body_.position.z(); }
 
   const BodyState& body() const { return body_; }
-  const Controls& controls() const { return surfaces_; }  ///< as the actuators have them
-  double slip() const;                                    ///< beta, without gusts [rad]
+  /// Deflections and throttle after the actuators.
+  const Controls& controls() const { return surfaces_; }
+  /// Sideslip angle beta, without gusts [rad].
+  double slip() const;
 
  private:
   void step(double roll_reference, double duration);

@@ -39,13 +39,17 @@ class LateralNode {
     bool publish_attitude = false;
     bool require_engaged = false;
     bool watch_autopilot = false;
-    double autopilot_timeout = 3.0;  ///< age of the autopilot's state [s]
+    /// Greatest age of the autopilot's state [s].
+    double autopilot_timeout = 3.0;
     std::string engaged_modes;
     bool stream_in_standby = false;
     polyfly::TightTurns tight_turns = polyfly::TightTurns::kKeep;
-    double wind_expected = 0.0;  ///< that missions are checked for [m/s]
-    double turn_share = 0.9;     ///< of the limit of the roll reference; the rest is for gusts
-    double imu_timeout = 0.2;    ///< age of an angular rate, after which the odometry's is taken [s]
+    /// Wind speed for which missions are checked [m/s].
+    double wind_expected = 0.0;
+    /// Share of the roll reference's limit that turns may use; the rest is for gusts.
+    double turn_share = 0.9;
+    /// Greatest age of an angular rate; after it the odometry's rate is used [s].
+    double imu_timeout = 0.2;
   };
 
   static Setup readSetup(const ros::NodeHandle& private_handle);
@@ -74,36 +78,45 @@ class LateralNode {
   void logChange(const polyfly::GuidanceOutput& output);
 
   Setup setup_;
-  OptionTable table_;             // what of setup_ may change
-  polyfly::ChangeBounds bounds_;  // of its values
+  // Options of setup_ that may change in flight.
+  OptionTable table_;
+  // Bounds on changes of the table's values.
+  polyfly::ChangeBounds bounds_;
   ReconfigureServer reconfigure_;
   polyfly::LateralGuidance guidance_;
   ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
   ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
       mission_subscriber_, engaged_subscriber_, autopilot_subscriber_;
   ros::Timer timer_;
-  ros::SteadyTimer wall_timer_;  // where time is simulated, which may stand still
+  // Wall-clock timer for simulated time, which may stand still.
+  ros::SteadyTimer wall_timer_;
   diagnostic_updater::Updater diagnostics_;
 
   polyfly::GuidanceInput input_;
   AutopilotWatch autopilot_;
-  bool engaged_ = true;  // as `engaged` has it
+  // Last value received on the topic `engaged`.
+  bool engaged_ = true;
   std_msgs::Header odometry_header_;
   double altitude_ = 0.0;
   double imu_rate_ = 0.0;
   ros::Time imu_stamp_;
-  double next_ = 0.0;  // step is due [s]
+  // Time at which the next step is due [s].
+  double next_ = 0.0;
   polyfly::TimeSource time_;
-  ros::Time arrival_;          // of the last odometry
-  std::string mission_frame_;  // of the mission in force; empty: as the odometry
+  // Arrival of the last odometry.
+  ros::Time arrival_;
+  // Frame of the mission in force; empty: the frame of the odometry.
+  std::string mission_frame_;
   bool has_odometry_ = false;
-  bool commands_ = false;  // were sent
+  // True after the first command was sent.
+  bool commands_ = false;
   bool told_of_wall_time_ = false;
   double feedback_time_ = 0.0;
   double preparation_time_ = 0.0;
   std::uint64_t steps_ = 0;
   std::uint64_t late_steps_ = 0;
-  polyfly::GuidanceOutput shown_;  // in the log
+  // Last output, for the log and the diagnostics.
+  polyfly::GuidanceOutput shown_;
 };
 
 }  // namespace polyfly_ros

@@ -95,7 +95,8 @@ TEST(Conversions, AQuaternionThatIsNoneIsRefused) {
 TEST(Conversions, WindIsWhereTheAirMoves) {
   geometry_msgs::TwistWithCovarianceStamped wind;
   wind.header.stamp = ros::Time(3.0);
-  wind.twist.twist.linear.x = 2.0;  // to the east
+  // In ROS, x points to the east.
+  wind.twist.twist.linear.x = 2.0;
   wind.twist.twist.linear.y = -1.0;
   EXPECT_EQ(toWind(wind).value, Eigen::Vector2d(-1.0, 2.0));
   EXPECT_EQ(toWind(wind).stamp, 3.0);

@@ -68,7 +68,8 @@ class PlantNode {
   }
 
   void answer(const ros::Time& stamp, double roll) {
-    if (stamp != sent_) return;  // of an earlier state
+    // A command for an earlier state does not count.
+    if (stamp != sent_) return;
     aircraft_->fly(roll, kPeriod);
     answered_ = true;
     if (pace_ > 0.0) ros::WallDuration(kPeriod / pace_).sleep();
@@ -114,7 +115,8 @@ class PlantNode {
     odometry.pose.pose.position.x = state.position.y();
     odometry.pose.pose.position.y = state.position.x();
     odometry.pose.pose.position.z = aircraft_->altitude();
-    mavros_msgs::AttitudeTarget attitude;  // for its quaternion
+    // Only its quaternion is used.
+    mavros_msgs::AttitudeTarget attitude;
     polyfly_ros::fillAttitude(state.roll, state.heading, {}, attitude);
     odometry.pose.pose.orientation = attitude.orientation;
     const auto& q = attitude.orientation;
@@ -132,7 +134,8 @@ class PlantNode {
   ros::WallTimer patience_;
   ros::Time sent_;
   bool answered_ = true;
-  double pace_ = 0.0;  // of simulated time by the wall's; 0: as fast as commands come
+  // Simulated time per wall time; 0: as fast as commands come.
+  double pace_ = 0.0;
 };
 
 }  // namespace

@@ -18,16 +18,24 @@ struct NonlinearMpcOptions {
 
   Eigen::Vector3d position_weight{80.0, 80.0, 120.0};  ///< [1/m^2]
   Eigen::Vector3d velocity_weight{80.0, 80.0, 100.0};  ///< [s^2/m^2]
-  double attitude_weight = 10.0;                       ///< of roll and of pitch [1/rad^2]
-  double command_weight = 50.0;                        ///< of their commands [1/rad^2]
-  double thrust_weight = 1.0;                          ///< of z_B T - g [s^4/m^2]
+  /// Weight of roll and of pitch [1/rad^2].
+  double attitude_weight = 10.0;
+  /// Weight of the roll and pitch commands [1/rad^2].
+  double command_weight = 50.0;
+  /// Weight of z_B T - g [s^4/m^2].
+  double thrust_weight = 1.0;
 
-  double angle_max = 0.4363323;  ///< of the commands [rad]
-  double thrust_min = 5.0;       ///< over mass [m/s^2]
-  double thrust_max = 20.0;      ///< over mass [m/s^2]
+  /// Bound of the roll and pitch commands [rad].
+  double angle_max = 0.4363323;
+  /// Least thrust over mass [m/s^2].
+  double thrust_min = 5.0;
+  /// Greatest thrust over mass [m/s^2].
+  double thrust_max = 20.0;
 
-  double speed_max = 0.0;      ///< of each component of the velocity [m/s]; 0: not limited
-  double speed_penalty = 1e5;  ///< of the l1 relaxation of that limit [s/m]
+  /// Limit of each component of the velocity [m/s]; 0: not limited.
+  double speed_max = 0.0;
+  /// Penalty of the l1 relaxation of the velocity limit [s/m].
+  double speed_penalty = 1e5;
 
   /// Working sets that the feedback may try, the bound of its time: then it answers with what it has. 0: the
   /// solver's own bound, 10 (inputs + rows) + 30.
@@ -113,9 +121,12 @@ class NonlinearMpc {
 
   /// Length of the last step: greatest change of an input [rad, m/s^2].
   double stepLength() const noexcept { return step_length_; }
-  int iterations() const noexcept { return qp_.iterations(); }        ///< working sets of the last QP
-  double kktResidual() const noexcept { return qp_.kktResidual(); }   ///< of the last QP
-  double speedViolation() const noexcept { return qp_.violation(); }  ///< of the linearised limit [m/s]
+  /// Number of working sets of the last QP.
+  int iterations() const noexcept { return qp_.iterations(); }
+  /// KKT residual of the last QP.
+  double kktResidual() const noexcept { return qp_.kktResidual(); }
+  /// Violation of the linearised speed limit [m/s].
+  double speedViolation() const noexcept { return qp_.violation(); }
 
  private:
   using Block = Eigen::Matrix<double, kMultirotorStates, kMultirotorStates, Eigen::RowMajor>;
@@ -127,12 +138,16 @@ class NonlinearMpc {
   /// What feedback() reads of a stage, in a third of the memory, since another processor may have prepared
   /// it: A and B without their zeros and ones.
   struct Transition {
-    Eigen::Matrix<double, 6, 5> by_motion;  // position and velocity by velocity, roll, pitch
-    Eigen::Matrix<double, 6, 3> by_input;   // position and velocity by the inputs
-    Eigen::Array2d decay, drive;            // roll and pitch by themselves, and by their commands
-    MultirotorState defect;                 // f(x_k, u_k) - x_{k+1}
-    Eigen::Vector3d lift_slope;             // of z_B T by roll, pitch, T
-    double lift = 0.0;                      // z_B T
+    // Derivative of position and velocity by velocity, roll, pitch.
+    Eigen::Matrix<double, 6, 5> by_motion;
+    // Derivative of position and velocity by the inputs.
+    Eigen::Matrix<double, 6, 3> by_input;
+    // Derivatives of roll and pitch by themselves, and by their commands.
+    Eigen::Array2d decay, drive;
+    MultirotorState defect;  // f(x_k, u_k) - x_{k+1}
+    // Derivative of z_B T by roll, pitch, T.
+    Eigen::Vector3d lift_slope;
+    double lift = 0.0;  // z_B T
 
     void set(const StageStep& step) noexcept;
     MultirotorState advance(const MultirotorState& change) const noexcept;         // A change + defect
@@ -157,10 +172,13 @@ class NonlinearMpc {
   double* sensitivity(int k) noexcept { return sensitivities_.data() + k * kMultirotorStates * stride_; }
 
   NonlinearMpcOptions options_;
-  int stride_ = 0;  // inputs in whole packs
+  // Number of inputs in whole packs.
+  int stride_ = 0;
   BoundedQp qp_;
-  Block hover_weight_;     // terminal weight at yaw 0
-  Block terminal_weight_;  // turned
+  // Terminal weight at yaw 0.
+  Block hover_weight_;
+  // Terminal weight, turned by the yaw.
+  Block terminal_weight_;
   MultirotorState state_weight_;
 
   std::vector<Stage> stages_;            // N

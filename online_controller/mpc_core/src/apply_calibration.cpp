@@ -150,7 +150,8 @@ class ProblemText {
   YAML::Node root_;
   std::vector<Edit> edits_;
   std::vector<std::string> changes_;
-  std::vector<std::string> fields_;  // that the present calibration set
+  // Fields that the present calibration set.
+  std::vector<std::string> fields_;
 };
 
 double numberAt(const YAML::Node& map, const char* key, const CalibrationFile& file,

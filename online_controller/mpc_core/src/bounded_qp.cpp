@@ -146,7 +146,8 @@ QpStatus BoundedQp::load(const QpVectors& vectors) noexcept {
   const double* const scale = scale_.data();
   double* const least = least_.data();
   double* const greatest = greatest_.data();
-  std::int64_t not_finite = 0;  // as wide as what decides, so that four are done at once
+  // The flags are as wide as the numbers that decide, so that four are done at once.
+  std::int64_t not_finite = 0;
   std::int64_t contradictory = 0;
   std::int64_t equal = 0;
   for (int i = 0; i < n_ + m_; ++i) {

@@ -14,7 +14,8 @@ constexpr int kPredictionRounds = 12;
 // which is more reliable than an empty one.
 constexpr int kManyChanges = 6;
 constexpr int kManyChangesOfStart = 3;
-constexpr int kRoundsBySigns = 2;  // from then on the number of changes must fall in each round
+// Number of rounds after which the number of changes must fall in each round.
+constexpr int kRoundsBySigns = 2;
 constexpr int kSweeps = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -163,7 +163,8 @@ DenseQp::StepResult DenseQp::satisfy(int row) noexcept {
       updateSlack();
       return StepResult::kAdded;
     }
-    if (blocking < 0) return StepResult::kInfeasible;  // the row depends on the active ones after all
+    // Without a blocking row, the row depends on the active ones after all.
+    if (blocking < 0) return StepResult::kInfeasible;
     lambda_(active_[blocking]) = 0.0;
     drop(blocking);
     updateSlack();

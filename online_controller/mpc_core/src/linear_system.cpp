@@ -9,12 +9,18 @@
 namespace polyfly {
 namespace {
 
-constexpr int kMaxDoublings = 60;             // step k spans 2^k periods
-constexpr double kStepTolerance = 1e-14;      // last change of P, relative
-constexpr double kResidualTolerance = 1e-9;   // of the Riccati equation, relative to P
-constexpr int kSquarings = 36;                // powers of the closed loop up to 2^36 tell its stability
-constexpr double kVanished = 1e-6;            // norm of a power below which the closed loop is stable
-constexpr double kSingularTolerance = 1e-12;  // reciprocal condition of Eq. 6 after scaling
+// Greatest number of doublings; step k spans 2^k periods.
+constexpr int kMaxDoublings = 60;
+// Tolerance of the last change of P, relative.
+constexpr double kStepTolerance = 1e-14;
+// Tolerance of the residual of the Riccati equation, relative to P.
+constexpr double kResidualTolerance = 1e-9;
+// Number of squarings: powers of the closed loop up to 2^36 tell its stability.
+constexpr int kSquarings = 36;
+// Norm of a power below which the closed loop is stable.
+constexpr double kVanished = 1e-6;
+// Least reciprocal condition of Eq. 6 after scaling.
+constexpr double kSingularTolerance = 1e-12;
 
 double norm(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0.0 : matrix.cwiseAbs().maxCoeff(); }
 

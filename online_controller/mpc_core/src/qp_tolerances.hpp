@@ -2,13 +2,20 @@
 
 namespace polyfly {
 
-constexpr double kPositive = 1e-15;     // pivots of a Hessian, relative to its diagonal
-constexpr double kDependent = 1e-10;    // pivots of constraints that count as independent, relative
-constexpr double kIndependent = 1e-11;  // the same where the constraint has been let in before
-constexpr double kFeasible = 1e-11;     // violation that is left alone, relative to 1 + |bound|
-constexpr double kRounding = 1e-13;     // multipliers of the wrong sign up to here count as 0, relative
-constexpr double kResidual = 1e-13;     // stationarity that is not improved, relative to the gradient's terms
-constexpr double kNegative = 1e-12;     // rates of a multiplier that do not block
+// Least pivot of a Hessian, relative to its diagonal.
+constexpr double kPositive = 1e-15;
+// Least pivot of constraints that count as independent, relative.
+constexpr double kDependent = 1e-10;
+// Least pivot of a constraint that has been let in before, relative.
+constexpr double kIndependent = 1e-11;
+// Violation that is left alone, relative to 1 + |bound|.
+constexpr double kFeasible = 1e-11;
+// Greatest multiplier of the wrong sign that counts as 0, relative.
+constexpr double kRounding = 1e-13;
+// Stationarity that is not improved, relative to the gradient's terms.
+constexpr double kResidual = 1e-13;
+// Greatest rate of a multiplier that does not block.
+constexpr double kNegative = 1e-12;
 
 /// Makes the columns and rows n .. stride-1 of a lower triangle those of the identity.
 inline void setIdentityTail(double* matrix, int n, int stride_columns, int stride) {

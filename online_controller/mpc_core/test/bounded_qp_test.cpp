@@ -113,7 +113,8 @@ TEST(BoundedQp, MeetsTheOptimalityConditionsWithRows) {
     if (round % 4 == 0) qp.row_upper.setConstant(kInfinity);
     BoundedQp solver = solverFor(qp, round % 2 == 0);
     const QpStatus status = solver.solve(qp.vectors());
-    if (round % 7 == 0 && status == QpStatus::kInfeasible) continue;  // the fixed variable may contradict
+    // The fixed variable may contradict the rows.
+    if (round % 7 == 0 && status == QpStatus::kInfeasible) continue;
     ASSERT_EQ(status, QpStatus::kOptimal) << "round " << round;
     EXPECT_LT(kktResidual(qp, solver), tolerance(qp)) << "round " << round;
   }
@@ -251,7 +252,8 @@ TEST(BoundedQp, DegenerateRowsDoNoHarm) {
   std::mt19937_64 random(6);
   for (int round = 0; round < 60; ++round) {
     Qp qp = randomQp(8, 21, 0.3, random);
-    qp.A.middleRows(7, 7) = 2.0 * qp.A.topRows(7);  // the same rows twice
+    // Rows 7 to 13 are the first seven rows again, times 2.
+    qp.A.middleRows(7, 7) = 2.0 * qp.A.topRows(7);
     qp.row_lower.segment(7, 7) = 2.0 * qp.row_lower.head(7);
     qp.row_upper.segment(7, 7) = 2.0 * qp.row_upper.head(7);
     qp.A.row(14).setZero();
@@ -475,7 +477,8 @@ TEST_P(ReferenceQps, AreSolvedTo1em9) {
       }
       most = std::max(most, solver.iterations());
     }
-    EXPECT_LE(most, 8);  // what a control period's time is planned with; the bound is 10 (n + m) + 30
+    // The time of a control period is planned with 8; the solver's bound is 10 (n + m) + 30.
+    EXPECT_LE(most, 8);
   }
 }
 

@@ -257,7 +257,8 @@ TEST(Condense, RowWithoutInputBecomesAConditionOnTheParameters) {
   problem.B_c.row(0).setZero();
   problem.C = (MatrixXd(2, 3) << 0, 1, 0, 0, 0, 1).finished();
   const ParametricProgram program = condense(problem);
-  EXPECT_EQ(program.A_theta.rows(), problem.horizon);  // the lower bound of `a`, which no plan changes
+  // No plan changes the lower bound of `a`.
+  EXPECT_EQ(program.A_theta.rows(), problem.horizon);
   for (Eigen::Index row = 0; row < program.A.rows(); ++row) EXPECT_GT(maxAbs(program.A.row(row)), 0.0);
   expectEquivalent(problem, 7, [&](Randoms* randoms, DirectProblem::Point* point) {
     point->x_ref = randoms->vector(3);
@@ -282,7 +283,8 @@ TEST(Condense, CarriesNamesBoxesBoundsAndText) {
   }
   EXPECT_EQ(program.inputs[0].upper, problem.inputs[0].upper);
   const ParametricProgram again = parseProgram(program.text, program.text_kind, "copy");
-  EXPECT_EQ(again.H, program.H);  // the same text gives the same program, bit for bit
+  // The same text gives the same program, bit for bit.
+  EXPECT_EQ(again.H, program.H);
   EXPECT_EQ(again.F, program.F);
   EXPECT_EQ(again.S, program.S);
 }

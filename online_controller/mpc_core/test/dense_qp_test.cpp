@@ -102,7 +102,8 @@ TEST(DenseQp, TellsContradictionFromTouching) {
     const double gap = round % 2 == 0 ? 1e-3 : -1e-3;
     qp.A.conservativeResize(3 * n + 2, n);
     qp.b.conservativeResize(3 * n + 2);
-    qp.b.head(3 * n).array() += 100.0;  // the others leave room
+    // The other rows leave room.
+    qp.b.head(3 * n).array() += 100.0;
     qp.A.row(3 * n) = a;
     qp.A.row(3 * n + 1) = -a;
     qp.b(3 * n) = 0.3;

@@ -222,7 +222,8 @@ TEST(Observer, ResetForgets) {
   EXPECT_GT(observer.disturbance(), 0.1);
   observer.reset();
   EXPECT_EQ(observer.disturbance(), 0.0);
-  const double y[] = {100.0, 1.0, 0.1};  // the first sample starts there, without a jump of the disturbance
+  // The first sample sets the state, without a jump of the disturbance.
+  const double y[] = {100.0, 1.0, 0.1};
   const double u = 0.0;
   observer.update(y, &u, 1);
   EXPECT_EQ(observer.disturbance(), 0.0);
@@ -241,7 +242,8 @@ TEST(Observer, UpdateDoesNotAllocate) {
   start = allocationCount();
   int* volatile counted = new int(1);  // volatile, lest a compiler leave it out
   delete counted;
-  EXPECT_GT(allocationCount() - start, 0);  // the counter counts
+  // The counter of allocations counts.
+  EXPECT_GT(allocationCount() - start, 0);
 }
 
 TEST(Observer, RefusesBadOptionsAndModels) {

@@ -6,7 +6,8 @@
 namespace polyfly_ros {
 
 Eigen::Quaterniond toAttitude(const geometry_msgs::Quaternion& message) noexcept {
-  constexpr double kUnitTolerance = 0.05;  // of a quaternion's length
+  // Tolerance of a quaternion's length.
+  constexpr double kUnitTolerance = 0.05;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Quaterniond raw(message.w, message.x, message.y, message.z);
   if (std::abs(raw.norm() - 1.0) <= kUnitTolerance) return raw.normalized();

@@ -14,7 +14,8 @@ using dynamic_reconfigure::Group;
 using dynamic_reconfigure::ParamDescription;
 using Option = OptionTable::Option;
 
-constexpr const char* kAliasGroup = "mav_control_rw";  // whose names they are
+// Group of the aliases, which are names of mav_control_rw.
+constexpr const char* kAliasGroup = "mav_control_rw";
 
 const char* typeOf(const Option& option) {
   if (std::holds_alternative<double*>(option.field)) return "double";

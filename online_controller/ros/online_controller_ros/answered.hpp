@@ -13,10 +13,14 @@ namespace polyfly_ros {
 
 /// How long the stages of one control period took [ns].
 struct StageTimes {
-  std::int64_t input = 0;    ///< message to state, references looked up
-  std::int64_t step = 0;     ///< the law
-  std::int64_t output = 0;   ///< command to message, published
-  std::int64_t prepare = 0;  ///< status published, laws exchanged, next step prepared
+  /// Message to state, with references looked up.
+  std::int64_t input = 0;
+  /// Step of the law.
+  std::int64_t step = 0;
+  /// Command to message, published.
+  std::int64_t output = 0;
+  /// Status published, laws exchanged, next step prepared.
+  std::int64_t prepare = 0;
 
   std::int64_t latency() const noexcept { return input + step + output; }
   std::int64_t whole() const noexcept { return latency() + prepare; }
@@ -24,18 +28,25 @@ struct StageTimes {
 
 /// One command, or the decision to send none, as it is reported after it was sent.
 struct Answered {
-  std_msgs::Header header;  ///< of the command
+  /// Header of the command.
+  std_msgs::Header header;
   polyfly::Law law = polyfly::Law::kExplicitLinear;
   polyfly::ControlReport report;
-  bool sends = false;  ///< the command of the report was sent
+  /// True when the command of the report was sent.
+  bool sends = false;
   StageTimes times;
-  double odometry_age = 0.0;   ///< [s]
-  std::uint32_t sequence = 0;  ///< commands before this one, set by AnsweredList
+  double odometry_age = 0.0;  ///< [s]
+  /// Number of commands before this one, set by AnsweredList.
+  std::uint32_t sequence = 0;
 
-  bool by_odometry = false;     ///< else in its silence, or by the sticks
-  polyfly::VehicleState state;  ///< the odometry; with it:
-  bool accepted = false;        ///< it was good enough to be flown on
-  bool restarted = false;       ///< FlightSupervisor::restarted()
+  /// True: in answer to odometry. False: in its silence, or by the sticks.
+  bool by_odometry = false;
+  /// Odometry; valid only with `by_odometry`, like the next two members.
+  polyfly::VehicleState state;
+  /// True when the odometry was good enough to be flown on.
+  bool accepted = false;
+  /// Value of FlightSupervisor::restarted().
+  bool restarted = false;
 };
 
 /// Commands that were sent and are not reported yet. When it is full the last one is replaced, which a gap in the

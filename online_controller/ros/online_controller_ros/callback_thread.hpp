@@ -37,10 +37,14 @@ ros::NodeHandle onQueue(const ros::NodeHandle& handle, ros::CallbackQueue& queue
 class CallbackThread {
  public:
   struct Tasks {
-    std::function<void()> begin;       ///< called first
-    std::function<void()> tick;        ///< called once in each period
-    double period = 0.05;              ///< of wall time [s]
-    polyfly::TryLock* lock = nullptr;  ///< held during each callback and each tick
+    /// Called first.
+    std::function<void()> begin;
+    /// Called once in each period.
+    std::function<void()> tick;
+    /// Period of wall time [s].
+    double period = 0.05;
+    /// Lock that is held during each callback and each tick.
+    polyfly::TryLock* lock = nullptr;
   };
 
   CallbackThread(WaitableQueue& queue, const char* name, Tasks tasks);

@@ -18,9 +18,12 @@ namespace polyfly_ros {
 
 /// In which messages commands leave.
 struct OutputOptions {
-  bool roll_pitch_yawrate_thrust = true;  ///< mav_msgs/RollPitchYawrateThrust
-  bool attitude_target = false;           ///< mavros_msgs/AttitudeTarget
-  polyfly::ThrustCurveOptions thrust;     ///< of the latter
+  /// Whether mav_msgs/RollPitchYawrateThrust is sent.
+  bool roll_pitch_yawrate_thrust = true;
+  /// Whether mavros_msgs/AttitudeTarget is sent.
+  bool attitude_target = false;
+  /// Thrust curve of the AttitudeTarget.
+  polyfly::ThrustCurveOptions thrust;
 
   /// Throws Error naming a parameter.
   static OutputOptions read(ParameterReader& reader);

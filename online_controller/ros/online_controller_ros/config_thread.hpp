@@ -35,20 +35,25 @@ class ConfigThread {
   std::string waitForSwap() const;
   void onTick();
 
-  WaitableQueue queue_;  // outlives all that is served on it
+  // Queue of this thread; outlives all that is served on it.
+  WaitableQueue queue_;
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_;
-  LawSetup setup_;  // staged last
+  // Setup that was staged last.
+  LawSetup setup_;
   ActiveLaws& laws_;
   FlightRecord& record_;
-  OptionTable table_;             // of setup_
-  polyfly::ChangeBounds bounds_;  // of its values
+  // Options of setup_.
+  OptionTable table_;
+  // Bounds on changes of the table's values.
+  polyfly::ChangeBounds bounds_;
   ReconfigureServer reconfigure_;
   FlightDisplay display_;
   FlightDiagnostics diagnostics_;
   ros::ServiceServer swap_service_;
   int ticks_ = 0;
-  CallbackThread thread_;  // last: begins when all is there, ends before it goes
+  // Last member: begins when all others exist, and ends before they do.
+  CallbackThread thread_;
 };
 
 }  // namespace polyfly_ros

@@ -50,7 +50,8 @@ class ControllerNode {
     NodeOptions node;
     OutputOptions output;
     RealTimeOptions real_time;
-    bool in_publisher = true;  // odometry is answered where it comes from
+    // True when odometry is answered in the thread that brings it.
+    bool in_publisher = true;
   };
 
   static Setup readSetup(const ros::NodeHandle& private_handle, bool has_legacy_names);
@@ -66,8 +67,10 @@ class ControllerNode {
   void finish();
   void swapLaws();
 
-  polyfly::TryLock lock_;  // guards all that follows but the config thread's
-  WaitableQueue queue_;    // of the control thread; outlives all that is served on it
+  // Guards all that follows, except the configuration thread's members.
+  polyfly::TryLock lock_;
+  // Queue of the control thread; outlives all that is served on it.
+  WaitableQueue queue_;
   ros::NodeHandle handle_;
   ActiveLaws laws_;
   OdometryWatch watch_;
@@ -76,7 +79,8 @@ class ControllerNode {
   FlightInterface interface_;
   CommandOutput output_;
   FlightReporter reporter_;
-  AnsweredList answered_;  // and not finished
+  // Commands that are answered and not finished.
+  AnsweredList answered_;
   LawSelector law_selector_;
   // These end first, the last one before the others.
   OdometryInput odometry_;

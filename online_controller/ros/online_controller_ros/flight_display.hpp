@@ -26,7 +26,8 @@ class FlightDisplay {
   ros::Publisher reference_marker_publisher_;
   ros::Publisher predicted_marker_publisher_;
   ros::Publisher predicted_publisher_;
-  std::string frame_;  // of the reference
+  // Frame of the reference.
+  std::string frame_;
 };
 
 }  // namespace polyfly_ros

@@ -112,13 +112,20 @@ class FlightInterface {
   JoyLayout joy_;
   polyfly::VehicleObserver observer_;
   polyfly::VelocityCheck velocities_;
-  polyfly::AttitudeCommand sent_;  // last
-  unsigned calibrations_ = 0;      // told of
-  std::string frame_;              // of odometry and references; empty: not known yet
-  std::string early_frame_;        // of references that came before the first odometry
-  bool early_fits_ = true;         // it is that of the odometry
-  bool told_of_early_ = false;     // what became of those references
-  std::string reference_text_;     // what became of the last reference
+  // Last command that was sent.
+  polyfly::AttitudeCommand sent_;
+  // Number of calibrations that were logged.
+  unsigned calibrations_ = 0;
+  // Frame of odometry and references; empty: not known yet.
+  std::string frame_;
+  // Frame of references that came before the first odometry.
+  std::string early_frame_;
+  // True when early_frame_ is the frame of the odometry.
+  bool early_fits_ = true;
+  // True after the outcome of the references before the first odometry was reported.
+  bool told_of_early_ = false;
+  // Outcome of the last reference.
+  std::string reference_text_;
   unsigned published_changes_ = 0;
   OnManual on_manual_;
 

@@ -39,7 +39,8 @@ class FlightReporter {
   double control_period_;  // [s]
   ros::Publisher publisher_;
 
-  std::int64_t last_prepare_ = 0;  // of the sample before [ns]
+  // Preparation time of the sample before [ns].
+  std::int64_t last_prepare_ = 0;
   polyfly::ControlStatus logged_status_ = polyfly::ControlStatus::kOptimal;
   polyfly::ControlReason logged_reason_ = polyfly::ControlReason::kNone;
 };

@@ -23,10 +23,14 @@ struct FlightSnapshot {
   double kkt_residual = -1.0;
   double odometry_age = 0.0;  ///< [s]
   StageTimes times;
-  double stage_period = 0.0;                  ///< between the points that follow [s]
-  std::vector<polyfly::Reference> reference;  ///< the first one at the sample; as many as count
-  int reference_count = 0;                    ///< 0 without a reference
-  std::vector<Eigen::Vector3d> predicted;     ///< in the world [m]
+  /// Time between the points of reference and prediction [s].
+  double stage_period = 0.0;
+  /// References, the first one at the sample; the first `reference_count` are valid.
+  std::vector<polyfly::Reference> reference;
+  /// Number of valid references; 0 without a reference.
+  int reference_count = 0;
+  /// Predicted positions in the world [m].
+  std::vector<Eigen::Vector3d> predicted;
   int predicted_count = 0;
 };
 
@@ -35,15 +39,23 @@ struct FlightRecord {
   explicit FlightRecord(std::size_t points) : latest(blank(points)) {}
 
   polyfly::TripleBuffer<FlightSnapshot> latest;
-  std::atomic<bool> wanted{true};       ///< somebody waits for a snapshot
-  std::atomic<bool> show_paths{false};  ///< with reference and prediction
-  std::atomic<bool> commands{false};    ///< were sent, since the start or since it landed
+  /// True when somebody waits for a snapshot.
+  std::atomic<bool> wanted{true};
+  /// True when a snapshot needs reference and prediction.
+  std::atomic<bool> show_paths{false};
+  /// True when commands were sent, since the start or since the vehicle landed.
+  std::atomic<bool> commands{false};
 
-  polyfly::LatencyHistogram latency;      ///< odometry to command
-  polyfly::LatencyHistogram step;         ///< the law alone
-  std::atomic<std::int64_t> overruns{0};  ///< periods that took longer than the control period
-  std::atomic<std::int64_t> lost{0};      ///< odometry missing between two that came
-  std::atomic<std::int64_t> waited{0};    ///< odometry that came while something else was done
+  /// Time from odometry to command.
+  polyfly::LatencyHistogram latency;
+  /// Time of the law alone.
+  polyfly::LatencyHistogram step;
+  /// Number of periods that took longer than the control period.
+  std::atomic<std::int64_t> overruns{0};
+  /// Number of odometry messages that are missing between two that came.
+  std::atomic<std::int64_t> lost{0};
+  /// Number of odometry messages that came while something else was done.
+  std::atomic<std::int64_t> waited{0};
 
  private:
   static FlightSnapshot blank(std::size_t points) {

@@ -25,19 +25,22 @@ struct LawSources;
 /// vertical.
 struct LawFiles {
   std::array<std::string, 3> maps;
-  std::array<std::string, 3> robust_maps;  ///< of minimum-peak robust MPC
+  /// Maps of minimum-peak robust MPC.
+  std::array<std::string, 3> robust_maps;
   std::array<std::string, 3> problems;
 };
 
 /// What the laws are made from, as parameters tell it. Axes in the order longitudinal, lateral, vertical.
 struct LawSetup {
-  polyfly::Law law = polyfly::Law::kExplicitLinear;  ///< flies first
+  /// Law that flies first.
+  polyfly::Law law = polyfly::Law::kExplicitLinear;
   LawFiles files;
   polyfly::MultirotorOptions controller;
   polyfly::NonlinearMpcOptions nonlinear;
   polyfly::LinearTuning linear;
   polyfly::MomentModel moments;
-  std::shared_ptr<const LawSources> sources;  ///< what the files hold
+  /// Contents of the files.
+  std::shared_ptr<const LawSources> sources;
 
   /// Reads the files too. Throws Error naming a parameter, or a file.
   static LawSetup read(ParameterReader& reader);
@@ -66,7 +69,8 @@ class Laws {
   std::shared_ptr<const LawSources> sources_;
   polyfly::MultirotorOptions options_;
   polyfly::VehicleObserver observer_;
-  std::array<std::vector<polyfly::Signal>, 3> parameters_;  // of the linear laws
+  // Parameters of the linear laws.
+  std::array<std::vector<polyfly::Signal>, 3> parameters_;
   std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
   std::unique_ptr<polyfly::LawSwitch> switch_;
 };

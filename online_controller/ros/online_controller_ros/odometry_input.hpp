@@ -49,7 +49,8 @@ class OdometryInput {
   Callbacks callbacks_;
   FlightRecord& record_;
   IsIntraProcess is_intra_process_;
-  nav_msgs::Odometry::ConstPtr deferred_;  // to be answered by the follow-up
+  // Message that the follow-up has to answer.
+  nav_msgs::Odometry::ConstPtr deferred_;
   InlineCallbackQueue inline_queue_;
   ros::Subscriber subscriber_;
 };

@@ -27,14 +27,17 @@ class OdometryWatch {
   bool isDue();
 
   const polyfly::TimeSource& time() const noexcept { return time_; }
-  double now() const;  ///< by the clock that decides about silence [s]
+  /// Time by the clock that decides about silence [s].
+  double now() const;
   bool hasOdometry() const noexcept { return has_odometry_; }
   bool isSilent() const noexcept { return has_odometry_ && time_.silence() > silence_; }
 
   // Of the last odometry:
   const std::string& frame() const noexcept { return frame_; }
-  double age() const noexcept { return isSilent() ? time_.silence() : age_; }  ///< at its arrival, or now [s]
-  ros::Time stampInSilence() const;                                            ///< goes on from its stamp
+  /// Age at its arrival; in silence, the time of silence so far [s].
+  double age() const noexcept { return isSilent() ? time_.silence() : age_; }
+  /// The stamp that goes on in silence from that of the last odometry.
+  ros::Time stampInSilence() const;
 
  private:
   void tellOfClock();
@@ -42,7 +45,8 @@ class OdometryWatch {
   double control_period_;  // [s]
   double silence_;         // [s]
   polyfly::TimeSource time_;
-  polyfly::SamplingClock clock_;  // of isDue()
+  // Clock of isDue().
+  polyfly::SamplingClock clock_;
   bool has_odometry_ = false;
   bool told_of_wall_time_ = false;
   std::string frame_;

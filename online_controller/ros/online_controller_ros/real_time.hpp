@@ -8,9 +8,12 @@ namespace polyfly_ros {
 
 /// What the operating system does for the control thread.
 struct RealTimeOptions {
-  int priority = 0;          ///< of SCHED_FIFO, 0 or -1: not real-time
-  int core = -1;             ///< runs on this processor only, -1: on any
-  bool lock_memory = false;  ///< keeps the whole process in memory
+  /// Priority of SCHED_FIFO; 0 or -1: not real-time.
+  int priority = 0;
+  /// The only processor on which the thread runs; -1: any.
+  int core = -1;
+  /// Whether the whole process is kept in memory.
+  bool lock_memory = false;
 };
 
 template <class Options, class Visit>

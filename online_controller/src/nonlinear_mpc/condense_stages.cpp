@@ -74,7 +74,8 @@ void NonlinearMpc::writeHessianRows(int k) noexcept {
     std::fill_n(row_.data(), width, 0.0);
     qpKernels().addColumns(adjoint_.data(), width, stride_, nullptr, kNx, stage.B_transposed.row(i).data(),
                            row_.data());
-    const bool thrust = i == kNu - 1;  // the lift depends on the tilt and on the thrust
+    // The lift depends on the tilt and on the thrust.
+    const bool thrust = i == kNu - 1;
     if (thrust && k > 0) addLift(k, by_thrust, row_.data());
     const int row = kNu * k + i;
     row_[row] += thrust ? options_.thrust_weight * by_thrust * by_thrust : options_.command_weight;

@@ -198,7 +198,8 @@ double NonlinearMpc::shareOfStep() const noexcept {
   const double* x = qp_.x();
   double slope = 0.0, curvature = 0.0;
   for (int j = 0; j < n; ++j) {
-    const double* column = H_.data() + static_cast<std::ptrdiff_t>(j) * n;  // the lower triangle
+    // Column of the lower triangle.
+    const double* column = H_.data() + static_cast<std::ptrdiff_t>(j) * n;
     double product = 0.5 * column[j] * x[j];
     for (int i = j + 1; i < n; ++i) product += column[i] * x[i];
     slope += g_[j] * x[j];

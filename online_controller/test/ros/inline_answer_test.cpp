@@ -51,7 +51,8 @@ class Flight {
       : handle_(space), private_handle_(space + "/controller") {
     private_handle_.setParam("law", "linear");
     private_handle_.setParam("controller/stale_periods", 10000);
-    private_handle_.deleteParam("real_time");  // of an earlier flight
+    // An earlier flight may have left parameters.
+    private_handle_.deleteParam("real_time");
     if (!answer.empty()) private_handle_.setParam("real_time/answer", answer);
     ros::SubscribeOptions options;
     options.init<mav_msgs::RollPitchYawrateThrust>(
@@ -98,10 +99,12 @@ class Flight {
   // Guarded by the lock of the commands; to be read when nobody publishes.
   std::vector<ros::Time> stamps;
   std::thread::id thread;
-  std::atomic<int> by_control{0}, elsewhere{0};  // commands, by the thread that published them
+  // Number of commands that the control thread published, and that others did.
+  std::atomic<int> by_control{0}, elsewhere{0};
   mav_msgs::RollPitchYawrateThrust last;
   std::atomic<std::size_t> count{0};
-  std::vector<std::uint32_t> sequences;  // the statuses' thread's
+  // Only the thread of the statuses uses `sequences`.
+  std::vector<std::uint32_t> sequences;
   ros::Publisher odometry;
   std::unique_ptr<ControllerNode> node;
 
@@ -165,7 +168,8 @@ TEST(InlineAnswer, OdometryOfTwoOriginsStopsNobody) {
   const std::size_t before = flight.count;
   const ros::WallTime last = ros::WallTime::now() + ros::WallDuration(kPatience);
   while (flight.count < before + 100 && ros::WallTime::now() < last) ros::WallDuration(0.01).sleep();
-  EXPECT_GE(flight.count, before + 100);  // those over TCP
+  // The odometry over TCP is still answered.
+  EXPECT_GE(flight.count, before + 100);
 }
 
 // In a node of its own whoever reads the connection answers: nobody else has to wake up.

@@ -79,7 +79,8 @@ TEST_F(InlineCallbackQueueTest, IsLeftToOthersWhileTheLockIsTaken) {
   EXPECT_EQ(calls, 0);
   others.callAvailable();
   EXPECT_EQ(calls, 1);
-  EXPECT_EQ(follow_ups, 0);  // whose callback that is does the rest itself
+  // The thread that called the callback does the rest itself.
+  EXPECT_EQ(follow_ups, 0);
 }
 
 TEST_F(InlineCallbackQueueTest, WhatIsRemovedIsNotCalled) {

@@ -35,7 +35,8 @@ struct TiltModel {
 /// while the vehicle yaws with a tilt.
 class AttitudeTrim {
  public:
-  static constexpr double kMost = 0.1;  ///< of what is found [rad]
+  /// Greatest angle that counts as a trim [rad].
+  static constexpr double kMost = 0.1;
 
   /// Finds no trim with options.trim_drift 0 or options.offset_free unset, no coupling with
   /// options.coupling_drift 0. Throws Error when the model's times or gains are not above 0.
@@ -48,7 +49,8 @@ class AttitudeTrim {
   void reset() noexcept;
   void transferState(const AttitudeTrim& other) noexcept;
 
-  TiltAngles angles() const noexcept;  ///< the trim, to be added to a command [rad]
+  /// The trim, to be added to a command [rad].
+  TiltAngles angles() const noexcept;
   double coupling() const noexcept { return coupling_; }
 
   /// The trim to be level with when nothing corrects it any more: what is found counts only after it has lain
@@ -68,16 +70,21 @@ class AttitudeTrim {
 
   TiltModel model_;
   TiltAngles given_;
-  std::optional<std::array<DisturbanceObserver, 2>> loops_;  // roll, pitch
+  // Observers for roll and pitch.
+  std::optional<std::array<DisturbanceObserver, 2>> loops_;
 
-  double period_;   // [s]
-  int within_ = 0;  // periods in which the trim has been within its bound
+  double period_;  // [s]
+  // Number of periods in which the trim has been within its bound.
+  int within_ = 0;
   double given_coupling_;
   double coupling_drift_;
-  TiltAngles decay_;  // of the angles in a control period
+  // Factor by which the angles decay in a control period.
+  TiltAngles decay_;
   double coupling_;
-  double variance_;  // of the coupling
-  TiltAngles last_;  // measured
+  // Variance of the coupling.
+  double variance_;
+  // Last measured angles.
+  TiltAngles last_;
   bool measured_ = false;
 };
 

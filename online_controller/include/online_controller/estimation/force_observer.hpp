@@ -27,12 +27,15 @@ class ForceObserver {
   void update(const VehicleState& state, double thrust, int periods) noexcept;
 
   void reset() noexcept;
-  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;  ///< the estimate of d [m/s^2]
-  void transferState(const ForceObserver& other) noexcept;           ///< goes on with its estimates
+  /// Sets the estimate of d [m/s^2].
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;
+  /// Continues with the estimates of `other`.
+  void transferState(const ForceObserver& other) noexcept;
 
-  Eigen::Vector3d position() const noexcept;     ///< [m]
-  Eigen::Vector3d velocity() const noexcept;     ///< [m/s]
-  Eigen::Vector3d disturbance() const noexcept;  ///< d, external force over mass [m/s^2]
+  Eigen::Vector3d position() const noexcept;  ///< [m]
+  Eigen::Vector3d velocity() const noexcept;  ///< [m/s]
+  /// External force over mass, d [m/s^2].
+  Eigen::Vector3d disturbance() const noexcept;
 
  private:
   Eigen::Vector3d acceleration(const Eigen::Matrix3d& R, const Eigen::Vector3d& velocity,

@@ -24,7 +24,8 @@ class OdometryGate {
  public:
   struct Verdict {
     ControlReason refusal = ControlReason::kNone;
-    bool restarted = false;  ///< accepted, and not the continuation of the last accepted one
+    /// True when the sample is accepted, but does not continue from the last accepted one.
+    bool restarted = false;
   };
 
   explicit OdometryGate(const MultirotorOptions& options) noexcept : options_(options) {}
@@ -45,13 +46,19 @@ class OdometryGate {
 
   MultirotorOptions options_;
   RepeatCheck repeat_;
-  VehicleState last_;       // accepted
-  VehicleState led_;        // the last one in time, with the attitude to which body rates led where it jumped
-  VehicleState candidate_;  // refused last
-  VehicleState first_candidate_;                             // of those that agree
-  Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();  // that their velocities lead since then [m]
+  // Last accepted sample.
+  VehicleState last_;
+  // Last sample in time. Where its attitude jumped, it has the attitude to which the body rates led.
+  VehicleState led_;
+  // Last refused sample.
+  VehicleState candidate_;
+  // First of the refused samples that agree.
+  VehicleState first_candidate_;
+  // Integral of the velocities since first_candidate_ [m].
+  Eigen::Vector3d candidate_way_ = Eigen::Vector3d::Zero();
   bool started_ = false;
-  int agreeing_ = 0;  // refused samples in a row that agree
+  // Number of refused samples in a row that agree.
+  int agreeing_ = 0;
 };
 
 }  // namespace polyfly

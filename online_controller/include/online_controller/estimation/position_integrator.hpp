@@ -23,11 +23,13 @@ class PositionIntegrator {
   void reset() noexcept;
   void transferState(const PositionIntegrator& other) noexcept;
 
-  Eigen::Vector3d disturbance() const noexcept;  ///< 0 where the integrator is not enabled [m/s^2]
+  /// Disturbance for the targets; 0 where the integrator is not enabled [m/s^2].
+  Eigen::Vector3d disturbance() const noexcept;
 
  private:
   MultirotorOptions options_;
-  Eigen::Vector3d integral_ = Eigen::Vector3d::Zero();  // of the error [m s]
+  // Integral of the position error [m s].
+  Eigen::Vector3d integral_ = Eigen::Vector3d::Zero();
   double last_stamp_ = 0.0;
   bool started_ = false;
 };

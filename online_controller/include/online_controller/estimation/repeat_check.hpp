@@ -31,11 +31,15 @@ class RepeatCheck {
     void add(const VehicleState& before, const VehicleState& state) noexcept;
 
     VehicleState first;
-    Eigen::Vector3d moved = Eigen::Vector3d::Zero();   // by the velocities, in W [m]
-    Eigen::Vector3d turned = Eigen::Vector3d::Zero();  // by the body rates [rad]
-    AttitudeCommand command;                           // in answer to the first sample
+    // Integral of the velocities, in W [m].
+    Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+    // Integral of the body rates [rad].
+    Eigen::Vector3d turned = Eigen::Vector3d::Zero();
+    // Command in answer to the first sample.
+    AttitudeCommand command;
     bool has_command = false;
-    bool asked = false;     // for another motion than by that command
+    // True when a later command has asked for another motion than `command`.
+    bool asked = false;
     double asked_at = 0.0;  // [s]
   };
 

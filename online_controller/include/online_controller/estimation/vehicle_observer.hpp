@@ -12,14 +12,20 @@ namespace polyfly {
 
 /// What the observer makes of a vehicle, in W and in roll, pitch, yaw.
 struct VehicleEstimate {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();          ///< [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< [m/s]
-  Eigen::Vector3d attitude = Eigen::Vector3d::Zero();          ///< yaw of any turn [rad]
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of these angles [rad/s]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< external, over mass, less the offset [m/s^2]
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< external, over inertia, less the offset [rad/s^2]
-  Eigen::Vector3d force_offset = Eigen::Vector3d::Zero();   ///< found by calibration [m/s^2]
-  Eigen::Vector3d moment_offset = Eigen::Vector3d::Zero();  ///< [rad/s^2]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
+  /// Roll, pitch and yaw; yaw is not wrapped [rad].
+  Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
+  /// Rates of roll, pitch and yaw [rad/s].
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  /// External force over mass, less the offset [m/s^2].
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  /// External moment over inertia, less the offset [rad/s^2].
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  /// Force offset found by calibration [m/s^2].
+  Eigen::Vector3d force_offset = Eigen::Vector3d::Zero();
+  /// Moment offset found by calibration [rad/s^2].
+  Eigen::Vector3d moment_offset = Eigen::Vector3d::Zero();
 };
 
 /// Kalman filters for position, velocity, attitude, rates, external force and external moment: the force by
@@ -42,13 +48,16 @@ class VehicleObserver {
   /// Goes on with what another one knows, a calibration under way included, by its own mass and noise.
   void transferState(const VehicleObserver& other) noexcept;
 
-  void restart() noexcept;  ///< the next sample goes on from where it is; what is known of forces is kept
-  void reset() noexcept;    ///< as after construction, but for the offsets
+  /// The next sample sets the state anew; the estimates of force and moment are kept.
+  void restart() noexcept;
+  /// State as after construction, except for the offsets.
+  void reset() noexcept;
 
   /// From the next sample on, for calibration_duration.
   void calibrate() noexcept;
   bool isCalibrating() const noexcept { return calibrating_; }
-  unsigned calibrations() const noexcept { return calibrations_; }  ///< finished ones
+  /// Number of finished calibrations.
+  unsigned calibrations() const noexcept { return calibrations_; }
 
   const VehicleEstimate& estimate() const noexcept { return estimate_; }
 

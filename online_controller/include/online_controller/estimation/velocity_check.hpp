@@ -22,11 +22,16 @@ class VelocityCheck {
 
   bool started_ = false;
   VehicleState last_;
-  double begin_ = 0.0;                               ///< of the window [s]
-  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();   ///< position there [m]
-  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  ///< integral of the velocity since [m]
-  double way_ = 0.0;                                 ///< integral of its magnitude [m]
-  int missed_ = 0;                                   ///< windows in a row
+  /// Start of the window [s].
+  double begin_ = 0.0;
+  /// Position at the start of the window [m].
+  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();
+  /// Integral of the velocity in the window [m].
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();
+  /// Integral of the magnitude of the velocity in the window [m].
+  double way_ = 0.0;
+  /// Number of windows in a row in which velocity and positions did not agree.
+  int missed_ = 0;
 };
 
 }  // namespace polyfly

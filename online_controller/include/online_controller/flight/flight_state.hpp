@@ -6,45 +6,72 @@ namespace polyfly {
 
 /// What the vehicle is about.
 enum class FlightState : std::uint8_t {
-  kInactive = 0,       ///< nothing has started it yet
-  kTakeOff = 1,        ///< rises over the point where it stood
-  kPositionHold = 2,   ///< holds a pose
-  kTrajectory = 3,     ///< follows a trajectory
-  kRemoteControl = 4,  ///< the sticks are attitude and thrust; no law flies
-  kTeleoperation = 5,  ///< the sticks move the pose that is held
-  kLanding = 6,        ///< descends until it stands
-  kLanded = 7,         ///< stands, motors off
-  kFailsafe = 8,       ///< no usable odometry or no answer of the law: see FailsafePolicy
+  /// Nothing has started the vehicle yet.
+  kInactive = 0,
+  /// The vehicle rises over the point where it stood.
+  kTakeOff = 1,
+  /// The vehicle holds a pose.
+  kPositionHold = 2,
+  /// The vehicle follows a trajectory.
+  kTrajectory = 3,
+  /// The sticks are attitude and thrust; no law flies.
+  kRemoteControl = 4,
+  /// The sticks move the pose that is held.
+  kTeleoperation = 5,
+  /// The vehicle descends until it stands.
+  kLanding = 6,
+  /// The vehicle stands, motors off.
+  kLanded = 7,
+  /// There is no usable odometry or no answer of the law: see FailsafePolicy.
+  kFailsafe = 8,
 };
 constexpr int kFlightStateCount = 9;
 
 /// What happens to it.
 enum class FlightEvent : std::uint8_t {
-  kPose = 0,             ///< a pose to hold came
-  kTrajectory = 1,       ///< a trajectory came
-  kTrajectoryEnded = 2,  ///< its last point is reached in time
-  kTakeOff = 3,          ///< asked for
+  /// A pose to hold was received.
+  kPose = 0,
+  /// A trajectory was received.
+  kTrajectory = 1,
+  /// The time of the trajectory's last point is reached.
+  kTrajectoryEnded = 2,
+  /// A take-off is requested.
+  kTakeOff = 3,
   kTakeOffDone = 4,
-  kTakeOffFailed = 5,  ///< the height is not reached in twice its time
-  kHold = 6,           ///< position hold is asked for
-  kLand = 7,           ///< asked for
+  /// The height is not reached in twice the take-off time.
+  kTakeOffFailed = 5,
+  /// Position hold is requested.
+  kHold = 6,
+  /// A landing is requested.
+  kLand = 7,
   kTouchdown = 8,
-  kManual = 9,        ///< the pilot's mode switch stands at manual
-  kSticks = 10,       ///< at position, with a stick moved
-  kSticksIdle = 11,   ///< at position, sticks at rest
-  kPilotLost = 12,    ///< the remote control is off or silent
-  kSilence = 13,      ///< no odometry
-  kBadOdometry = 14,  ///< odometry refused for longer than the last command is held
-  kNoAnswer = 15,     ///< the law has no answer for longer than that
-  kRecovered = 16,    ///< the law answers again
+  /// The pilot's mode switch is at manual.
+  kManual = 9,
+  /// The mode switch is at position, and a stick is moved.
+  kSticks = 10,
+  /// The mode switch is at position, and the sticks are at rest.
+  kSticksIdle = 11,
+  /// The remote control is off or silent.
+  kPilotLost = 12,
+  /// There is no odometry.
+  kSilence = 13,
+  /// Odometry was refused for longer than the last command is held.
+  kBadOdometry = 14,
+  /// The law had no answer for longer than the last command is held.
+  kNoAnswer = 15,
+  /// The law answers again.
+  kRecovered = 16,
 };
 constexpr int kFlightEventCount = 17;
 
 /// What a transition depends on besides state and event.
 struct FlightSituation {
-  bool pilot = false;                                    ///< the remote control is there, or is demanded
-  bool odometry = false;                                 ///< the last odometry is fresh
-  FlightState interrupted = FlightState::kPositionHold;  ///< what a failsafe goes on with
+  /// True when the remote control is present, or is required.
+  bool pilot = false;
+  /// True when the last odometry is fresh.
+  bool odometry = false;
+  /// State to which a failsafe returns.
+  FlightState interrupted = FlightState::kPositionHold;
 };
 
 /// Where an event leads. An event that has no meaning in a state stays there; one that is asked for and must

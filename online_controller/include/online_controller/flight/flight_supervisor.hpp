@@ -77,10 +77,14 @@ class FlightSupervisor {
   void resetObserver() noexcept;
 
   FlightState state() const noexcept { return state_; }
-  FlightEvent cause() const noexcept { return cause_; }            ///< of the last change of the state
-  unsigned changes() const noexcept { return changes_; }           ///< of the state, so far
-  ControlReason lastRefusal() const noexcept { return refused_; }  ///< of the last odometry
-  bool restarted() const noexcept { return restarted_; }  ///< the last odometry: see OdometryGate::Verdict
+  /// Event of the last change of the state.
+  FlightEvent cause() const noexcept { return cause_; }
+  /// Number of changes of the state so far.
+  unsigned changes() const noexcept { return changes_; }
+  /// Reason why the last odometry was refused; kNone: accepted.
+  ControlReason lastRefusal() const noexcept { return refused_; }
+  /// Whether the last odometry was a restart, see OdometryGate::Verdict.
+  bool restarted() const noexcept { return restarted_; }
   const ControlReport& report() const noexcept { return *report_; }
 
   /// Whether the command of report() is to be sent.
@@ -119,32 +123,42 @@ class FlightSupervisor {
   PilotRule pilot_rule_;
 
   FlightState state_ = FlightState::kInactive;
-  FlightState interrupted_ = FlightState::kInactive;  // by the failsafe
-  bool holding_here_ = false;                         // since its end came in sight
+  // State that the failsafe interrupted.
+  FlightState interrupted_ = FlightState::kInactive;
+  // True when the recovery from this failsafe has already set a pose to hold.
+  bool holding_here_ = false;
   FlightEvent cause_ = FlightEvent::kTouchdown;
   unsigned changes_ = 0;
 
   OdometryGate gate_;
   ControlReason refused_ = ControlReason::kNone;
   bool restarted_ = false;
-  VehicleState last_;     // accepted
-  bool located_ = false;  // something was accepted
-  bool fresh_ = false;    // the last odometry was accepted, and there was no silence since
+  // Last accepted odometry.
+  VehicleState last_;
+  // True after the first accepted odometry.
+  bool located_ = false;
+  // True when the last odometry was accepted, and there was no silence since.
+  bool fresh_ = false;
 
   ReferenceSchedule references_;
   ReferenceExcess early_excess_;
-  std::optional<FlightState> after_takeoff_;  // what came during the take-off
+  // State that follows the take-off, from a reference received meanwhile.
+  std::optional<FlightState> after_takeoff_;
   VerticalRamp ramp_;
   Eigen::Vector3d resting_disturbance_ = Eigen::Vector3d::Zero();
-  Reference held_;    // the pose that the sticks move
-  int standing_ = 0;  // control periods in which a landing vehicle seemed to stand
+  // Pose that the sticks move.
+  Reference held_;
+  // Number of control periods in which a landing vehicle seemed to stand.
+  int standing_ = 0;
 
   RemoteControl sticks_;
   double sticks_time_ = 0.0;  // [s]
-  bool pilot_ = false;        // a remote control is on and heard
+  // True when a remote control is on and heard.
+  bool pilot_ = false;
 
   std::vector<Reference> preview_;
-  ControlReport own_;  // of what is sent without a law
+  // Report on what is sent without a law.
+  ControlReport own_;
   const ControlReport* report_;
 };
 

@@ -16,7 +16,8 @@ struct RemoteControl {
   double forward = 0.0;
   double left = 0.0;
   double up = 0.0;
-  double turn = 0.0;  ///< to the left
+  /// Turn, positive to the left.
+  double turn = 0.0;
 };
 
 /// 0 within +-`zone`, then linear to +-1; what is not finite is 0.

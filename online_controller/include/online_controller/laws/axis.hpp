@@ -50,7 +50,8 @@ struct AxisReference {
   double velocity = 0.0;      ///< [m/s]
   double acceleration = 0.0;  ///< [m/s^2]
   double jerk = 0.0;          ///< [m/s^3]
-  double disturbance = 0.0;   ///< known beside the observer's [m/s^2]
+  /// Known disturbance, in addition to the observer's estimate [m/s^2].
+  double disturbance = 0.0;
 };
 
 /// What the parameters of an axis' law may be.
@@ -119,9 +120,12 @@ class Axis {
   /// closed loop through the map of an explicit one.
   struct Prediction {
     int stage = 0;
-    AxisValues values;    ///< errors and references at its beginning
-    double input = 0.0;   ///< u over the stage [rad or m/s^2]
-    bool beyond = false;  ///< begins outside the map
+    /// Errors and references at the beginning of the stage.
+    AxisValues values;
+    /// Input u over the stage [rad or m/s^2].
+    double input = 0.0;
+    /// True when the stage begins outside the map.
+    bool beyond = false;
   };
   Prediction beginPrediction(const AxisReport& report) const noexcept;
   void advance(Prediction& at) const noexcept;
@@ -169,8 +173,10 @@ class Axis {
   Lookup retreat(const Parameters& theta, double& input) const noexcept;
 
   std::unique_ptr<AxisLaw> law_;
-  std::unique_ptr<AxisLaw> beyond_;  // where law_, a map, has no answer; nullptr: nothing
-  bool answered_beyond_ = false;     // by the last evaluate()
+  // Law for points where law_, a map, has no answer; nullptr: none.
+  std::unique_ptr<AxisLaw> beyond_;
+  // True when beyond_ gave the answer of the last evaluate().
+  bool answered_beyond_ = false;
   std::array<AxisEntry, kMaxParameters> entries_{};
   Parameters lower_{};
   Parameters upper_{};

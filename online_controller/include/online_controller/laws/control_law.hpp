@@ -67,7 +67,8 @@ class ControlLaw {
   /// As after construction.
   virtual void reset() noexcept = 0;
 
-  virtual const ControlReport& report() const noexcept = 0;  ///< of the last call
+  /// Report of the last call.
+  virtual const ControlReport& report() const noexcept = 0;
 };
 
 }  // namespace polyfly

@@ -69,9 +69,12 @@ class LawSwitch : public ControlLaw {
   int preview_length_ = 1;
   double preview_period_ = 0.0;
 
-  bool inactive_behind_ = false;  // the inactive laws have not tracked the last step yet
-  VehicleState last_state_;       // of that step
-  AttitudeCommand sent_;          // of that step
+  // True when the inactive laws have not tracked the last step yet.
+  bool inactive_behind_ = false;
+  // Vehicle state of the last step.
+  VehicleState last_state_;
+  // Command of the last step.
+  AttitudeCommand sent_;
 };
 
 }  // namespace polyfly

@@ -72,7 +72,7 @@ class MultirotorController : public ControlLaw {
  private:
   /// A sample in the world-aligned frame.
   struct Measured {
-    TiltAngles tilt;  // in the body
+    TiltAngles tilt;  // body frame
     double yaw = 0.0;
     std::array<AxisSample, 3> axes;
   };
@@ -93,12 +93,16 @@ class MultirotorController : public ControlLaw {
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;
-  SamplingClock clock_;  // of minimum-peak maps
+  // Sampling clock of minimum-peak maps.
+  SamplingClock clock_;
   ControlReport report_;
 
-  std::array<double, 3> inputs_{};   // u of each axis' model in the last command: u_{-1} of Eq. 4
-  std::array<double, 3> applied_{};  // the same after the limits on what is sent: what the observer is told
-  double observed_until_ = 0.0;      // time up to which the observer has advanced [s]
+  // Input u of each axis' model in the last command: u_{-1} of Eq. 4.
+  std::array<double, 3> inputs_{};
+  // Input u of each axis after the limits on what is sent, for the observer.
+  std::array<double, 3> applied_{};
+  // Time up to which the observer has advanced [s].
+  double observed_until_ = 0.0;
   bool observing_ = false;
   AttitudeTrim trim_;
   FailsafePolicy failsafe_;

@@ -72,18 +72,28 @@ class NonlinearController : public ControlLaw {
   AttitudeTrim trim_;
   ControlReport report_;
 
-  TiltAngles ahead_;                                       // see matchStages [1]
-  Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();  // of the last step, or what is prepared [m/s^2]
-  std::vector<StageConditions> stages_;                    // N + 1: the last one has the yaw at the end
-  std::vector<StageReference> references_;                 // N + 1
-  std::vector<Reference> preview_;  // of the last step, for the preparation of the next
-  TiltAngles sooner_;               // from a stage's command to one control period's [rad]
-  double yaw_ = 0.0;                // of the last sample [rad]
-  double observed_until_ = 0.0;     // time up to which the observer has advanced [s]
+  // How far the model's tilt runs ahead in a stage, see matchStages [1].
+  TiltAngles ahead_;
+  // Disturbance of the last step, or of the step that is prepared [m/s^2].
+  Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();
+  // N + 1 stages; the last one has the yaw at the end.
+  std::vector<StageConditions> stages_;
+  std::vector<StageReference> references_;  // N + 1
+  // Preview of the last step, for the preparation of the next.
+  std::vector<Reference> preview_;
+  // Difference from a stage's command to the command for one control period [rad].
+  TiltAngles sooner_;
+  // Yaw of the last sample [rad].
+  double yaw_ = 0.0;
+  // Time up to which the observer has advanced [s].
+  double observed_until_ = 0.0;
   bool observing_ = false;
-  bool iterating_ = false;                 // there is a solution to go on from
-  bool prepared_ = false;                  // for the next sample
-  TiltAngles period_decay_, stage_decay_;  // what of an angle is left after a control period, after a stage
+  // True when there is a solution from which to continue.
+  bool iterating_ = false;
+  // True when the next sample is prepared.
+  bool prepared_ = false;
+  // Share of an angle that is left after a control period, and after a stage.
+  TiltAngles period_decay_, stage_decay_;
   FailsafePolicy failsafe_;
   PositionIntegrator integrator_;
 };

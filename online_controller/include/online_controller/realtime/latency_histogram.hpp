@@ -23,8 +23,10 @@ class LatencyHistogram {
   void clear() noexcept;
 
  private:
-  static constexpr int kStepBits = 4;                              // 16 bins in each octave
-  static constexpr int kBins = (40 - kStepBits + 1) << kStepBits;  // the last one takes all above 2^40 ns
+  // There are 16 bins in each octave.
+  static constexpr int kStepBits = 4;
+  // The last bin counts all durations above 2^40 ns.
+  static constexpr int kBins = (40 - kStepBits + 1) << kStepBits;
 
   static int binOf(std::int64_t nanoseconds) noexcept;
   static std::int64_t upperEnd(int bin) noexcept;

@@ -36,8 +36,10 @@ class TripleBuffer {
   static constexpr unsigned kFresh = 4;
 
   std::array<T, 3> buffers_;
-  unsigned written_ = 0;  // the writer's
-  unsigned read_ = 1;     // the reader's
+  // Buffer of the writer.
+  unsigned written_ = 0;
+  // Buffer of the reader.
+  unsigned read_ = 1;
   bool has_value_ = false;
   std::atomic<unsigned> between_{2};
 };

@@ -11,11 +11,13 @@ namespace polyfly {
 
 /// The first point of a reference that asks for too much.
 struct ReferenceExcess {
-  const char* limit = nullptr;  ///< the option that is exceeded; nullptr: none is
-  double value = 0.0;           ///< [m, m/s]
-  double most = 0.0;            ///< [m, m/s]
+  /// Option that is exceeded; nullptr: none.
+  const char* limit = nullptr;
+  double value = 0.0;  ///< [m, m/s]
+  double most = 0.0;   ///< [m, m/s]
   std::size_t sample = 0;
-  bool pose = false;  ///< it is the only point
+  /// True when the point is the only one of the reference.
+  bool pose = false;
 };
 
 /// `vehicle`: where it is, or nullptr where that is not known: then only the speed counts. Does not allocate.

@@ -27,8 +27,10 @@ namespace polyfly {
 /// with the next sample and drops all others.
 class ReferenceSchedule {
  public:
-  static constexpr std::size_t kMaxEntries = 32;  ///< in force and waiting
-  static constexpr double kJoin = 0.5;            ///< longest gap that is interpolated [s]
+  /// Greatest number of trajectories in force and waiting.
+  static constexpr std::size_t kMaxEntries = 32;
+  /// Longest gap that is interpolated [s].
+  static constexpr double kJoin = 0.5;
 
   ReferenceSchedule();
 
@@ -59,7 +61,8 @@ class ReferenceSchedule {
   struct Entry {
     ReferenceTrajectory trajectory;
     std::optional<double> start;
-    double begin() const noexcept { return *start + trajectory.startTime(); }  ///< of the first point [s]
+    /// Time of the first point [s].
+    double begin() const noexcept { return *start + trajectory.startTime(); }
   };
 
   void advance(double time) noexcept;
@@ -68,7 +71,8 @@ class ReferenceSchedule {
   void compact();
 
   std::array<Entry, kMaxEntries> entries_;
-  std::size_t first_ = 0;  // in force; those before it are over
+  // Entry in force; those before it are over.
+  std::size_t first_ = 0;
   std::size_t count_ = 0;
 };
 

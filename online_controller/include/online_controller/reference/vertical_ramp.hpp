@@ -17,7 +17,8 @@ class VerticalRamp {
   static VerticalRamp down(const Reference& start, double time, double speed) noexcept;
 
   Reference at(double time) const noexcept;
-  double end() const noexcept { return time_ + duration_; }  ///< of the way up [s]
+  /// End of the way up [s].
+  double end() const noexcept { return time_ + duration_; }
 
  private:
   Reference start_;

@@ -9,22 +9,36 @@ namespace polyfly {
 /// How take-off, landing and remote control go, and which references are taken. Names and defaults of
 /// mav_control_rw where it has them.
 struct FlightOptions {
-  double takeoff_distance = 1.0;   ///< above the point where it started [m]
-  double takeoff_time = 5.0;       ///< for that [s]
-  double takeoff_tolerance = 0.1;  ///< of the height, for the take-off to be done [m]
-  double landing_speed = 0.5;      ///< [m/s]
-  double touchdown_lag = 0.3;      ///< it stands when this far above its reference [m]
-  double touchdown_speed = 0.15;   ///< and not faster than this [m/s]
-  int touchdown_periods = 50;      ///< for so many control periods
-  double brake = 2.0;              ///< with which a hold stops, it holds where that ends [m/s^2]
-  double rc_teleop_max_carrot_distance_position = 1.0;    ///< full stick [m]
-  double rc_teleop_max_carrot_distance_yaw = 0.78539816;  ///< full stick [rad]
-  double rc_max_roll_pitch_command = 0.78539816;          ///< full stick in manual mode [rad]
-  double rc_max_yaw_rate_command = 0.78539816;            ///< full stick in manual mode [rad/s]
-  double stick_deadzone = 0.1;                            ///< [1]
-  double rc_timeout = 1.0;     ///< without a message the remote control counts as off, 0: never [s]
-  bool resume = true;          ///< after a failsafe go on with what was interrupted, else hold where it is
-  bool idle_publishes = true;  ///< hover thrust before anything has started it, else nothing is sent
+  /// Height of a take-off above the point where it started [m].
+  double takeoff_distance = 1.0;
+  /// Duration of a take-off [s].
+  double takeoff_time = 5.0;
+  /// Greatest error of the height at which a take-off is done [m].
+  double takeoff_tolerance = 0.1;
+  double landing_speed = 0.5;  ///< [m/s]
+  /// Least height above the reference at which a landing vehicle counts as standing [m].
+  double touchdown_lag = 0.3;
+  /// Greatest vertical speed at which a landing vehicle counts as standing [m/s].
+  double touchdown_speed = 0.15;
+  /// Number of control periods for which a landing vehicle must stand until the touchdown.
+  int touchdown_periods = 50;
+  /// Deceleration with which a hold stops; it holds where that ends [m/s^2].
+  double brake = 2.0;
+  /// Distance of the commanded position at full stick [m].
+  double rc_teleop_max_carrot_distance_position = 1.0;
+  /// Distance of the commanded yaw at full stick [rad].
+  double rc_teleop_max_carrot_distance_yaw = 0.78539816;
+  /// Roll and pitch command at full stick in manual mode [rad].
+  double rc_max_roll_pitch_command = 0.78539816;
+  /// Yaw rate command at full stick in manual mode [rad/s].
+  double rc_max_yaw_rate_command = 0.78539816;
+  double stick_deadzone = 0.1;  ///< [1]
+  /// Time without a message after which the remote control counts as off; 0: never [s].
+  double rc_timeout = 1.0;
+  /// True: after a failsafe the interrupted task goes on. False: the vehicle holds where it is.
+  bool resume = true;
+  /// True: hover thrust is sent before anything has started the vehicle. False: nothing is sent.
+  bool idle_publishes = true;
   ReferenceLimits reference_limits;
 };
 

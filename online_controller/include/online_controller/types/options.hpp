@@ -8,15 +8,17 @@ namespace polyfly {
 /// the model's error in a control period, and of a measurement. Only their ratios shape the gains. Names and
 /// meaning are those of mav_control_rw; its q_force is the square of controller/disturbance_drift.
 struct ObserverNoise {
-  double q_position = 2.5e-7;          ///< [m^2]
-  double q_velocity = 2.5e-5;          ///< [m^2/s^2]
-  double q_attitude = 1e-8;            ///< [rad^2]
-  double q_angular_velocity = 4e-4;    ///< [rad^2/s^2]
-  double q_torque = 0.04;              ///< drift of the moment over inertia [rad^2/s^4]
-  double r_position = 2.5e-5;          ///< [m^2]
-  double r_velocity = 4e-4;            ///< [m^2/s^2]
-  double r_attitude = 1e-4;            ///< [rad^2]
-  double r_angular_velocity = 2.5e-3;  ///< not among those of mav_control_rw, which measures none [rad^2/s^2]
+  double q_position = 2.5e-7;        ///< [m^2]
+  double q_velocity = 2.5e-5;        ///< [m^2/s^2]
+  double q_attitude = 1e-8;          ///< [rad^2]
+  double q_angular_velocity = 4e-4;  ///< [rad^2/s^2]
+  /// Drift of the moment over inertia [rad^2/s^4].
+  double q_torque = 0.04;
+  double r_position = 2.5e-5;  ///< [m^2]
+  double r_velocity = 4e-4;    ///< [m^2/s^2]
+  double r_attitude = 1e-4;    ///< [rad^2]
+  /// Variance that mav_control_rw does not have, because it does not measure the rates [rad^2/s^2].
+  double r_angular_velocity = 2.5e-3;
 };
 
 template <class Noise, class Visit>
@@ -40,33 +42,53 @@ struct MultirotorOptions {
   double gravity = 9.8066;  ///< [m/s^2]
   /// Command at which odometry sees no roll: the attitude controller's alignment [rad].
   double roll_trim = 0.0;
-  double pitch_trim = 0.0;          ///< likewise [rad]
-  double control_period = 0.01;     ///< nominal time between odometry messages [s]
+  /// Command at which odometry sees no pitch [rad].
+  double pitch_trim = 0.0;
+  /// Nominal time between odometry messages [s].
+  double control_period = 0.01;
   double yaw_gain = 1.8;            ///< K_yaw [1/s]
   double yaw_rate_max = 1.5707963;  ///< [rad/s]
-  double angle_max = 0.4363323;     ///< on the command that is sent, after Eq. 41 [rad]
-  double thrust_min = 5.0;          ///< mass-normalised, on the command that is sent [m/s^2]
-  double thrust_max = 20.0;         ///< mass-normalised, on the command that is sent [m/s^2]
-  int hold_periods = 10;      ///< control periods without an answer during which the last command is repeated
-  int level_periods = 200;    ///< control periods at hover thrust after these
-  int descend_periods = 800;  ///< control periods at descend_thrust after these; then nothing is sent
-  double descend_thrust = 0.95;  ///< share of the hover thrust [1]
-  double jump_distance = 0.5;    ///< beyond what the velocities explain between two samples, 0: any [m]
-  double jump_angle = 1.0;       ///< beyond what the body rates explain between two samples, 0: any [rad]
-  double repeat_time = 0.1;      ///< of odometry that repeats itself while the vehicle moves, 0: any [s]
-  /// Of the observer's model, per control period: greater follows faster [m/s^2].
+  /// Limit of the angle commands that are sent, after Eq. 41 [rad].
+  double angle_max = 0.4363323;
+  /// Least thrust that is sent, mass-normalised [m/s^2].
+  double thrust_min = 5.0;
+  /// Greatest thrust that is sent, mass-normalised [m/s^2].
+  double thrust_max = 20.0;
+  /// Control periods without an answer during which the last command is repeated.
+  int hold_periods = 10;
+  /// Control periods at hover thrust after hold_periods.
+  int level_periods = 200;
+  /// Control periods at descend_thrust after level_periods; then nothing is sent.
+  int descend_periods = 800;
+  /// Thrust of the descent as a share of the hover thrust [1].
+  double descend_thrust = 0.95;
+  /// Greatest distance between two samples beyond what the velocities explain; 0: any [m].
+  double jump_distance = 0.5;
+  /// Greatest turn between two samples beyond what the body rates explain; 0: any [rad].
+  double jump_angle = 1.0;
+  /// Longest time for which odometry may repeat itself while the vehicle moves; 0: any [s].
+  double repeat_time = 0.1;
+  /// Drift of the disturbance per control period in the observer's model: a greater one follows faster [m/s^2].
   double disturbance_drift = 0.005;
   ObserverNoise noise;
-  double trim_drift = 5e-4;        ///< of the attitude's trim per control period, 0: only the given one [rad]
-  double attitude_coupling = 0.0;  ///< c of AttitudeTrim before anything is found of it, 0 .. 1 [1]
-  double coupling_drift = 0.005;   ///< of c per control period, 0: only the given one [1]
-  bool offset_free = true;         ///< use the disturbance estimate (Eq. 5-6)
-  bool solve_outside = true;  ///< where a map has no answer, solve its problem online; else clip to its box
-  bool integrator = false;    ///< add the integral of the position error to it, see PositionIntegrator
+  /// Drift of the attitude's trim per control period; 0: only the given trim [rad].
+  double trim_drift = 5e-4;
+  /// Coupling c of AttitudeTrim before it is estimated, 0 .. 1 [1].
+  double attitude_coupling = 0.0;
+  /// Drift of c per control period; 0: only the given coupling [1].
+  double coupling_drift = 0.005;
+  /// Whether the disturbance estimate is used (Eq. 5-6).
+  bool offset_free = true;
+  /// Where a map has no answer: true solves its problem online, false clips to its box.
+  bool solve_outside = true;
+  /// Whether the integral of the position error is added to the estimate, see PositionIntegrator.
+  bool integrator = false;
   double integral_gain_xy = 0.2;  ///< [1/s^3]
   double integral_gain_z = 0.3;   ///< [1/s^3]
-  double integral_limit = 2.0;    ///< of the integral of the error [m s]
-  double antiwindup_ball = 0.4;   ///< a greater error is not integrated [m]
+  /// Limit of the integral of the error [m s].
+  double integral_limit = 2.0;
+  /// Greatest error that is integrated [m].
+  double antiwindup_ball = 0.4;
 };
 
 /// The one list of the options: calls visit(key, field, unit, range) for each double and int, and

@@ -6,9 +6,12 @@ namespace polyfly {
 
 /// Within what a reference is believed. What asks for more is a slip of a digit, of a unit or of a frame.
 struct ReferenceLimits {
-  double distance = 1000.0;  ///< of any point from the vehicle when the reference comes [m]
-  double height = 500.0;     ///< of any point above or below it [m]
-  double speed = 30.0;       ///< of a trajectory, at its points and midway between them [m/s]
+  /// Greatest distance of any point from the vehicle when the reference comes [m].
+  double distance = 1000.0;
+  /// Greatest height of any point above or below the vehicle [m].
+  double height = 500.0;
+  /// Greatest speed of a trajectory, at its points and midway between them [m/s].
+  double speed = 30.0;
 };
 
 /// The one list of these options, as visitOptions of MultirotorOptions.

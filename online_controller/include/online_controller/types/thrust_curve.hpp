@@ -9,9 +9,12 @@ struct ThrustCurveOptions {
   /// Coefficients c of c[0] + c[1] F + c[2] F^2 + ... with F in N; empty: proportional to F, with hover at
   /// hover_thrust.
   std::vector<double> polynomial;
-  double hover_thrust = 0.5;  ///< what the autopilot takes to hover, without a polynomial
-  double least = 0.0;         ///< never less is sent
-  double greatest = 1.0;      ///< never more is sent
+  /// Value with which the autopilot hovers, without a polynomial.
+  double hover_thrust = 0.5;
+  /// Least value that is sent.
+  double least = 0.0;
+  /// Greatest value that is sent.
+  double greatest = 1.0;
 };
 
 /// Thrust in newtons to an autopilot's thrust.
@@ -31,7 +34,8 @@ class ThrustCurve {
   double value(double thrust) const noexcept;
 
   std::vector<double> coefficients_;
-  double begin_;  // between these two it was tested [N]
+  // Lower and upper end of the range in which the curve was tested [N].
+  double begin_;
   double end_;
   double least_;
   double greatest_;

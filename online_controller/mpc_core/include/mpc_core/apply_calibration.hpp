@@ -10,9 +10,12 @@ namespace polyfly {
 /// A file that `calibrate` wrote.
 struct CalibrationFile {
   std::string text;
-  std::string source;     ///< path, for messages
-  Provenance provenance;  ///< of the file itself
-  bool force = false;     ///< take numbers that the file itself says its data do not support
+  /// Path of the file, for messages.
+  std::string source;
+  /// Provenance of the file itself.
+  Provenance provenance;
+  /// True: take numbers even where the file says that its data do not support them.
+  bool force = false;
 };
 
 /// A problem file with numbers of calibrations in it.

@@ -96,8 +96,10 @@ class BoundedQp {
   enum class Pass { kAdvanced, kOptimal, kInfeasible, kIterationLimit };
   struct Candidate {
     int index = -1;
-    double direction = 0.0;  // in which its multiplier moves
-    double violation = 0.0;  // over its scale
+    // Direction in which its multiplier moves.
+    double direction = 0.0;
+    // Violation over its scale.
+    double violation = 0.0;
     QpSide reached = QpSide::kInactive;
   };
 
@@ -164,7 +166,8 @@ class BoundedQp {
 
   int n_ = 0;
   int m_ = 0;
-  int stride_ = 0;  // n in whole packs
+  // Number of variables n in whole packs.
+  int stride_ = 0;
   int iterations_ = 0;
   int iteration_limit_ = 0;
   bool convex_ = false;
@@ -174,33 +177,47 @@ class BoundedQp {
   double violation_ = 0.0;
   double gradient_scale_ = 0.0;
 
-  AlignedArray H_, factor_, factor_inverse_;            // stride x n
-  AlignedArray rows_;                                   // stride x m, row by row
-  AlignedArray inverse_;                                // stride x (n + m): H^-1 a_i
-  AlignedArray least_, greatest_;                       // n + m: what counts as within the bounds
-  std::vector<char> has_inverse_;                       // n + m
-  AlignedArray lower_, upper_, penalty_, scale_;        // n + m
-  AlignedArray g_, base_;                               // n: gradient; -H^-1 g
-  AlignedArray x_, lambda_, row_value_, dx_, dlambda_;  // point, multipliers; their rates
+  AlignedArray H_, factor_, factor_inverse_;  // stride x n
+  AlignedArray rows_;                         // stride x m, row by row
+  AlignedArray inverse_;                      // stride x (n + m): H^-1 a_i
+  // Least and greatest value that count as within the bounds, n + m.
+  AlignedArray least_, greatest_;
+  std::vector<char> has_inverse_;                 // n + m
+  AlignedArray lower_, upper_, penalty_, scale_;  // n + m
+  AlignedArray g_, base_;                         // n: gradient g, and -H^-1 g
+  // Point, multipliers and row values; rates of the point and the multipliers.
+  AlignedArray x_, lambda_, row_value_, dx_, dlambda_;
   bool has_base_ = false;
-  bool predicted_ = false;  // the first phase ended by itself
+  // True when the first phase ended by itself.
+  bool predicted_ = false;
 
-  std::vector<QpSide> side_;         // n + m
-  std::vector<int> free_, working_;  // free variables; constraints held, bounds before rows
-  std::vector<char> listed_;         // n: this bound is among those held
+  std::vector<QpSide> side_;  // n + m
+  // Free variables; constraints held, bounds before rows.
+  std::vector<int> free_, working_;
+  // 1 where the bound of a variable is among those held, n.
+  std::vector<char> listed_;
   int free_count_ = 0;
-  int bound_count_ = 0;  // bounds among those held
+  // Number of bounds among the constraints held.
+  int bound_count_ = 0;
   int working_count_ = 0;
-  int entering_ = -1;      // constraint on its way into the working set
-  int dependent_ = -1;     // constraint that depends on the others of the working set
-  bool dual_ = false;      // which factor the working set has
-  bool all_free_ = false;  // all variables are free: the reduced factor is that of H
+  // Constraint on its way into the working set; -1: none.
+  int entering_ = -1;
+  // Constraint that depends on the others of the working set; -1: none.
+  int dependent_ = -1;
+  // True: the working set has the factor of its whole Gram matrix. False: that of the reduced Hessian.
+  bool dual_ = false;
+  // True when all variables are free: the reduced factor is that of H.
+  bool all_free_ = false;
   int reduced_size_ = 0;
   int gram_size_ = 0;
-  int gram_done_ = 0;  // constraints at the head of the list whose factor is there already
-  AlignedArray reduced_, reduced_inverse_;  // factor of the Hessian of the free variables
-  AlignedArray gram_, gram_inverse_;        // factor of the Gram matrix
-  AlignedArray range_;                      // active rows, by the inverse of the reduced factor
+  // Number of constraints at the head of the list that have a factor already.
+  int gram_done_ = 0;
+  // Factor of the Hessian of the free variables.
+  AlignedArray reduced_, reduced_inverse_;
+  // Factor of the Gram matrix.
+  AlignedArray gram_, gram_inverse_;
+  // Active rows, multiplied by the inverse of the reduced factor.
+  AlignedArray range_;
   AlignedArray gradient_, work_, small_, multipliers_;
 };
 

@@ -13,8 +13,10 @@ Eigen::VectorXd symmetricEigenvalues(const Eigen::MatrixXd& matrix);
 
 /// A symmetric matrix as vectors * diag(values) * vectors'.
 struct SymmetricEigen {
-  Eigen::VectorXd values;   ///< in rising order
-  Eigen::MatrixXd vectors;  ///< orthonormal columns
+  /// Eigenvalues in rising order.
+  Eigen::VectorXd values;
+  /// Eigenvectors as orthonormal columns.
+  Eigen::MatrixXd vectors;
 };
 
 SymmetricEigen symmetricEigen(const Eigen::MatrixXd& matrix);
@@ -32,12 +34,14 @@ class PivotedQr {
  public:
   /// A diagonal entry of R that is not above `threshold` times the greatest one counts as zero.
   PivotedQr(const Eigen::MatrixXd& A, double threshold);
-  explicit PivotedQr(const Eigen::MatrixXd& A);  ///< with Eigen's threshold: the rounding of doubles
+  /// Takes Eigen's threshold: the rounding of doubles.
+  explicit PivotedQr(const Eigen::MatrixXd& A);
 
   Eigen::Index rank() const;
   /// Square. Its first rank() columns span the columns of A, the others the null space of A'.
   Eigen::MatrixXd Q() const;
-  Eigen::Index column(Eigen::Index place) const;  ///< of A, that stands at `place` in A P
+  /// The column of A that stands at `place` in A P.
+  Eigen::Index column(Eigen::Index place) const;
 
   /// x that makes A x - b shortest.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
@@ -50,8 +54,10 @@ class PivotedQr {
 /// The shortest x among those that make A x - b shortest, for any rank.
 class ShortestLeastSquares {
  public:
-  ShortestLeastSquares() = default;                                  ///< only to be assigned to
-  ShortestLeastSquares(const Eigen::MatrixXd& A, double threshold);  ///< as PivotedQr
+  /// An object that is only to be assigned to.
+  ShortestLeastSquares() = default;
+  /// Takes the threshold of PivotedQr.
+  ShortestLeastSquares(const Eigen::MatrixXd& A, double threshold);
   explicit ShortestLeastSquares(const Eigen::MatrixXd& A);
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;

@@ -19,18 +19,24 @@ enum class ParameterRole {
 /// The tracking problem of one axis, Eq. 3-4 and 38 in error coordinates (e = x - x_ref, u~ = u - u_ref).
 struct MpcProblem {
   struct Parameter {
-    Signal signal;  ///< name, unit and range
+    /// Name, unit and range.
+    Signal signal;
     ParameterRole role = ParameterRole::kError;
-    int index = 0;  ///< which state (kError) or input
+    /// Index of the state (kError) or of the input.
+    int index = 0;
   };
 
   std::string name;
   std::string description;
-  std::string source;  ///< path it was read from, for messages
-  std::string text;    ///< the file, verbatim
+  /// Path of the file, for messages.
+  std::string source;
+  /// Text of the file, verbatim.
+  std::string text;
 
-  std::vector<Signal> states;  ///< nx; lower and upper are the state bounds on x - x_ref, infinite if none
-  std::vector<Signal> inputs;  ///< nu, bounds of u (absolute)
+  /// The nx states; lower and upper are the bounds on x - x_ref, infinite if none.
+  std::vector<Signal> states;
+  /// The nu inputs, with the bounds of u (absolute).
+  std::vector<Signal> inputs;
   std::vector<Signal> disturbances;  ///< nd
   Eigen::MatrixXd A_c;               ///< nx x nx, continuous time: x' = A_c x + B_c u + Bd_c d (Eq. 39)
   Eigen::MatrixXd B_c;               ///< nx x nu
@@ -44,7 +50,8 @@ struct MpcProblem {
   Eigen::MatrixXd R_delta;     ///< nu x nu, Eq. 4
   std::vector<Parameter> parameters;
 
-  bool minimum_peak = false;  ///< only the model and the errors of a robust_mpc problem, see parseFlightModel
+  /// True: only the model and the errors of a robust_mpc problem, see parseFlightModel.
+  bool minimum_peak = false;
 
   int stateCount() const { return static_cast<int>(A_c.rows()); }
   int inputCount() const { return static_cast<int>(B_c.cols()); }

@@ -28,9 +28,11 @@ class OnlineProgram {
 
  private:
   struct Bound {
-    int row = 0;  // of the program
+    // Row of the program.
+    int row = 0;
     int variable = 0;
-    double entry = 0.0;  // the row's single entry
+    // Single entry of the row.
+    double entry = 0.0;
   };
 
   void sortRows();
@@ -38,7 +40,8 @@ class OnlineProgram {
 
   ParametricProgram program_;
   std::vector<Bound> bounds_;
-  std::vector<int> rows_;  // of the program, those that are no bounds
+  // Rows of the program that are no bounds.
+  std::vector<int> rows_;
   std::vector<char> is_equality_;
   BoundedQp qp_;
   Eigen::VectorXd g_, b_, lower_, upper_, row_lower_, row_upper_;

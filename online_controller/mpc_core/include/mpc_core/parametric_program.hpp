@@ -20,9 +20,11 @@ namespace polyfly {
 /// Sizes: z n, theta p, rows m, inputs q.
 struct ParametricProgram {
   std::string name;
-  std::string text;       ///< the problem file it came from, verbatim; may be empty
+  /// Text of the problem file it came from, verbatim; may be empty.
+  std::string text;
   std::string text_kind;  ///< "yaml" or "json"
-  double period = 0.0;    ///< sampling time of the controller [s]; 0 if there is none
+  /// Sampling time of the controller [s]; 0 if there is none.
+  double period = 0.0;
 
   Eigen::MatrixXd H;  ///< n x n, symmetric
   Eigen::VectorXd f;  ///< n
@@ -32,14 +34,16 @@ struct ParametricProgram {
   Eigen::MatrixXd S;  ///< m x p
   std::vector<int> equalities;
 
-  std::vector<Signal> parameters;  ///< p, with the box lower..upper
-  Eigen::MatrixXd A_theta;         ///< k x p, may have no rows
-  Eigen::VectorXd b_theta;         ///< k
+  /// The p parameters, with the box lower .. upper.
+  std::vector<Signal> parameters;
+  Eigen::MatrixXd A_theta;  ///< k x p, may have no rows
+  Eigen::VectorXd b_theta;  ///< k
 
-  std::vector<Signal> inputs;  ///< q, with the bounds of u (infinite where there are none)
-  Eigen::MatrixXd E;           ///< q x n
-  Eigen::MatrixXd C;           ///< q x p
-  Eigen::VectorXd c;           ///< q
+  /// The q inputs, with the bounds of u (infinite where there are none).
+  std::vector<Signal> inputs;
+  Eigen::MatrixXd E;  ///< q x n
+  Eigen::MatrixXd C;  ///< q x p
+  Eigen::VectorXd c;  ///< q
 
   int variableCount() const { return static_cast<int>(H.rows()); }
   int parameterCount() const { return static_cast<int>(parameters.size()); }

@@ -32,8 +32,10 @@ using LegacyNames = std::vector<LegacyName>;
 class OptionTable {
  public:
   struct Option {
-    std::string name;       ///< in dynamic_reconfigure
-    std::string parameter;  ///< below the node's private namespace, as `group/name`
+    /// Name in dynamic_reconfigure.
+    std::string name;
+    /// Name below the node's private namespace, as `group/name`.
+    std::string parameter;
     std::string group;
     std::string unit;
     polyfly::Range range;
@@ -64,7 +66,8 @@ class OptionTable {
   void operator()(const char* key, bool& field) { add(key, &field, "", polyfly::anyChange(0.0, 1.0)); }
 
   const std::vector<Option>& options() const noexcept { return options_; }
-  std::vector<std::string> groups() const;  ///< in the order of the options
+  /// Groups in the order of the options.
+  std::vector<std::string> groups() const;
 
   /// nullptr when there is none.
   const Option* find(const std::string& name) const;

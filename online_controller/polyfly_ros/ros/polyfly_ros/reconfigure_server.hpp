@@ -31,9 +31,12 @@ class ReconfigureServer {
   ReconfigureServer(const ros::NodeHandle& private_handle, OptionTable& table, Apply apply,
                     std::string note_name = "", Note note = {});
 
-  void hasChanged() noexcept { told_ = false; }  ///< values, from elsewhere
-  void publish();                                ///< the values, if they changed since the last call
-  void writeParameters();                        ///< those that changed since the last call
+  /// To be called when something else has changed the values.
+  void hasChanged() noexcept { told_ = false; }
+  /// Publishes the values, if they changed since the last call.
+  void publish();
+  /// Writes the parameters that changed since the last call.
+  void writeParameters();
 
  private:
   bool onRequest(dynamic_reconfigure::Reconfigure::Request& request,
@@ -51,8 +54,10 @@ class ReconfigureServer {
   Apply apply_;
   std::string note_name_;
   Note note_;
-  std::set<std::string> changed_;  // not written to the master yet
-  bool told_ = false;              // the values were published since they changed
+  // Parameters that are not written to the master yet.
+  std::set<std::string> changed_;
+  // True when the values were published since they changed.
+  bool told_ = false;
   ros::Publisher description_publisher_;
   ros::Publisher update_publisher_;
   ros::ServiceServer service_;

@@ -14,8 +14,10 @@ constexpr double kNoise = 0.01;
 
 constexpr int kMostPeriods = 1000000;
 
-constexpr double kCouplingVariance = 1.0;  // of the given one, which may be the wrong end; and at most
-constexpr double kCouplingNoise = 0.003;   // of an angle's change in a period [rad]
+// First and greatest variance of the coupling: the given one may be at the wrong end of 0 .. 1.
+constexpr double kCouplingVariance = 1.0;
+// Standard deviation of the noise of an angle's change in a period [rad].
+constexpr double kCouplingNoise = 0.003;
 
 /// angle' = (gain (u - trim) - angle) / time, with the trim as the disturbance.
 DisturbanceObserver makeLoop(double gain, double time, const MultirotorOptions& options) {

@@ -7,9 +7,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kGreatestAcceleration = 20.0;  // that a vehicle is granted between two samples [m/s^2]
-constexpr double kGreatestAngularAcceleration = 20.0;  // likewise, beyond what its rates say [rad/s^2]
-constexpr double kOtherWay = 0.2;  // of positions and velocities that are of different frames [m/s]
+// Greatest acceleration of a vehicle between two samples [m/s^2].
+constexpr double kGreatestAcceleration = 20.0;
+// Greatest angular acceleration, beyond what the vehicle's rates say [rad/s^2].
+constexpr double kGreatestAngularAcceleration = 20.0;
+// Least velocity difference that shows positions and velocities of different frames [m/s].
+constexpr double kOtherWay = 0.2;
 constexpr double kPi = 3.14159265358979323846;
 
 // Where the body rates of both samples lead from the attitude of the first one.

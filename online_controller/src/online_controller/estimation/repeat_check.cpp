@@ -6,13 +6,20 @@
 namespace polyfly {
 namespace {
 
-constexpr double kMovingSpeed = 0.2;     // means motion [m/s]
-constexpr double kTurningRate = 0.2;     // likewise [rad/s]
-constexpr double kSameTwist = 1e-9;      // what turning a velocity into the body may round [SI]
-constexpr double kOtherTilt = 0.05;      // of two commands [rad]
-constexpr double kOtherYawRate = 0.1;    // [rad/s]
-constexpr double kCarryingShare = 0.95;  // of the weight: with less thrust it may stand
-constexpr double kLiftingShare = 1.2;    // with more thrust it cannot stand
+// Speed above which the vehicle moves [m/s].
+constexpr double kMovingSpeed = 0.2;
+// Rate above which the vehicle turns [rad/s].
+constexpr double kTurningRate = 0.2;
+// Greatest rounding when a velocity is turned into the body frame [SI].
+constexpr double kSameTwist = 1e-9;
+// Difference of tilt above which two commands ask for different motions [rad].
+constexpr double kOtherTilt = 0.05;
+// Difference of yaw rate above which two commands ask for different motions [rad/s].
+constexpr double kOtherYawRate = 0.1;
+// Share of the weight; with less thrust the vehicle may stand.
+constexpr double kCarryingShare = 0.95;
+// Share of the weight; with more thrust the vehicle cannot stand.
+constexpr double kLiftingShare = 1.2;
 
 bool isSamePose(const VehicleState& a, const VehicleState& b) noexcept {
   return a.position == b.position && a.attitude.coeffs() == b.attitude.coeffs();

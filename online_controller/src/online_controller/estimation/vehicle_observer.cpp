@@ -8,7 +8,8 @@
 namespace polyfly {
 namespace {
 
-constexpr double kLeastCosine = 0.1;  // of the pitch, for the rate of yaw
+// Least cosine of the pitch, for the rate of yaw.
+constexpr double kLeastCosine = 0.1;
 
 /// angle' = rate, rate' = stiffness angle + damping rate + gain u + moment.
 DisturbanceObserver makeLoop(double stiffness, double damping, double gain,

@@ -7,8 +7,10 @@ namespace {
 
 constexpr double kWindow = 1.0;      // [s]
 constexpr double kLongestGap = 0.5;  // [s]
-constexpr double kFreeGap = 0.2;     // what an estimator may correct in a window [m]
-constexpr double kFreeShare = 0.3;   // and of the way
+// Distance that an estimator may correct in a window [m].
+constexpr double kFreeGap = 0.2;
+// Share of the way that an estimator may correct in addition.
+constexpr double kFreeShare = 0.3;
 constexpr int kWindowsMissed = 2;
 
 }  // namespace

@@ -10,8 +10,9 @@
 namespace polyfly {
 namespace {
 
-constexpr double kHoverSpeed = 0.3;   // [m/s]
-constexpr int kMostReferences = 128;  // that a law made from other options may read
+constexpr double kHoverSpeed = 0.3;  // [m/s]
+// Greatest number of references that a law made from other options may read.
+constexpr int kMostReferences = 128;
 
 const FlightOptions& checked(const FlightOptions& options) {
   checkFlightOptions(options);

@@ -77,7 +77,8 @@ TiltModel tiltModel(const std::array<Axis, 3>& axes) {
 ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
   if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
   if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
-  switch (report.lookup) {  // of an axis that has its answer, the map's or else the online law's
+  // The axis has its answer here, from the map or else from the online law.
+  switch (report.lookup) {
     case LookupStatus::kOutsideBox:
       return ControlReason::kOutsideBox;
     case LookupStatus::kOutsidePartition:

@@ -10,7 +10,8 @@
 namespace polyfly {
 namespace {
 
-constexpr int kFirstIterations = 4;  // from a cold start
+// Number of iterations from a cold start.
+constexpr int kFirstIterations = 4;
 // A state this far from the predicted one is none that the last solution can be continued to.
 constexpr double kFarPosition = 1.0;   // [m]
 constexpr double kFarVelocity = 2.0;   // [m/s]
@@ -241,7 +242,8 @@ bool NonlinearController::solve(const MultirotorState& x, int periods) noexcept 
     matchStages();
     startIteration(x);
     prepared_ = false;
-  } else if (periods != 1 || !prepared_) {  // the preparation, if any, was for one period
+  } else if (periods != 1 || !prepared_) {
+    // The preparation, if any, was for one period.
     matchStages();
     const int more = periods - (prepared_ ? 1 : 0);
     mpc_.shift(std::clamp(more * share, 0.0, 1.0));

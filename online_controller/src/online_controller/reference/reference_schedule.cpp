@@ -25,7 +25,8 @@ void ReferenceSchedule::set(ReferenceTrajectory trajectory, std::optional<double
   if (trajectory.empty()) return;
   compact();
   if (!start) {
-    count_ = count_ > 0 ? 2 : 1;  // the one in force goes on until the next sample
+    // The trajectory in force goes on until the next sample.
+    count_ = count_ > 0 ? 2 : 1;
     last() = {std::move(trajectory), start};
     return;
   }
@@ -65,7 +66,8 @@ void ReferenceSchedule::advance(double time) noexcept {
     Entry& next = entries_[first_ + 1];
     if (!next.start) next.start = time - next.trajectory.startTime();
     if (time < next.begin()) break;
-    ++first_;  // what was in force is freed by a later call of set, not here
+    // The old trajectory is freed by a later call of set, not here.
+    ++first_;
     --count_;
   }
 }

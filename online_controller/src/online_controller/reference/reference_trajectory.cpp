@@ -90,7 +90,8 @@ void complete(std::vector<TrajectorySample>& samples) {
   }
   if (samples.size() < 2) return;
   std::vector<int> sides(samples.size(), 0);
-  std::size_t first = 0;  // the last sample with a velocity, or the very first
+  // Last sample with a velocity, or the very first sample.
+  std::size_t first = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (!samples[i].has_velocity && i + 1 < samples.size()) continue;
     const bool all_given = i == first + 1 && samples[first].has_velocity && samples[i].has_velocity;
