@@ -1,5 +1,6 @@
 #include "validation_ros/validation_topics.hpp"
 
+#include <console_bridge/console.h>
 #include <std_msgs/Float64.h>
 #include <visualization_msgs/Marker.h>
 
@@ -28,7 +29,7 @@ ValidationTopics::ValidationTopics(const std::string& path) : path_(path), draft
   try {
     bag_->open(draft_.path(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException& failure) {
-    bag_.release();  // see closeBag
+    abandonBag();
     fail(failure);
   }
 }
@@ -42,13 +43,18 @@ ValidationTopics::~ValidationTopics() {
 }
 
 // The destructor of a bag tries again to close what could not be closed, and throws: such a bag is left
-// alone.
+// alone. At the end of the program, class_loader would warn that the bag's plug-in is still in use.
+void ValidationTopics::abandonBag() {
+  bag_.release();
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
+}
+
 void ValidationTopics::closeBag() {
   if (!bag_) return;
   try {
     bag_->close();
   } catch (const rosbag::BagException&) {
-    bag_.release();
+    abandonBag();
     throw;
   }
   bag_.reset();

@@ -39,6 +39,7 @@ class ValidationTopics {
                  std::size_t index);
   void writePath(const std::vector<polyfly::ReplaySample>& samples);
   void number(const std::string& topic, double stamp, double value);
+  void abandonBag();
   void closeBag();
   [[noreturn]] void fail(const rosbag::BagException& failure) const;
 
