@@ -15,7 +15,6 @@
 namespace polyfly::bench {
 namespace {
 
-
 // Sets a flag after some seconds unless it ends before.
 class Alarm {
  public:

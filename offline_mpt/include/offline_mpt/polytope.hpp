@@ -51,7 +51,8 @@ class PolytopeSolver {
   bool support(const double* rows, int count, const double* interior, const double* direction, double* point);
 
   /// As `support`, with fewer pivots: the first ones already climb. `point` may be another of several maximisers.
-  bool furthest(const double* rows, int count, const double* interior, const double* direction, double* point);
+  bool furthest(const double* rows, int count, const double* interior, const double* direction,
+                double* point);
 
   /// Pivots since construction.
   unsigned long long pivots() const;
