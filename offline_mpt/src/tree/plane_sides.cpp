@@ -1,7 +1,5 @@
 #include "tree/plane_sides.hpp"
 
-#include <algorithm>
-
 namespace polyfly {
 namespace {
 
@@ -34,16 +32,6 @@ struct Kernels {
     return sum(p, [&](std::size_t j) { return plane[j] * point[j]; }) - plane[kP != 0 ? kP : p];
   }
 
-  static unsigned ofBox(const double* plane, const double* low, const double* high, double tolerance,
-                        std::size_t p) {
-    const double bound = plane[kP != 0 ? kP : p];
-    const double least =
-        sum(p, [&](std::size_t j) { return std::min(plane[j] * low[j], plane[j] * high[j]); });
-    const double greatest =
-        sum(p, [&](std::size_t j) { return std::max(plane[j] * low[j], plane[j] * high[j]); });
-    return (least - bound < -tolerance ? kBelow : 0u) | (greatest - bound > tolerance ? kAbove : 0u);
-  }
-
   static unsigned ofPoints(const double* plane, const double* points, std::size_t count, double tolerance,
                            unsigned possible, unsigned sides, std::size_t p) {
     const std::size_t n = kP != 0 ? kP : p;
@@ -54,7 +42,7 @@ struct Kernels {
     return sides;
   }
 
-  static PlaneSides all() { return {distance, ofBox, ofPoints}; }
+  static PlaneSides all() { return {distance, ofPoints}; }
 };
 
 }  // namespace

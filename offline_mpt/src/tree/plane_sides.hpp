@@ -13,10 +13,6 @@ struct PlaneSides {
   /// a . t - c
   double (*distance)(const double* plane, const double* point, std::size_t p);
 
-  /// Sides further than `tolerance` from the plane that the box low .. high reaches.
-  unsigned (*ofBox)(const double* plane, const double* low, const double* high, double tolerance,
-                    std::size_t p);
-
   /// Sides further than `tolerance` from the plane on which one of `count` points lies, added to `sides`; the
   /// search ends as soon as these are the `possible` ones.
   unsigned (*ofPoints)(const double* plane, const double* points, std::size_t count, double tolerance,
