@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <thread>
 
+#include "mpc_core/parametric_program.hpp"
 #include "mpi_group.hpp"
 #include "polyfly_base/write_file.hpp"
 
@@ -15,6 +17,11 @@ int defaultThreads() {
   const int all = static_cast<int>(::sysconf(_SC_NPROCESSORS_ONLN));
   const int mine = static_cast<int>(std::thread::hardware_concurrency());
   return std::clamp(std::min(mine, all / launchedHere()), 1, 256);
+}
+
+void printRemarks(const std::string& problem, const ParametricProgram& program) {
+  for (const std::string& remark : program.remarks)
+    std::fprintf(stderr, "offline_mpt: %s: %s\n", problem.c_str(), remark.c_str());
 }
 
 void writeText(const std::string& path, const std::string& text) { writeFileAtomically(path, text); }

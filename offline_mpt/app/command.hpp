@@ -9,6 +9,8 @@
 
 namespace polyfly {
 
+struct ParametricProgram;
+
 /// What the program returns to the shell.
 enum class ExitCode {
   kDone = 0,
@@ -40,6 +42,9 @@ void addExploreLimits(CLI::App& command, int& threads, double& time_limit, std::
 
 /// Number of processors, at least 1; under an MPI launcher this process's share of them.
 int defaultThreads();
+
+/// Prints what the author of the problem may not have meant, a line each, on standard error.
+void printRemarks(const std::string& problem, const ParametricProgram& program);
 
 /// Writes a text as writeFileAtomically does. Throws Error.
 void writeText(const std::string& path, const std::string& text);

@@ -112,6 +112,7 @@ ExitCode count(const CountArguments& options) {
   checkOutputs({{options.stats}, {options.count.proof, Output::Kind::kFile}},
                filesOfProblem(options.problem));
   const ParametricProgram program = loadProgram(options.problem);
+  printRemarks(options.problem, program);
   const CountResult result = countWithProgress(program, options);
   if (result.status == ExploreStatus::kInfeasible)
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");

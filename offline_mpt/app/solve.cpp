@@ -310,6 +310,7 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   Stopwatch watch;
   Seconds seconds;
   const ParametricProgram program = loadProgram(options.problem);
+  if (!options.quiet) printRemarks(options.problem, program);
   seconds.load = watch.lap();
   const Partition partition = exploreWithProgress(program, options, session.group());
   seconds.explore = watch.lap();

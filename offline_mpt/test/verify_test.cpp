@@ -244,10 +244,13 @@ TEST_F(Verify, RefusesAProblemOfOtherSignals) {
   renamed.parameters[1].name = "wind";
   ParametricProgram wider = program;
   wider.parameters[0].upper = 2.0;
+  ParametricProgram bounded = program;
+  bounded.inputs[0].upper = 0.5;
   ParametricProgram fewer = madeProgram(kSeed, {2, 10, 2});
   const std::pair<const ParametricProgram*, const char*> cases[] = {
       {&renamed, "the problem has 'wind'"},
       {&wider, "ranges of map and problem differ"},
+      {&bounded, "ranges of map and problem differ"},
       {&fewer, "the problem has 2"}};
   for (const auto& [other, message] : cases) {
     try {

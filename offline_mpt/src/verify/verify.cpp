@@ -63,8 +63,14 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   total.oracle_iterations = std::max(total.oracle_iterations, part.oracle_iterations);
 }
 
+/// Equal up to rounding. Both may be infinite: no bound.
+bool sameBound(double in_map, double in_program) {
+  if (!std::isfinite(in_map) || !std::isfinite(in_program)) return in_map == in_program;
+  return std::abs(in_map - in_program) <= kSameRange * std::max(1.0, std::abs(in_program));
+}
+
 void requireSame(const std::string& where, const std::vector<Signal>& in_map,
-                 const std::vector<Signal>& in_program, const std::string& what, bool ranges) {
+                 const std::vector<Signal>& in_program, const std::string& what) {
   if (in_map.size() != in_program.size()) {
     throw Error(where + ": " + what + ": the map has " + std::to_string(in_map.size()) +
                 ", the problem has " + std::to_string(in_program.size()));
@@ -75,9 +81,7 @@ void requireSame(const std::string& where, const std::vector<Signal>& in_map,
       throw Error(where + ": " + what + " " + std::to_string(i + 1) + ": the map has '" + a.name +
                   "', the problem has '" + b.name + "'");
     }
-    if (!ranges) continue;
-    const double scale = kSameRange * std::max({1.0, std::abs(b.lower), std::abs(b.upper)});
-    if (std::abs(a.lower - b.lower) > scale || std::abs(a.upper - b.upper) > scale) {
+    if (!sameBound(a.lower, b.lower) || !sameBound(a.upper, b.upper)) {
       throw Error(where + ": " + what + " '" + a.name + "': the ranges of map and problem differ");
     }
   }
@@ -317,8 +321,8 @@ bool VerifyReport::passed() const {
 
 VerifyReport verify(const RegionMap& map, const ParametricProgram& program, const VerifyOptions& options) {
   checkProgram(program);
-  requireSame(map.path(), map.parameters(), program.parameters, "parameters", true);
-  requireSame(map.path(), map.inputs(), program.inputs, "inputs", false);
+  requireSame(map.path(), map.parameters(), program.parameters, "parameters");
+  requireSame(map.path(), map.inputs(), program.inputs, "inputs");
 
   const int threads = std::clamp(options.threads, 1, 256);
   std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, options));

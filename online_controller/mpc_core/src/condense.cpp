@@ -1,5 +1,7 @@
 #include <Eigen/Core>
 #include <cmath>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
@@ -166,6 +168,23 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
   rows.store(program, n, p);
 }
 
+// Where the input cannot hold its reference, bounds are active at many steps, in very many combinations.
+std::vector<std::string> remarksOn(const MpcProblem& problem) {
+  std::vector<std::string> remarks;
+  for (const MpcProblem::Parameter& parameter : problem.parameters) {
+    if (parameter.role != ParameterRole::kInputReference) continue;
+    const Signal& input = problem.inputs[static_cast<std::size_t>(parameter.index)];
+    const Signal& reference = parameter.signal;
+    if (reference.lower >= input.lower && reference.upper <= input.upper) continue;
+    std::ostringstream text;
+    text << "parameters: " << reference.name << ": its range " << reference.lower << " .. " << reference.upper
+         << " exceeds the bounds " << input.lower << " .. " << input.upper << " of " << input.name
+         << ": no input holds such a reference, and the regions may become very many";
+    remarks.push_back(text.str());
+  }
+  return remarks;
+}
+
 }  // namespace
 
 ParametricProgram condense(const MpcProblem& problem) {
@@ -186,6 +205,7 @@ ParametricProgram condense(const MpcProblem& problem) {
   program.E = Eigen::MatrixXd::Identity(nu, program.H.rows());
   program.C = selectors.reference;
   program.c = Eigen::VectorXd::Zero(nu);
+  program.remarks = remarksOn(problem);
   checkProgram(program);
   return program;
 }

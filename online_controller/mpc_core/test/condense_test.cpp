@@ -289,6 +289,18 @@ TEST(Condense, CarriesNamesBoxesBoundsAndText) {
   EXPECT_EQ(again.S, program.S);
 }
 
+TEST(Condense, RemarksOnReferencesThatNoInputHolds) {
+  MpcProblem problem = loadProblem(problemFile("multirotor_lateral.yaml"));
+  EXPECT_TRUE(condense(problem).remarks.empty());
+  for (MpcProblem::Parameter& parameter : problem.parameters) {
+    if (parameter.role == ParameterRole::kInputReference) parameter.signal.upper = 2.0;
+  }
+  const std::vector<std::string> remarks = condense(problem).remarks;
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("phi_cmd_ref: its range -0.25 .. 2 exceeds the bounds"), std::string::npos)
+      << remarks[0];
+}
+
 TEST(Condense, EqualsTheReferenceProblem) {
   const std::string path = referenceData("rmpc/lmpc_N20_5.json");
   if (path.empty()) GTEST_SKIP() << "the reference data are absent";

@@ -34,6 +34,9 @@ struct ParametricProgram {
   Eigen::MatrixXd S;  ///< m x p
   std::vector<int> equalities;
 
+  /// Sentences about what the author of the problem may not have meant.
+  std::vector<std::string> remarks;
+
   /// The p parameters, with the box lower .. upper.
   std::vector<Signal> parameters;
   Eigen::MatrixXd A_theta;  ///< k x p, may have no rows
