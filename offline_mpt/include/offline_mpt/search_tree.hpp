@@ -59,7 +59,7 @@ struct TreeOptions {
   /// Look-ups test all rows of a candidate: the leaves of the map will not name any, and `tests` stays empty.
   bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
-  double side_tolerance = 1e-9;
+  double side_tolerance = 1e-12;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
   /// Set from outside to end early, with the tree as far as it has grown.

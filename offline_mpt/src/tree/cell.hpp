@@ -22,7 +22,8 @@ struct CellMember {
 /// A node of the search tree that is not split yet.
 struct Cell {
   std::vector<CellMember> members;
-  std::uint32_t depth = 0;
+  /// Rows of the planes on the way to it, as MapContent::rows refers to them. They hold inside.
+  std::vector<std::int32_t> path;
 };
 
 /// The plane that a row refers to.

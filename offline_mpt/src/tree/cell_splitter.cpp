@@ -16,6 +16,8 @@ constexpr std::size_t kPlanesTried = 3;
 constexpr std::size_t kManyMembers = 200;
 // Planes tried before a cell counts as one that no plane divides.
 constexpr std::size_t kMostTried = 64;
+// Where no member reaches further across a plane, the cell would have a flat side. Only rounding leads there [scaled].
+constexpr double kFlat = 1e-7;
 // Members that a thread takes at once.
 constexpr std::uint64_t kChunk = 64;
 
@@ -72,15 +74,20 @@ std::uint64_t CellSplitter::pivots() const {
   return sum;
 }
 
+void CellSplitter::finishLeaf(Cell& cell, std::size_t thread) {
+  if (all_rows_) return;
+  for (CellMember& member : cell.members) solvers_[thread].addRowsForTolerance(member, cell.path);
+}
+
 std::optional<CellSplit> CellSplitter::split(Cell& cell, std::size_t thread) {
   MemberSolver& solver = solvers_[thread];
-  return splitWith(cell, [&](std::size_t count, const auto& work) {
+  return splitWith(cell, solver, [&](std::size_t count, const auto& work) {
     for (std::size_t i = 0; i < count; ++i) work(solver, i);
   });
 }
 
 std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
-  return splitWith(cell, [&](std::size_t count, const auto& work) {
+  return splitWith(cell, solvers_.front(), [&](std::size_t count, const auto& work) {
     const std::uint64_t chunks = (count + kChunk - 1) / kChunk;
     inParallel(chunks, threads_, nullptr, {}, [&](std::size_t thread, std::uint64_t chunk) {
       const std::size_t end = std::min<std::size_t>(count, (chunk + 1) * kChunk);
@@ -90,7 +97,7 @@ std::optional<CellSplit> CellSplitter::splitTogether(Cell& cell) {
 }
 
 template <class ForEach>
-std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, const ForEach& for_each) {
+std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each) {
   if (cell.members.size() < 2) return std::nullopt;
   std::vector<Estimate> estimates = estimate(cell);
   std::sort(estimates.begin(), estimates.end(),
@@ -107,12 +114,29 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, const ForEach& for_
     });
     for (std::size_t k = 0; k < sides.size(); ++k)
       exact.add(sides[k], testsBesides(cell.members[k], exact.plane));
-    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best))) continue;
+    if (exact.fuller() + 1 >= all || (best && !exact.isBetterThan(*best)) ||
+        hasFlatSide(cell, exact.plane, sides, own))
+      continue;
     best = exact;
     best_sides = sides;
   }
   if (!best) return std::nullopt;
   return divide(cell, best->plane, best_sides, for_each);
+}
+
+bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                               MemberSolver& solver) const {
+  for (const unsigned side : {kBelow, kAbove}) {
+    bool is_empty = true, is_flat = true;
+    for (std::size_t k = 0; k < sides.size() && is_flat; ++k) {
+      if ((sides[k] & side) == 0) continue;
+      is_empty = false;
+      is_flat = solver.reachOf(cell.members[k], plane, side) < kFlat;
+    }
+    if (is_empty) is_flat = solver.depthOf(cell, plane, side) < kFlat;
+    if (is_flat) return true;
+  }
+  return false;
 }
 
 std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) const {
@@ -158,7 +182,10 @@ CellSplit CellSplitter::divide(Cell& cell, std::size_t plane, const std::vector<
   });
   CellSplit split;
   split.plane = plane;
-  split.below.depth = split.above.depth = cell.depth + 1;
+  const auto row = static_cast<std::int32_t>(plane) + 1;
+  split.below.path = split.above.path = cell.path;
+  split.below.path.push_back(row);
+  split.above.path.push_back(-row);
   for (std::size_t k = 0; k < cell.members.size(); ++k) {  // those on no side only touch the plane
     if (sides[k] == kBoth) split.above.members.push_back(std::move(above[k]));
     if ((sides[k] & kBelow) != 0) split.below.members.push_back(std::move(cell.members[k]));

@@ -38,6 +38,9 @@ class CellSplitter {
   /// The same with all threads, for a cell with many members.
   std::optional<CellSplit> splitTogether(Cell& cell);
 
+  /// Completes the rows to test of a leaf's members, see MemberSolver::addRowsForTolerance.
+  void finishLeaf(Cell& cell, std::size_t thread);
+
   std::uint64_t pivots() const;
 
  private:
@@ -55,7 +58,9 @@ class CellSplitter {
   std::size_t tests(const CellMember& member) const;
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
-  std::optional<CellSplit> splitWith(Cell& cell, const ForEach& for_each);
+  std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
+  bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
+                   MemberSolver& solver) const;
   std::vector<Estimate> estimate(const Cell& cell) const;
   std::vector<std::size_t> planesOf(const Cell& cell, std::size_t step) const;
   template <class ForEach>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "region_maps/format.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -12,6 +14,11 @@ constexpr std::size_t kPoints = 10;
 // Rows that others imply up to this are dropped [scaled]. It is far below a map's tolerance, so that dropped rows do
 // not change which candidate is the nearest.
 constexpr double kImplied = 1e-12;
+// Tolerances of a look-up by which rows that are not tested may be violated. A certificate proves 8; the rest is for
+// rounding and for the tolerance at the sides of the box.
+constexpr double kReach = 5.0;
+// By how much a parameter may have missed a plane on the way to a cell, by rounding [scaled].
+constexpr double kMissed = 1e-13;
 // Difference from a side of the box up to which a row counts as that side [scaled].
 constexpr double kSameAsBox = 1e-12;
 
@@ -62,6 +69,43 @@ unsigned MemberSolver::seenSides(const CellMember& member, std::size_t plane) co
   return kernels_.ofPoints(row, member.points.data(), member.points.size() / p, tolerance_, kBoth, sides, p);
 }
 
+double MemberSolver::reachOf(const CellMember& member, std::size_t plane, unsigned side) const {
+  const std::size_t p = parameters();
+  double reach = sign(side) * kernels_.distance(this->plane(plane), member.inner.data(), p);
+  for (std::size_t k = 0; k < member.points.size(); k += p)
+    reach = std::max(reach, sign(side) * kernels_.distance(this->plane(plane), member.points.data() + k, p));
+  return reach;
+}
+
+// The greatest depth t in the rows a^T theta + t <= b of the cell, the plane and the box.
+double MemberSolver::depthOf(const Cell& cell, std::size_t plane, unsigned side) {
+  const std::size_t p = parameters();
+  rows_.clear();
+  for (const std::int32_t row : cell.path) gatherRow(row, 0.0);
+  const auto beyond = static_cast<std::int32_t>(plane) + 1;
+  gatherRow(side == kBelow ? beyond : -beyond, 0.0);
+  for (std::size_t side_of_box = 0; side_of_box < 2 * p; ++side_of_box) {
+    rows_.resize(rows_.size() + p + 1, 0.0);
+    rows_[rows_.size() - 1 - p + side_of_box / 2] = side_of_box % 2 == 0 ? 1.0 : -1.0;
+    rows_.back() = 1.0;
+  }
+  std::vector<double> deeper, start = cell.members.front().inner, direction(p + 1, 0.0), point(p + 1);
+  start.push_back(std::numeric_limits<double>::infinity());
+  for (auto row = rows_.begin(); row != rows_.end(); row += static_cast<std::ptrdiff_t>(p) + 1) {
+    double slack = row[static_cast<std::ptrdiff_t>(p)];
+    for (std::size_t j = 0; j < p; ++j) slack -= row[static_cast<std::ptrdiff_t>(j)] * start[j];
+    start.back() = std::min(start.back(), slack);
+    deeper.insert(deeper.end(), row, row + static_cast<std::ptrdiff_t>(p));
+    deeper.insert(deeper.end(), {1.0, row[static_cast<std::ptrdiff_t>(p)]});
+  }
+  direction.back() = 1.0;
+  PolytopeSolver solver(static_cast<int>(p) + 1);
+  const int count = static_cast<int>(deeper.size() / (p + 2));
+  if (!solver.furthest(deeper.data(), count, start.data(), direction.data(), point.data()))
+    return -std::numeric_limits<double>::infinity();
+  return point.back();
+}
+
 unsigned MemberSolver::sides(CellMember& member, std::size_t plane) {
   const auto row = static_cast<std::int32_t>(plane) + 1;
   for (const std::int32_t own : member.rows) {
@@ -84,8 +128,49 @@ void MemberSolver::gatherRows(const CellMember& member) {
       const double* const a = plane(planeOf(row));
       const double factor = row > 0 ? 1.0 : -1.0;
       for (std::size_t j = 0; j < width; ++j) *out++ = factor * a[j];
+      if (list == &member.walls) out[-1] += kMissed;
     }
   }
+}
+
+void MemberSolver::gatherRow(std::int32_t row, double moved) {
+  const std::size_t p = parameters();
+  const double* const a = plane(planeOf(row));
+  const double factor = row > 0 ? 1.0 : -1.0;
+  for (std::size_t j = 0; j < p; ++j) rows_.push_back(factor * a[j]);
+  rows_.push_back(factor * a[p] + moved);
+}
+
+// Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
+// tolerance.
+void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
+  const std::size_t p = parameters();
+  const std::vector<std::int32_t>& all = regions_.rows[member.region];
+  rows_.clear();
+  for (const std::int32_t row : path) gatherRow(row, kMissed);
+  for (const std::int32_t row : all) {
+    if (boundsBox(row)) gatherRow(row, 0.0);
+  }
+  for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
+  std::vector<std::int32_t> tested;
+  std::size_t next = 0;  // of member.rows, which are in the order of `all`
+  for (const std::int32_t row : all) {
+    if (next < member.rows.size() && member.rows[next] == row) {
+      tested.push_back(row);
+      ++next;
+    } else if (!boundsBox(row) && std::find(path.begin(), path.end(), row) == path.end()) {
+      const double* const a = plane(planeOf(row));
+      const double factor = row > 0 ? 1.0 : -1.0;
+      for (std::size_t j = 0; j < p; ++j) direction_[j] = factor * a[j];
+      const int count = static_cast<int>(rows_.size() / (p + 1));
+      if (solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data()) &&
+          factor * kernels_.distance(a, point_.data(), p) <= kReach * format::kMaxTolerance)
+        continue;
+      tested.push_back(row);
+      gatherRow(row, format::kMaxTolerance);
+    }
+  }
+  member.rows = std::move(tested);
 }
 
 // Finds the member's point that is furthest out on a side of the plane (-1: below, 1: above), and keeps it.

@@ -22,6 +22,12 @@ class MemberSolver {
   /// Sides of the plane on which known points of the member lie, further away than the tolerance.
   unsigned seenSides(const CellMember& member, std::size_t plane) const;
 
+  /// How far known points of the member lie on a side of the plane, kBelow or kAbove; negative where none does.
+  double reachOf(const CellMember& member, std::size_t plane, unsigned side) const;
+
+  /// Depth of the deepest point of a cell on a side of the plane, within the box. If it is not decided it is -inf.
+  double depthOf(const Cell& cell, std::size_t plane, unsigned side);
+
   /// Sides of the plane to which the member reaches, further than the tolerance. A point on each such side is kept
   /// in the member.
   unsigned sides(CellMember& member, std::size_t plane);
@@ -33,6 +39,10 @@ class MemberSolver {
   /// Makes a member that reaches to one side only a member of the cell on that side.
   void enter(CellMember& member, std::size_t plane, unsigned side) const;
 
+  /// Adds to the rows to test of a member of a leaf those that a parameter may violate by more than 5 tolerances of a
+  /// look-up, while it violates the others by at most one. `path` has the planes on the way to the leaf.
+  void addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path);
+
   /// Simplex pivots since construction.
   std::uint64_t pivots() const { return solver_.pivots(); }
 
@@ -41,6 +51,7 @@ class MemberSolver {
   const double* plane(std::size_t index) const { return regions_.planes.data() + index * (parameters() + 1); }
   bool boundsBox(std::int32_t row) const;
   void gatherRows(const CellMember& member);
+  void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
   void dropImplied(CellMember& member);
   void addPoints(CellMember& member);

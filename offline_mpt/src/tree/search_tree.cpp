@@ -107,6 +107,7 @@ class TreeGrower {
       if (!end) splitBatch(takeBatch());
       reportProgress();
     }
+    finishLeaves();
     SearchTree tree = layOut();
     tree.end = *end;
     return tree;
@@ -126,7 +127,7 @@ class TreeGrower {
   };
 
   void addCell(Cell cell, std::uint32_t number) {
-    const std::uint64_t cost = cell.depth + splitter_.tests(cell);
+    const std::uint64_t cost = cell.path.size() + splitter_.tests(cell);
     bytes_ += bytesOf(cell);
     cells_.push_back(std::make_unique<Cell>(std::move(cell)));
     split_by_.push_back(kUnsplit);
@@ -183,6 +184,12 @@ class TreeGrower {
       options_.progress(std::min<std::uint64_t>(nodes_.size(), limit_.nodes()), limit_.nodes());
   }
 
+  void finishLeaves() {
+    inParallel(cells_.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t cell) {
+      if (cells_[cell]) splitter_.finishLeaf(*cells_[cell], thread);
+    });
+  }
+
   /// Nodes in the order of descents, below first.
   SearchTree layOut() {
     SearchTree tree;
@@ -204,7 +211,7 @@ class TreeGrower {
 
   std::uint32_t addLeaf(const Cell& cell, SearchTree& tree) const {
     const auto index = static_cast<std::uint32_t>(tree.leaves.size());
-    tree.depth = std::max(tree.depth, cell.depth);
+    tree.depth = std::max(tree.depth, static_cast<std::uint32_t>(cell.path.size()));
     tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()),
                            static_cast<std::uint32_t>(cell.members.size())});
     for (const CellMember& member : cell.members) {
