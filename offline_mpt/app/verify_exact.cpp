@@ -1,5 +1,6 @@
 #include "verify_exact.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 
@@ -26,14 +27,14 @@ class Watch {
 
   void look(std::uint64_t done, std::uint64_t total) {
     if (stopOnSignal() || (limit_ > 0.0 && progress_.elapsed() > limit_)) stop_ = true;
-    // The second half, what lies behind the facets, may take longer than the first: no forecast before it.
-    const bool second = 2 * done > total;
+    const std::uint64_t regions = std::max<std::uint64_t>(1, total / 3);
+    const std::uint64_t part = std::min<std::uint64_t>(2, done / regions);
+    static constexpr const char* kParts[] = {"conditions of ", "facets of ", "look-ups of "};
+    // Later parts may take longer than the first: no forecast before them.
     const double remaining =
-        second ? progress_.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
-    const std::uint64_t regions = total / 2;
+        part > 0 ? progress_.elapsed() * static_cast<double>(total - done) / static_cast<double>(done) : -1.0;
     progress_.show(
-        (second ? "facets of " + std::to_string(done - regions) : "conditions of " + std::to_string(done)) +
-            " of " + std::to_string(regions) + " regions",
+        kParts[part] + std::to_string(done - part * regions) + " of " + std::to_string(regions) + " regions",
         remaining, true);
   }
 

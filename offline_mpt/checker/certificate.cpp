@@ -16,7 +16,7 @@ const char* const kHead[] = {"map",     "problem", "tolerances", "equalities", "
 Certificate::Certificate(const std::string& text, const Map& map) : map_(map), scaling_(map) {
   std::istringstream lines(unsealed(text));
   std::string line;
-  require(std::getline(lines, line) && line == "polyfly certificate 3", "not a certificate of version 3");
+  require(std::getline(lines, line) && line == "polyfly certificate 4", "not a certificate of version 4");
   claims_.reserve(map.regions.size());
   Claim* claim = nullptr;
   while (std::getline(lines, line)) readLine(line, claim);
@@ -28,6 +28,11 @@ Certificate::Certificate(const std::string& text, const Map& map) : map_(map), s
 void Certificate::readLine(const std::string& text, Claim*& claim) {
   Line line(text);
   const std::string key = line.word();
+  if (key == "drop" || key == "leaf" || key == "outside" || key == "near" || key == "beyond" ||
+      key == "sliver") {
+    lookups_.push_back(text);
+    return;
+  }
   if (std::find(std::begin(kHead), std::end(kHead), key) != std::end(kHead))
     require(head_.insert(key).second, key + " is given twice");
   if (key == "map") {
@@ -144,6 +149,9 @@ std::string Certificate::conditions() const {
       "differences from the exact solution: law at most %g (relative), planes at most %g (scaled)\n",
       law_tolerance_.get_d(), plane_tolerance_.get_d());
   std::string text = line;
+  std::snprintf(line, sizeof line, "look-ups: half-spaces are violated by at most %g (scaled)\n",
+                8 * map_.tolerance);
+  text += line;
   const auto slivers = claims_.size() - map_.regions.size();
   if (slivers > 0)
     text +=

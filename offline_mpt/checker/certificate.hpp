@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "lookups.hpp"
 #include "program.hpp"
 
 namespace checker {
@@ -46,6 +47,8 @@ struct Region {
   std::vector<Row> listed;
   /// Number of listed rows that are rows of the map.
   std::size_t own = 0;
+  /// Greatest difference between a row of the map and its condition.
+  Fraction plane_error;
   Vector law;
 };
 
@@ -94,10 +97,13 @@ class Certificate {
   std::vector<Row> coveringRows(const Region& region, bool of_sliver) const;
   const Region& checkedRegion(std::size_t index) const;
   void checkPoint(const Claim& claim, const Region& region) const;
-  void checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const;
-  void checkSliver(std::size_t index, const Region& region) const;
+  FacetBehind checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const;
+  /// The regions that cover it.
+  std::set<std::size_t> checkSliver(std::size_t index, const Region& region) const;
   void checkEdge(Line& line, const Row& plane) const;
-  void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const;
+  void checkCover(Line& line, const Row* plane, std::vector<const Row*> cell,
+                  std::vector<std::size_t>& used) const;
+  void checkLookups(const std::vector<ProvenRegion>& regions) const;
 
   const Map& map_;
   /// Keys of the head lines that were read.
@@ -120,6 +126,8 @@ class Certificate {
   bool singular_ = false;
   /// Regions of the map, then slivers.
   std::vector<Claim> claims_;
+  /// Lines about look-ups.
+  std::vector<std::string> lookups_;
   /// Some checked regions, to be used again.
   mutable std::map<std::size_t, Region> checked_;
 };

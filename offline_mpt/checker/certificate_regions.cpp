@@ -69,6 +69,7 @@ void Certificate::checkMapRows(std::size_t index, Region& region) const {
     const Fraction factor = mapped[k] / exact[k];
     for (std::size_t j = 0; j <= p_; ++j) difference += abs(mapped[j] - factor * exact[j]);
     require(difference <= plane_tolerance_, "a plane of the map is not the exact one");
+    region.plane_error = std::max(region.plane_error, difference);
     region.listed.push_back(exact);
   }
   region.own = region.listed.size();
@@ -84,7 +85,10 @@ void Certificate::checkRows(std::size_t index, Region& region) const {
     region.listed.push_back(at->second);
   }
   std::vector<const Row*> listed;
-  for (const Row& row : region.listed) listed.push_back(&row);
+  for (const Row& row : region.listed) {
+    for (const Row* other : listed) require(!sameHalfSpace(row, *other), "a half-space is listed twice");
+    listed.push_back(&row);
+  }
   const std::vector<const Row*> own(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(region.own));
   const auto follows = [&](const std::string& key, const Row& row, const std::vector<const Row*>& from) {
     if (leastInBox(row) >= 0) return;
@@ -131,7 +135,8 @@ const Region& Certificate::checkedRegion(std::size_t index) const {
 }
 
 /// What lies behind a facet: the domain's edge, the edge of the feasible set, one region, or several.
-void Certificate::checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const {
+FacetBehind Certificate::checkFacetCover(std::size_t index, const Region& region, std::size_t facet) const {
+  FacetBehind behind;
   Line line(claims_[index].closings[facet]);
   const Row& plane = region.listed[facet];
   const std::string kind = line.word();
@@ -141,6 +146,7 @@ void Certificate::checkFacetCover(std::size_t index, const Region& region, std::
     require(at != region.rows.end() && sameHalfSpace(at->second, plane), "a facet is not that of " + origin);
     if (kind == "domain") {
       require(origin[0] == 'd' || origin[0] == 'b', "a facet is not at the edge of the domain");
+      behind.is_boundary = true;
     } else {
       require(!singular_ && !widened_ && (origin[0] == 'm' || origin[0] == 's'),
               "a facet of this kind has no single neighbour");
@@ -153,9 +159,11 @@ void Certificate::checkFacetCover(std::size_t index, const Region& region, std::
         changed.insert(row);
       }
       require(activeSet(other) == changed, "the region behind a facet is another one");
+      behind.regions.push_back(other);
     }
   } else if (kind == "edge") {
     checkEdge(line, plane);
+    behind.is_boundary = true;
   } else if (kind == "out") {
     require(widened_ && facet >= region.own, "a facet of the map is left open");
   } else if (widened_) {
@@ -165,16 +173,17 @@ void Certificate::checkFacetCover(std::size_t index, const Region& region, std::
     for (const Row& row : rows) {
       if (!proportional(row, rows[facet])) cell.push_back(&row);
     }
-    checkCover(line, &rows[facet], cell);
+    checkCover(line, &rows[facet], cell, behind.regions);
   } else {
     require(kind == "cover", kind + " closes no facet");
     std::vector<const Row*> cell;
     for (const Row& row : region.listed) {
       if (!proportional(row, plane)) cell.push_back(&row);
     }
-    checkCover(line, &plane, cell);
+    checkCover(line, &plane, cell, behind.regions);
   }
   line.end();
+  return behind;
 }
 
 /// Rows add up to 0 z <= g(t): beyond g = 0 there is no solution.
@@ -205,11 +214,13 @@ std::vector<Row> Certificate::coveringRows(const Region& region, bool of_sliver)
 /// The cell, a part of a facet, is empty, or is cut by the rows of a region behind: what lies outside of each
 /// is covered by others, what remains lies in that region. Without a plane it is a part of a sliver, and the
 /// rows are those of the map, relaxed.
-void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row*> cell) const {
+void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row*> cell,
+                             std::vector<std::size_t>& used) const {
   const std::string kind = line.word();
   if (kind == "e") return requireEmpty(line, cell, plane);
   require(kind == "N", kind + " covers nothing");
   const std::size_t other = line.count((plane != nullptr ? claims_.size() : map_.regions.size()) - 1);
+  used.push_back(other);
   const Region& behind = checkedRegion(other);
   require(plane == nullptr || widened_ || valueAt(*plane, claims_[other].point) < 0,
           "a region does not lie behind the facet that it covers");
@@ -227,32 +238,38 @@ void Certificate::checkCover(Line& line, const Row* plane, std::vector<const Row
       requireEmpty(line, outside, plane);
     } else {
       require(what == "s", what + " covers nothing");
-      checkCover(line, plane, outside);
+      checkCover(line, plane, outside, used);
       cell.push_back(&row);
     }
   }
 }
 
 /// The map's regions cover the sliver but for the plane tolerance.
-void Certificate::checkSliver(std::size_t index, const Region& region) const {
+std::set<std::size_t> Certificate::checkSliver(std::size_t index, const Region& region) const {
   Line line(claims_[index].cover);
   std::vector<const Row*> cell;
   for (const Row& row : region.listed) cell.push_back(&row);
-  checkCover(line, nullptr, cell);
+  std::vector<std::size_t> used;
+  checkCover(line, nullptr, cell, used);
   line.end();
+  return {used.begin(), used.end()};
 }
 
 void Certificate::check() const {
   checkProgram();
   std::set<std::set<std::size_t>> seen;
+  std::vector<ProvenRegion> proven(claims_.size());
   for (std::size_t index = 0; index < claims_.size(); ++index) {
     try {
       const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
       for (std::size_t facet = 0; facet < region.listed.size(); ++facet)
-        checkFacetCover(index, region, facet);
+        proven[index].facets.push_back(checkFacetCover(index, region, facet));
+      if (widened_) proven[index].facets.resize(region.own);
+      proven[index].plane_error = region.plane_error;
+      proven[index].is_exact = claims_[index].forgiven.empty();
       if (claims_[index].is_sliver) {
-        checkSliver(index, region);
+        proven[index].covered_by = checkSliver(index, region);
       } else {
         checkLaw(index, region);
       }
@@ -260,5 +277,14 @@ void Certificate::check() const {
       throw Refused("region " + std::to_string(index) + ": " + error.what());
     }
   }
+  checkLookups(proven);
 }
+
+void Certificate::checkLookups(const std::vector<ProvenRegion>& regions) const {
+  const auto rows = [this](std::size_t region) { return coveringRows(checkedRegion(region), false); };
+  const auto moved_rows = [this](std::size_t region) { return coveringRows(checkedRegion(region), true); };
+  const auto conditions = [this](std::size_t region) { return checkedRegion(region).listed; };
+  Lookups(map_, plane_tolerance_, regions, rows, moved_rows, conditions, widened_).check(lookups_);
+}
+
 }  // namespace checker

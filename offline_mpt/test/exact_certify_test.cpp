@@ -171,7 +171,7 @@ TEST(Certify, StopsWhenTold) {
   const ParametricProgram program = randomProgram(8, 30, 3, 5);
   const MapContent content = solved(program);
   const CertifyReport report = certified(content, program, options);
-  EXPECT_EQ(total, 2 * content.regions.size());
+  EXPECT_EQ(total, 3 * content.regions.size());
   EXPECT_EQ(report.passed(), !report.interrupted);  // on a fast machine nothing was left to stop
 }
 

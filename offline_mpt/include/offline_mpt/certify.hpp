@@ -20,7 +20,8 @@ struct CertifyOptions {
   double law_tolerance = 1e-8;
   double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
-  /// Called now and then from the calling thread.
+  /// Called now and then from the calling thread. `total` is three times the number of regions: their conditions, their
+  /// facets, and look-ups.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 
@@ -43,6 +44,8 @@ struct Defect {
     kGap,
     /// A gap at whose `witness` the optimum is proven not to be finite. The map cannot go on there.
     kUnbounded,
+    /// A look-up answers what it should not, or not what it should: at `witness`, if one was found.
+    kLookup,
   };
   Kind kind = Kind::kActiveSet;
   std::uint32_t region = 0;

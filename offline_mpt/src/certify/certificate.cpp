@@ -35,7 +35,7 @@ void writeProof(const std::string& certificate, const char* what, const std::str
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const ProgramPerturbation& adjustment, bool widened,
                             const CertifyOptions& options) {
-  std::string text = "polyfly certificate 3\n";
+  std::string text = "polyfly certificate 4\n";
   text += mapLine("map", map);
   text += problemLine(map.problemText());
   text += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";

@@ -7,6 +7,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/facet_cover_proof.hpp"
+#include "certify/lookup/lookup_proof.hpp"
 #include "certify/slivers.hpp"
 #include "certify/unbounded.hpp"
 #include "polyfly_base/error.hpp"
@@ -63,8 +64,12 @@ constexpr std::uint64_t kMostWidened = 3000;  // regions of a map that is also t
 struct Closed {
   std::string text;
   std::vector<Defect> defects;
-  // Number of facets by FacetCoverKind.
-  std::uint64_t counts[5] = {};
+  std::vector<FacetBehind> behind;
+
+  std::uint64_t count(FacetCoverKind kind) const {
+    return static_cast<std::uint64_t>(std::count_if(
+        behind.begin(), behind.end(), [kind](const FacetBehind& facet) { return facet.kind == kind; }));
+  }
 };
 
 Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionCheck>& checks,
@@ -83,7 +88,7 @@ Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionC
   }
   if (check.point.empty()) return closed;
   for (std::uint32_t row = 0; row < check.facets.size() && !cover_proof.stopped(); ++row)
-    ++closed.counts[static_cast<std::size_t>(cover_proof.close(region, row, closed.text, closed.defects))];
+    closed.behind.push_back(cover_proof.close(region, row, closed.text, closed.defects));
   return closed;
 }
 
@@ -96,10 +101,10 @@ void add(CertifyReport& report, const RegionCheck& check, const Closed& closed) 
   report.facets += check.facets.size();
   report.law_error = std::max(report.law_error, check.law_error);
   report.plane_error = std::max(report.plane_error, check.plane_error);
-  report.domain_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kDomain)];
-  report.edge_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kEdge)];
-  report.matched_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kMatched)];
-  report.covered_facets += closed.counts[static_cast<std::size_t>(FacetCoverKind::kCovered)];
+  report.domain_facets += closed.count(FacetCoverKind::kDomain);
+  report.edge_facets += closed.count(FacetCoverKind::kEdge);
+  report.matched_facets += closed.count(FacetCoverKind::kMatched);
+  report.covered_facets += closed.count(FacetCoverKind::kCovered);
   report.defects.insert(report.defects.end(), check.defects.begin(), check.defects.end());
   report.defects.insert(report.defects.end(), closed.defects.begin(), closed.defects.end());
 }
@@ -144,7 +149,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
     {
       const FacetCoverProof cover_proof(context, checks, widened);
       const bool finished = forEach(
-          open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 2 * count, context.options,
+          open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 3 * count, context.options,
           [&](std::uint32_t k) { closed[open[k]] = closeRegion(cover_proof, checks, open[k]); });
       if (!finished || context.stopped()) return false;
     }
@@ -162,7 +167,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
     std::vector<RegionCheck> slivers(candidates.size());
     std::vector<char> found(candidates.size(), 0);
-    if (!forEach(candidates.size(), 2 * count, 2 * count, context.options, [&](std::uint32_t k) {
+    if (!forEach(candidates.size(), 2 * count, 3 * count, context.options, [&](std::uint32_t k) {
           found[k] = checkSliver(context, checks, candidates[k], slivers[k]) ? 1 : 0;
         }))
       return false;
@@ -180,7 +185,7 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
 bool checkAllRegions(const CheckContext& context, std::vector<RegionCheck>& checks) {
   const std::uint64_t count = context.map.regionCount();
   checks.assign(count, {});
-  return forEach(count, 0, 2 * count, context.options,
+  return forEach(count, 0, 3 * count, context.options,
                  [&](std::uint32_t r) { checks[r] = checkRegion(context, r); });
 }
 
@@ -218,6 +223,12 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   report.interrupted = interrupted || !closeAll(context, widened, checks, closed);
   closed.resize(checks.size());
   for (std::size_t r = 0; r < checks.size(); ++r) add(report, checks[r], closed[r]);
+  std::string lookups;
+  if (report.passed()) {
+    std::vector<std::vector<FacetBehind>> behind;
+    for (Closed& region : closed) behind.push_back(std::move(region.behind));
+    report.interrupted = !proveLookups(context, checks, behind, widened, lookups, report.defects);
+  }
   if (!report.passed()) {
     markUnboundedDefects(context, report.defects);
     return report;
@@ -228,8 +239,15 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
     report.certificate += checks[r].text + closed[r].text;
     checks[r].text.clear();
   }
+  report.certificate += lookups;
   report.certificate += certificateEnd(report.certificate);
   return report;
+}
+
+/// Whether all regions are right, and the search tree is not.
+bool onlyLookups(const std::vector<Defect>& defects) {
+  return std::all_of(defects.begin(), defects.end(),
+                     [](const Defect& defect) { return defect.kind == Defect::Kind::kLookup; });
 }
 
 }  // namespace
@@ -244,7 +262,9 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   std::vector<RegionCheck> checks;
   const bool finished = checkAllRegions(context, checks);
   CertifyReport as_given = finish(context, adjustment, false, checks, !finished);
-  if (as_given.passed() || as_given.interrupted || map.regionCount() > kMostWidened) return as_given;
+  if (as_given.passed() || as_given.interrupted || map.regionCount() > kMostWidened ||
+      onlyLookups(as_given.defects))
+    return as_given;
   // Where coincidences hold up to rounding only, rows may give way by as little, or slivers between regions
   // may be too many or too thin to be described: the regions moved outwards then cover all.
   ProgramPerturbation fewer = adjustment;

@@ -62,6 +62,7 @@ bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
   }
   const CoverCandidate& candidate = candidates_[first];
   text += " N " + std::to_string(candidate.region);
+  used_.push_back(candidate.region);
   for (const ExactRow& row : *candidate.rows) {
     if (vanishes(row)) {
       text += " z";

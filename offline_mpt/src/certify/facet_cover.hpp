@@ -35,6 +35,9 @@ class FacetCover {
 
   const std::vector<Rational>& uncovered() const { return uncovered_; }
 
+  /// Regions of the candidates that the proof names, some more than once.
+  const std::vector<std::uint32_t>& used() const { return used_; }
+
  private:
   using Cell = std::vector<const ExactRow*>;
 
@@ -49,6 +52,7 @@ class FacetCover {
   int p_;
   std::deque<ExactRow> negated_;
   std::vector<Rational> uncovered_;
+  std::vector<std::uint32_t> used_;
 };
 
 /// A proof as text: number of weights, then place and weight of each.

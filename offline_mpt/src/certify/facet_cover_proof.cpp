@@ -72,18 +72,10 @@ int FacetCoverProof::find(const std::vector<int>& active) const {
   return at == by_active_set_.end() ? -1 : static_cast<int>(at->second);
 }
 
-const std::vector<ExactRow>& FacetCoverProof::listedRows(std::uint32_t region,
-                                                         std::deque<std::vector<ExactRow>>& storage) const {
-  const RegionCheck& check = checks_[region];
-  if (!check.listed.empty()) return check.listed;
-  storage.push_back(mapRows(context_, checks_, region));
-  ExactRegion exact;
-  if (check.left_out > 0) describeExactly(context_.program, check.active, exact);
-  for (std::size_t k = check.facets.size() - check.left_out; k < check.facets.size(); ++k) {
-    for (const ExactRow& row : exact.rows) {
-      if (row.origin == check.facets[k].origin) storage.back().push_back(row);
-    }
-  }
+const std::vector<ExactRow>& FacetCoverProof::rowsOf(std::uint32_t region,
+                                                     std::deque<std::vector<ExactRow>>& storage) const {
+  if (!checks_[region].listed.empty()) return checks_[region].listed;
+  storage.push_back(listedRows(context_, checks_, region));
   return storage.back();
 }
 
@@ -176,7 +168,7 @@ std::vector<CoverCandidate> FacetCoverProof::behind(std::uint32_t region, const 
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<CoverCandidate> candidates;
   for (const std::uint32_t other : found) {
-    if (reachesBehind(other, plane)) candidates.push_back({other, &listedRows(other, storage)});
+    if (reachesBehind(other, plane)) candidates.push_back({other, &rowsOf(other, storage)});
   }
   return candidates;
 }
@@ -186,9 +178,9 @@ bool FacetCoverProof::reachesBehind(std::uint32_t region, const ExactRow& plane)
   return check.described && !check.point.empty() && valueAt(plane, check.point) < 0;
 }
 
-FacetCoverKind FacetCoverProof::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
-                                       const std::vector<Rational>& uncovered,
-                                       std::vector<Defect>& defects) const {
+FacetBehind FacetCoverProof::addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
+                                    const std::vector<Rational>& uncovered,
+                                    std::vector<Defect>& defects) const {
   Defect defect;
   defect.kind = Defect::Kind::kGap;
   defect.region = region;
@@ -203,13 +195,13 @@ FacetCoverKind FacetCoverProof::addGap(std::uint32_t region, std::uint32_t row, 
   defect.text = "region " + std::to_string(region) + ", row " + std::to_string(row) +
                 ": no region of the map lies behind a part of this facet";
   defects.push_back(std::move(defect));
-  return FacetCoverKind::kOpen;
+  return {};
 }
 
-FacetCoverKind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t row,
-                                             const std::vector<ExactRow>& listed, std::string& text,
-                                             std::vector<Defect>& defects,
-                                             std::vector<Rational>& uncovered) const {
+FacetBehind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t row,
+                                          const std::vector<ExactRow>& listed, std::string& text,
+                                          std::vector<Defect>& defects,
+                                          std::vector<Rational>& uncovered) const {
   const ExactRow& plane = listed[row];
   std::deque<std::vector<ExactRow>> storage;
   std::vector<CoverCandidate> candidates = behind(region, plane, storage);
@@ -218,9 +210,9 @@ FacetCoverKind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t
     std::string proof;
     if (cover.cover(listed, proof)) {
       text += " cover" + proof;
-      return FacetCoverKind::kCovered;
+      return {FacetCoverKind::kCovered, cover.used()};
     }
-    if (cover.uncovered().empty()) return FacetCoverKind::kOpen;  // stopped
+    if (cover.uncovered().empty()) return {};  // stopped
     uncovered = cover.uncovered();
     // Behind may be regions that do not list the plane, if the map leaves out what they have in common.
     const std::size_t before = candidates.size();
@@ -229,7 +221,7 @@ FacetCoverKind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t
       if (r == region || std::any_of(candidates.begin(), candidates.end(), is_r) ||
           !nearlyHolds(context_, checks_, r, uncovered) || !reachesBehind(r, plane))
         continue;
-      candidates.push_back({r, &listedRows(r, storage)});
+      candidates.push_back({r, &rowsOf(r, storage)});
     }
     if (candidates.size() == before) return addGap(region, row, plane, uncovered, defects);
   }
@@ -237,8 +229,8 @@ FacetCoverKind FacetCoverProof::closeByCover(std::uint32_t region, std::uint32_t
 
 // The facet of the region moved outwards: all other regions that have no row along it, moved outwards too,
 // may cover it, first those with the facet's plane.
-FacetCoverKind FacetCoverProof::closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
-                                             std::vector<Defect>& defects) const {
+FacetBehind FacetCoverProof::closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
+                                          std::vector<Defect>& defects) const {
   const ExactRow& plane = wide_[region][row];
   std::deque<std::vector<ExactRow>> storage;
   std::vector<std::uint32_t> order;
@@ -256,9 +248,9 @@ FacetCoverKind FacetCoverProof::closeWidened(std::uint32_t region, std::uint32_t
   std::string proof;
   if (cover.cover(wide_[region], proof)) {
     text += " cover" + proof;
-    return FacetCoverKind::kCovered;
+    return {FacetCoverKind::kCovered, cover.used()};
   }
-  if (cover.uncovered().empty()) return FacetCoverKind::kOpen;  // stopped
+  if (cover.uncovered().empty()) return {};  // stopped
   return addGap(region, row, plane, cover.uncovered(), defects);
 }
 
@@ -302,8 +294,8 @@ void FacetCoverProof::findMissing(const RegionCheck& check, const std::vector<Ex
   }
 }
 
-FacetCoverKind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std::string& text,
-                                      std::vector<Defect>& defects) const {
+FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std::string& text,
+                                   std::vector<Defect>& defects) const {
   const RegionCheck& check = checks_[region];
   const CheckedFacet& facet = check.facets[row];
   std::vector<ExactOrigin> origins{facet.origin};
@@ -312,16 +304,16 @@ FacetCoverKind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, s
   for (const ExactOrigin& origin : origins) {
     if (origin.kind != ExactOrigin::Kind::kDomain && origin.kind != ExactOrigin::Kind::kBox) continue;
     text += line + " domain " + originText(origin) + "\n";
-    return FacetCoverKind::kDomain;
+    return {FacetCoverKind::kDomain, {}};
   }
   if (!wide_.empty()) {
     if (row >= wide_[region].size()) {
       text += line + " out\n";
-      return FacetCoverKind::kMatched;
+      return {FacetCoverKind::kMatched, {}};
     }
-    const FacetCoverKind wide =
-        proveEdge(check, origins, line) ? FacetCoverKind::kEdge : closeWidened(region, row, line, defects);
-    if (wide != FacetCoverKind::kOpen) text += line + "\n";
+    FacetBehind wide{FacetCoverKind::kEdge, {}};
+    if (!proveEdge(check, origins, line)) wide = closeWidened(region, row, line, defects);
+    if (wide.kind != FacetCoverKind::kOpen) text += line + "\n";
     return wide;
   }
   for (const ExactOrigin& origin : origins) {
@@ -330,22 +322,22 @@ FacetCoverKind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, s
     const int other = find(changedSet(check.active, origin));
     if (other < 0 || checks_[static_cast<std::size_t>(other)].point.empty()) continue;
     text += line + " next " + originText(origin) + " " + std::to_string(other) + "\n";
-    return FacetCoverKind::kMatched;
+    return {FacetCoverKind::kMatched, {static_cast<std::uint32_t>(other)}};
   }
-  FacetCoverKind cover_proof = FacetCoverKind::kEdge;
+  FacetBehind behind{FacetCoverKind::kEdge, {}};
   std::vector<Rational> uncovered;
   const std::size_t known = defects.size();
   if (!proveEdge(check, origins, line)) {
     std::deque<std::vector<ExactRow>> storage;
-    cover_proof = closeByCover(region, row, listedRows(region, storage), line, defects, uncovered);
+    behind = closeByCover(region, row, rowsOf(region, storage), line, defects, uncovered);
   }
-  if (cover_proof != FacetCoverKind::kOpen) {
+  if (behind.kind != FacetCoverKind::kOpen) {
     text += line + "\n";
-    return cover_proof;
+    return behind;
   }
-  if (defects.size() == known) return cover_proof;  // stopped
+  if (defects.size() == known) return behind;  // stopped
   findMissing(check, origins, uncovered, defects.back());
-  return cover_proof;
+  return behind;
 }
 
 }  // namespace polyfly

@@ -13,6 +13,13 @@ namespace polyfly {
 /// How a facet was closed.
 enum class FacetCoverKind : std::uint8_t { kDomain, kEdge, kMatched, kCovered, kOpen };
 
+/// What lies behind a facet.
+struct FacetBehind {
+  FacetCoverKind kind = FacetCoverKind::kOpen;
+  /// Regions behind a facet that is matched or covered, some more than once.
+  std::vector<std::uint32_t> regions;
+};
+
 /// Decides for each facet of each region what lies behind it. Read-only after construction.
 class FacetCoverProof {
  public:
@@ -20,8 +27,8 @@ class FacetCoverProof {
   FacetCoverProof(const CheckContext& context, const std::vector<RegionCheck>& checks, bool widened);
 
   /// Appends the facet's line of the certificate to `text`, or a defect to `defects`.
-  FacetCoverKind close(std::uint32_t region, std::uint32_t row, std::string& text,
-                       std::vector<Defect>& defects) const;
+  FacetBehind close(std::uint32_t region, std::uint32_t row, std::string& text,
+                    std::vector<Defect>& defects) const;
 
   /// Region with this active set, -1 if there is none.
   int find(const std::vector<int>& active) const;
@@ -29,21 +36,20 @@ class FacetCoverProof {
   bool stopped() const { return context_.stopped(); }
 
  private:
-  const std::vector<ExactRow>& listedRows(std::uint32_t region,
-                                          std::deque<std::vector<ExactRow>>& storage) const;
+  const std::vector<ExactRow>& rowsOf(std::uint32_t region, std::deque<std::vector<ExactRow>>& storage) const;
   bool proveEdge(const RegionCheck& check, const std::vector<ExactOrigin>& origins, std::string& text) const;
   bool mayCancel(const std::vector<int>& rows, int last) const;
   /// Whether the region, with an inner point, has that behind the plane.
   bool reachesBehind(std::uint32_t region, const ExactRow& plane) const;
   std::vector<CoverCandidate> behind(std::uint32_t region, const ExactRow& plane,
                                      std::deque<std::vector<ExactRow>>& storage) const;
-  FacetCoverKind closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
-                              std::string& text, std::vector<Defect>& defects,
-                              std::vector<Rational>& uncovered) const;
-  FacetCoverKind closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
-                              std::vector<Defect>& defects) const;
-  FacetCoverKind addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
-                        const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const;
+  FacetBehind closeByCover(std::uint32_t region, std::uint32_t row, const std::vector<ExactRow>& listed,
+                           std::string& text, std::vector<Defect>& defects,
+                           std::vector<Rational>& uncovered) const;
+  FacetBehind closeWidened(std::uint32_t region, std::uint32_t row, std::string& text,
+                           std::vector<Defect>& defects) const;
+  FacetBehind addGap(std::uint32_t region, std::uint32_t row, const ExactRow& plane,
+                     const std::vector<Rational>& uncovered, std::vector<Defect>& defects) const;
   void findMissing(const RegionCheck& check, const std::vector<ExactOrigin>& origins,
                    const std::vector<Rational>& uncovered, Defect& defect) const;
   bool liesBehind(const std::vector<int>& active, const std::vector<Rational>& uncovered,

@@ -291,6 +291,21 @@ std::vector<ExactRow> mapRows(const CheckContext& context, const std::vector<Reg
   return {check.listed.begin(), check.listed.end() - static_cast<std::ptrdiff_t>(check.left_out)};
 }
 
+std::vector<ExactRow> listedRows(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                                 std::uint32_t region) {
+  const RegionCheck& check = checks[region];
+  if (!check.listed.empty()) return check.listed;
+  std::vector<ExactRow> rows = mapRows(context, checks, region);
+  ExactRegion exact;
+  if (check.left_out > 0) describeExactly(context.program, check.active, exact);
+  for (std::size_t k = check.facets.size() - check.left_out; k < check.facets.size(); ++k) {
+    for (const ExactRow& row : exact.rows) {
+      if (row.origin == check.facets[k].origin) rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
 void finishCheck(const CheckContext& context, std::uint32_t index, const ExactRegion& exact,
                  RegionCheck& check) {
   proveRows(context, index, exact, check);

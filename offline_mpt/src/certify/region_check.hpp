@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct RegionCheck {
   std::vector<int> active;
   /// Whether the map leaves the region out as a sliver, see slivers.hpp.
   bool is_sliver = false;
+  /// Regions of the map that cover the sliver.
+  std::set<std::uint32_t> covered_by;
   /// Facets in the order of the map, then those that it leaves out.
   std::vector<CheckedFacet> facets;
   /// Exact rows of `facets`. Empty in large maps, to save memory.
@@ -74,6 +77,10 @@ std::vector<int> mapActiveSet(const CheckContext& context, const RegionView& reg
 /// Exact rows of one of the map's regions: those that the map lists.
 std::vector<ExactRow> mapRows(const CheckContext& context, const std::vector<RegionCheck>& checks,
                               std::uint32_t region);
+
+/// Exact rows of a region or sliver: those that the map lists, then those that it leaves out.
+std::vector<ExactRow> listedRows(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                                 std::uint32_t region);
 
 /// Fills in all that follows from the listed rows: facets, inner point, proofs that the others are implied.
 void finishCheck(const CheckContext& context, std::uint32_t index, const ExactRegion& exact,

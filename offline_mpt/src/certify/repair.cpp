@@ -131,7 +131,7 @@ RepairResult repair(const RegionMap& map, const ParametricProgram& program, cons
   }
   if (found.empty()) throw Error(map.path() + ": no region of the map can be used");
   for (int round = 0; round < kMaxRounds; ++round) {
-    const TreelessMap current(program, toPartition(found, ExploreStatus::kIncomplete));
+    const TreelessMap current(program, toPartition(found, ExploreStatus::kComplete));
     result.report = certify(current.view(map.path()), program, options);
     const std::size_t before = found.size();
     for (const Defect& defect : result.report.defects) {

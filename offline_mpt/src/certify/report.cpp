@@ -24,7 +24,13 @@ std::string list(const std::vector<int>& rows) {
 
 std::string verdict(const CertifyReport& report) {
   if (report.interrupted) return "INTERRUPTED";
-  return report.passed() ? "PROVEN" : "REFUTED";
+  if (report.passed()) return "PROVEN";
+  const bool may_be_right =
+      !report.defects.empty() &&
+      std::all_of(report.defects.begin(), report.defects.end(), [](const Defect& defect) {
+        return defect.kind == Defect::Kind::kLookup && defect.witness.size() == 0;
+      });
+  return may_be_right ? "NOT PROVEN" : "REFUTED";
 }
 
 void writeStatement(const CertifyReport& report, std::ostringstream& text) {
@@ -91,6 +97,8 @@ const char* toString(Defect::Kind kind) {
       return "gap";
     case Defect::Kind::kUnbounded:
       return "unbounded";
+    case Defect::Kind::kLookup:
+      return "look-up";
   }
   return "unknown";
 }

@@ -57,6 +57,7 @@ bool coverSliver(const CheckContext& context, const std::vector<RegionCheck>& ch
     std::string proof;
     if (cover.cover(sliver.listed, proof)) {
       sliver.text += "V" + proof + "\n";
+      sliver.covered_by.insert(cover.used().begin(), cover.used().end());
       return true;
     }
     const std::size_t before = candidates.size();

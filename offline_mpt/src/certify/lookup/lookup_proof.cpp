@@ -1,0 +1,141 @@
+#include "certify/lookup/lookup_proof.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "certify/lookup/leaf_walk.hpp"
+#include "support/in_parallel.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr std::size_t kMostLeafCells = 20000;  // of one leaf
+
+struct LeafResult {
+  std::string text;
+  std::vector<Defect> defects;
+};
+
+class LeafProver {
+ public:
+  LeafProver(const LookupContext& context, const std::vector<BoundaryRow>& boundary, std::size_t visit)
+      : context_(context),
+        boundary_(boundary),
+        visit_(visit),
+        name_("leaf " + std::to_string(context.tree.leaf(visit))) {}
+
+  LeafResult prove() {
+    LeafResult result;
+    if (!LeafWalk(context_, visit_).prove(result.text)) cover(result);
+    return result;
+  }
+
+ private:
+  /// Proves it without a walk, for which no starting point may be deep enough.
+  void cover(LeafResult& result) const {
+    const WholePlanes& planes = context_.planes;
+    std::vector<ExactRow> path;
+    for (const std::int32_t row : context_.tree.path(visit_))
+      path.push_back(planes.moved(row, planes.rounding()));
+    CandidateCover cover(context_, context_.check.map.leaf(context_.tree.leaf(visit_)),
+                         planes.tolerance() - 2 * planes.rounding(), &boundary_, kMostLeafCells);
+    ExactRows cell;
+    for (const ExactRow& row : path) cell.push_back(&row);
+    std::string proof = "leaf cover";
+    if (cover.cover(std::move(cell), proof)) {
+      result.text = proof + "\n";
+    } else if (!context_.check.stopped()) {
+      addGap(cover.uncovered(), result.defects);
+    }
+  }
+
+  void addGap(const std::vector<Rational>& witness, std::vector<Defect>& defects) const {
+    Defect defect;
+    defect.kind = Defect::Kind::kLookup;
+    defect.text = witness.empty() ? name_ + ": is not proven to answer all that arrives there"
+                                  : name_ + ": no candidate holds a parameter that arrives there";
+    if (!witness.empty()) defect.witness = toTheta(context_.check.program, witness);
+    defects.push_back(std::move(defect));
+  }
+
+  const LookupContext& context_;
+  const std::vector<BoundaryRow>& boundary_;
+  std::size_t visit_;
+  std::string name_;
+};
+
+void addUnbounded(const LookupTree& tree, std::uint32_t region, const UnboundedRow& row,
+                  std::vector<Defect>& defects) {
+  Defect defect;
+  defect.kind = Defect::Kind::kLookup;
+  defect.region = region;
+  defect.row = static_cast<int>(row.row);
+  defect.size = row.reach;
+  defect.text = "leaf " + std::to_string(tree.leaf(row.visit)) + ": a look-up does not test row " +
+                std::to_string(row.row) + " of region " + std::to_string(region) +
+                ", and may answer further beyond it than " + std::to_string(kReach) + " tolerances";
+  defects.push_back(std::move(defect));
+}
+
+enum class Half { kDrops, kLeaves };
+
+/// The proof of look-ups is the last third of certify's progress, which counts regions three times.
+std::function<void(std::uint64_t, std::uint64_t)> lookupProgress(const CertifyOptions& options,
+                                                                 std::uint64_t regions, Half half) {
+  if (!options.progress) return {};
+  return [&options, regions, half](std::uint64_t done, std::uint64_t count) {
+    const std::uint64_t share =
+        regions * (done + (half == Half::kLeaves ? count : 0)) / std::max<std::uint64_t>(1, 2 * count);
+    options.progress(2 * regions + share, 3 * regions);
+  };
+}
+
+void requireComplete(const RegionMap& map, std::vector<Defect>& defects) {
+  const std::string status(map.solverStatus());
+  if (status == "complete") return;
+  Defect defect;
+  defect.kind = Defect::Kind::kLookup;
+  defect.text = "the map's status is '" + status + "', not 'complete'";
+  defects.push_back(std::move(defect));
+}
+
+}  // namespace
+
+bool proveLookups(const CheckContext& context, const std::vector<RegionCheck>& checks,
+                  const std::vector<std::vector<FacetBehind>>& behind, bool widened, std::string& text,
+                  std::vector<Defect>& defects) {
+  requireComplete(context.map, defects);
+  const WholePlanes planes(context.map, context.program);
+  const LookupTree tree(context.map);
+  std::vector<RegionDrops> drops(context.map.regionCount());
+  const auto for_each = [&](std::size_t count, Half half, const std::function<void(std::size_t)>& work) {
+    return inParallel(count, context.options.threads, context.options.stop,
+                      lookupProgress(context.options, drops.size(), half),
+                      [&](std::size_t, std::uint64_t i) { work(i); });
+  };
+  if (!for_each(drops.size(), Half::kDrops, [&](std::size_t region) {
+        drops[region] = dropRows(context.map, planes, tree, static_cast<std::uint32_t>(region));
+      }))
+    return false;
+  const LookupContext lookup{context, checks, behind, planes, tree, drops, widened};
+  const std::vector<BoundaryRow> boundary = boundaryRows(lookup);
+  std::vector<LeafResult> leaves(tree.size());
+  if (!for_each(tree.size(), Half::kLeaves,
+                [&](std::size_t visit) {
+                  if (tree.isLeaf(visit)) leaves[visit] = LeafProver(lookup, boundary, visit).prove();
+                }) ||
+      context.stopped())
+    return false;
+  for (std::uint32_t region = 0; region < drops.size(); ++region) {
+    text += drops[region].text;
+    for (const UnboundedRow& row : drops[region].unbounded) addUnbounded(tree, region, row, defects);
+  }
+  for (std::size_t visit = 0; visit < tree.size(); ++visit) {
+    text += leaves[visit].text;
+    defects.insert(defects.end(), leaves[visit].defects.begin(), leaves[visit].defects.end());
+    leaves[visit] = {};
+  }
+  return true;
+}
+
+}  // namespace polyfly

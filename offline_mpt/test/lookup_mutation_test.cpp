@@ -1,0 +1,374 @@
+// What a certificate says of look-ups: wrong trees and wrong proofs are refused.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "certificate.hpp"
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/certify.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kDifference = 1e-6;  // of inputs: a greater one is a wrong answer
+
+/// Changes of a map that leave it well-formed, judged by its answers at random parameters.
+class LookupMutation : public Mutation {
+ protected:
+  explicit LookupMutation(ParametricProgram program = doubleIntegrator(5)) : Mutation(std::move(program)) {
+    std::mt19937 random(1);
+    for (int k = 0; k < kSamples; ++k) {
+      for (const Signal& parameter : content_.parameters) {
+        const double share = static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
+        samples_.push_back(parameter.lower + share * (parameter.upper - parameter.lower));
+      }
+    }
+  }
+
+  /// Whether look-ups in the changed map answer otherwise than the right map does when it tests all its regions.
+  bool answersWrongly(const MapContent& changed) const {
+    const MapInMemory right(content_), wrong(changed);
+    const std::size_t p = content_.parameters.size();
+    for (std::size_t k = 0; k < samples_.size(); k += p) {
+      const double* const theta = samples_.data() + k;
+      const Lookup expected = right.map().locateExhaustively(theta), found = wrong.map().locate(theta);
+      if (found.status != expected.status) return true;
+      if (found.status == LookupStatus::kInside && !sameInputs(expected.law, found.law, theta)) return true;
+    }
+    return false;
+  }
+
+  bool sameInputs(std::size_t law, std::size_t other, const double* theta) const {
+    const std::size_t p = content_.parameters.size(), size = content_.inputs.size() * (p + 1);
+    for (std::size_t row = 0; row < size; row += p + 1) {
+      const double* const a = content_.laws.data() + law * size + row;
+      const double* const b = content_.laws.data() + other * size + row;
+      double difference = a[p] - b[p];
+      for (std::size_t j = 0; j < p; ++j) difference += (a[j] - b[j]) * theta[j];
+      if (std::abs(difference) > kDifference) return false;
+    }
+    return true;
+  }
+
+  /// Whether the reader takes the map. It refuses trees that are not well-formed.
+  static bool isReadable(const MapContent& changed) {
+    try {
+      MapInMemory map(changed);
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  }
+
+  /// A change of one field of the tree.
+  MapContent changedTree(std::mt19937& random) const {
+    MapContent changed = content_;
+    const auto any = [&](std::size_t count) { return static_cast<std::uint32_t>(random() % count); };
+    MapContent::Node& node = changed.nodes[any(changed.nodes.size())];
+    MapContent::Leaf& leaf = changed.leaves[any(changed.leaves.size())];
+    switch (any(9)) {
+      case 0:
+        node.plane = any(changed.planes.size() / (changed.parameters.size() + 1));
+        break;
+      case 1:
+        std::swap(node.below, node.above);
+        break;
+      case 2:
+        (any(2) == 0 ? node.below : node.above) = any(changed.leaves.size()) | MapContent::kLeaf;
+        break;
+      case 3:
+        leaf.count = any(leaf.count + 1);
+        break;
+      case 4:
+        changed.candidates[any(changed.candidates.size())] = any(changed.regions.size());
+        break;
+      case 5:
+        changed.tests[any(changed.tests.size())] &= ~(1u << any(8));
+        break;
+      case 6:
+        changed.tests[any(changed.tests.size())] = 0;
+        break;
+      case 7:
+        changed.root = any(changed.leaves.size()) | MapContent::kLeaf;
+        break;
+      default:
+        std::swap(leaf, changed.leaves[any(changed.leaves.size())]);
+        break;
+    }
+    return changed;
+  }
+
+  static constexpr int kSamples = 2000;
+  std::vector<double> samples_;
+};
+
+// The certificate of the right map is refused, and no new proof succeeds.
+TEST_F(LookupMutation, NoTreeThatAnswersWronglyIsProvenOrConfirmed) {
+  ASSERT_FALSE(answersWrongly(content_));
+  std::mt19937 random(2);
+  int wrong = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const MapContent changed = changedTree(random);
+    if (!isReadable(changed) || !answersWrongly(changed)) continue;
+    ++wrong;
+    EXPECT_NE(refusalOfMap(changed), "") << k;
+    const CertifyReport report = certify(MapInMemory(changed).map(), program_);
+    EXPECT_FALSE(report.passed()) << k;
+    for (const Defect& defect : report.defects) EXPECT_EQ(defect.kind, Defect::Kind::kLookup) << defect.text;
+  }
+  EXPECT_GT(wrong, 200);
+}
+
+TEST_F(LookupMutation, AllLeavesButOneEmptied) {
+  for (const std::size_t kept : {std::size_t{0}, content_.leaves.size() / 2}) {
+    MapContent changed = content_;
+    for (std::size_t k = 0; k < changed.leaves.size(); ++k) {
+      if (k != kept) changed.leaves[k].count = 0;
+    }
+    EXPECT_NE(refusalOfMap(changed), "");
+    EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed());
+  }
+}
+
+TEST_F(LookupMutation, AnEmptiedLeafIsToldWithAParameterThatItMisses) {
+  MapContent changed = content_;
+  changed.leaves.front().count = 0;
+  const CertifyReport report = certify(MapInMemory(changed).map(), program_);
+  ASSERT_EQ(report.defects.size(), 1u);
+  ASSERT_EQ(report.defects.front().witness.size(), 2);
+  const MapInMemory right(content_), wrong(changed);
+  const double* const theta = report.defects.front().witness.data();
+  EXPECT_EQ(right.map().locate(theta).status, LookupStatus::kInside);
+  EXPECT_EQ(wrong.map().locate(theta).status, LookupStatus::kOutsidePartition);
+}
+
+TEST_F(LookupMutation, AMapThatIsNotCompleteIsRefused) {
+  for (const char* status : {"limited", "incomplete", "", "complete "}) {
+    MapContent changed = content_;
+    changed.solver_status = status;
+    EXPECT_NE(refusalOfMap(changed).find("status"), std::string::npos) << status;
+    EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed()) << status;
+  }
+}
+
+/// The map file with another tolerance and the checksum that belongs to it: no writer of ours does that.
+std::string withTolerance(std::string map, double tolerance) {
+  constexpr std::size_t kChecksum = 24, kTolerance = 56;  // FORMAT.md
+  std::memcpy(&map[kTolerance], &tolerance, sizeof tolerance);
+  std::memset(&map[kChecksum], 0, sizeof(std::uint64_t));
+  const std::uint64_t checksum = checker::xxh64(map);
+  std::memcpy(&map[kChecksum], &checksum, sizeof checksum);
+  return map;
+}
+
+TEST_F(LookupMutation, TheToleranceIsLimited) {
+  ASSERT_EQ(refusal(sealed(certificate_, map_), withTolerance(map_, content_.tolerance)), "");
+  for (const double tolerance : {0.0, -1e-8, 1e-13, 1.1e-8, 1e-3, 0.1, 1.0, 1e300, std::nan("")}) {
+    const std::string map = withTolerance(map_, tolerance);
+    std::string why;
+    try {
+      why = refusal(sealed(certificate_, map), map);
+    } catch (const checker::Refused& error) {  // of a map that cannot be read
+      why = error.what();
+    }
+    EXPECT_NE(why, "") << tolerance;
+  }
+}
+
+TEST_F(LookupMutation, ARowThatIsNotTestedMustFollowFromOthers) {
+  std::size_t cleared = 0;
+  for (std::size_t k = 0; k < content_.tests.size(); ++k) {
+    for (unsigned bit = 0; bit < 31; ++bit) {
+      if ((content_.tests[k] >> bit & 1u) == 0) continue;
+      MapContent changed = content_;
+      changed.tests[k] ^= 1u << bit;
+      if (!answersWrongly(changed)) continue;
+      ++cleared;
+      EXPECT_NE(refusalOfMap(changed), "") << k << " " << bit;
+    }
+  }
+  EXPECT_GT(cleared, 0u);
+}
+
+// Lines of the proof. All checksums are right.
+
+TEST_F(LookupMutation, EveryLineOfTheProofIsNeeded) {
+  const std::vector<std::string> lines = linesOf(certificate_);
+  int tried = 0;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k].rfind("drop ", 0) != 0 && lines[k].rfind("leaf ", 0) != 0 &&
+        lines[k].rfind("outside ", 0) != 0)
+      continue;
+    std::vector<std::string> fewer = lines, more = lines;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+    EXPECT_NE(refusal(sealed(joined(fewer, "\n") + "\n", map_), map_), "") << lines[k];
+    if (lines[k].rfind("leaf ", 0) == 0) {
+      more.insert(more.begin() + static_cast<std::ptrdiff_t>(k), lines[k]);
+      EXPECT_NE(refusal(sealed(joined(more, "\n") + "\n", map_), map_), "") << lines[k];
+    }
+    ++tried;
+  }
+  EXPECT_GT(tried, 20);
+}
+
+TEST_F(LookupMutation, DroppedRowsAreChecked) {
+  const auto negate = [](std::vector<std::string>& words) {
+    words.back() = "-" + words.back();
+    return words.size() > 5;
+  };
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("drop ", negate, tried), "");
+  EXPECT_GT(tried, 5);
+  EXPECT_NE(refusalOfLines("drop ", setting(4, "0"), tried), "");  // scale
+  EXPECT_NE(refusalOfLines("drop ", setting(4, "-1"), tried), "");
+  EXPECT_NE(refusalOfLines("drop ", setting(3, "99"), tried), "");    // row
+  EXPECT_NE(refusalOfLines("drop ", setting(1, "9999"), tried), "");  // region
+  EXPECT_NE(refusalOfLines("drop ", setting(6, "99"), tried), "");    // place
+  const auto weightless = [](std::vector<std::string>& words) {
+    words[5] = "0";
+    words.resize(6);
+    return true;
+  };
+  EXPECT_NE(refusalOfLines("drop ", weightless, tried), "");
+}
+
+TEST_F(LookupMutation, StartingPointsAreChecked) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("leaf walk ", setting(2, "999"), tried), "");
+  EXPECT_GT(tried, 5);
+  EXPECT_NE(refusalOfLines("leaf walk ", setting(3, "0"), tried),
+            "");  // depth: the point would be deep enough
+  EXPECT_NE(refusalOfLines("leaf walk ", setting(4, "2"), tried), "");
+  EXPECT_NE(refusalOfLines("leaf walk ", setting(4, "-1/1"), tried), "");
+  EXPECT_NE(refusalOfLines("leaf walk ", replacing({"leaf", "walk", "0", "40"}), tried), "");
+  EXPECT_NE(refusalOfLines("leaf ", replacing({"leaf", "cover", "e", "1", "0", "1"}), tried), "");
+}
+
+TEST_F(LookupMutation, RegionsThatDoNotReachIntoALeafAreChecked) {
+  const auto enlarge = [](std::vector<std::string>& words) {
+    words.back() += "000";
+    return true;
+  };
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("outside ", setting(1, "9999"), tried), "");
+  EXPECT_GT(tried, 0);
+  EXPECT_NE(refusalOfLines("outside ", setting(2, "0"), tried), "");
+  EXPECT_NE(refusalOfLines("outside ", setting(3, "99"), tried), "");
+  EXPECT_NE(refusalOfLines("outside ", enlarge, tried), "");
+}
+
+/// Regions that reach into leaves by less than the plane tolerance.
+class NearRegionMutation : public LookupMutation {
+ protected:
+  NearRegionMutation() : LookupMutation(nearlyMeeting(4, 3, 1e-9, 2)) {}
+};
+
+TEST_F(NearRegionMutation, RegionsNearCandidatesAreChecked) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("near ", setting(1, "9999"), tried), "");
+  EXPECT_GT(tried, 5);
+  EXPECT_NE(refusalOfLines("near ", setting(3, "999"), tried), "");
+  EXPECT_NE(refusalOfLines("near ", setting(2, "b"), tried), "");
+  EXPECT_NE(refusalOfLines("near ", setting(2, "e"), tried), "");
+  const auto shorter = [](std::vector<std::string>& words) {
+    words.pop_back();
+    return true;
+  };
+  EXPECT_NE(refusalOfLines("near ", shorter, tried), "");
+}
+
+TEST_F(NearRegionMutation, SliversAreChecked) {
+  int tried = 0;
+  EXPECT_NE(refusalOfLines("sliver ", setting(1, "0"), tried), "");  // a region of the map
+  EXPECT_GT(tried, 3);
+  EXPECT_NE(refusalOfLines("sliver ", setting(1, "9999"), tried), "");
+  EXPECT_NE(refusalOfLines("sliver ", setting(0, "beyond"), tried), "");
+  // Proofs of other kinds, which show less.
+  const auto named = [](const std::string& word) {
+    return [word](std::vector<std::string>& words) {
+      words.resize(word == "sliver" ? 2 : words.size());
+      words[0] = word;
+      return true;
+    };
+  };
+  EXPECT_NE(refusalOfLines("outside ", named("sliver"), tried), "");
+  EXPECT_NE(refusalOfLines("outside ", named("beyond"), tried), "");
+}
+
+TEST_F(NearRegionMutation, NoTreeThatAnswersWronglyIsProvenOrConfirmed) {
+  std::mt19937 random(3);
+  int wrong = 0;
+  for (int k = 0; k < 100; ++k) {
+    const MapContent changed = changedTree(random);
+    if (!isReadable(changed) || !answersWrongly(changed)) continue;
+    ++wrong;
+    EXPECT_NE(refusalOfMap(changed), "") << k;
+    EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed()) << k;
+  }
+  EXPECT_GT(wrong, 10);
+}
+
+/// A right map one leaf of which has no interior. It has all regions as candidates: rounding may lead there.
+class FlatLeafMutation : public LookupMutation {
+ protected:
+  FlatLeafMutation() {
+    const auto is_leaf = [](const MapContent::Node& node) { return (node.below & MapContent::kLeaf) != 0; };
+    const auto at = std::find_if(content_.nodes.begin(), content_.nodes.end(), is_leaf);
+    const auto flat = static_cast<std::uint32_t>(content_.leaves.size()) | MapContent::kLeaf;
+    const MapContent::Node repeated = {at->plane, at->below, flat};
+    at->below = static_cast<std::uint32_t>(content_.nodes.size());
+    content_.nodes.push_back(repeated);
+    content_.leaves.push_back({static_cast<std::uint32_t>(content_.candidates.size()),
+                               static_cast<std::uint32_t>(content_.regions.size())});
+    for (std::uint32_t region = 0; region < content_.regions.size(); ++region) {
+      content_.candidates.push_back(region);
+      content_.tests.push_back((1u << content_.regions[region].row_count) - 1);
+    }
+    map_ = bytesOf(content_);
+    const CertifyReport report = certify(MapInMemory(content_).map(), program_);
+    EXPECT_TRUE(report.passed()) << certifyText(report);
+    certificate_ = report.certificate;
+  }
+};
+
+TEST_F(FlatLeafMutation, ItsCoverIsConfirmed) {
+  EXPECT_EQ(refusal(certificate_, map_), "");
+  EXPECT_NE(certificate_.find("\nleaf cover "), std::string::npos);
+}
+
+TEST_F(FlatLeafMutation, ItsCoverIsChecked) {
+  int tried = 0;
+  const auto shorter = [](std::vector<std::string>& words) {
+    words.pop_back();
+    return true;
+  };
+  const auto without = [](const std::string& kind) {
+    return [kind](std::vector<std::string>& words) {
+      const auto at = std::find(words.begin(), words.end(), kind);
+      if (at == words.end()) return false;
+      words.erase(at, at + (kind == "b" ? 3 : 2));
+      return true;
+    };
+  };
+  EXPECT_NE(refusalOfLines("leaf cover ", shorter, tried), "");
+  EXPECT_EQ(tried, 1);
+  EXPECT_NE(refusalOfLines("leaf cover ", without("N"), tried), "");
+  EXPECT_EQ(tried, 1);
+  EXPECT_NE(refusalOfLines("leaf cover ", without("b"), tried), "");
+  EXPECT_EQ(tried, 1);
+  EXPECT_NE(refusalOfLines("leaf cover ", replacing({"leaf", "cover", "e", "1", "0", "1"}), tried), "");
+}
+
+TEST_F(FlatLeafMutation, AllCandidatesOfItAreNeeded) {
+  MapContent changed = content_;
+  changed.leaves.back().count = 0;
+  EXPECT_NE(refusalOfMap(changed), "");
+  EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed());
+}
+
+}  // namespace
+}  // namespace polyfly
