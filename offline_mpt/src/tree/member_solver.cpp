@@ -65,8 +65,8 @@ unsigned MemberSolver::seenSides(const CellMember& member, std::size_t plane) co
   const std::size_t p = parameters();
   constexpr unsigned kBoth = kBelow | kAbove;
   const double* const row = this->plane(plane);
-  const unsigned sides = kernels_.ofPoints(row, member.inner.data(), 1, tolerance_, kBoth, 0u, p);
-  return kernels_.ofPoints(row, member.points.data(), member.points.size() / p, tolerance_, kBoth, sides, p);
+  const unsigned sides = kernels_.of_points(row, member.inner.data(), 1, tolerance_, kBoth, 0u, p);
+  return kernels_.of_points(row, member.points.data(), member.points.size() / p, tolerance_, kBoth, sides, p);
 }
 
 double MemberSolver::reachOf(const CellMember& member, std::size_t plane, unsigned side) const {

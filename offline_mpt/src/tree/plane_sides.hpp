@@ -15,7 +15,7 @@ struct PlaneSides {
 
   /// Sides further than `tolerance` from the plane on which one of `count` points lies, added to `sides`; the
   /// search ends as soon as these are the `possible` ones.
-  unsigned (*ofPoints)(const double* plane, const double* points, std::size_t count, double tolerance,
+  unsigned (*of_points)(const double* plane, const double* points, std::size_t count, double tolerance,
                        unsigned possible, unsigned sides, std::size_t p);
 };
 
