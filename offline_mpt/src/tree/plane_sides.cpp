@@ -32,7 +32,7 @@ struct Kernels {
     return sum(p, [&](std::size_t j) { return plane[j] * point[j]; }) - plane[kP != 0 ? kP : p];
   }
 
-  static unsigned of_points(const double* plane, const double* points, std::size_t count, double tolerance,
+  static unsigned ofPoints(const double* plane, const double* points, std::size_t count, double tolerance,
                            unsigned possible, unsigned sides, std::size_t p) {
     const std::size_t n = kP != 0 ? kP : p;
     for (std::size_t i = 0; i < count && sides != possible; ++i) {
@@ -42,7 +42,7 @@ struct Kernels {
     return sides;
   }
 
-  static PlaneSides all() { return {distance, of_points}; }
+  static PlaneSides all() { return {distance, ofPoints}; }
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ struct PlaneSides {
   /// Sides further than `tolerance` from the plane on which one of `count` points lies, added to `sides`; the
   /// search ends as soon as these are the `possible` ones.
   unsigned (*of_points)(const double* plane, const double* points, std::size_t count, double tolerance,
-                       unsigned possible, unsigned sides, std::size_t p);
+                        unsigned possible, unsigned sides, std::size_t p);
 };
 
 /// Unrolled for p up to 8.

@@ -91,7 +91,8 @@ class Dropper {
     }
     for (std::size_t visit = leaf;; visit = tree_.parent(visit)) {
       const RegionDrops::Range here = drops_.at(visit);
-      for (const DroppedRow* dropped = here.last; dropped-- != here.first;) {
+      for (const DroppedRow* dropped = here.last; dropped != here.first;) {
+        --dropped;
         double sum = dropped->most_path_weight * rounding - dropped->constant;
         for (const auto& [row, weight] : dropped->rows) sum += weight * result[row];
         result[dropped->row] = std::min(result[dropped->row], std::max(0.0, sum * kUp));
