@@ -14,7 +14,7 @@ enum class BagOp : std::uint8_t {
   kMessage = 2,
   kBagHeader = 3,
   kIndex = 4,
-  kBatch = 5,
+  kChunk = 5,
   kChunkInfo = 6,
   kConnection = 7,
 };

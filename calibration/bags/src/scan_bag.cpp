@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "bag_contents.hpp"
 #include "bag_record.hpp"
 #include "byte_source.hpp"
 #include "polyfly_base/error.hpp"
@@ -19,19 +20,6 @@ namespace {
 const std::string kMagic = "#ROSBAG V2.0\n";
 const std::string kAnyVersion = "#ROSBAG V";
 constexpr std::size_t kLength = sizeof(std::uint32_t);
-constexpr std::uint64_t kGreatestHeader = std::uint64_t{1} << 20;  // bytes; a connection's is a few hundred
-constexpr std::uint64_t kGreatestRecord = std::uint64_t{1} << 31;  // bytes
-constexpr std::size_t kSearchWindow = std::size_t{1} << 16;  // bytes searched at once for the next chunk
-const std::string kChunkMark = "compression=";               // first field of a chunk's header
-
-// A record of the file: header in memory, data still there.
-struct FileRecord {
-  BagFields fields;
-  // Place of the record's data in the file [bytes].
-  std::uint64_t data = 0;
-  // Size of the record's data [bytes].
-  std::uint64_t size = 0;
-};
 
 class Scan {
  public:
@@ -40,20 +28,15 @@ class Scan {
 
   BagHealth run() {
     checkMagic();
-    std::uint64_t at = kMagic.size();
-    while (at < source_.size()) {
-      if (visitor_.progress) visitor_.progress(static_cast<double>(at) / static_cast<double>(source_.size()));
-      const std::optional<FileRecord> record = recordAt(at);
-      if (!record) {
-        const std::uint64_t next = nextChunk(at + 1);
-        health_.unread_bytes += next - at;
-        at = next;
-        continue;
-      }
-      take(*record);
-      at = record->data + record->size;
+    contents_ = listContents(&source_, kMagic.size());
+    findConnections();
+    for (const FileRecord& chunk : contents_.chunks) {
+      if (visitor_.progress)
+        visitor_.progress(static_cast<double>(chunk.begin) / static_cast<double>(source_.size()));
+      takeChunk(chunk);
     }
     if (visitor_.progress) visitor_.progress(1.0);
+    conclude();
     remark();
     return std::move(health_);
   }
@@ -72,96 +55,49 @@ class Scan {
     throw Error(name_ + ": is not a bag: it does not begin with #ROSBAG");
   }
 
-  bool within(std::uint64_t from, std::uint64_t count) const {
-    return from <= source_.size() && count <= source_.size() - from;
-  }
-
-  std::optional<std::uint32_t> lengthAt(std::uint64_t at) {
-    std::array<std::uint8_t, kLength> bytes{};
-    if (!within(at, kLength) || !source_.read(at, kLength, bytes.data())) return std::nullopt;
-    return littleEndian<std::uint32_t>(bytes.data());
-  }
-
-  // Nothing if no whole record begins here.
-  std::optional<FileRecord> recordAt(std::uint64_t at) {
-    const std::optional<std::uint32_t> header = lengthAt(at);
-    if (!header || *header > kGreatestHeader || !within(at + kLength, *header)) return std::nullopt;
-    buffer_.resize(*header);
-    if (!source_.read(at + kLength, *header, buffer_.data())) return std::nullopt;
-    const std::optional<BagFields> fields = BagFields::parse(buffer_.data(), buffer_.size());
-    if (!fields || !fields->number<std::uint8_t>("op")) return std::nullopt;
-    const std::uint64_t data = at + kLength + *header + kLength;
-    const std::optional<std::uint32_t> size = lengthAt(data - kLength);
-    if (!size || *size > kGreatestRecord || !within(data, *size)) return std::nullopt;
-    return FileRecord{*fields, data, *size};
-  }
-
-  // The place of the next record that looks like a chunk, or the end.
-  std::uint64_t nextChunk(std::uint64_t from) {
-    std::vector<std::uint8_t> window;
-    const std::uint64_t lead = 2 * kLength;  // length of the header, and of its first field
-    for (std::uint64_t at = from; within(at, lead + kChunkMark.size()); at += kSearchWindow) {
-      const auto count = static_cast<std::size_t>(
-          std::min<std::uint64_t>(kSearchWindow + lead + kChunkMark.size(), source_.size() - at));
-      window.resize(count);
-      if (!source_.read(at, count, window.data())) return source_.size();
-      auto begin = window.begin();
-      while (true) {
-        const auto found = std::search(begin, window.end(), kChunkMark.begin(), kChunkMark.end());
-        if (found == window.end()) break;
-        const auto place = static_cast<std::uint64_t>(found - window.begin());
-        if (place >= lead && recordAt(at + place - lead)) return at + place - lead;
-        begin = found + 1;
-      }
-    }
-    return source_.size();
-  }
-
-  void take(const FileRecord& record) {
-    if (record.fields.is(BagOp::kBagHeader)) {
-      takeBagHeader(record.fields);
-    } else if (record.fields.is(BagOp::kBatch)) {
-      takeChunk(record);
-    } else if (record.fields.is(BagOp::kConnection)) {
-      // The same as in the chunks, at the end of a bag that was closed: for topics without a chunk of their
-      // own.
+  // The bag's end names all connections. Where it is damaged, a chunk may hold what the chunks before it need.
+  void findConnections() {
+    for (const FileRecord& record : contents_.connections) {
       packed_.resize(record.size);
-      if (source_.read(record.data, record.size, packed_.data())) {
+      if (source_.read(record.data, record.size, packed_.data()))
         takeConnection(record.fields, packed_.data(), packed_.size());
-      }
+    }
+    if (contents_.end_found) return;
+    for (const FileRecord& chunk : contents_.chunks) {
+      if (!unpack(chunk).empty()) continue;
+      eachRecord([this](const BagFields& fields, const std::uint8_t* data, std::size_t count) {
+        if (fields.is(BagOp::kConnection)) takeConnection(fields, data, count);
+      });
     }
   }
 
-  // A recorder that closes a bag notes where the index begins; what was cut off since no longer holds it.
-  void takeBagHeader(const BagFields& fields) {
-    const std::uint64_t index = fields.number<std::uint64_t>("index_pos").value_or(0);
-    const bool none = fields.number<std::uint32_t>("conn_count").value_or(0) == 0 &&
-                      fields.number<std::uint32_t>("chunk_count").value_or(0) == 0;
-    health_.indexed = index != 0 && (index < source_.size() || (none && index == source_.size()));
+  // Returns what is wrong, or an empty string.
+  std::string unpack(const FileRecord& chunk) {
+    packed_.resize(chunk.size);
+    if (!source_.read(chunk.data, chunk.size, packed_.data())) return "cannot be read";
+    return unpackChunk(chunk.fields.text("compression").value_or(""), packed_.data(), packed_.size(),
+                       chunk.fields.number<std::uint32_t>("size").value_or(0), &unpacked_);
   }
 
-  void takeChunk(const FileRecord& record) {
-    const std::string compression = record.fields.text("compression").value_or("");
-    const std::uint32_t size = record.fields.number<std::uint32_t>("size").value_or(0);
-    packed_.resize(record.size);
-    std::string failure = "cannot be read";
-    if (source_.read(record.data, record.size, packed_.data())) {
-      failure = unpackChunk(compression, packed_.data(), packed_.size(), size, &unpacked_);
-    }
+  void takeChunk(const FileRecord& chunk) {
+    std::string failure = unpack(chunk);
     // Twice over: nothing of a chunk that breaks off in its middle is handed over.
     if (failure.empty() && !eachRecord([](const BagFields&, const std::uint8_t*, std::size_t) {})) {
-      failure = "its records break the format";
+      failure = "holds records that break the format";
     }
     if (!failure.empty()) {
       ++health_.damaged_chunks;
+      damaged_bytes_ += chunk.end() - chunk.begin;
       if (reason_.empty()) reason_ = failure;
       return;
     }
     ++health_.chunks;
+    span_.reset();
     eachRecord([this](const BagFields& fields, const std::uint8_t* data, std::size_t count) {
       if (fields.is(BagOp::kConnection)) takeConnection(fields, data, count);
       if (fields.is(BagOp::kMessage)) takeMessage(fields, data, count);
     });
+    if (span_) spans_.push_back(*span_);
   }
 
   // Calls for each record of the unpacked chunk; false if they break the format.
@@ -223,24 +159,55 @@ class Scan {
     health_.last = health_.messages == 0 ? time : std::max(health_.last, time);
     if (health_.messages > 0 && time < before_) ++health_.out_of_order;
     before_ = time;
+    span_ = span_ ? TimeSpan{std::min(span_->from, time), std::max(span_->to, time)} : TimeSpan{time, time};
     ++health_.messages;
+    ++health_.topics[found->second.connection.topic].read;
     if (found->second.wanted && visitor_.message) visitor_.message(message);
   }
 
-  void say(const std::string& sentence) { health_.remarks.push_back(sentence); }
+  void conclude() {
+    health_.indexed = contents_.closed;
+    health_.end_found = contents_.end_found;
+    health_.unread_bytes = contents_.unread_bytes;
+    health_.damaged_chunks += contents_.wrong_lengths;
+    health_.bytes = contents_.bytes;
+    health_.bytes_read =
+        source_.size() - contents_.unread_bytes - contents_.wrong_length_bytes - damaged_bytes_;
+    health_.seconds_read = coveredTime(spans_);
+    for (const ChunkInfo& info : contents_.infos) {
+      if (contents_.end_found) countRecorded(info);
+      spans_.push_back(info.span);
+    }
+    health_.seconds = coveredTime(spans_);
+  }
+
+  void countRecorded(const ChunkInfo& info) {
+    for (const auto& [id, count] : info.messages) {
+      const auto found = connections_.find(id);
+      const std::string topic = found == connections_.end() ? "" : found->second.connection.topic;
+      health_.topics[topic].recorded += count;
+    }
+  }
+
+  void say(const std::string& clause) { health_.remarks.push_back(clause); }
 
   void remark() {
-    if (!health_.indexed) say("has no index: its recording was not closed; all whole chunks were read");
+    if (!health_.indexed) say("no index: the recording was not closed; all whole chunks were read");
     if (health_.unread_bytes > 0) {
       say(std::to_string(health_.unread_bytes) +
           " bytes are in no whole record (cut off or damaged) and were left out");
     }
     if (health_.damaged_chunks > 0) {
       say(std::to_string(health_.damaged_chunks) + " of " +
-          std::to_string(health_.damaged_chunks + health_.chunks) +
-          " chunks are damaged and were left out; the first one: " + reason_);
+          std::to_string(health_.damaged_chunks + health_.chunks) + " chunks " +
+          (health_.damaged_chunks == 1 ? "is damaged and was left out: it "
+                                       : "are damaged and were left out; the first one ") +
+          (reason_.empty() ? "has a wrong length" : reason_));
     }
-    if (homeless_ > 0) say(std::to_string(homeless_) + " messages are of no known topic and were left out");
+    if (homeless_ > 0) {
+      say(std::to_string(homeless_) + (homeless_ == 1 ? " message is" : " messages are") +
+          " of no known topic and " + (homeless_ == 1 ? "was" : "were") + " left out");
+    }
   }
 
   struct Known {
@@ -251,14 +218,18 @@ class Scan {
   ByteSource& source_;
   std::string name_;
   const BagVisitor& visitor_;
+  BagContents contents_;
   BagHealth health_;
   std::map<std::uint32_t, Known> connections_;
-  // Header of a record.
-  std::vector<std::uint8_t> buffer_;
   // Data of a record.
   std::vector<std::uint8_t> packed_;
   // Unpacked data of a chunk.
   std::vector<std::uint8_t> unpacked_;
+  // Times of the messages in the present chunk, and in all chunks that were read.
+  std::optional<TimeSpan> span_;
+  std::vector<TimeSpan> spans_;
+  // Bytes of damaged chunks whose length is right.
+  std::uint64_t damaged_bytes_ = 0;
   // Reason why the first damaged chunk was left out.
   std::string reason_;
   std::uint64_t homeless_ = 0;

@@ -15,14 +15,14 @@ std::string unpackBz2(const std::uint8_t* data, std::size_t packed, std::vector<
   auto* source = const_cast<char*>(reinterpret_cast<const char*>(data));
   const int result = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out->data()), &length, source,
                                                 static_cast<unsigned>(packed), 0, 0);
-  if (result != BZ_OK) return "bz2 data are damaged";
+  if (result != BZ_OK) return "has damaged bz2 data";
   return length == out->size() ? "" : "holds fewer bytes than it says";
 }
 
 std::string unpackLz4(const std::uint8_t* data, std::size_t packed, std::vector<std::uint8_t>* out) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0)
-    return "no memory to unpack it";
+    return "needs more memory than there is";
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> guard(
       context, &LZ4F_freeDecompressionContext);
   std::size_t read = 0;
@@ -32,12 +32,12 @@ std::string unpackLz4(const std::uint8_t* data, std::size_t packed, std::vector<
     std::size_t source = packed - read;
     std::size_t target = out->size() - written;
     hint = LZ4F_decompress(context, out->data() + written, &target, data + read, &source, nullptr);
-    if (LZ4F_isError(hint) != 0) return "lz4 data are damaged";
-    if (source == 0 && target == 0) return "lz4 data are longer than the chunk says";
+    if (LZ4F_isError(hint) != 0) return "has damaged lz4 data";
+    if (source == 0 && target == 0) return "has lz4 data that are longer than it says";
     read += source;
     written += target;
   }
-  if (hint != 0) return "lz4 data end too early";
+  if (hint != 0) return "has lz4 data that end too early";
   return written == out->size() ? "" : "holds fewer bytes than it says";
 }
 

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bags/message_layout.hpp"
+#include "bags/recording_share.hpp"
 #include "polyfly_base/error.hpp"
 #include "reference_data.hpp"
 
@@ -70,6 +71,12 @@ TEST_P(Bags, GivesTheCountsAndLeavesTheFileAsItIs) {
   EXPECT_EQ(counts.misfits, 0);
   EXPECT_EQ(counts.health.remarks.empty(),
             GetParam().indexed && GetParam().damaged_chunks == 0 && counts.health.unread_bytes == 0);
+  if (counts.health.remarks.empty()) {
+    const RecordingShare share = recordingShare(counts.health);
+    EXPECT_EQ(share.messages.recorded, static_cast<double>(counts.health.messages));
+    EXPECT_EQ(share.bytes.share(), 1.0);
+    EXPECT_EQ(share.seconds.share(), 1.0);
+  }
   EXPECT_EQ(contents(path), before);
 }
 

@@ -139,7 +139,7 @@ class Collector {
     result.signals.source = path_;
     if (result.health.messages == 0) {
       std::string remarks;
-      for (const std::string& remark : result.health.remarks) remarks += "; it " + remark;
+      for (const std::string& remark : result.health.remarks) remarks += "; " + remark;
       throw Error(path_ + ": holds no message" + remarks);
     }
     for (const Choice& choice : choices_) {

@@ -306,7 +306,7 @@ class BagReader {
 
   std::string remarks() const {
     std::string text;
-    for (const std::string& remark : health_.remarks) text += "; it " + remark;
+    for (const std::string& remark : health_.remarks) text += "; " + remark;
     return text;
   }
 

@@ -1,0 +1,81 @@
+#include "bags/recording_share.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace polyfly {
+namespace {
+
+struct Named {
+  const RecordingShare::Amount& amount;
+  const char* name;
+  const char* format;
+};
+
+std::array<Named, 3> parts(const RecordingShare& share) {
+  return {{{share.messages, "messages", "%.0f"},
+           {share.bytes, "bytes", "%.0f"},
+           {share.seconds, "seconds", "%.1f"}}};
+}
+
+std::string text(const char* format, double value) {
+  std::array<char, 64> out{};
+  std::snprintf(out.data(), out.size(), format, value);
+  return out.data();
+}
+
+// Rounded down: what is not whole never reads as 100 %.
+std::string percent(double share) { return text("%.4g", std::floor(share * 1e3) / 10.0) + " %"; }
+
+std::string describe(const Named& part) {
+  const std::string read = text(part.format, part.amount.read);
+  const std::optional<double> share = part.amount.share();
+  if (!share) return read + " " + part.name + ", of an unknown number";
+  return percent(*share) + " of the " + part.name + " (" + read + " of " +
+         text(part.format, *part.amount.recorded) + ")";
+}
+
+}  // namespace
+
+std::optional<double> RecordingShare::Amount::share() const {
+  if (!recorded) return std::nullopt;
+  return *recorded > 0.0 ? std::min(read / *recorded, 1.0) : 1.0;
+}
+
+bool RecordingShare::isWhole() const {
+  const auto whole = [](const Amount& amount) { return amount.share().value_or(0.0) >= kWhole; };
+  return whole(messages) && whole(bytes) && whole(seconds);
+}
+
+RecordingShare recordingShare(const BagHealth& health, const std::set<std::string>& topics) {
+  RecordingShare share;
+  double recorded = 0.0;
+  for (const auto& [topic, count] : health.topics) {
+    if (!topics.empty() && topics.count(topic) == 0) continue;
+    share.messages.read += static_cast<double>(count.read);
+    recorded += static_cast<double>(count.recorded);
+  }
+  share.bytes = {static_cast<double>(health.bytes_read), static_cast<double>(health.bytes)};
+  share.seconds.read = health.seconds_read;
+  if (health.end_found) {
+    share.messages.recorded = recorded;
+    share.seconds.recorded = health.seconds;
+  }
+  return share;
+}
+
+std::string describe(const RecordingShare& share) {
+  const auto [messages, bytes, seconds] = parts(share);
+  return describe(messages) + "; " + describe(bytes) + "; " + describe(seconds);
+}
+
+std::string lossSentence(const RecordingShare& share) {
+  if (share.isWhole()) return "";
+  const bool known = share.messages.recorded && share.seconds.recorded;
+  return std::string(known ? "Parts of the recording are lost." : "The end of the recording is missing.") +
+         " Read were " + describe(share) + ".";
+}
+
+}  // namespace polyfly
