@@ -4,16 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
+#include "identification/header_clock.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
-// Greatest jump of a header's clock against the recorder's clock [s].
-constexpr double kClockJump = 0.5;
 // Greatest difference between the length of a quaternion and 1.
 constexpr double kQuaternionLength = 0.1;
 
@@ -107,20 +105,15 @@ std::map<std::string, TimeSeries> TopicSignals::series(double start,
     remarks->push_back("topic " + topic_ + ": " + std::to_string(misfits_) +
                        " messages are not what their definition says and were left out");
   }
-  const bool stamped =
-      !stamps_.empty() && std::all_of(stamps_.begin(), stamps_.end(), [](double t) { return t > 0.0; });
-  double jump = 0.0;
-  for (std::size_t i = 1; stamped && i < stamps_.size(); ++i) {
-    jump = std::max(jump, std::abs((stamps_[i] - received_[i]) - (stamps_[i - 1] - received_[i - 1])));
+  const HeaderClock clock = headerClock(stamps_, received_);
+  const bool has_header = layout_.has(paths_.front());
+  const std::vector<std::string> clauses =
+      has_header ? clausesOn(clock, start) : std::vector<std::string>{"its messages have no header"};
+  for (const std::string& clause : clauses) {
+    remarks->push_back("topic " + topic_ + ": " + clause + "; the times of " +
+                       (clock.isSteady() ? "its headers" : "the recorder") + " are used");
   }
-  if (jump > kClockJump) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  ": the clock of its headers jumps by %.3g s against the recorder's, which is used instead",
-                  jump);
-    remarks->push_back("topic " + topic_ + text);
-  }
-  const std::vector<double>& times = stamped && jump <= kClockJump ? stamps_ : received_;
+  const std::vector<double>& times = clock.isSteady() ? stamps_ : received_;
   std::vector<std::size_t> order(times.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Between far steps only: that a clock was set back must still be seen.
