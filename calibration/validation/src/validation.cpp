@@ -107,6 +107,7 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
                           const AxisMaps& maps, const MultirotorOptions& options, const OracleMaker& maker) {
   ValidationReport report;
   report.source = log.source;
+  report.share = log.share;
   report.samples = samples.size();
   report.duration = durationOf(stampsOf(samples));
   validateTracking(samples, &report);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bags/recording_share.hpp"
 #include "online_controller/reference/reference_schedule.hpp"
 #include "online_controller/types/types.hpp"
 
@@ -63,8 +64,10 @@ struct FlightLog {
 
   /// File of the record, for messages and titles.
   std::string source;
-  /// Every irregularity of the file, in sentences without its name.
+  /// Every irregularity of the file, as clauses without its name.
   std::vector<std::string> remarks;
+  /// How much of the recording was read, with the messages of the flight's topics. None if the log is no file.
+  std::optional<RecordingShare> share;
   std::vector<VehicleState> odometry;
   std::vector<TimedReference> references;
   /// Times at which the node noticed silent odometry [s].

@@ -109,6 +109,8 @@ struct HoldOffset {
 
 struct ValidationReport {
   std::string source;
+  /// How much of the recording was read. None if the log is no file.
+  std::optional<RecordingShare> share;
   /// Odometry messages that were replayed.
   std::size_t samples = 0;
   /// Replayed odometry messages with a reference.
