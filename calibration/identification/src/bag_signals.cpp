@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 
+#include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
 #include "topic_signals.hpp"
 
@@ -207,23 +208,60 @@ class Collector {
     }
   }
 
+  struct Winner {
+    const TopicSignals* reader = nullptr;
+    std::string topic;
+    int rank = 0;
+  };
+
   // The best source of each signal; two of the same rank leave a question that only the user can answer.
-  void gather(BagSignals* result) const {
-    std::map<std::string, int> ranks;
+  std::map<std::string, Winner> winners() const {
+    std::map<std::string, Winner> best;
     for (const auto& [topic, sources] : sources_) {
       for (const Source& one : sources) {
-        for (auto& [signal, series] : one.reader->series(result->health.first, &result->health.remarks)) {
-          if (series.time.empty()) continue;
-          const auto before = ranks.find(signal);
-          if (before != ranks.end() && before->second == one.rank) {
-            if (preferred(signal, result->signals.origin[signal], topic) != topic) continue;
+        for (const std::string& signal : one.reader->names()) {
+          const auto before = best.find(signal);
+          if (before != best.end()) {
+            if (before->second.rank < one.rank) continue;
+            if (before->second.rank == one.rank && preferred(signal, before->second.topic, topic) != topic)
+              continue;
           }
-          if (before != ranks.end() && before->second < one.rank) continue;
-          ranks[signal] = one.rank;
-          result->signals.series[signal] = std::move(series);
-          result->signals.origin[signal] = topic;
+          best[signal] = {one.reader.get(), topic, one.rank};
         }
       }
+    }
+    return best;
+  }
+
+  void gather(BagSignals* result) const {
+    const std::map<std::string, Winner> best = winners();
+    // All readers of a topic have the same stamps.
+    std::map<std::string, HeaderClock> clocks;
+    ClockChoice choice;
+    for (const auto& [signal, winner] : best) {
+      const auto [place, is_new] = clocks.try_emplace(winner.topic);
+      if (!is_new) continue;
+      place->second = winner.reader->clock();
+      choice.add(place->second);
+    }
+    const double start = result->health.first;
+    std::map<const TopicSignals*, std::map<std::string, TimeSeries>> series;
+    for (const auto& [signal, winner] : best) {
+      if (series.count(winner.reader) == 0)
+        series[winner.reader] = winner.reader->series(start, choice.of(clocks.at(winner.topic)));
+      result->signals.series[signal] = std::move(series.at(winner.reader).at(signal));
+      result->signals.origin[signal] = winner.topic;
+    }
+    for (const auto& [topic, sources] : sources_) {
+      const auto clock = clocks.find(topic);
+      // Nothing is said of topics that are whole and not used.
+      if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
+      std::vector<std::string> clauses = sources.front().reader->remarks(start);
+      if (clock != clocks.end()) clauses.push_back(choice.clauseOn(clock->second));
+      std::string remark;
+      for (const std::string& clause : clauses)
+        remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;
+      if (!remark.empty()) result->health.remarks.push_back(remark);
     }
   }
 

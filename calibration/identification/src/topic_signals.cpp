@@ -99,21 +99,27 @@ void TopicSignals::add(const BagMessage& message) {
   for (Eigen::Index i = 0; i < 3; ++i) values_[name++].push_back(velocity[i]);
 }
 
-std::map<std::string, TimeSeries> TopicSignals::series(double start,
-                                                       std::vector<std::string>* remarks) const {
-  if (misfits_ > 0) {
-    remarks->push_back("topic " + topic_ + ": " + std::to_string(misfits_) +
-                       " messages are not what their definition says and were left out");
+std::vector<std::string> TopicSignals::names() const {
+  return received_.empty() ? std::vector<std::string>{} : names_;
+}
+
+std::vector<std::string> TopicSignals::remarks(double start) const {
+  std::vector<std::string> clauses;
+  if (misfits_ > 0)
+    clauses.push_back(std::to_string(misfits_) +
+                      " messages are not what their definition says and were left out");
+  if (received_.empty()) return clauses;
+  if (!layout_.has(paths_.front())) {
+    clauses.emplace_back("the messages have no header");
+    return clauses;
   }
-  const HeaderClock clock = headerClock(stamps_, received_);
-  const bool has_header = layout_.has(paths_.front());
-  const std::vector<std::string> clauses =
-      has_header ? clausesOn(clock, start) : std::vector<std::string>{"its messages have no header"};
-  for (const std::string& clause : clauses) {
-    remarks->push_back("topic " + topic_ + ": " + clause + "; the times of " +
-                       (clock.isSteady() ? "its headers" : "the recorder") + " are used");
-  }
-  const std::vector<double>& times = clock.isSteady() ? stamps_ : received_;
+  const std::vector<std::string> of_clock = clausesOn(clock(), start);
+  clauses.insert(clauses.end(), of_clock.begin(), of_clock.end());
+  return clauses;
+}
+
+std::map<std::string, TimeSeries> TopicSignals::series(double start, SignalClock which) const {
+  const std::vector<double>& times = which == SignalClock::kHeaders ? stamps_ : received_;
   std::vector<std::size_t> order(times.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Between far steps only: that a clock was set back must still be seen.

@@ -6,6 +6,8 @@
 
 #include "bags/message_layout.hpp"
 #include "bags/scan_bag.hpp"
+#include "clock_choice.hpp"
+#include "identification/header_clock.hpp"
 #include "identification/loop_record.hpp"
 
 namespace polyfly {
@@ -28,10 +30,17 @@ class TopicSignals {
 
   void add(const BagMessage& message);
 
-  /// Series by signal, in order of time, counted from `start`; by the headers' clock unless it jumps.
-  std::map<std::string, TimeSeries> series(double start, std::vector<std::string>* remarks) const;
+  /// Names of the signals. Empty if no message was usable.
+  std::vector<std::string> names() const;
 
-  const std::string& topic() const { return topic_; }
+  /// What the stamps are worth. Messages without a header have no stamp.
+  HeaderClock clock() const { return headerClock(stamps_, received_); }
+
+  /// Series by signal, in order of time, counted from `start`.
+  std::map<std::string, TimeSeries> series(double start, SignalClock which) const;
+
+  /// What is wrong with the messages and their stamps, in clauses; times are counted from `start`.
+  std::vector<std::string> remarks(double start) const;
 
  private:
   std::string topic_;

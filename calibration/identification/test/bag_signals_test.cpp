@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "identification/identify_axis.hpp"
 #include "made_bag.hpp"
@@ -84,12 +85,12 @@ class BagSignalsTest : public testing::Test {
         while (next < record.command.time.size() &&
                record.command.time[next] <= record.response.time[i] + ahead) {
           const double time = kStart + record.command.time[next];
-          bag.write(command, time, commandMessage(time, record.command.value[next]));
+          bag.write(command, time, commandMessage(time + command_lead_, record.command.value[next]));
           ++next;
         }
         const double time = kStart + record.response.time[i];
         bag.write(odometry, time,
-                  odometryMessage(time + (2 * i > record.response.time.size() ? clock : 0.0),
+                  odometryMessage(stamp_(time) + (2 * i > record.response.time.size() ? clock : 0.0),
                                   record.response.value[i]));
         if (i % 100 == 99) bag.endChunk();
       }
@@ -118,6 +119,10 @@ class BagSignalsTest : public testing::Test {
   }
 
   std::string path_;
+  // The stamp of an odometry message that the recorder receives at this time.
+  std::function<double(double)> stamp_ = [](double time) { return time; };
+  // Stamp of a command minus its receive time [s].
+  double command_lead_ = 0.0;
 };
 
 TEST_F(BagSignalsTest, FindsCommandAndAttitude) {
@@ -150,6 +155,39 @@ TEST_F(BagSignalsTest, UsesTheRecordersClockWhereTheHeadersJumps) {
   const BagSignals bag = signalsFromBag(path_, {});
   ASSERT_EQ(bag.health.remarks.size(), 1u);
   EXPECT_NE(bag.health.remarks[0].find("jumps by 30 s"), std::string::npos) << bag.health.remarks[0];
+  EXPECT_NEAR(identifyRoll(bag).with_delay.shape.delay, test::MadeLoop().delay, 0.01);
+}
+
+TEST_F(BagSignalsTest, SaysWhichClockIsUsedWhereStampsAreMissing) {
+  stamp_ = [](double) { return 0.0; };
+  writeFlight({""});
+  const BagSignals bag = signalsFromBag(path_, {});
+  ASSERT_EQ(bag.health.remarks.size(), 1u);
+  EXPECT_NE(bag.health.remarks[0].find("messages have no stamp; the times of the recorder are used"),
+            std::string::npos)
+      << bag.health.remarks[0];
+  EXPECT_NEAR(identifyRoll(bag).with_delay.shape.delay, test::MadeLoop().delay, 0.01);
+}
+
+TEST_F(BagSignalsTest, SaysHowFarADelayMayBeOffWhereClocksAreMixed) {
+  stamp_ = [](double time) { return time < kStart + 1.0 ? 0.0 : time; };
+  command_lead_ = -0.03;
+  writeFlight({""});
+  const BagSignals bag = signalsFromBag(path_, {});
+  ASSERT_EQ(bag.health.remarks.size(), 1u);
+  EXPECT_NE(bag.health.remarks[0].find("up to 0.03 s after their stamps"), std::string::npos)
+      << bag.health.remarks[0];
+}
+
+// Stamps of a clock that runs an hour ahead say nothing of messages that have the recorder's times only.
+TEST_F(BagSignalsTest, LeavesAnotherClockOutWhereOneTopicHasNoStamps) {
+  stamp_ = [](double) { return 0.0; };
+  command_lead_ = 3600.0;
+  writeFlight({""});
+  const BagSignals bag = signalsFromBag(path_, {});
+  ASSERT_EQ(bag.health.remarks.size(), 2u);
+  EXPECT_NE(bag.health.remarks[0].find("the headers have another clock"), std::string::npos)
+      << bag.health.remarks[0];
   EXPECT_NEAR(identifyRoll(bag).with_delay.shape.delay, test::MadeLoop().delay, 0.01);
 }
 
