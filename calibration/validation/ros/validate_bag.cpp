@@ -181,9 +181,9 @@ polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
 }
 
 // Reads, replays, judges; writes what belongs to this flight alone.
-polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
-                             const polyfly::MultirotorOptions& options, const Arguments& arguments,
-                             polyfly_ros::ValidationTopics* topics) {
+polyfly::ValidationReport judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
+                                const polyfly::MultirotorOptions& options, const Arguments& arguments,
+                                polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
   const polyfly::FlightLog log = polyfly_ros::readBag(
@@ -191,34 +191,30 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
-  polyfly::FlightSummary flight;
-  flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
+  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
-    flight.validation.comparisons.push_back(
+    report.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
   }
-  if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
-  flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(flight.validation));
-  if (topics != nullptr) topics->write(samples, flight.validation);
+  if (arguments.bags.size() == 1) propose(maps, arguments, &report);
+  report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
+  if (topics != nullptr) topics->write(samples, report);
   if (!arguments.report.empty()) {
-    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken},
-                         reportFolder(arguments, number));
+    polyfly::writeReport({log, samples, maps.flown, options, report}, reportFolder(arguments, number));
   }
-  return flight;
+  return report;
 }
 
 // What concerns all flights together, where there are several.
-std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const polyfly::MapChoice& maps,
+std::string summarise(const std::vector<polyfly::ValidationReport>& flights, const polyfly::MapChoice& maps,
                       const Arguments& arguments) {
-  std::vector<polyfly::ValidationReport> reports;
-  for (const polyfly::FlightSummary& flight : flights) reports.push_back(flight.validation);
-  if (flights.size() == 1) return polyfly::toJson(reports.front());
-  polyfly::ValidationReport all = polyfly::together(reports);
+  if (flights.size() == 1) return polyfly::toJson(flights.front());
+  polyfly::ValidationReport all = polyfly::together(flights);
   propose(maps, arguments, &all);
   if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
   if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
-  return polyfly::toJson(all, reports);
+  return polyfly::toJson(all, flights);
 }
 
 int run(const Arguments& arguments) {
@@ -235,7 +231,7 @@ int run(const Arguments& arguments) {
   if (!arguments.topics_bag.empty()) {
     topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
   }
-  std::vector<polyfly::FlightSummary> flights;
+  std::vector<polyfly::ValidationReport> flights;
   for (const std::string& bag : arguments.bags) {
     flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
   }
@@ -243,16 +239,16 @@ int run(const Arguments& arguments) {
   const std::string json = summarise(flights, choice, arguments);
   if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, json);
   bool broken = false;
-  for (const polyfly::FlightSummary& flight : flights) {
-    broken = broken || (arguments.strict && !flight.validation.warnings.empty());
-    for (const std::string& sentence : flight.validation.warnings) {
+  for (const polyfly::ValidationReport& flight : flights) {
+    broken = broken || (arguments.strict && flight.verdict() == polyfly::Verdict::kDoubtful);
+    for (const std::string& sentence : flight.warnings) {
       if (arguments.quiet)
-        std::cerr << polyfly::visible("warning: " + flight.validation.source + ": " + sentence) << "\n";
+        std::cerr << polyfly::visible("warning: " + flight.source + ": " + sentence) << "\n";
     }
     for (const std::string& sentence : flight.broken) {
       broken = true;
-      std::cerr << "broken: "
-                << polyfly::visible((flights.size() > 1 ? flight.validation.source + ": " : "") + sentence)
+      if (!arguments.quiet) continue;
+      std::cerr << "broken: " << polyfly::visible((flights.size() > 1 ? flight.source + ": " : "") + sentence)
                 << "\n";
     }
   }

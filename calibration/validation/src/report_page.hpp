@@ -26,7 +26,7 @@ void writeCalibrationHead(const Provenance& data, const std::vector<std::string>
 /// A section with one picture.
 void writeFigureSection(const ReportFigure& figure, std::ostream& out);
 
-/// A number with so many significant digits, a dash where there is none.
+/// A number with so many significant digits, and all digits before the point. A dash where there is no number.
 std::string number(double value, int digits = 3);
 
 /// The picture as an element of the page. Runs gnuplot. Throws Error.

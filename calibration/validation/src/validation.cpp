@@ -82,6 +82,11 @@ void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport
 
 }  // namespace
 
+Verdict ValidationReport::verdict() const {
+  if (!broken.empty()) return Verdict::kFailed;
+  return warnings.empty() ? Verdict::kPassed : Verdict::kDoubtful;
+}
+
 std::size_t ValidationReport::regionCount() const {
   return axes[0].regions() + axes[1].regions() + axes[2].regions();
 }
@@ -120,7 +125,9 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.lookup_ns = percentiles(lookups);
   report.commands = validateCommands(log, samples, options);
   report.statuses = validateStatuses(log, samples);
-  report.warnings = flightWarnings(log, samples, maps, options);
+  report.warnings = recordWarnings(log, report.commands);
+  const std::vector<std::string> of_flight = flightWarnings(log, samples, maps, options);
+  report.warnings.insert(report.warnings.end(), of_flight.begin(), of_flight.end());
   report.hold = holdOffset(log, samples);
   return report;
 }

@@ -17,7 +17,6 @@ struct ReportContent {
   const AxisMaps& maps;
   const MultirotorOptions& options;
   const ValidationReport& validation;
-  const std::vector<std::string>& broken;  ///< sentences of brokenThresholds
 };
 
 /// A picture with the sentence under it.
@@ -37,15 +36,9 @@ std::string toHtml(const ReportContent& content);
 /// naming the file.
 void writeReport(const ReportContent& content, const std::string& folder);
 
-/// One of several flights, for the page of all.
-struct FlightSummary {
-  ValidationReport validation;
-  std::vector<std::string> broken;  ///< sentences of brokenThresholds
-};
-
 /// The page of several flights, with `summary.json` of all together. Their own pages are expected in
 /// `flight_1`, `flight_2` and so on of the same folder. `flights` must not be empty. Throws Error.
-void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
+void writeOverview(const std::vector<ValidationReport>& flights, const ValidationReport& all,
                    const std::string& folder);
 
 }  // namespace polyfly

@@ -141,6 +141,53 @@ TEST_F(ValidateBag, judgesInPiecesWhereTheClockWasSet) {
   EXPECT_LT(used.ru_maxrss, kMostMemory);
 }
 
+// Green means whole: the same flight, damaged in the ways of the field.
+TEST_F(ValidateBag, isNotGreenWhereTheRecordingIsNotWhole) {
+  const std::string good = contents(folder_ / "flight.bag");
+  const std::string mark = "op=\x05";
+  std::vector<std::size_t> chunks;
+  for (std::size_t at = good.find(mark); at != std::string::npos; at = good.find(mark, at + 1))
+    chunks.push_back(at);
+  ASSERT_GT(chunks.size(), 4u);
+  const auto change = [&good](std::size_t place, std::size_t count, char by) {
+    std::string bad = good;
+    for (std::size_t k = place; k < place + count; ++k) bad[k] = static_cast<char>(bad[k] ^ by);
+    return bad;
+  };
+  const std::map<std::string, std::string> damaged = {
+      {"cut", good.substr(0, good.size() / 2)},
+      {"end", good.substr(0, good.size() - 10)},
+      {"data", change(chunks[1] + 600, 400, 0x2a)},
+      {"header", change(chunks[2] - 10, 4, 0x2a)},
+  };
+  EXPECT_EQ(runWith({"--strict"}), kPassed) << output_;
+  EXPECT_NE(output_.find("Passed: "), std::string::npos);
+  EXPECT_NE(output_.find("read: 100 % of the messages"), std::string::npos) << output_;
+  for (const auto& [name, bytes] : damaged) {
+    std::ofstream(folder_ / "flight.bag", std::ios::binary) << bytes;
+    EXPECT_EQ(runWith({"--strict", "--report", folder_ / name}), kThresholdBroken) << name << output_;
+    EXPECT_EQ(output_.find("Passed"), std::string::npos) << name;
+    EXPECT_NE(output_.find("recording"), std::string::npos) << name << output_;
+    EXPECT_EQ(contents(folder_ / (name + "/index.html")).find("verdict good"), std::string::npos) << name;
+    const auto json = nlohmann::json::parse(contents(folder_ / (name + "/summary.json")));
+    EXPECT_NE(json["verdict"], "passed") << name;
+    EXPECT_EQ(json["recording"]["whole"], false) << name;
+  }
+}
+
+TEST_F(ValidateBag, tellsWhichClockJumped) {
+  polyfly::FlightLog log = log_;
+  const double middle = log.odometry[log.odometry.size() / 2].stamp;
+  FlightBagOptions options;
+  options.command_jump = {middle, 120.0};
+  writeFlightBag(log, folder_ / "flight.bag", options);
+  EXPECT_EQ(runWith({"--strict"}), kThresholdBroken) << output_;
+  EXPECT_NE(output_.find("command/roll_pitch_yawrate_thrust: the clock of the headers jumps by 120 s"),
+            std::string::npos)
+      << output_;
+  EXPECT_NE(output_.find("answer no recorded odometry"), std::string::npos) << output_;
+}
+
 TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
   std::ofstream(folder_ / "heavy.yaml") << "vehicle: {mass: 2.0}\n";
   EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);
