@@ -97,6 +97,7 @@ void add(const ValidationReport& other, ValidationReport* all) {
   all->samples += other.samples;
   all->tracked_samples += other.tracked_samples;
   all->outside_map_samples += other.outside_map_samples;
+  all->outside_map_time += other.outside_map_time;
   all->duration += other.duration;
   all->top_speed = std::max(all->top_speed, other.top_speed);
   for (std::size_t axis = 0; axis < all->axes.size(); ++axis) add(other.axes[axis], &all->axes[axis]);

@@ -55,7 +55,8 @@ void writeTiles(const ValidationReport& report, std::ostream& out) {
             "commands out of bounds, of " + std::to_string(report.commands.recorded),
             report.violationCount() == 0, out);
   writeTile(percent(report.coverage),
-            "of " + std::to_string(report.tracked_samples) + " samples inside the maps",
+            "of " + std::to_string(report.tracked_samples) + " samples inside the maps; outside for " +
+                number(report.outside_map_time) + " s",
             report.outside_map_samples == 0, out);
   writeTile(std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
             "regions visited", true, out);

@@ -116,6 +116,10 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.samples = samples.size();
   report.duration = durationOf(stampsOf(samples));
   validateTracking(samples, &report);
+  if (samples.size() > 1) {
+    report.outside_map_time = report.duration * static_cast<double>(report.outside_map_samples) /
+                              static_cast<double>(samples.size() - 1);
+  }
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
     report.axes[axis] = validateAxis(log, samples, *maps[axis], axis, maker);

@@ -185,6 +185,7 @@ Json json(const ValidationReport& report) {
   out["constraint_violations"] = report.violationCount();
   out["coverage"] = report.coverage;
   out["outside_map_samples"] = report.outside_map_samples;
+  out["outside_map_s"] = report.outside_map_time;
   out["max_qp_difference"] = report.maxQpDifference();
   out["max_command_difference"] = report.commands.max_difference;
   out["lookup_ns_p50"] = report.lookup_ns.p50;

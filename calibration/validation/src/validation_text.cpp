@@ -173,7 +173,8 @@ std::string toText(const ValidationReport& report) {
   out << std::setprecision(4);
   out << report.source << "\n  " << report.samples << " samples over " << report.duration << " s, "
       << report.tracked_samples << " with a reference, top speed " << report.top_speed << " m/s\n  coverage "
-      << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map\n";
+      << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map, for "
+      << report.outside_map_time << " s\n";
   if (report.share) out << "  read: " << describe(*report.share) << "\n";
   for (const AxisValidation& axis : report.axes) writeAxis(axis, out);
   writeCommands(report.commands, out);

@@ -124,6 +124,8 @@ struct ValidationReport {
   std::size_t tracked_samples = 0;
   /// Tracked samples with the parameters of some axis outside its map.
   std::size_t outside_map_samples = 0;
+  /// Time in which some axis had no answer of its map [s].
+  double outside_map_time = 0.0;
   /// Share of the tracked samples that all maps hold; 0 if there are none.
   double coverage = 0.0;
   /// Time from first to last odometry, without far steps of its clock [s].
