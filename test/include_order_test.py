@@ -16,14 +16,13 @@ CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "f
 
 # The folder that each public header of the offline solver belongs to.
 OFFLINE_HEADERS = {
-    "vector_text": "support",
-    "exact_lp": "lp", "polytope": "lp",
+    "exact_lp": "lp",
     "partition": "program",
     "explore_options": "explore/sets", "process_group": "explore/parallel", "explore": "explore",
     "encode": "tree", "search_tree": "tree",
     "count": "count",
     "reduce": "reduce",
-    "interior_point_qp": "verify", "program_oracle": "verify", "verify": "verify",
+    "verify": "verify",
     "certify": "certify", "verify_reduction": "certify/reduction",
 }
 

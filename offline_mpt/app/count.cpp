@@ -7,7 +7,7 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "offline_mpt/vector_text.hpp"
+#include "support/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "signals.hpp"

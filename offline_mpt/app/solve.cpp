@@ -14,7 +14,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/process_group.hpp"
-#include "offline_mpt/vector_text.hpp"
+#include "support/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"

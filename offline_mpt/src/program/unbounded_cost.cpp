@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mpc_core/decompositions.hpp"
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/slater_point.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mpc_core/decompositions.hpp"
-#include "offline_mpt/interior_point_qp.hpp"
+#include "verify/interior_point_qp.hpp"
 #include "verify/interior_point_parts.hpp"
 
 namespace polyfly {

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "offline_mpt/interior_point_qp.hpp"
+#include "verify/interior_point_qp.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "offline_mpt/partition.hpp"
-#include "offline_mpt/program_oracle.hpp"
+#include "verify/program_oracle.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"

@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "offline_mpt/vector_text.hpp"
+#include "support/vector_text.hpp"
 #include "offline_mpt/verify_reduction.hpp"
 
 namespace polyfly {

@@ -6,7 +6,7 @@
 
 #include "explore/region/region_builder.hpp"
 #include "mpc_core/dense_qp.hpp"
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {
