@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 
+#include "bags/recording_share.hpp"
 #include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
 #include "topic_signals.hpp"
@@ -147,7 +148,9 @@ class Collector {
       if (topics_.count(choice.topic) == 0)
         throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
     }
-    gather(&result);
+    const std::set<std::string> used = gather(&result);
+    const std::string loss = lossSentence(recordingShare(result.health, used));
+    if (!loss.empty()) result.health.remarks.push_back(loss);
     return result;
   }
 
@@ -233,7 +236,8 @@ class Collector {
     return best;
   }
 
-  void gather(BagSignals* result) const {
+  // Returns the topics that give a signal.
+  std::set<std::string> gather(BagSignals* result) const {
     const std::map<std::string, Winner> best = winners();
     // All readers of a topic have the same stamps.
     std::map<std::string, HeaderClock> clocks;
@@ -263,6 +267,9 @@ class Collector {
         remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;
       if (!remark.empty()) result->health.remarks.push_back(remark);
     }
+    std::set<std::string> used;
+    for (const auto& [topic, clock] : clocks) used.insert(topic);
+    return used;
   }
 
   // Which of two topics gives a signal; the answer holds for everything that both could give.

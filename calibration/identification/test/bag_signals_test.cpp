@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "identification/identify_axis.hpp"
 #include "made_bag.hpp"
@@ -189,6 +190,17 @@ TEST_F(BagSignalsTest, LeavesAnotherClockOutWhereOneTopicHasNoStamps) {
   EXPECT_NE(bag.health.remarks[0].find("the headers have another clock"), std::string::npos)
       << bag.health.remarks[0];
   EXPECT_NEAR(identifyRoll(bag).with_delay.shape.delay, test::MadeLoop().delay, 0.01);
+}
+
+TEST_F(BagSignalsTest, SaysThatPartsAreLost) {
+  writeFlight({""});
+  std::ifstream file(path_, std::ios::binary);
+  std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  bytes.resize(bytes.size() / 2);
+  write(bytes);
+  const BagSignals bag = signalsFromBag(path_, {});
+  EXPECT_NE(bag.health.remarks.back().find("The end of the recording is missing"), std::string::npos)
+      << bag.health.remarks.back();
 }
 
 TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
