@@ -429,7 +429,7 @@ TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "plot"}) {
+  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
