@@ -11,7 +11,7 @@ INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 # Folders of a package in the order of their dependencies. A folder includes from itself and from those before it.
 OFFLINE_FOLDERS = ["support", "arithmetic", "lp", "program", "exact_kkt", "explore/sets", "explore/region",
                    "explore/state", "explore/parallel", "explore", "tree", "count", "reduce", "verify", "certify",
-                   "certify/reduction"]
+                   "certify/reduction", "diff"]
 CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight"]
 
 # The folder that each public header of the offline solver belongs to.
@@ -24,6 +24,7 @@ OFFLINE_HEADERS = {
     "reduce": "reduce",
     "verify": "verify",
     "certify": "certify", "verify_reduction": "certify/reduction",
+    "diff": "diff",
 }
 
 # What the production code below a path includes of other packages: prefixes of headers.

@@ -28,6 +28,7 @@ void addInfo(CLI::App& app, ExitCode& exit_code);
 void addEval(CLI::App& app, ExitCode& exit_code);
 void addVerify(CLI::App& app, ExitCode& exit_code);
 void addReduce(CLI::App& app, ExitCode& exit_code);
+void addDiff(CLI::App& app, ExitCode& exit_code);
 void addPlot(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);

@@ -426,10 +426,10 @@ TEST_F(CommandLine, ToolsTellTheirVersion) {
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   const Outcome general = run({"--help"});
   EXPECT_EQ(general.exit_code, 0);
-  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "plot", "Examples"}) {
+  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "plot"}) {
+  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
