@@ -24,7 +24,7 @@ OFFLINE_HEADERS = {
     "count": "count",
     "reduce": "reduce",
     "interior_point_qp": "verify", "program_oracle": "verify", "verify": "verify",
-    "certify": "certify", "verify_reduction": "certify/reduction",
+    "certify": "certify", "verify_reduction": "certify/reduction", "reduce_proven": "certify/reduction",
 }
 
 # What the production code below a path includes of other packages: prefixes of headers.
