@@ -32,12 +32,10 @@ def _ranges(name, bounds, count):
     """`count` pairs (lower, upper) out of a pair of numbers or lists; infinite where there is none."""
     if bounds is None:
         return [(-np.inf, np.inf)] * count
-    if np.shape(bounds)[:1] != (2,):
-        raise Error(f"MPC: bounds: {name} must be a pair (lower, upper)")
     try:
         lower, upper = (np.broadcast_to(np.asarray(side, dtype=float), count) for side in bounds)
-    except ValueError as error:
-        raise Error(f"MPC: bounds: {name} must have {count} lower and upper bounds") from error
+    except (TypeError, ValueError) as error:
+        raise Error(f"MPC: bounds: {name} must be a pair (lower, upper) of numbers, or of lists of {count}") from error
     return list(zip(lower, upper))
 
 
@@ -102,7 +100,8 @@ class MPC:
         lines = ["polyfly_problem: 1", f"name: {self._name}", "type: tracking_mpc"]
         if self._description:
             lines.append("description: '" + self._description.replace("'", "''") + "'")
-        return "\n".join(lines + self._model_lines(states) + self._weight_lines() + self._parameter_lines(states)) + "\n"
+        lines += self._model_lines(states) + self._weight_lines() + self._parameter_lines(states)
+        return "\n".join(lines) + "\n"
 
     def problem(self):
         """The Problem: checked, to be solved, saved or flown."""
@@ -133,7 +132,8 @@ class MPC:
         lines = ["model:", "  states:"]
         for (name, unit), (lower, upper) in zip(states, _ranges("x", self._bounds[0], len(states))):
             bounded = np.isfinite(lower) or np.isfinite(upper)
-            lines.append(f"    - {{name: {name}, unit: '{unit}'" + (f", range: {_row((lower, upper))}}}" if bounded else "}"))
+            range_text = f", range: {_row((lower, upper))}" if bounded else ""
+            lines.append(f"    - {{name: {name}, unit: '{unit}'{range_text}}}")
         lines.append("  inputs:")
         for (name, unit), bounds in zip(self._inputs, _ranges("u", self._bounds[1], len(self._inputs))):
             lines.append(f"    - {{name: {name}, unit: '{unit}', range: {_row(bounds)}}}")

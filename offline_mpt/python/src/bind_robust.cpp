@@ -73,8 +73,8 @@ void bindRobust(py::module_& module) {
           "The law by linear programs, for single parameters.")
       .def(
           "save",
-          [](const RobustProblem& problem, const std::string& path) {
-            writeFileAtomically(path, problem.text);
+          [](const RobustProblem& problem, const Path& path) {
+            writeFileAtomically(path.string(), problem.text);
           },
           py::arg("path"), "Writes the problem file.");
   module.def(
