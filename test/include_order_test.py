@@ -23,7 +23,7 @@ OFFLINE_HEADERS = {
     "count": "count",
     "reduce": "reduce",
     "verify": "verify",
-    "certify": "certify", "verify_reduction": "certify/reduction",
+    "certify": "certify", "verify_reduction": "certify/reduction", "reduce_proven": "certify/reduction",
     "diff": "diff",
 }
 
