@@ -10,7 +10,8 @@
 # polyfly_library(NAME [UNITY] SOURCES file... [LINK target...] [PRIVATE target...] [INCLUDE folder...]
 #     [PRIVATE_INCLUDE folder...] [INSTALL header...])
 #   A library with the package's include/ folder, and others of the package. UNITY: see polyfly_unity. INSTALL: `cmake --install`
-#   of the plain build offers it, with these public headers or folders of headers (install.cmake).
+#   of the plain build offers it, with these public headers or folders of headers (install.cmake); without any, other
+#   libraries need it, but no user includes it.
 function(polyfly_library name)
   cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE;INSTALL" ${ARGN})
   list(TRANSFORM ARG_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
@@ -49,7 +50,7 @@ function(polyfly_library name)
     if(TARGET tools)
       add_dependencies(tools ${name})
     endif()
-    if(ARG_INSTALL)
+    if(ARG_INSTALL OR "INSTALL" IN_LIST ARG_KEYWORDS_MISSING_VALUES)
       polyfly_install_library(${name} HEADERS ${ARG_INSTALL} FOLDERS ${headers} LINK ${ARG_LINK} ${ARG_PRIVATE})
     endif()
   endif()
