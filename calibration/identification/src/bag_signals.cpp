@@ -1,6 +1,7 @@
 #include "identification/bag_signals.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 
@@ -48,7 +49,8 @@ const std::vector<KnownType>& knownTypes() {
        {{"roll", "pose.pose.orientation", Angle::kRoll},
         {"pitch", "pose.pose.orientation", Angle::kPitch},
         {"yaw", "pose.pose.orientation", Angle::kYaw},
-        {"yaw_rate", "twist.twist.angular.z"}}},
+        {"yaw_rate", "twist.twist.angular.z"},
+        {"height", "pose.pose.position.z"}}},
       {"sensor_msgs/Imu",
        "",
        1,
@@ -56,19 +58,26 @@ const std::vector<KnownType>& knownTypes() {
         {"pitch", "orientation", Angle::kPitch},
         {"yaw", "orientation", Angle::kYaw},
         {"yaw_rate", "angular_velocity.z"},
+        {"gyro_x", "angular_velocity.x"},
+        {"gyro_y", "angular_velocity.y"},
+        {"gyro_z", "angular_velocity.z"},
+        {"specific_force_x", "linear_acceleration.x"},
+        {"specific_force_y", "linear_acceleration.y"},
         {"specific_force_z", "linear_acceleration.z"}}},
       {"geometry_msgs/TransformStamped",
        "",
        2,
        {{"roll", "transform.rotation", Angle::kRoll},
         {"pitch", "transform.rotation", Angle::kPitch},
-        {"yaw", "transform.rotation", Angle::kYaw}}},
+        {"yaw", "transform.rotation", Angle::kYaw},
+        {"height", "transform.translation.z"}}},
       {"geometry_msgs/PoseStamped",
        "pose",
        3,
        {{"roll", "pose.orientation", Angle::kRoll},
         {"pitch", "pose.orientation", Angle::kPitch},
-        {"yaw", "pose.orientation", Angle::kYaw}}},
+        {"yaw", "pose.orientation", Angle::kYaw},
+        {"height", "pose.position.z"}}},
       {"geometry_msgs/TwistStamped",
        "velocity_local",
        1,
@@ -88,6 +97,17 @@ bool isKnown(const KnownType& known, const BagConnection& connection) {
 }
 
 constexpr int kTruthRank = 10;  // added to that of the type
+constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
+// Times by which two records of one message may differ [s].
+constexpr double kSameMessage = 0.1;
+
+// Whether two topics brought the same messages.
+bool isRepeated(const TimeSeries& one, const TimeSeries& other) {
+  bool same = one.value == other.value;
+  for (std::size_t i = 0; i < one.time.size() && same; ++i)
+    same = std::abs(one.time[i] - other.time[i]) < kSameMessage;
+  return same;
+}
 
 bool endsWith(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() &&
@@ -106,6 +126,11 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
   Choice choice = {text.substr(0, colon), {signal, text.substr(colon + 1), Angle::kNone}};
+  const std::string degrees = ":deg";
+  if (endsWith(choice.use.path, degrees)) {
+    choice.use.path.resize(choice.use.path.size() - degrees.size());
+    choice.use.scale = kRadianOfDegree;
+  }
   const std::pair<const char*, Angle> angles[] = {
       {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
   for (const auto& [ending, angle] : angles) {
@@ -147,6 +172,7 @@ class Collector {
         throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
     }
     gather(&result);
+    result.signals.places.assign(topics_.begin(), topics_.end());
     return result;
   }
 
@@ -210,12 +236,18 @@ class Collector {
   // The best source of each signal; two of the same rank leave a question that only the user can answer.
   void gather(BagSignals* result) const {
     std::map<std::string, int> ranks;
+    std::set<std::string> repeated;
     for (const auto& [topic, sources] : sources_) {
       for (const Source& one : sources) {
         for (auto& [signal, series] : one.reader->series(result->health.first, &result->health.remarks)) {
           if (series.time.empty()) continue;
           const auto before = ranks.find(signal);
           if (before != ranks.end() && before->second == one.rank) {
+            if (isRepeated(result->signals.series[signal], series)) {
+              repeated.insert("topic " + topic + ": repeats " + result->signals.origin[signal] +
+                              "; its messages count once");
+              continue;
+            }
             if (preferred(signal, result->signals.origin[signal], topic) != topic) continue;
           }
           if (before != ranks.end() && before->second < one.rank) continue;
@@ -225,6 +257,7 @@ class Collector {
         }
       }
     }
+    result->health.remarks.insert(result->health.remarks.end(), repeated.begin(), repeated.end());
   }
 
   // Which of two topics gives a signal; the answer holds for everything that both could give.
