@@ -122,6 +122,7 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
   for (const std::string& remark : settleUnits(&signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
   const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);
   for (const std::string& clause : clausesOn(found))
     remarks->push_back(path + ": " + clause + "; left out where no window asks for it");

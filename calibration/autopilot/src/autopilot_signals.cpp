@@ -289,17 +289,12 @@ void leaveGroundOut(const GroundTime& ground, double start, AutopilotSignals* re
   }
   char text[160];
   std::snprintf(text, sizeof text, "%.1f s of %.1f s were left out: the vehicle stood, by ", stood, all);
-  if (stood <= 0.0) return;
-  std::string times;
+  if (stood > 0.0) result->remarks.push_back(text + ground.by);
   for (const TimeWindow& window : ground.windows) {
     const TimeWindow part = {std::max(whole.from, window.from) - start, std::min(whole.to, window.to) - start};
-    if (part.from >= part.to) continue;
-    result->signals.not_flight.push_back({part, "the vehicle stood, by " + ground.by});
-    char when[60];
-    std::snprintf(when, sizeof when, "%s%.1f .. %.1f", times.empty() ? "" : ", ", part.from, part.to);
-    times += when;
+    if (part.from < part.to)
+      result->signals.not_flight.push_back({part, "the vehicle stood, by " + ground.by});
   }
-  result->remarks.push_back(text + ground.by + " (" + times + " s)");
 }
 
 }  // namespace

@@ -101,12 +101,19 @@ constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
 // Times by which two records of one message may differ [s].
 constexpr double kSameMessage = 0.1;
 
-// Whether two topics brought the same messages.
-bool isRepeated(const TimeSeries& one, const TimeSeries& other) {
-  bool same = one.value == other.value;
-  for (std::size_t i = 0; i < one.time.size() && same; ++i)
-    same = std::abs(one.time[i] - other.time[i]) < kSameMessage;
-  return same;
+// Whether two topics brought the same messages, of which at least one number changes.
+bool isRepeated(const std::map<std::string, TimeSeries>& one, const std::map<std::string, TimeSeries>& other) {
+  bool changes = false;
+  if (one.size() != other.size()) return false;
+  for (const auto& [name, series] : one) {
+    const auto found = other.find(name);
+    if (found == other.end() || found->second.value != series.value) return false;
+    for (std::size_t i = 0; i < series.time.size(); ++i) {
+      if (std::abs(series.time[i] - found->second.time[i]) > kSameMessage) return false;
+      changes = changes || series.value[i] != series.value.front();
+    }
+  }
+  return changes;
 }
 
 bool endsWith(const std::string& text, const std::string& ending) {
@@ -183,6 +190,12 @@ class Collector {
     std::string type;
   };
 
+  struct Offer {
+    std::string signal;
+    std::string topic;
+    int rank = 0;
+  };
+
   std::string topics() const {
     std::string known;
     for (const std::string& topic : topics_) known += (known.empty() ? "" : ", ") + topic;
@@ -236,28 +249,38 @@ class Collector {
   // The best source of each signal; two of the same rank leave a question that only the user can answer.
   void gather(BagSignals* result) const {
     std::map<std::string, int> ranks;
-    std::set<std::string> repeated;
+    std::map<std::string, std::map<std::string, TimeSeries>> taken;
     for (const auto& [topic, sources] : sources_) {
       for (const Source& one : sources) {
-        for (auto& [signal, series] : one.reader->series(result->health.first, &result->health.remarks)) {
-          if (series.time.empty()) continue;
-          const auto before = ranks.find(signal);
-          if (before != ranks.end() && before->second == one.rank) {
-            if (isRepeated(result->signals.series[signal], series)) {
-              repeated.insert("topic " + topic + ": repeats " + result->signals.origin[signal] +
-                              "; its messages count once");
-              continue;
-            }
-            if (preferred(signal, result->signals.origin[signal], topic) != topic) continue;
-          }
-          if (before != ranks.end() && before->second < one.rank) continue;
-          ranks[signal] = one.rank;
-          result->signals.series[signal] = std::move(series);
-          result->signals.origin[signal] = topic;
+        std::map<std::string, TimeSeries> found =
+            one.reader->series(result->health.first, &result->health.remarks);
+        const auto same = std::find_if(taken.begin(), taken.end(), [&found](const auto& before) {
+          return isRepeated(before.second, found);
+        });
+        if (same != taken.end()) {
+          result->health.remarks.push_back("topic " + topic + ": repeats " + same->first +
+                                           "; its messages count once");
+          continue;
         }
+        for (const auto& [signal, series] : found) {
+          if (!series.time.empty()) offer({signal, topic, one.rank}, series, &ranks, &result->signals);
+        }
+        taken[topic] = std::move(found);
       }
     }
-    result->health.remarks.insert(result->health.remarks.end(), repeated.begin(), repeated.end());
+  }
+
+  // Takes the series unless there is a better one.
+  void offer(const Offer& one, const TimeSeries& series, std::map<std::string, int>* ranks,
+             FlightSignals* signals) const {
+    const auto before = ranks->find(one.signal);
+    if (before != ranks->end() && before->second == one.rank) {
+      if (preferred(one.signal, signals->origin[one.signal], one.topic) != one.topic) return;
+    }
+    if (before != ranks->end() && before->second < one.rank) return;
+    (*ranks)[one.signal] = one.rank;
+    signals->series[one.signal] = series;
+    signals->origin[one.signal] = one.topic;
   }
 
   // Which of two topics gives a signal; the answer holds for everything that both could give.

@@ -168,16 +168,35 @@ bool isStray(const Cell& stretch, double usual) {
   return (ratio > kUnexplained && missed > kAway * usual) || (ratio > kExplained && missed > kFarAway * usual);
 }
 
+// The cells of stray stretches, and those beside them in which the model misses by as much.
+std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
+  std::vector<bool> stray(cells.size(), false);
+  for (std::size_t i = 0; i < stretchCount(cells); ++i) {
+    if (!isStray(stretchAt(cells, i), usual)) continue;
+    std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i), true);
+  }
+  const auto misses = [&](std::size_t i) {
+    return cells[i].residual > kAway * kAway * usual * usual * cells[i].samples;
+  };
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    if (stray[i - 1] && misses(i)) stray[i] = true;
+  }
+  for (std::size_t i = cells.size() - 1; i > 0; --i) {
+    if (stray[i] && misses(i - 1)) stray[i - 1] = true;
+  }
+  return stray;
+}
+
 std::vector<RejectedWindow> strays(const Cells& cells, double usual) {
   std::vector<RejectedWindow> found;
   for (const std::vector<Cell>& part : cells) {
-    for (std::size_t i = 0; i < stretchCount(part); ++i) {
-      const Cell sum = stretchAt(part, i);
-      if (!isStray(sum, usual)) continue;
-      if (!found.empty() && found.back().window.to >= sum.from) {
-        found.back().window.to = sum.to;
+    const std::vector<bool> stray = strayCells(part, usual);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (!stray[i]) continue;
+      if (i > 0 && stray[i - 1]) {
+        found.back().window.to = part[i].to;
       } else {
-        found.push_back({{sum.from, sum.to}, kReason});
+        found.push_back({{part[i].from, part[i].to}, kReason});
       }
     }
   }

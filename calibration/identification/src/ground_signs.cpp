@@ -101,7 +101,9 @@ unsigned signsOf(const FlightGrid& grid, const FlightLevels& levels, std::size_t
   *rests = angle < kRestAngle;
   if (speed.whole && speed.greatest > kFast) return 0;
   if (airspeed.whole && airspeed.greatest > levels.airspeed_least) return 0;
-  const bool slow = speed.whole && speed.greatest < kSlow;
+  // Who carries a fixed wing to its start walks: then the airspeed tells.
+  const bool grounded = airspeed.whole && airspeed.greatest < levels.airspeed_least;
+  const bool slow = (speed.whole && speed.greatest < kSlow) || grounded;
   const bool low = height.whole && height.greatest < levels.height_low;
   const bool quiet = force.whole && force.range() < levels.force_rest &&
                      std::abs(force.least - kGravityAtRest) < kGravityShare * kGravityAtRest;
