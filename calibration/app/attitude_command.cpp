@@ -37,7 +37,13 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   }
   const std::vector<std::string> axes = arguments.axes.empty() ? recordedAxes(training) : arguments.axes;
   if (axes.empty()) {
-    throw Error(arguments.log + ": holds no command together with its response; choose them with --signal");
+    std::string why;
+    for (const std::string& sentence : missingAxes(training)) why += "; " + sentence;
+    throw Error(arguments.log + ": holds no command together with its response" + why);
+  }
+  if (arguments.axes.empty()) {
+    for (const std::string& sentence : missingAxes(training))
+      calibration.remarks.push_back(arguments.log + ": " + sentence);
   }
   for (const std::string& axis : axes) {
     try {

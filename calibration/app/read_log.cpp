@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -10,6 +11,8 @@
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
+#include "identification/flight_phases.hpp"
+#include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 
@@ -118,6 +121,17 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
                           std::vector<std::string>* remarks) {
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& remark : settleUnits(&signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
+  const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);
+  for (const std::string& clause : clausesOn(found))
+    remarks->push_back(path + ": " + clause + "; left out where no window asks for it");
+  // Beside those that the autopilot told.
+  signals.not_flight.insert(signals.not_flight.end(), found.begin(), found.end());
+  std::stable_sort(signals.not_flight.begin(), signals.not_flight.end(),
+                   [](const RejectedWindow& one, const RejectedWindow& other) {
+                     return one.window.from < other.window.from;
+                   });
   return signals;
 }
 

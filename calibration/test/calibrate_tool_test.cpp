@@ -18,6 +18,7 @@
 #include "identification/provenance.hpp"
 #include "made_flight.hpp"
 #include "made_logs.hpp"
+#include "made_stretches.hpp"
 
 namespace polyfly {
 namespace {
@@ -184,6 +185,35 @@ TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
   EXPECT_TRUE(roll["second_order"].IsMap());
   EXPECT_EQ(roll["warnings"].size(), 0u);
   EXPECT_NE(out().find("lag and delay"), std::string::npos);
+}
+
+// What is no flight stands in text, YAML and page, for every command that reads flights.
+TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
+  test::MadeStretches made;
+  made.tumbles = 4.0;
+  const FlightSignals signals = test::makeStretches(made, 1).signals;
+  std::ofstream file(folder_ / "tumble.csv");
+  const std::pair<const char*, const char*> columns[] = {
+      {"roll_cmd", "roll_cmd_rad"}, {"pitch_cmd", "pitch_cmd_rad"}, {"roll", "roll_rad"}, {"pitch", "pitch_rad"},
+      {"yaw", "yaw_rad"},           {"vx", "vx_mps"},               {"vy", "vy_mps"},     {"vz", "vz_mps"},
+      {"thrust_cmd", "thrust_cmd"}};
+  file << "t_s";
+  for (const auto& [signal, column] : columns) file << "," << column;
+  for (std::size_t i = 0; i < signals.at("roll").time.size(); ++i) {
+    file << "\n" << signals.at("roll").time[i];
+    for (const auto& [signal, column] : columns) file << "," << signals.at(signal).value[i];
+  }
+  file.close();
+  for (const std::string command : {"attitude", "disturbance --mass 1.5", "drag", "mass"}) {
+    ASSERT_EQ(run(command + " tumble.csv -o out.yaml --report page"), 0) << err();
+    EXPECT_NE(out().find("s: upset, not commanded (tilt up to"), std::string::npos) << command << "\n" << out();
+    EXPECT_NE(contents(folder_ / "out.yaml").find("upset, not commanded"), std::string::npos) << command;
+    EXPECT_NE(contents(folder_ / "page/index.html").find("upset, not commanded"), std::string::npos) << command;
+    fs::remove_all(folder_ / "page");
+  }
+  ASSERT_EQ(run("attitude tumble.csv"), 0);
+  EXPECT_NE(out().find("yaw_rate is not identified: the log has no yaw_rate_cmd and no yaw_rate"), std::string::npos)
+      << out();
 }
 
 TEST_F(CalibrateTool, WritesAReport) {

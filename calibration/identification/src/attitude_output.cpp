@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "identification/flight_phases.hpp"
 #include "identification/yaml_text.hpp"
 
 namespace polyfly {
@@ -41,7 +42,11 @@ void writeWindows(const AxisModel& axis, std::ostream& out) {
     const TimeWindow& window = axis.choice.windows[i];
     out << (i > 0 ? ", " : "") << "[" << yamlNumber(window.from) << ", " << yamlNumber(window.to) << "]";
   }
-  out << "]  # [s] in the file's own time\n";
+  out << "]  # [s] in the file's own time\n    left_out:" << (axis.choice.rejected.empty() ? " []" : "") << "\n";
+  for (const RejectedWindow& one : axis.choice.rejected) {
+    out << "      - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
+        << ", reason: " << yamlString(one.reason) << "}\n";
+  }
 }
 
 // What a controller takes: the lag of Eq. 37 as it stands cannot hold a delay.
@@ -138,6 +143,7 @@ std::string toText(const AttitudeCalibration& calibration) {
                     axis.validation->training_percent);
       out << text;
     }
+    for (const std::string& clause : clausesOn(axis.choice.rejected)) out << "  left out: " << clause << "\n";
     for (const std::string& sentence : axis.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const std::string& sentence : calibration.failed) out << "not identified: " << sentence << "\n";

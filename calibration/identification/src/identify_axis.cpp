@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "diagnose.hpp"
+#include "follow.hpp"
+#include "identification/flight_phases.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -84,9 +86,12 @@ double blockLength(const std::vector<LoopSegment>& segments) {
 }
 
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
-                              const ExcitationSearchOptions& options, ExcitationChoice* choice) {
-  *choice = chooseExcitation(record, options);
-  if (windows.empty()) return choice->windows;
+                              const IdentifyOptions& options, ExcitationChoice* choice) {
+  *choice = chooseExcitation(record, options.excitation);
+  if (windows.empty()) {
+    keepWhatFollows(record, options.fit, options.excitation.least_window, choice);
+    return choice->windows;
+  }
   choice->windows = windows;
   choice->rejected.clear();
   return windows;
@@ -107,13 +112,13 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
   const std::vector<TimeWindow> windows =
-      given(options.windows, model.record, options.excitation, &model.choice);
+      given(options.windows, model.record, options, &model.choice);
   model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
                 (options.windows.empty() ? "no stretch in which the command moves and the response follows"
                                          : "the given windows hold no samples") +
-                whyUnusable(records.training.response));
+                whyNotFlight(records.training.not_flight, options.windows) + whyUnusable(records.training.response));
   }
   FitOptions fit = options.fit;
   try {
@@ -135,7 +140,7 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
     CleaningCounts ignored;
     const LoopRecord other = cleanRecord(*records.validation, &ignored);
     ExcitationChoice choice;
-    const auto chosen = given(options.validation_windows, other, options.excitation, &choice);
+    const auto chosen = given(options.validation_windows, other, options, &choice);
     std::vector<LoopSegment> segments = cutSegments(other, chosen, options.fit.delay_greatest);
     if (segments.empty()) {
       throw Error(other.source + ": " + model.axis + ": nothing to validate on" +

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identification/excitation.hpp"
+#include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -67,7 +68,9 @@ std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSigna
   record.response = velocity;
   record.command = {{velocity.time.front()}, {0.0}};
   std::vector<TimeWindow> windows = wanted;
-  if (windows.empty()) windows = {{velocity.time.front(), velocity.time.back()}};
+  if (windows.empty()) {
+    windows = windowsWithout({{velocity.time.front(), velocity.time.back()}}, signals.not_flight);
+  }
   for (const char* name : {"vx", "vy", "vz", "roll", "pitch", "yaw", "thrust_cmd"}) {
     if (signals.has(name)) windows = cutAtFarSteps(windows, clean(signals, name).time);
   }
@@ -143,6 +146,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   const std::vector<LoopSegment> parts = stretches(velocity[0], signals, options.windows);
   if (parts.empty()) {
     throw Error(signals.source + ": no stretch of velocities of a second or more" +
+                whyNotFlight(signals.not_flight, options.windows) +
                 whyUnusable(signals.at("vx")));
   }
   motion.starts.push_back(0);

@@ -72,6 +72,8 @@ class BagSignalsTest : public testing::Test {
     const LoopRecord record = test::makeFlight({}, 1);
     MadeBag bag;
     for (const std::string& vehicle : vehicles) {
+      // Another vehicle does something else.
+      const double sign = same_ || vehicle == vehicles.front() ? 1.0 : -1.0;
       const auto command = bag.connect(vehicle + "/command/roll_pitch_yawrate_thrust",
                                        "mav_msgs/RollPitchYawrateThrust", kCommand);
       const auto odometry = bag.connect(vehicle + "/odometry", "nav_msgs/Odometry", kOdometry);
@@ -86,13 +88,13 @@ class BagSignalsTest : public testing::Test {
         while (next < record.command.time.size() &&
                record.command.time[next] <= record.response.time[i] + ahead) {
           const double time = kStart + record.command.time[next];
-          bag.write(command, time, commandMessage(time + command_lead_, record.command.value[next]));
+          bag.write(command, time, commandMessage(time + command_lead_, sign * record.command.value[next]));
           ++next;
         }
         const double time = kStart + record.response.time[i];
         bag.write(odometry, time,
                   odometryMessage(stamp_(time) + (2 * i > record.response.time.size() ? clock : 0.0),
-                                  record.response.value[i]));
+                                  sign * record.response.value[i]));
         if (i % 100 == 99) bag.endChunk();
       }
     }
@@ -124,6 +126,8 @@ class BagSignalsTest : public testing::Test {
   std::function<double(double)> stamp_ = [](double time) { return time; };
   // Stamp of a command minus its receive time [s].
   double command_lead_ = 0.0;
+  // True: all vehicles of writeFlight do the same, as where messages are recorded twice.
+  bool same_ = false;
 };
 
 TEST_F(BagSignalsTest, FindsCommandAndAttitude) {
@@ -209,6 +213,16 @@ TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
   BagSignalOptions options;
   options.topics = {"/two/odometry", "/two/command/roll_pitch_yawrate_thrust"};
   EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("roll"), "/two/odometry");
+}
+
+TEST_F(BagSignalsTest, CountsMessagesInTwoTopicsOnce) {
+  same_ = true;
+  writeFlight({"", "/relay"});
+  const BagSignals bag = signalsFromBag(path_, {});
+  ASSERT_EQ(bag.health.remarks.size(), 2u);
+  EXPECT_EQ(bag.health.remarks[1], "topic /relay/odometry: repeats /odometry; its messages count once");
+  EXPECT_EQ(bag.signals.origin.at("roll"), "/odometry");
+  EXPECT_EQ(bag.signals.at("roll").time.size(), test::makeFlight({}, 1).response.time.size());
 }
 
 TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "identification/flight_phases.hpp"
 #include "report_page.hpp"
 
 namespace polyfly {
@@ -57,6 +58,10 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
         << number(axis.validation->training_percent, 4) << " %";
   }
   out << ".</p>";
+  const std::vector<std::string> clauses = clausesOn(axis.choice.rejected);
+  if (!clauses.empty()) out << "<p>Left out:</p><ul>";
+  for (const std::string& clause : clauses) out << "<li>" << escaped(clause) << "</li>";
+  if (!clauses.empty()) out << "</ul>\n";
   writeAdvice(axis, out);
   out << "<div "
          "class='scroll'><table><tr><th>model</th><th>fit</th><th>parameter</th><th>value</th><th>standard "
