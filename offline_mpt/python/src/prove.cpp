@@ -1,5 +1,7 @@
 #include "prove.hpp"
 
+#include <chrono>
+#include <future>
 #include <string>
 #include <utility>
 
@@ -12,6 +14,8 @@ namespace polyfly::python {
 namespace {
 
 namespace py = pybind11;
+
+constexpr std::chrono::milliseconds kLookPeriod{100};
 
 RobustProblem robustProblemOf(const LoadedMap& map) {
   return parseRobustProblem(std::string(map.map().problemText()), map.textSource());
@@ -51,7 +55,11 @@ py::object certifyMap(const LoadedMap& map, int threads, py::object progress) {
       ProveOptions options;
       options.threads = workers;
       options.stop = &watch.stop();
-      return proveRobustMap(map.map(), problem, options);
+      // It has no progress, so another thread does it, and this one looks after Ctrl-C.
+      auto proof =
+          std::async(std::launch::async, [&] { return proveRobustMap(map.map(), problem, options); });
+      while (proof.wait_for(kLookPeriod) != std::future_status::ready) watch.look("proof in fractions");
+      return proof.get();
     }));
   }
   const ParametricProgram program = map.program();

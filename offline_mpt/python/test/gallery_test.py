@@ -5,6 +5,7 @@ import sys
 import tempfile
 import unittest
 
+import run_test
 from oracles import ROOT
 
 GALLERY = ROOT / "offline_mpt/python/gallery"
@@ -50,4 +51,4 @@ class Gallery(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    run_test.main("python_gallery_test")

@@ -7,6 +7,7 @@ import unittest
 
 import numpy as np
 import polyfly as pf
+import run_test
 from oracles import BEMPORAD, ROOT, minimiser, random_parameters
 
 
@@ -224,4 +225,4 @@ class Proofs(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    run_test.main("python_map_test")

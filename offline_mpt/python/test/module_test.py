@@ -8,6 +8,7 @@ import threading
 import unittest
 
 import polyfly as pf
+import run_test
 from oracles import LATERAL, ROOT
 from polyfly import _polyfly
 
@@ -118,4 +119,4 @@ class Threads(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    run_test.main("python_module_test")

@@ -7,6 +7,7 @@ import unittest
 
 import numpy as np
 import polyfly as pf
+import run_test
 from oracles import BEMPORAD, LATERAL, MASS, MASS_BOX, MASS_WEIGHTS, ROOT, mass_input, minimiser, random_parameters
 
 
@@ -209,4 +210,4 @@ class Robust(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    run_test.main("python_problem_test")
