@@ -162,10 +162,19 @@ std::optional<double> usualResidual(const Cells& cells) {
   return middle(std::move(residuals));
 }
 
+double ratioOf(const Cell& stretch) {
+  return std::sqrt(stretch.residual / std::max(stretch.response, stretch.residual * kTiny));
+}
+
+double missedBy(const Cell& stretch) { return std::sqrt(stretch.residual / std::max(1.0, stretch.samples)); }
+
+bool missesByFar(const Cell& stretch, double usual) {
+  return ratioOf(stretch) > kExplained && missedBy(stretch) > kFarAway * usual;
+}
+
 bool isStray(const Cell& stretch, double usual) {
-  const double ratio = std::sqrt(stretch.residual / std::max(stretch.response, stretch.residual * kTiny));
-  const double missed = std::sqrt(stretch.residual / std::max(1.0, stretch.samples));
-  return (ratio > kUnexplained && missed > kAway * usual) || (ratio > kExplained && missed > kFarAway * usual);
+  return missesByFar(stretch, usual) ||
+         (ratioOf(stretch) > kUnexplained && missedBy(stretch) > kAway * usual);
 }
 
 // The cells of stray stretches, and those beside them in which the model misses by as much.
@@ -173,7 +182,19 @@ std::vector<bool> strayCells(const std::vector<Cell>& cells, double usual) {
   std::vector<bool> stray(cells.size(), false);
   for (std::size_t i = 0; i < stretchCount(cells); ++i) {
     if (!isStray(stretchAt(cells, i), usual)) continue;
-    std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i), true);
+    std::fill_n(stray.begin() + static_cast<std::ptrdiff_t>(i), std::min(kJudgedCells, cells.size() - i),
+                true);
+  }
+  // Short stretches must miss by far.
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool at_end = i == 0 || i + 1 == cells.size();
+    if (at_end && missesByFar(cells[i], usual)) stray[i] = true;
+    if (i == 0) continue;
+    Cell pair = cells[i - 1];
+    pair.response += cells[i].response;
+    pair.residual += cells[i].residual;
+    pair.samples += cells[i].samples;
+    if (missesByFar(pair, usual)) stray[i - 1] = stray[i] = true;
   }
   const auto misses = [&](std::size_t i) {
     return cells[i].residual > kAway * kAway * usual * usual * cells[i].samples;
@@ -241,10 +262,11 @@ void keepWhatFollows(const LoopRecord& record, const FitOptions& fit, double lea
     std::vector<RejectedWindow> found = strays(cells, *usual);
     std::vector<TimeWindow> left = keptOf(choice->windows, least_window, &found);
     if (left.empty()) return;
-    const bool same = found.size() == rejected.size() &&
-                      std::equal(found.begin(), found.end(), rejected.begin(), [](const auto& a, const auto& b) {
-                        return a.window.from == b.window.from && a.window.to == b.window.to;
-                      });
+    const bool same =
+        found.size() == rejected.size() &&
+        std::equal(found.begin(), found.end(), rejected.begin(), [](const auto& a, const auto& b) {
+          return a.window.from == b.window.from && a.window.to == b.window.to;
+        });
     rejected = std::move(found);
     kept = std::move(left);
     if (same) break;
