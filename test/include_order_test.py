@@ -58,7 +58,7 @@ PACKAGES = {
     "calibration/excitation/ros": {"polyfly_base", "polyfly_ros", "online_controller", "online_controller_ros",
                                    "fixedwing_lateral_ros", "excitation", "excitation_ros"},
     "calibration/validation": {"polyfly_base", "region_maps", "map_plot", "mpc_core", "online_controller",
-                               "identification", "offline_mpt", "robust_mpc", "validation"},
+                               "identification", "offline_mpt", "robust_mpc", "explorer_content", "validation"},
     "calibration/validation/ros": {"polyfly_base", "polyfly_ros", "command_line", "region_maps", "online_controller",
                                    "online_controller_ros", "bags", "robust_mpc", "validation", "validation_ros"},
     "calibration/app": {"polyfly_base", "command_line", "mpc_core", "identification", "autopilot", "validation"},

@@ -238,7 +238,7 @@ class SliceView {
     context.clip();
   }
 
-  // A line with a seam that sets it off from any colour below.
+  // A line with a border, so that it shows on any colour.
   drawLine(context, points, width, style) {
     if (points.length < 2) return;
     context.lineJoin = 'round';
