@@ -9,11 +9,12 @@ namespace polyfly {
 namespace {
 
 const char kExploreFooter[] =
-    R"(The page needs no network and no other file. Any browser of the last years opens it, from disk too. It shows slices of
-the map, what holds at a point, and the flight from there with the model of the problem.
+    R"(The page needs no network and no other file. Any browser of the last years opens it, from disk too. It
+shows slices of the map, what holds at a point, and the flight from there with the model of the problem.
 
-SAMPLES.csv adds a recorded flight: one row per sample, with columns t [s] and the map's parameters. A first
-row may name the columns, in any order. Without it they are t and the parameters as in `offline_mpt info MAP`.
+SAMPLES.csv adds a recorded flight: one row per sample, with columns t [s] and the map's parameters. A
+first row may name the columns, in any order. Without it they are t and the parameters as in
+`offline_mpt info MAP`.
 
 Examples:
   offline_mpt explore lateral.map -o lateral.html

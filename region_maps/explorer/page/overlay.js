@@ -1,4 +1,4 @@
-// What moves above a slice: state, pointer, flight, samples, and the outline of the region at the pointer.
+// What lies above a slice: samples, state, pointer, flight, and the outline of the region at the pointer.
 
 // Least and greatest x of a polygon.
 function endsOf(polygon) {
@@ -39,7 +39,6 @@ function drawOverlay(app, view, region) {
   if (large) view.drawAxes(context, sliceLabels(app), style);
   view.clipToPlot(context);
   if (view.y < 0) drawCommandLine(app, context, view);
-  if (app.flight && byId('show-flight').checked) drawSamples(app, context, view, large ? 2.4 : 1.2);
   context.strokeStyle = style.ink;
   context.lineWidth = large ? 2.2 : 1.4;
   for (const {region: shown, polygon} of view.cut) {
@@ -69,8 +68,12 @@ function drawCommandLine(app, context, view) {
   for (const {polygon} of view.cut) view.drawLine(context, endsOf(polygon).map((x) => placeIn(app, view, [x])), 2, app.style);
 }
 
-function drawSamples(app, context, view, size) {
+// On the base of a view: samples move with the slice only, so hovering need not draw them again.
+function drawSamples(app, view) {
   const {flight, time_scale} = app;
+  const size = view === app.large ? 2.4 : 1.2;
+  const context = view.base.getContext('2d');
+  view.clipToPlot(context);
   for (let k = 0; k < flight.count; ++k) {
     const base = k * flight.p;
     const [x, y] = view.y < 0 ? placeIn(app, view, [flight.values[base]])
@@ -78,4 +81,5 @@ function drawSamples(app, context, view, size) {
     context.fillStyle = cssOf(time_scale[flight.step(k)]);
     context.fillRect(x - size / 2, y - size / 2, size, size);
   }
+  context.restore();
 }

@@ -48,6 +48,8 @@ class App {
     byId('summary').textContent = [[map.region_count, 'region'], [map.law_count, 'law'], [map.p, 'parameter'],
       [map.m, 'input']].map(([count, noun]) => `${count} ${noun}${count === 1 ? '' : 's'}`).join(', ') +
       `; ${map.status}${map.reduced ? '; reduced' : ''}`;
+    byId('line-hint').textContent = map.p === 1 ? 'The line is the command.'
+      : this.facts.model ? 'The line is the flight, projected onto the slice.' : '';
     this.loop = new LoopPanel(this);
     const report = readAddress(this);
     this.buildControls();
@@ -105,7 +107,7 @@ class App {
     const {times, count} = this.flight;
     byId('flight-start').textContent = count > 0 ? `${formatNumber(times[0])} s` : '';
     byId('flight-end').textContent = count > 0 ? `${formatNumber(times[count - 1])} s` : '';
-    byId('show-flight').addEventListener('change', () => this.requestOverlays());
+    byId('show-flight').addEventListener('change', () => this.requestDraw());
   }
 
   // One small slice for each pair: the lower parameter's row, the other's column.
@@ -253,7 +255,11 @@ class App {
   // What a slice shows: drawn again only where it is another.
   keyOf(view) {
     const fixed = this.theta.map((value, i) => (i === view.x || i === view.y ? '' : value)).join();
-    return [view.x, view.y, this.colour, this.input, fixed].join('|');
+    return [view.x, view.y, this.colour, this.input, this.showsFlight(), fixed].join('|');
+  }
+
+  showsFlight() {
+    return this.flight !== null && byId('show-flight').checked;
   }
 
   drawSlice(view, theta) {
@@ -261,6 +267,7 @@ class App {
     const cut = cutMap(this.planes, view.x, view.y, theta);
     const paint = this.colouring.paint(this.colour, this.input, this.planes, cut, view.x, view.y, theta);
     view.drawBase(this.planes, cut, paint.fill, this.style);
+    if (this.showsFlight()) drawSamples(this, view);
     return paint.legend;
   }
 
