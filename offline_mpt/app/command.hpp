@@ -30,6 +30,7 @@ void addVerify(CLI::App& app, ExitCode& exit_code);
 void addReduce(CLI::App& app, ExitCode& exit_code);
 void addDiff(CLI::App& app, ExitCode& exit_code);
 void addPlot(CLI::App& app, ExitCode& exit_code);
+void addExplore(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);

@@ -220,6 +220,7 @@ TEST_F(CommandLine, KeepsItsInputs) {
            {"reduce", map, "-o", map},
            {"verify", map, "--problem", problem, "--json", problem},
            {"verify", map, "--exact", "--certificate", map},
+           {"explore", map, "-o", map},
            {"plot", map, "--slice", "theta_0,theta_1", "-o", map}}) {
     expectRefused(arguments, {"name of its own"});
   }
@@ -359,6 +360,7 @@ TEST_F(CommandLine, RefusesDamagedMaps) {
   fs::remove(map);
   expectRefused({"info", map}, {"damaged.map"});
   expectRefused({"plot", map, "--slice", "a,b", "-o", path("x.svg")}, {"damaged.map"});
+  expectRefused({"explore", map, "-o", path("x.html")}, {"damaged.map"});
 }
 
 TEST_F(CommandLine, RefusesBadOptions) {
@@ -426,10 +428,11 @@ TEST_F(CommandLine, ToolsTellTheirVersion) {
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   const Outcome general = run({"--help"});
   EXPECT_EQ(general.exit_code, 0);
-  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "Examples"}) {
+  for (const char* word :
+       {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "explore", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot"}) {
+  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot", "explore"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;

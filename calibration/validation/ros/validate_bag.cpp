@@ -17,6 +17,7 @@
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/online_law.hpp"
 #include "validation/controller_options.hpp"
+#include "validation/flight_pages.hpp"
 #include "validation/map_comparison.hpp"
 #include "validation/map_proposal.hpp"
 #include "validation/report.hpp"
@@ -37,6 +38,7 @@ struct Arguments {
   polyfly::Thresholds thresholds;
   std::string json;
   std::string report;
+  std::string explore;
   std::string propose;
   std::uint64_t propose_limit = 20000;
   std::string topics_bag;
@@ -57,6 +59,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
   app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
+      ->type_name("DIR");
+  app.add_option(
+         "--explore", arguments.explore,
+         "Write a page for each axis into this folder: its map and the flight's samples, to be explored in "
+         "a browser. The report links to the pages.")
       ->type_name("DIR");
   app.add_option(
          "--propose", arguments.propose,
@@ -128,9 +135,9 @@ std::string proposalFile(const std::string& folder, const polyfly::RegionMap& ma
   return folder + "/" + std::string(map.name()) + "." + std::string(map.problemKind());
 }
 
-std::string reportFolder(const Arguments& arguments, std::size_t number) {
-  if (arguments.bags.size() == 1) return arguments.report;
-  return arguments.report + "/flight_" + std::to_string(number);
+// The folder of one flight below that of all.
+std::string flightFolder(const Arguments& arguments, const std::string& folder, std::size_t number) {
+  return arguments.bags.size() == 1 ? folder : folder + "/flight_" + std::to_string(number);
 }
 
 // Before the work: whether all results can be written, and none over a file that is read.
@@ -146,8 +153,16 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
   };
   if (!arguments.report.empty()) {
     for (std::size_t number = 1; number <= arguments.bags.size(); ++number)
-      addPage(reportFolder(arguments, number));
+      addPage(flightFolder(arguments, arguments.report, number));
     if (arguments.bags.size() > 1) addPage(arguments.report);
+  }
+  if (!arguments.explore.empty()) {
+    for (std::size_t number = 1; number <= arguments.bags.size(); ++number) {
+      for (const std::string& name : polyfly::flightPageNames()) {
+        outputs.push_back({flightFolder(arguments, arguments.explore, number) + "/" + name,
+                           Output::Kind::kText, Output::Folder::kIsMade});
+      }
+    }
   }
   if (!arguments.propose.empty()) {
     for (const polyfly::RegionMap* map : maps.flown) {
@@ -200,8 +215,15 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
   report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
   if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
   if (topics != nullptr) topics->write(samples, report);
+  const std::string report_folder = flightFolder(arguments, arguments.report, number);
+  std::vector<polyfly::ReportLink> pages;
+  if (!arguments.explore.empty()) {
+    const std::string folder = flightFolder(arguments, arguments.explore, number);
+    polyfly::writeFlightPages(samples, maps.flown, log.source, folder);
+    pages = polyfly::flightPageLinks(maps.flown, folder, report_folder);
+  }
   if (!arguments.report.empty()) {
-    polyfly::writeReport({log, samples, maps.flown, options, report}, reportFolder(arguments, number));
+    polyfly::writeReport({log, samples, maps.flown, options, report, pages}, report_folder);
   }
   return report;
 }

@@ -227,6 +227,18 @@ void writeFlights(const std::vector<ValidationReport>& flights, std::ostream& ou
   out << "</table></div></section>\n";
 }
 
+void writeMapPages(const std::vector<ReportLink>& links, std::ostream& out) {
+  if (links.empty()) return;
+  out << "<section><h2>Explore the maps</h2><p>A page for each map, with slices, this flight's samples and "
+         "simulated flights:";
+  const char* separator = " ";
+  for (const ReportLink& link : links) {
+    out << separator << "<a href='" << escaped(link.address) << "'>" << escaped(link.text) << "</a>";
+    separator = ", ";
+  }
+  out << ".</p></section>\n";
+}
+
 // What follows the pictures.
 void writeNumbers(const ValidationReport& report, std::ostream& out) {
   writeCoverage(report, out);
@@ -245,6 +257,7 @@ std::string toHtml(const ReportContent& content) {
   writeHead(content.validation, out);
   writeVerdict(content.validation, out);
   writeTiles(content.validation, out);
+  writeMapPages(content.map_pages, out);
   const std::vector<ReportFigure> figures = reportFigures(content);
   for (const ReportFigure& figure : figures) {
     writeFigureSection(figure, out);

@@ -10,6 +10,13 @@
 
 namespace polyfly {
 
+/// A link to a page beside the report.
+struct ReportLink {
+  std::string text;
+  /// Relative to the report, escaped as in a URL.
+  std::string address;
+};
+
 /// The content of a report. References: they must stay valid until the report is written.
 struct ReportContent {
   const FlightLog& log;
@@ -17,6 +24,8 @@ struct ReportContent {
   const AxisMaps& maps;
   const MultirotorOptions& options;
   const ValidationReport& validation;
+  /// Pages that show the maps with this flight.
+  std::vector<ReportLink> map_pages = {};
 };
 
 /// A picture with the sentence under it.
