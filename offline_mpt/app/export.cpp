@@ -3,7 +3,9 @@
 #include <memory>
 
 #include "command.hpp"
+#include "export_bound.hpp"
 #include "map_export/export_map.hpp"
+#include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
@@ -16,10 +18,13 @@ const char kExportFooter[] =
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
   NAME.json    Sizes of tables, greatest numbers of operations, bounds, checksums.
 
---type double answers as the map does, bit for bit.
+--type double answers as the map does, bit for bit. --type float answers within a bound that the command
+proves. Where it cannot, nothing is written. region_maps/export/README.md says what is proven.
 
 Examples:
   offline_mpt export lateral.map -o code --name lateral
+  offline_mpt export lateral.map -o code --name lateral --type float
+  check_certificate --export code --map lateral.map
   cc -std=c99 -ffp-contract=off code/lateral.c code/lateral_test.c -o lateral_test && ./lateral_test)";
 
 struct ExportArguments {
@@ -27,6 +32,30 @@ struct ExportArguments {
   std::string folder;
   ExportOptions options;
 };
+
+/// The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
+/// have no answer though the map has one, its leaves get more candidates; failing that, it gets a greater tolerance.
+ExportBound proveExport(const RegionMap& map, ExportOptions& options) {
+  constexpr int kRounds = 4;
+  constexpr double kGrowth = 4.0;
+  try {
+    const checker::Map checked(checker::readFile(map.path()));
+    for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
+      options.extra.clear();
+      for (const bool is_repaired : {false, true}) {
+        const checker::ExportedAnswers proven =
+            checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
+        if (proven.missing.empty()) return {proven.error, proven.margin};
+        if (is_repaired) break;
+        for (const auto& [leaf, region] : proven.missing) options.extra.push_back({leaf, region});
+      }
+    }
+  } catch (const checker::Refused& refused) {
+    throw Error(map.path() + ": its code could not be proven: " + refused.what());
+  }
+  throw Error(map.path() +
+              ": its code could not be proven: rounding may find no region where the map has one");
+}
 
 ExitCode exportMap(const ExportArguments& arguments) {
   checkExportName(arguments.options.name);
@@ -38,14 +67,13 @@ ExitCode exportMap(const ExportArguments& arguments) {
                 {stem + ".json", Output::Kind::kText, made}},
                {arguments.map});
   const RegionMap map = RegionMap::open(arguments.map);
-  ExportBound bound;
-  bound.error.assign(map.inputs().size(), 0.0);
-  const std::string source = exportSource(map, arguments.options);
+  ExportOptions options = arguments.options;
+  const ExportBound bound = proveExport(map, options);
   makeFolder(arguments.folder);
-  writeText(stem + ".c", source);
-  writeText(stem + ".h", exportHeader(map, arguments.options, bound));
-  writeText(stem + "_test.c", exportTest(map, arguments.options, bound));
-  writeText(stem + ".json", exportFacts(map, arguments.options, bound));
+  writeText(stem + ".c", exportSource(map, options));
+  writeText(stem + ".h", exportHeader(map, options, bound));
+  writeText(stem + "_test.c", exportTest(map, options, bound));
+  writeText(stem + ".json", exportFacts(map, options, bound));
   return ExitCode::kDone;
 }
 
@@ -61,8 +89,11 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--name", arguments->options.name, "Prefix of files and identifiers: letters, digits, _.")
       ->required();
-  const std::map<std::string, ExportType> types = {{"double", ExportType::kDouble}};
-  command->add_option("--type", arguments->options.type, "Type of all numbers: double (default: double).")
+  const std::map<std::string, ExportType> types = {{"double", ExportType::kDouble},
+                                                   {"float", ExportType::kFloat}};
+  command
+      ->add_option("--type", arguments->options.type,
+                   "Type of all numbers: double or float (default: double).")
       ->transform(oneOf(types));
   command->callback([arguments, &exit_code] { exit_code = exportMap(*arguments); });
 }

@@ -13,8 +13,6 @@ namespace {
 /// Share of the tolerance by which fallback regions stand behind ordinary ones, of a type whose rounding
 /// exceeds the map's own handicap.
 constexpr double kFloatHandicap = 0.5;
-/// Tolerance in greatest rounding errors of a plane's value.
-constexpr double kErrorsOfTolerance = 8.0;
 
 double rounded(double value, ExportType type) {
   if (type == ExportType::kDouble) return value;
@@ -53,8 +51,8 @@ std::vector<double> roundedBox(std::vector<double> box, ExportType type) {
   return box;
 }
 
-/// A tolerance that the rounding of all planes' values cannot exceed. The proof says whether it suffices.
-double floatTolerance(const RegionMap& map, const CodeTables& tables) {
+/// So many times the greatest rounding error of a plane's value. The proof says whether it suffices.
+double floatTolerance(const RegionMap& map, const CodeTables& tables, double errors) {
   const std::size_t p = map.parameters().size();
   constexpr double kUnit = 0.5 * std::numeric_limits<float>::epsilon();
   double greatest = 0.0;
@@ -65,7 +63,7 @@ double floatTolerance(const RegionMap& map, const CodeTables& tables) {
       sum += std::abs(plane[k]) * std::max(std::abs(tables.box[2 * k]), std::abs(tables.box[2 * k + 1]));
     greatest = std::max(greatest, sum * kUnit);
   }
-  return rounded(map.tolerance() + kErrorsOfTolerance * greatest, ExportType::kFloat);
+  return rounded(map.tolerance() + errors * greatest, ExportType::kFloat);
 }
 
 std::uint32_t exportedChild(std::uint32_t child, std::size_t nodes) {
@@ -73,22 +71,40 @@ std::uint32_t exportedChild(std::uint32_t child, std::size_t nodes) {
   return is_leaf ? static_cast<std::uint32_t>(nodes) + (child & ~MapContent::kLeaf) : child;
 }
 
-void addTree(const RegionMap& map, CodeTables& tables) {
+/// A region and the rows that a leaf tests of it, see MapContent::tests.
+struct Offer {
+  std::uint32_t region = 0;
+  std::uint32_t tests = MapContent::kAllRows;
+};
+
+std::vector<Offer> offersOf(const RegionMap& map, std::uint32_t number,
+                            const std::vector<ExtraCandidate>& extra) {
+  const LeafView leaf = map.leaf(number);
+  std::vector<Offer> offers;
+  for (std::uint32_t i = 0; i < leaf.count; ++i) offers.push_back({leaf.candidates[i], leaf.testsOf(i)});
+  for (const ExtraCandidate& candidate : extra) {
+    if (candidate.leaf == number) offers.push_back({candidate.region});
+  }
+  const auto is_ordinary = [&map](const Offer& offer) { return offer.region < map.firstFallback(); };
+  std::stable_partition(offers.begin(), offers.end(), is_ordinary);
+  return offers;
+}
+
+void addTree(const RegionMap& map, const std::vector<ExtraCandidate>& extra, CodeTables& tables) {
   for (std::size_t i = 0; i < map.nodeCount(); ++i) {
     const MapContent::Node& node = map.node(i);
     tables.node_plane.push_back(node.plane);
     tables.node_child.push_back(exportedChild(node.below, map.nodeCount()));
     tables.node_child.push_back(exportedChild(node.above, map.nodeCount()));
   }
-  for (std::size_t i = 0; i < map.leafCount(); ++i) {
+  for (std::uint32_t i = 0; i < map.leafCount(); ++i) {
     tables.leaf_first.push_back(static_cast<std::uint32_t>(tables.candidate_region.size()));
-    const LeafView leaf = map.leaf(i);
-    for (std::uint32_t c = 0; c < leaf.count; ++c) {
-      tables.candidate_region.push_back(leaf.candidates[c]);
+    for (const Offer& offer : offersOf(map, i, extra)) {
+      tables.candidate_region.push_back(offer.region);
       tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
-      const RegionView region = map.region(leaf.candidates[c]);
+      const RegionView region = map.region(offer.region);
       for (std::uint32_t row = 0; row < region.row_count; ++row) {
-        if (isTested(leaf.testsOf(c), row)) tables.rows.push_back(exportedRow(region.rows[row]));
+        if (isTested(offer.tests, row)) tables.rows.push_back(exportedRow(region.rows[row]));
       }
     }
   }
@@ -98,7 +114,8 @@ void addTree(const RegionMap& map, CodeTables& tables) {
 
 }  // namespace
 
-CodeTables codeTables(const RegionMap& map, ExportType type) {
+CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
+  const ExportType type = options.type;
   const std::size_t p = map.parameters().size();
   CodeTables tables;
   tables.planes = rounded(map.plane(0), map.planeCount() * (p + 1), type);
@@ -108,10 +125,10 @@ CodeTables codeTables(const RegionMap& map, ExportType type) {
     tables.tolerance = map.tolerance();
     tables.handicap = format::kHandicap * map.tolerance();
   } else {
-    tables.tolerance = floatTolerance(map, tables);
+    tables.tolerance = floatTolerance(map, tables, options.tolerance);
     tables.handicap = rounded(kFloatHandicap * tables.tolerance, type);
   }
-  addTree(map, tables);
+  addTree(map, options.extra, tables);
   for (std::size_t i = 0; i < map.regionCount(); ++i) tables.region_law.push_back(map.region(i).law);
   return tables;
 }

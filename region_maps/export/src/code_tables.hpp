@@ -46,7 +46,7 @@ struct CodeCost {
 };
 
 /// Throws Error where a number exceeds the type.
-CodeTables codeTables(const RegionMap& map, ExportType type);
+CodeTables codeTables(const RegionMap& map, const ExportOptions& options);
 
 CodeCost codeCost(const RegionMap& map, const CodeTables& tables);
 

@@ -153,7 +153,7 @@ Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
 
 std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   checkExportName(options.name);
-  const CodeTables tables = codeTables(map, options.type);
+  const CodeTables tables = codeTables(map, options);
   Replacements keys = sharedKeys(map, options);
   addTables(keys, map, tables, options.type);
   const std::size_t p = map.parameters().size();
@@ -169,6 +169,7 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
           : "    return " + sumTerms(0, p + 1, p, keys["NAME"] + "_REAL(" + options.name + "_plane") + ";\n";
   const bool has_nodes = map.nodeCount() != 0;
   keys["tree"] = has_nodes ? replaced(kTreeTemplate, keys) : "";
+  keys["node_count"] = has_nodes ? "#define NODE_COUNT " + keys["nodes"] + "u\n" : "";
   keys["descent"] = has_nodes ? replaced(kDescentTemplate, keys) : "";
   const bool has_fallback = map.firstFallback() != map.regionCount();
   keys["first_fallback"] = std::to_string(map.firstFallback());

@@ -29,7 +29,7 @@ std::size_t tableBytes(const CodeTables& tables, ExportType type) {
 }
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
-  const CodeTables tables = codeTables(map, options.type);
+  const CodeTables tables = codeTables(map, options);
   const CodeCost cost = codeCost(map, tables);
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };

@@ -48,6 +48,13 @@ inline constexpr char kSourceTemplate[] =
 #define @NAME@_REAL(element) (element)
 #endif
 
+/* Sizes. Node 0 is the root; without nodes, the root is a leaf. */
+#define INPUT_COUNT @m@u
+#define REGION_COUNT @regions@u
+#define ROOT @root@u
+/* Regions from this one on count where no other does. */
+#define FIRST_FALLBACK @first_fallback@u
+@node_count@
 /* Greatest violation at which a half-space still counts as held [scaled]. */
 static const @real@ @name@_tolerance = @tolerance@;
 @handicap_table@
@@ -127,7 +134,7 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
     @name@_status status = @name@_test_box(theta);
 
     if (status == @NAME@_OK) {
-        @index@ child = @root@u;
+        @index@ child = ROOT;
         @index@ i;
         @index@ end;
         @real@ least = @prefix@_MAX;
@@ -153,11 +160,11 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
     const @name@_status status = @name@_locate(theta, &region);
 
     if (status == @NAME@_OK) {
-        const @index@ first = @region_law_read@(@name@_region_law[region]) * @m@u;
+        const @index@ first = @region_law_read@(@name@_region_law[region]) * INPUT_COUNT;
         unsigned int i;
         unsigned int j;
 
-        for (j = 0u; j < @m@u; ++j) {
+        for (j = 0u; j < INPUT_COUNT; ++j) {
             @real@ sum = @NAME@_REAL(@name@_law[first + j][@p@]);
 
             for (i = 0u; i < @p@u; ++i) {
@@ -171,9 +178,8 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
 )code";
 
 /// The tables of the search tree, for a map whose root is no leaf.
-inline constexpr char kTreeTemplate[] = R"code(#define NODE_COUNT @nodes@u
-
-/* Search tree: the plane of each node, and its children at or below, and above the plane. */
+inline constexpr char kTreeTemplate[] =
+    R"code(/* Search tree: the plane of each node, and its children at or below, and above the plane. */
 static const @node_plane_type@ @name@_node_plane[@nodes@] @NAME@_TABLE = @node_plane@;
 static const @node_child_type@ @name@_node_child[@nodes@][2] @NAME@_TABLE = @node_child@;
 
@@ -195,7 +201,7 @@ inline constexpr char kFallbackTemplate[] =
     R"code(            @real@ violation = @name@_violation(theta, i);
 
             /* A fallback region counts where no other does. */
-            if (number >= @first_fallback@u) {
+            if (number >= FIRST_FALLBACK) {
                 violation = ((violation > @zero@) ? violation : @zero@) + @name@_handicap;
             }
 )code";

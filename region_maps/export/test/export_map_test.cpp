@@ -28,6 +28,12 @@ int statusOf(LookupStatus status) {
   return -1;
 }
 
+ExportOptions codeOptions() {
+  ExportOptions options;
+  options.name = "code";
+  return options;
+}
+
 ExportBound noError(const RegionMap& map) { return {std::vector<double>(map.inputs().size(), 0.0), 0.0}; }
 
 void saveCode(const ScratchFolder& folder, const RegionMap& map, const ExportOptions& options) {
@@ -39,7 +45,7 @@ void saveCode(const ScratchFolder& folder, const RegionMap& map, const ExportOpt
 /// Status, region, and each bit of u.
 void expectSameAnswers(const RegionMap& map, const std::string& compiler, int points) {
   const ScratchFolder folder;
-  saveCode(folder, map, {"code", ExportType::kDouble});
+  saveCode(folder, map, codeOptions());
   const CompiledCode<double> code(folder, "code", compiler);
   TestPoints source(map, 5);
   std::vector<int> seen(3, 0);
@@ -111,7 +117,7 @@ TEST(ExportMapShapes, AMapWithoutNodesAndOneWithEmptyLeavesCompile) {
   single.tests.clear();
   const MadeMap empty(single);
   const ScratchFolder folder;
-  saveCode(folder, empty.map, {"code", ExportType::kDouble});
+  saveCode(folder, empty.map, codeOptions());
   const CompiledCode<double> code(folder, "code", "gcc -std=c99");
   const std::vector<double> theta = TestPoints(empty.map, 1).next();
   double u[3] = {};
@@ -125,11 +131,11 @@ TEST(ExportMapTest, ItsOwnTestPassesAndSeesAChangedLaw) {
   MapContent content = makeTreeMap(recipe);
   const MadeMap made(content);
   const ScratchFolder folder;
-  saveCode(folder, made.map, {"code", ExportType::kDouble});
+  saveCode(folder, made.map, codeOptions());
   const std::string build = std::string("gcc -std=c99 ") + kStrict + "code.c code_test.c -o code && ./code";
   EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
   content.laws[1] += 1e-12;
-  saveText(folder, "code.c", exportSource(MadeMap(content).map, {"code", ExportType::kDouble}));
+  saveText(folder, "code.c", exportSource(MadeMap(content).map, codeOptions()));
   EXPECT_GT(runCommand(folder, build), 0);
 }
 
@@ -137,7 +143,7 @@ TEST(ExportMapSafety, FastMathDoesNotCompile) {
   if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
   const MadeMap made(makeSmallMap());
   const ScratchFolder folder;
-  saveCode(folder, made.map, {"code", ExportType::kDouble});
+  saveCode(folder, made.map, codeOptions());
   for (const char* const option : {"-ffast-math", "-ffinite-math-only"}) {
     EXPECT_NE(runCommand(folder, std::string("gcc -std=c99 -c code.c ") + option), 0) << option;
     EXPECT_NE(logOf(folder).find("#error"), std::string::npos) << option;
@@ -148,7 +154,7 @@ TEST(ExportMapSafety, CodeHasNoWritableDataAndCallsNothing) {
   if (!hasProgram("gcc") || !hasProgram("nm")) GTEST_SKIP() << "no gcc or nm";
   const MadeMap made(makeSmallMap());
   const ScratchFolder folder;
-  saveCode(folder, made.map, {"code", ExportType::kDouble});
+  saveCode(folder, made.map, codeOptions());
   ASSERT_EQ(runCommand(folder, "gcc -std=c99 -O2 -c code.c && nm code.o"), 0);
   const std::string symbols = logOf(folder);
   for (const char* const kind : {" U ", " D ", " d ", " B ", " b ", " C "})
@@ -157,7 +163,7 @@ TEST(ExportMapSafety, CodeHasNoWritableDataAndCallsNothing) {
 
 TEST(ExportMapText, TheSameMapGivesTheSameText) {
   const MadeMap made(makeSmallMap());
-  const ExportOptions options = {"code", ExportType::kDouble};
+  const ExportOptions options = codeOptions();
   EXPECT_EQ(exportSource(made.map, options), exportSource(made.map, options));
   EXPECT_EQ(exportTest(made.map, options, noError(made.map)),
             exportTest(made.map, options, noError(made.map)));
@@ -166,7 +172,7 @@ TEST(ExportMapText, TheSameMapGivesTheSameText) {
 TEST(ExportMapText, SignalsCannotEndTheComment) {
   MapContent content = makeSmallMap();
   content.parameters[0].name = "a*/ #error \\ ?\?/ \xc2\xb5";
-  const std::string header = exportHeader(MadeMap(content).map, {"code", ExportType::kDouble}, {{0.0}, 0.0});
+  const std::string header = exportHeader(MadeMap(content).map, codeOptions(), {{0.0}, 0.0});
   EXPECT_NE(header.find("a_/ #error _ __/ \xc2\xb5"), std::string::npos) << header;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,21 @@ namespace polyfly {
 /// Type of the numbers in the tables, of the parameters and of the inputs.
 enum class ExportType { kDouble, kFloat };
 
+/// A leaf of the map and a region.
+struct ExtraCandidate {
+  std::uint32_t leaf = 0;
+  std::uint32_t region = 0;
+};
+
 struct ExportOptions {
   /// Prefix of all identifiers and of the files' names, see checkExportName.
   std::string name;
   ExportType type = ExportType::kDouble;
+  /// Of float, the tolerance of look-ups in greatest rounding errors of a half-space. Double has that of the map.
+  double tolerance = 64.0;
+  /// Candidates that leaves have besides those of the map, with all rows of their region. Rounding may lead a
+  /// parameter beside a leaf's cell into it, where none of the map's candidates holds the parameter.
+  std::vector<ExtraCandidate> extra;
 };
 
 /// What is proven of the exported code, to be stated in its header.
