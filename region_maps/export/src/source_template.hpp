@@ -142,12 +142,15 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
 @descent@        status = @NAME@_OUTSIDE;
         end = @leaf_first_read@(@name@_leaf_first[child + 1u]);
         /* The first candidate without a violation, or else the one with the least. */
-        for (i = @leaf_first_read@(@name@_leaf_first[child]); (i < end) && (least > @zero@); ++i) {
+        for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
             const @index@ number = @candidate_region_read@(@name@_candidate_region[i]);
 @offer@            if (violation < least) {
                 least = violation;
                 *region = (uint32_t)number;
                 status = @NAME@_OK;
+            }
+            if (least <= @zero@) {
+                break;
             }
         }
     }
@@ -160,7 +163,8 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
     const @name@_status status = @name@_locate(theta, &region);
 
     if (status == @NAME@_OK) {
-        const @index@ first = @region_law_read@(@name@_region_law[region]) * INPUT_COUNT;
+        const @index@ law = @region_law_read@(@name@_region_law[region]);
+        const @index@ first = law * INPUT_COUNT;
         unsigned int i;
         unsigned int j;
 
@@ -189,8 +193,11 @@ inline constexpr char kDescentTemplate[] =
     R"code(        /* A child's number is above its parent's, so this loop ends. Numbers from NODE_COUNT on are leaves. */
         while (child < NODE_COUNT) {
             const @real@ distance = @name@_distance(theta, @node_plane_read@(@name@_node_plane[child]));
-            const unsigned int side = (distance <= @zero@) ? 0u : 1u;
+            unsigned int side = 1u;
 
+            if (distance <= @zero@) {
+                side = 0u;
+            }
             child = @node_child_read@(@name@_node_child[child][side]);
         }
         child -= NODE_COUNT;

@@ -18,27 +18,41 @@ inline constexpr char kTestTemplate[] =
 #define @NAME@_TEST_END()
 #endif
 
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#define @NAME@_TEST_TABLE PROGMEM
+#define @NAME@_TEST_REAL(element) pgm_read_float(&(element))
+#define @NAME@_TEST_U8(element) pgm_read_byte(&(element))
+#else
+#define @NAME@_TEST_TABLE
+#define @NAME@_TEST_REAL(element) (element)
+#define @NAME@_TEST_U8(element) (element)
+#endif
+
 #define VECTORS @vectors@u
 
 int @name@_test(void);
 
 /* Parameters: vertices of the box, points within, points on and beside facets, points outside. */
-static const @real@ vector_theta[VECTORS][@p@] = @theta@;
+static const @real@ vector_theta[VECTORS][@p@] @NAME@_TEST_TABLE = @theta@;
 /* Statuses that the map answers. */
-static const unsigned char vector_status[VECTORS] = @status@;
+static const unsigned char vector_status[VECTORS] @NAME@_TEST_TABLE = @status@;
 /* Inputs that the map answers; without an answer, the value that must stay. */
-static const @real@ vector_u[VECTORS][@m@] = @u@;
+static const @real@ vector_u[VECTORS][@m@] @NAME@_TEST_TABLE = @u@;
 /* Greatest difference that is allowed of each input: the stated bound, and the rounding of this comparison. */
 static const @real@ vector_tolerance[@m@] = @tolerance@;
 
-static int differs(const @real@ theta[@p@], @name@_status status, const @real@ expected[@m@])
+/* Whether status or u differ. Without OK, u must stay as vector `number` has it. */
+static int differs(const @real@ theta[@p@], @name@_status status, unsigned int number)
 {
     @real@ u[@m@];
+    @real@ expected[@m@];
     @name@_status found;
     unsigned int j;
     int wrong;
 
     for (j = 0u; j < @m@u; ++j) {
+        expected[j] = @NAME@_TEST_REAL(vector_u[number][j]);
         u[j] = expected[j];
     }
     if (status == @NAME@_OK) {
@@ -64,6 +78,7 @@ int @name@_test(void)
     /* Neither is a constant for the compiler, so that the quotients are computed as the program runs. */
     volatile @real@ zero = @zero@;
     const @real@ infinity = @one@ / zero;
+    @real@ theta[@p@];
     const @real@ special[3] = {zero / zero, infinity, -infinity};
     unsigned int wrong = 0u;
     unsigned int i;
@@ -71,17 +86,18 @@ int @name@_test(void)
     unsigned int k;
 
     for (k = 0u; k < VECTORS; ++k) {
-        wrong += (unsigned int)differs(vector_theta[k], (@name@_status)vector_status[k], vector_u[k]);
+        for (i = 0u; i < @p@u; ++i) {
+            theta[i] = @NAME@_TEST_REAL(vector_theta[k][i]);
+        }
+        wrong += (unsigned int)differs(theta, (@name@_status)@NAME@_TEST_U8(vector_status[k]), k);
     }
     for (i = 0u; i < @p@u; ++i) {
         for (j = 0u; j < 3u; ++j) {
-            @real@ theta[@p@];
-
             for (k = 0u; k < @p@u; ++k) {
-                theta[k] = vector_theta[0][k];
+                theta[k] = @NAME@_TEST_REAL(vector_theta[0][k]);
             }
             theta[i] = special[j];
-            wrong += (unsigned int)differs(theta, @NAME@_NOT_FINITE, vector_u[0]);
+            wrong += (unsigned int)differs(theta, @NAME@_NOT_FINITE, 0u);
         }
     }
     return (wrong < 100u) ? (int)wrong : 100;
