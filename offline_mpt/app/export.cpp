@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "command.hpp"
 #include "export_bound.hpp"
@@ -31,6 +32,9 @@ struct ExportArguments {
   std::string map;
   std::string folder;
   ExportOptions options;
+  /// 0: none. [bytes]
+  std::uint64_t flash_limit = 0;
+  bool chooses_type = false;
 };
 
 /// The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
@@ -57,6 +61,29 @@ ExportBound proveExport(const RegionMap& map, ExportOptions& options) {
               ": its code could not be proven: rounding may find no region where the map has one");
 }
 
+struct Export {
+  ExportOptions options;
+  ExportBound bound;
+};
+
+/// The asked type, or else the first of double and float whose tables fit the limit.
+Export fittingExport(const RegionMap& map, const ExportArguments& arguments) {
+  std::vector<ExportType> types = {arguments.options.type};
+  if (arguments.chooses_type) types = {ExportType::kDouble, ExportType::kFloat};
+  std::string needs;
+  for (const ExportType type : types) {
+    Export result = {arguments.options, {}};
+    result.options.type = type;
+    result.bound = proveExport(map, result.options);
+    const std::size_t bytes = exportTableBytes(map, result.options);
+    if (arguments.flash_limit == 0 || bytes <= arguments.flash_limit) return result;
+    needs += (needs.empty() ? "" : ", ") + std::to_string(bytes) + " bytes in " +
+             (type == ExportType::kDouble ? "double" : "float");
+  }
+  throw Error("--flash-limit: the tables of " + map.path() + " need " + needs +
+              "; `offline_mpt reduce` may write a smaller map");
+}
+
 ExitCode exportMap(const ExportArguments& arguments) {
   checkExportName(arguments.options.name);
   const std::string stem = arguments.folder + "/" + arguments.options.name;
@@ -67,8 +94,7 @@ ExitCode exportMap(const ExportArguments& arguments) {
                 {stem + ".json", Output::Kind::kText, made}},
                {arguments.map});
   const RegionMap map = RegionMap::open(arguments.map);
-  ExportOptions options = arguments.options;
-  const ExportBound bound = proveExport(map, options);
+  const auto [options, bound] = fittingExport(map, arguments);
   makeFolder(arguments.folder);
   writeText(stem + ".c", exportSource(map, options));
   writeText(stem + ".h", exportHeader(map, options, bound));
@@ -95,7 +121,17 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--type", arguments->options.type,
                    "Type of all numbers: double or float (default: double).")
       ->transform(oneOf(types));
-  command->callback([arguments, &exit_code] { exit_code = exportMap(*arguments); });
+  CLI::Option* const type = command->get_option("--type");
+  command
+      ->add_option(
+          "--flash-limit", arguments->flash_limit,
+          "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Without --type, "
+          "double is taken where it fits, else float.")
+      ->transform(byteCount(1));
+  command->callback([arguments, type, &exit_code] {
+    arguments->chooses_type = arguments->flash_limit != 0 && type->count() == 0;
+    exit_code = exportMap(*arguments);
+  });
 }
 
 }  // namespace polyfly

@@ -7,8 +7,8 @@
 namespace checker {
 namespace {
 
-// Of sums of differences in doubles.
-constexpr double kOwnRounding = 1.0 + 1e-9;
+// Of sums of differences in doubles, of parameters that are rounded into the box of floats.
+constexpr double kOwnRounding = 1.0 + 1e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double roundedUp(double value) { return std::nextafter(value, kInfinity); }
@@ -33,6 +33,8 @@ ExportProof::ExportProof(const Map& map, const LookupTables& code)
 }
 
 ExportedAnswers ExportProof::run() {
+  requireOrder(map_);
+  requireOrder(code_);
   compareBoxes();
   comparePlanes();
   descend(code_.root(), map_.root());
@@ -42,10 +44,17 @@ ExportedAnswers ExportProof::run() {
   return answers_;
 }
 
+/// The choice of a candidate is proven for leaves that have fallback regions last.
+void ExportProof::requireOrder(const LookupTables& tables) const {
+  const auto is_ordinary = [](const Candidate& candidate) { return !candidate.is_fallback; };
+  for (const std::vector<Candidate>& leaf : tables.leaves)
+    require(std::is_partitioned(leaf.begin(), leaf.end(), is_ordinary),
+            "a leaf has fallback regions before others");
+}
+
 void ExportProof::compareBoxes() const {
   for (std::size_t i = 0; i < map_.p; ++i) {
-    require(code_.box.lower[i] <= static_cast<double>(static_cast<float>(map_.box.lower[i])) &&
-                code_.box.upper[i] >= static_cast<double>(static_cast<float>(map_.box.upper[i])),
+    require(code_.box.lower[i] <= map_.box.lower[i] && code_.box.upper[i] >= map_.box.upper[i],
             "the code's box does not hold the map's");
   }
 }

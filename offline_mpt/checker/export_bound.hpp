@@ -35,6 +35,7 @@ class ExportProof {
   /// What is to be done with a part of the cell; `chosen` is nullptr where the look-up has no answer.
   using Visit = std::function<void(const Candidate* chosen)>;
 
+  void requireOrder(const LookupTables& tables) const;
   void compareBoxes() const;
   void comparePlanes();
   void descend(std::uint32_t code_child, std::uint32_t map_child);

@@ -13,17 +13,20 @@ double errorOf(const double* entries, const LookupTables& tables, const Arithmet
   const std::size_t p = tables.p;
   double size = std::abs(entries[p]);
   double from_parameters = 0.0;
+  double underflow = static_cast<double>(2 * p + 2) * arithmetic.smallest;
   for (std::size_t i = 0; i < p; ++i) {
     const double greatest = tables.box.greatest(i);
     const double rounding =
         arithmetic.rounds_parameters ? greatest * arithmetic.unit + arithmetic.smallest : 0.0;
     from_parameters += std::abs(entries[i]) * rounding;
     size += std::abs(entries[i]) * (greatest + rounding);
+    // An entry may be flushed to zero too.
+    underflow += greatest * arithmetic.smallest;
   }
   // Each term passes one product and at most p + 1 additions.
   const auto roundings = static_cast<double>(p + 2);
   const double gamma = roundings * arithmetic.unit / (1.0 - roundings * arithmetic.unit);
-  const double underflow = static_cast<double>(2 * p + 2) * arithmetic.smallest;
+  require(2.0 * size < arithmetic.greatest, "a sum of the look-up may overflow");
   return (from_parameters + gamma * size + underflow) * kOwnRounding;
 }
 

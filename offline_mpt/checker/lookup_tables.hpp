@@ -44,16 +44,18 @@ struct LookupTables {
 struct Arithmetic {
   /// Half the distance from 1 to the next number.
   double unit = 0.0;
-  /// More than any result that underflows, or is flushed to zero.
+  /// More than any number that is flushed to zero, and than any error by underflow.
   double smallest = 0.0;
+  double greatest = 0.0;
   /// Whether parameters are rounded to this type first.
   bool rounds_parameters = false;
 };
 
-constexpr Arithmetic kDoubles = {0x1p-53, 0x1p-1022, false};
-constexpr Arithmetic kFloats = {0x1p-24, 0x1p-126, true};
+constexpr Arithmetic kDoubles = {0x1p-53, 0x1p-1022, 0x1p1023, false};
+constexpr Arithmetic kFloats = {0x1p-24, 0x1p-126, 0x1p127, true};
 
-/// Fills in the bounds of rounding. They hold for sums in any order, with contracted multiply-adds too.
+/// Fills in the bounds of rounding. They hold for sums in any order, with contracted multiply-adds too. Throws Refused
+/// where a sum may overflow.
 void boundRounding(LookupTables& tables, const Arithmetic& arithmetic);
 
 LookupTables lookupOf(const Map& map);

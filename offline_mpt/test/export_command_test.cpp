@@ -66,6 +66,34 @@ TEST_F(ExportCommand, TheSameMapGivesTheSameBytes) {
   EXPECT_EQ(readBytes(path("code/clip.json")), facts);
 }
 
+TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
+  const auto bytes = [&](const char* type) {
+    EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);
+    const std::string facts = readBytes(path("code/clip.json"));
+    return std::stoi(facts.substr(facts.find("\"table_bytes\": ") + 15));
+  };
+  const int in_double = bytes("double");
+  const int in_float = bytes("float");
+  ASSERT_LT(in_float, in_double);
+  const auto typeWithin = [&](int limit) {
+    EXPECT_EQ(exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)}).exit_code, 0);
+    const std::string facts = readBytes(path("code/clip.json"));
+    return facts.find("\"type\": \"double\"") != std::string::npos ? "double" : "float";
+  };
+  EXPECT_STREQ(typeWithin(in_double), "double");
+  EXPECT_STREQ(typeWithin(in_double - 1), "float");
+  EXPECT_STREQ(typeWithin(in_float), "float");
+  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", std::to_string(in_float - 1)});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find(std::to_string(in_double) + " bytes in double, " + std::to_string(in_float) +
+                             " bytes in float"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(
+      exportMap({"--name", "clip", "--type", "double", "--flash-limit", std::to_string(in_float)}).exit_code,
+      2);
+}
+
 TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {
   for (const Words& options : std::vector<Words>{
            {"--name", "1clip"}, {"--name", "../clip"}, {"--name", "clip", "--type", "half"}, {}}) {

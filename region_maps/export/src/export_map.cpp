@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "code_tables.hpp"
 #include "header_template.hpp"
 #include "map_facts.hpp"
 #include "polyfly_base/error.hpp"

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "code_tables.hpp"
 #include "map_facts.hpp"
 
 namespace polyfly {
@@ -15,9 +16,7 @@ std::string errorList(const ExportBound& bound) {
   return text + "]";
 }
 
-}  // namespace
-
-std::size_t tableBytes(const CodeTables& tables, ExportType type) {
+std::size_t bytesOf(const CodeTables& tables, ExportType type) {
   const std::size_t real = type == ExportType::kDouble ? kDoubleBytes : kFloatBytes;
   std::size_t bytes = real * (tables.planes.size() + tables.laws.size() + tables.box.size() + 1);
   for (const std::vector<std::uint32_t>* table :
@@ -26,6 +25,12 @@ std::size_t tableBytes(const CodeTables& tables, ExportType type) {
     bytes += indexBytes(*table) * table->size();
   }
   return bytes;
+}
+
+}  // namespace
+
+std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options) {
+  return bytesOf(codeTables(map, options), options.type);
 }
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
@@ -37,7 +42,7 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          "\",\n  \"version\": \"" + keys.at("version") + "\",\n  \"map\": \"" + keys.at("checksum") +
          "\",\n  \"problem\": \"" + keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
          ",\n  \"inputs\": " + keys.at("m") + ",\n  \"regions\": " + keys.at("regions") +
-         ",\n  \"table_bytes\": " + number(tableBytes(tables, options.type)) +
+         ",\n  \"table_bytes\": " + number(bytesOf(tables, options.type)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"nodes\": " + number(cost.nodes) +
          ", \"rows\": " + number(cost.rows) + ", \"multiply_adds\": " + number(cost.multiply_adds) +
          ", \"comparisons\": " + number(cost.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +

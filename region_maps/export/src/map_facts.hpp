@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "c_text.hpp"
-#include "code_tables.hpp"
 
 namespace polyfly {
 
@@ -14,8 +12,5 @@ Replacements sharedKeys(const RegionMap& map, const ExportOptions& options);
 
 /// "xxh64:" and sixteen hexadecimal digits.
 std::string checksumText(std::uint64_t checksum);
-
-/// Bytes of all constant tables.
-std::size_t tableBytes(const CodeTables& tables, ExportType type);
 
 }  // namespace polyfly

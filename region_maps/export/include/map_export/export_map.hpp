@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -43,6 +44,9 @@ void checkExportName(const std::string& name);
 /// The text of NAME.c: tables and look-up. Throws Error where a number of the map does not fit the type, or the
 /// map has more tables than 32-bit indices reach. The same map and options give the same text.
 std::string exportSource(const RegionMap& map, const ExportOptions& options);
+
+/// Bytes of all constant tables of NAME.c.
+std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options);
 
 /// The text of NAME.h.
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
