@@ -34,6 +34,7 @@ void addExplore(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);
+void addExport(CLI::App& app, ExitCode& exit_code);
 void addCount(CLI::App& app, ExitCode& exit_code);
 
 /// What an exploration that ended so returns to the shell.
