@@ -102,7 +102,8 @@ constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
 constexpr double kSameMessage = 0.1;
 
 // Whether two topics brought the same messages, of which at least one number changes.
-bool isRepeated(const std::map<std::string, TimeSeries>& one, const std::map<std::string, TimeSeries>& other) {
+bool isRepeated(const std::map<std::string, TimeSeries>& one,
+                const std::map<std::string, TimeSeries>& other) {
   bool changes = false;
   if (one.size() != other.size()) return false;
   for (const auto& [name, series] : one) {
