@@ -193,10 +193,15 @@ TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
   made.tumbles = 4.0;
   const FlightSignals signals = test::makeStretches(made, 1).signals;
   std::ofstream file(folder_ / "tumble.csv");
-  const std::pair<const char*, const char*> columns[] = {
-      {"roll_cmd", "roll_cmd_rad"}, {"pitch_cmd", "pitch_cmd_rad"}, {"roll", "roll_rad"}, {"pitch", "pitch_rad"},
-      {"yaw", "yaw_rad"},           {"vx", "vx_mps"},               {"vy", "vy_mps"},     {"vz", "vz_mps"},
-      {"thrust_cmd", "thrust_cmd"}};
+  const std::pair<const char*, const char*> columns[] = {{"roll_cmd", "roll_cmd_rad"},
+                                                         {"pitch_cmd", "pitch_cmd_rad"},
+                                                         {"roll", "roll_rad"},
+                                                         {"pitch", "pitch_rad"},
+                                                         {"yaw", "yaw_rad"},
+                                                         {"vx", "vx_mps"},
+                                                         {"vy", "vy_mps"},
+                                                         {"vz", "vz_mps"},
+                                                         {"thrust_cmd", "thrust_cmd"}};
   file << "t_s";
   for (const auto& [signal, column] : columns) file << "," << column;
   for (std::size_t i = 0; i < signals.at("roll").time.size(); ++i) {
@@ -206,13 +211,16 @@ TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
   file.close();
   for (const std::string command : {"attitude", "disturbance --mass 1.5", "drag", "mass"}) {
     ASSERT_EQ(run(command + " tumble.csv -o out.yaml --report page"), 0) << err();
-    EXPECT_NE(out().find("s: upset, not commanded (tilt up to"), std::string::npos) << command << "\n" << out();
+    EXPECT_NE(out().find("s: upset, not commanded (tilt up to"), std::string::npos) << command << "\n"
+                                                                                    << out();
     EXPECT_NE(contents(folder_ / "out.yaml").find("upset, not commanded"), std::string::npos) << command;
-    EXPECT_NE(contents(folder_ / "page/index.html").find("upset, not commanded"), std::string::npos) << command;
+    EXPECT_NE(contents(folder_ / "page/index.html").find("upset, not commanded"), std::string::npos)
+        << command;
     fs::remove_all(folder_ / "page");
   }
   ASSERT_EQ(run("attitude tumble.csv"), 0);
-  EXPECT_NE(out().find("yaw_rate is not identified: the log has no yaw_rate_cmd and no yaw_rate"), std::string::npos)
+  EXPECT_NE(out().find("yaw_rate is not identified: the log has no yaw_rate_cmd and no yaw_rate"),
+            std::string::npos)
       << out();
 }
 

@@ -291,7 +291,8 @@ void leaveGroundOut(const GroundTime& ground, double start, AutopilotSignals* re
   std::snprintf(text, sizeof text, "%.1f s of %.1f s were left out: the vehicle stood, by ", stood, all);
   if (stood > 0.0) result->remarks.push_back(text + ground.by);
   for (const TimeWindow& window : ground.windows) {
-    const TimeWindow part = {std::max(whole.from, window.from) - start, std::min(whole.to, window.to) - start};
+    const TimeWindow part = {std::max(whole.from, window.from) - start,
+                             std::min(whole.to, window.to) - start};
     if (part.from < part.to)
       result->signals.not_flight.push_back({part, "the vehicle stood, by " + ground.by});
   }

@@ -42,7 +42,8 @@ void writeWindows(const AxisModel& axis, std::ostream& out) {
     const TimeWindow& window = axis.choice.windows[i];
     out << (i > 0 ? ", " : "") << "[" << yamlNumber(window.from) << ", " << yamlNumber(window.to) << "]";
   }
-  out << "]  # [s] in the file's own time\n    left_out:" << (axis.choice.rejected.empty() ? " []" : "") << "\n";
+  out << "]  # [s] in the file's own time\n    left_out:" << (axis.choice.rejected.empty() ? " []" : "")
+      << "\n";
   for (const RejectedWindow& one : axis.choice.rejected) {
     out << "      - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
         << ", reason: " << yamlString(one.reason) << "}\n";

@@ -245,9 +245,8 @@ class Diagnosis {
       ++samples;
     }
     if (used.size() < kContinuous) return;
-    const auto rest = std::max_element(all.begin(), all.end(), [](const auto& one, const auto& other) {
-      return one.second < other.second;
-    });
+    const auto rest = std::max_element(
+        all.begin(), all.end(), [](const auto& one, const auto& other) { return one.second < other.second; });
     const double near = kRestShare * (all.rbegin()->first - all.begin()->first);
     const auto isLimit = [&](double level, double extreme) {
       // Zero is the middle of every command but that of thrust.
@@ -256,8 +255,8 @@ class Diagnosis {
       const bool rests = rest->first == level && level != all.begin()->first && level != all.rbegin()->first;
       return !middle && !passed && !rests;
     };
-    for (const auto& [end, extreme] :
-         {std::make_pair(*used.begin(), all.begin()->first), std::make_pair(*used.rbegin(), all.rbegin()->first)}) {
+    for (const auto& [end, extreme] : {std::make_pair(*used.begin(), all.begin()->first),
+                                       std::make_pair(*used.rbegin(), all.rbegin()->first)}) {
       const double share = static_cast<double>(end.second) / static_cast<double>(samples);
       if (share <= kClippedShare || !isLimit(end.first, extreme)) continue;
       say(text("The command is at its limit (%.3g) in %.0f %% of the samples.", end.first, 100.0 * share));
@@ -304,7 +303,9 @@ class Diagnosis {
     double used = 0.0;
     for (const TimeWindow& window : model_.choice.windows) used += window.to - window.from;
     if (used < kFollowedShare * (used + left_out)) {
-      say(text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command is not "
+      say(
+          text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
+               "is not "
                "that of this loop.",
                used, used + left_out));
     }

@@ -107,8 +107,8 @@ unsigned signsOf(const FlightGrid& grid, const FlightLevels& levels, std::size_t
   const bool low = height.whole && height.greatest < levels.height_low;
   const bool quiet = force.whole && force.range() < levels.force_rest &&
                      std::abs(force.least - kGravityAtRest) < kGravityShare * kGravityAtRest;
-  unsigned signs = (slow ? kSpeed : 0U) | (*rests ? kAttitude : 0U) | (low ? kHeight : 0U) |
-                   (quiet ? kForce : 0U);
+  unsigned signs =
+      (slow ? kSpeed : 0U) | (*rests ? kAttitude : 0U) | (low ? kHeight : 0U) | (quiet ? kForce : 0U);
   if (throttle.whole && std::isfinite(levels.throttle_least)) {
     if (throttle.greatest > levels.throttle_least || !(slow || *rests)) return 0;
     return signs | kThrottle;

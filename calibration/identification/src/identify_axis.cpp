@@ -111,14 +111,14 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  const std::vector<TimeWindow> windows =
-      given(options.windows, model.record, options, &model.choice);
+  const std::vector<TimeWindow> windows = given(options.windows, model.record, options, &model.choice);
   model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
                 (options.windows.empty() ? "no stretch in which the command moves and the response follows"
                                          : "the given windows hold no samples") +
-                whyNotFlight(records.training.not_flight, options.windows) + whyUnusable(records.training.response));
+                whyNotFlight(records.training.not_flight, options.windows) +
+                whyUnusable(records.training.response));
   }
   FitOptions fit = options.fit;
   try {

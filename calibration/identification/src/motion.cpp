@@ -146,8 +146,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   const std::vector<LoopSegment> parts = stretches(velocity[0], signals, options.windows);
   if (parts.empty()) {
     throw Error(signals.source + ": no stretch of velocities of a second or more" +
-                whyNotFlight(signals.not_flight, options.windows) +
-                whyUnusable(signals.at("vx")));
+                whyNotFlight(signals.not_flight, options.windows) + whyUnusable(signals.at("vx")));
   }
   motion.starts.push_back(0);
   for (const LoopSegment& part : parts) {

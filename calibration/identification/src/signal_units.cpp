@@ -102,8 +102,8 @@ void overTimes(const TimeSeries& one, const TimeSeries& other, const Use& use) {
     if (time < last + kCompareStep) continue;
     last = time;
     while (next + 1 < other.time.size() && other.time[next + 1] <= time) ++next;
-    const auto end = std::lower_bound(one.time.begin() + static_cast<std::ptrdiff_t>(i), one.time.end(),
-                                      time + kChange);
+    const auto end =
+        std::lower_bound(one.time.begin() + static_cast<std::ptrdiff_t>(i), one.time.end(), time + kChange);
     if (other.time.empty() || end == one.time.end() || *end > time + 2.0 * kChange) continue;
     if (other.time[next] > time || other.time.back() < *end) continue;
     if (next + 1 < other.time.size() && other.time[next + 1] - other.time[next] > kChange) continue;
@@ -251,8 +251,7 @@ class Settlement {
     }
     const bool beyond = axis != "yaw_rate" && isBeyond(asked) && !isBeyond(answered);
     if (std::abs(follows) < kFollowsCommand || !(response_is_right || beyond)) return;
-    const std::optional<double> factor =
-        knownFactor(deviationOf(asked.value) / deviationOf(answered.value));
+    const std::optional<double> factor = knownFactor(deviationOf(asked.value) / deviationOf(answered.value));
     if (factor) convert(name, axis, *factor);
   }
 
@@ -278,9 +277,10 @@ class Settlement {
       }
       return;
     }
-    remarks_.push_back(unitText("specific_force_z shows %.3g m/s^2 where gravity is 9.81: not used; its unit is "
-                                "another, or gravity was taken out",
-                                shown));
+    remarks_.push_back(
+        unitText("specific_force_z shows %.3g m/s^2 where gravity is 9.81: not used; its unit is "
+                 "another, or gravity was taken out",
+                 shown));
     for (const char* name : {"specific_force_x", "specific_force_y", "specific_force_z"})
       signals_.series.erase(name);
   }

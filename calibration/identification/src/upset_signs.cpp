@@ -93,10 +93,9 @@ double turned(const FlightGrid& grid, std::size_t i) {
 bool spins(const FlightGrid& grid, std::size_t i) {
   double mean = 0.0;
   for (std::size_t k = i - kTurnSteps; k < i; ++k) mean += valueOr(grid.yaw_rate, k, 0.0) / kTurnSteps;
-  const double allowed =
-      grid.yaw_rate_cmd.empty()
-          ? kSpinUncommanded
-          : kSpinBeyond + kSpinFactor * recentOf(grid.yaw_rate_cmd, i).greatest;
+  const double allowed = grid.yaw_rate_cmd.empty()
+                             ? kSpinUncommanded
+                             : kSpinBeyond + kSpinFactor * recentOf(grid.yaw_rate_cmd, i).greatest;
   return std::abs(mean) > allowed;
 }
 
@@ -148,7 +147,8 @@ UpsetSigns upsetSigns(const FlightGrid& grid) {
     const double turn = turned(grid, i);
     signs.rate[i] = turn / (kTurnSteps * kPhaseStep);
     const double range = kTurnBeyond + kTurnRange * std::hypot(roll.range, pitch.range);
-    signs.turning[i] = turn > (commanded ? std::max(kTurnAllowed, range) : kTurnUncommanded) || spins(grid, i);
+    signs.turning[i] =
+        turn > (commanded ? std::max(kTurnAllowed, range) : kTurnUncommanded) || spins(grid, i);
     signs.falling[i] = calibrated && falls(grid, i);
   }
   // A single sample is an outlier.

@@ -87,7 +87,10 @@ bool within(double time, double from, double to) { return from <= time && time <
 class Simulation {
  public:
   Simulation(const MadeStretches& made, std::uint32_t seed)
-      : made_(made), plan_(planOf(made)), random_(seed), corrections_{wander(0.012), wander(0.012)},
+      : made_(made),
+        plan_(planOf(made)),
+        random_(seed),
+        corrections_{wander(0.012), wander(0.012)},
         others_{wander(0.2), wander(0.2)} {
     std::uniform_real_distribution<double> about(0.8, 1.2);
     tau_ = {0.12 * about(random_), 0.15 * about(random_)};
@@ -116,7 +119,8 @@ class Simulation {
   // What the loops get, and what is logged of it.
   void command() {
     const double now = time();
-    const bool moves = within(now, plan_.first_half, plan_.other_mode) || within(now, plan_.stuck, plan_.lands);
+    const bool moves =
+        within(now, plan_.first_half, plan_.other_mode) || within(now, plan_.stuck, plan_.lands);
     const double periods[] = {0.7, 0.9};
     for (std::size_t axis = 0; axis < 2; ++axis) {
       true_[axis] = moves ? stepsAt(now - plan_.first_half, periods[axis], size_) : 0.0;
@@ -133,7 +137,8 @@ class Simulation {
                             : within(now, plan_.lands, plan_.stands)   ? -1.0
                                                                        : 0.0;
     const double lift = kWeight + 2.0 * (vertical - velocity_.z()) + 0.8 * std::sin(1.7 * now);
-    thrust_ = onGround() ? 0.0 : kVehicleMass * lift / std::max(0.5, std::cos(angle_[0]) * std::cos(angle_[1]));
+    thrust_ =
+        onGround() ? 0.0 : kVehicleMass * lift / std::max(0.5, std::cos(angle_[0]) * std::cos(angle_[1]));
     delayed_.push_back(true_);
   }
 
@@ -162,7 +167,8 @@ class Simulation {
     put("height", position_.z());
     put("gyro_x", rate_[0] + noise(kRateNoise));
     put("gyro_y", rate_[1] + noise(kRateNoise));
-    put("specific_force_z", (onGround() ? kWeight : thrust_ / kVehicleMass) + noise(onGround() ? 0.05 : kForceNoise));
+    put("specific_force_z",
+        (onGround() ? kWeight : thrust_ / kVehicleMass) + noise(onGround() ? 0.05 : kForceNoise));
   }
 
   void advance() {
@@ -180,7 +186,8 @@ class Simulation {
       velocity_.setZero();
       return;
     }
-    velocity_ += kTimeStep * (thrust_ / kVehicleMass * up() - Eigen::Vector3d(0.0, 0.0, kWeight) - kDrag * velocity_ + gust_);
+    velocity_ += kTimeStep * (thrust_ / kVehicleMass * up() - Eigen::Vector3d(0.0, 0.0, kWeight) -
+                              kDrag * velocity_ + gust_);
     position_ += kTimeStep * velocity_;
   }
 

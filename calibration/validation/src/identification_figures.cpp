@@ -43,7 +43,8 @@ Series ofPrediction(const std::vector<LoopSegment>& segments,
 ReportFigure selectionFigure(const AxisModel& axis) {
   ReportFigure result;
   result.heading = axis.axis + ": what was used";
-  result.caption = "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
+  result.caption =
+      "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected) {
