@@ -30,6 +30,7 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   AttitudeCalibration calibration;
   const FlightSignals training =
       readSignals(arguments.log, arguments, &calibration.training, &calibration.remarks);
+  calibration.vehicle = recogniseVehicle(training);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();

@@ -34,6 +34,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   }
   const FlightSignals signals =
       readSignals(arguments.log, arguments, &calibration.data, &calibration.remarks);
+  calibration.vehicle = recogniseVehicle(signals);
   const std::vector<std::string> velocities = kind == "wind"
                                                   ? std::vector<std::string>{"vn", "ve", "airspeed"}
                                                   : std::vector<std::string>{"vx", "vy", "vz"};

@@ -27,6 +27,8 @@ struct AutopilotSignals {
 ///   else GPS.Spd, .GCrs, .VZ
 /// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed
 ///
+/// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.
+///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
 /// responses alike. A command is taken as the straight line between the values that were logged, which are
 /// some of those that were sent. What was measured while the vehicle stood, by the autopilot's own account

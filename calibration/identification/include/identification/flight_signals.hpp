@@ -8,6 +8,7 @@
 #include "identification/csv_log.hpp"
 #include "identification/identify_axis.hpp"
 #include "identification/loop_record.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
@@ -32,6 +33,8 @@ struct FlightSignals {
   std::map<std::string, std::string> origin;
   /// True: thrust_cmd is known to be a share of full thrust.
   bool thrust_is_share = false;
+  /// Kind of the vehicle as the log or the user names it. recogniseVehicle tells the others.
+  RecognisedVehicle vehicle;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.

@@ -5,6 +5,7 @@
 
 #include "identification/motion.hpp"
 #include "identification/provenance.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
@@ -13,6 +14,7 @@ namespace polyfly {
 struct MotionCalibration {
   std::string kind;
   Provenance data;
+  RecognisedVehicle vehicle;
   /// Sentences on what was wrong with the file.
   std::vector<std::string> remarks;
   /// Windows that were used. Empty: the whole record.
