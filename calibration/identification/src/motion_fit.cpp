@@ -72,10 +72,12 @@ void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
         sentence("%s is not bounded by these data: %.2g +- %.2g 1/s. Fly fast and straight in calm air.",
                  drag.name.c_str(), drag.value, drag.half_width));
     drag.supported = false;
-  } else if (drag.greatest() < 0.0) {
+  } else if (!(drag.least() > 0.0)) {
     drag.supported = false;
     warnings->push_back(sentence(
-        "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame.",
+        drag.greatest() < 0.0
+            ? "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame."
+            : "The 95 %% interval of %s is not above zero: these data do not tell it from no drag.",
         drag.name.c_str()));
   }
 }
@@ -140,6 +142,7 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
   const Regression found = regress(load, motion.lift, indices(motion.starts));
   MotionFit result;
   result.warnings = checkMotion(motion);
+  const bool sound = result.warnings.empty();
   const char* unit = motion.lift_is_share ? "1" : "N";
   if (motion.lift_is_share) {
     result.parameters = {parameterOf("hover_command", unit, found, 0, options.gravity)};
@@ -150,7 +153,9 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
                          parameterOf("hover_thrust", unit, found, 0, options.gravity)};
   }
   const FittedParameter& first = result.parameters.front();
-  if (!(first.half_width <= kVagueShare * std::abs(first.value)) || first.value <= 0.0) {
+  const bool bounded = first.half_width <= kVagueShare * std::abs(first.value) && first.least() > 0.0;
+  for (FittedParameter& parameter : result.parameters) parameter.supported = sound && bounded;
+  if (!bounded) {
     result.warnings.push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
                                        first.value, first.half_width));
   }

@@ -91,8 +91,7 @@ RecognisedVehicle bySpeed(const TimeSeries& speed, const std::string& name, doub
   }
   if (share <= kSlowNoise && seconds >= kLongFlight && forward >= kForwardShare) {
     return {VehicleKind::kFixedWing,
-            told("The %s stays above %.0f m/s for %.0f s of flight, along the heading.", name.c_str(), kStall,
-                 seconds)};
+            told("The %s stays above %.0f m/s for %.0f s of flight.", name.c_str(), kStall, seconds)};
   }
   return {};
 }

@@ -39,6 +39,6 @@ constexpr double kFastFlight = 7.0;
 /// Speed below which no fixed wing flies [m/s].
 constexpr double kStall = 4.0;
 /// Least length of the fast flight of a fixed wing [s].
-constexpr double kLongFlight = 10.0;
+constexpr double kLongFlight = 30.0;
 
 }  // namespace polyfly
