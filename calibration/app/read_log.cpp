@@ -60,8 +60,9 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
       ->type_name("FILE");
   command
-      .add_option("--vehicle", arguments.vehicle,
-                  "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
+      .add_option(
+          "--vehicle", arguments.vehicle,
+          "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
       ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");

@@ -31,11 +31,11 @@ const std::string kAttitude =
     "    model_without_delay: {gain: 0.81, tau: 0.3, supported: true, reasons: []}\n"
     "  pitch:\n    model_without_delay: {gain: 0.7, tau: 0.4, supported: true}\n";
 
-const std::string kDrag =
-    head("drag") + "data: {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\nparameters:\n" +
-    "  drag_x: {value: 0.3, interval_95: [0.2, 0.4], supported: true}\n"
-    "  drag_y: {value: 0.4, interval_95: [0.3, 0.5], supported: true}\n"
-    "  drag_z: {value: 0.1, interval_95: [0.05, 0.15], supported: true}\n";
+const std::string kDrag = head("drag") +
+                          "data: {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\nparameters:\n" +
+                          "  drag_x: {value: 0.3, interval_95: [0.2, 0.4], supported: true}\n"
+                          "  drag_y: {value: 0.4, interval_95: [0.3, 0.5], supported: true}\n"
+                          "  drag_z: {value: 0.1, interval_95: [0.05, 0.15], supported: true}\n";
 
 const std::string kBounds = head("disturbance") +
                             "data: {file: \"b.bag\"}\n"
@@ -132,8 +132,8 @@ TEST(ApplyCalibration, takesWhatTheDataDoNotSupportByForceOnly) {
   const std::string sound = "supported: true, reasons: []";
   const std::string weak = without(kAttitude, sound, "supported: false, reasons: [\"Fly longer.\"]");
   const std::string error = errorOf(problemText(1), weak);
-  EXPECT_EQ(error.find("calibration.yaml:11: axes.roll.model_without_delay.supported: the data do not support"),
-            0u)
+  EXPECT_EQ(
+      error.find("calibration.yaml:11: axes.roll.model_without_delay.supported: the data do not support"), 0u)
       << error;
   EXPECT_NE(error.find("Fly longer."), std::string::npos);
   EXPECT_EQ(errorOf(problemText(0), weak), "");  // pitch is not concerned
@@ -142,7 +142,8 @@ TEST(ApplyCalibration, takesWhatTheDataDoNotSupportByForceOnly) {
   EXPECT_NO_THROW(applyCalibrations(problemText(1), "problem.yaml", {forced}));
   // The flags of the axis and of other models say nothing of this one, and a missing flag is no support.
   const std::string silent = without(kAttitude, sound, "reasons: []");
-  EXPECT_NE(errorOf(problemText(1), silent).find("model_without_delay.supported: missing"), std::string::npos);
+  EXPECT_NE(errorOf(problemText(1), silent).find("model_without_delay.supported: missing"),
+            std::string::npos);
   const std::string problem = "model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n";
   EXPECT_EQ(errorOf(problem, kBounds), "");
   EXPECT_NE(errorOf(problem, without(kBounds, "supported: true", "supported: false")), "");
@@ -158,8 +159,9 @@ TEST(ApplyCalibration, refusesTheNumbersOfAFixedWing) {
       applyCalibrations(problemText(1), "problem.yaml", {forced});
       ADD_FAILURE() << "taken";
     } catch (const Error& error) {
-      EXPECT_EQ(std::string(error.what()).find("calibration.yaml:4: vehicle.kind: must be multirotor for "
-                                               "problem.yaml, got fixed_wing (It hovers.)"),
+      EXPECT_EQ(std::string(error.what())
+                    .find("calibration.yaml:4: vehicle.kind: must be multirotor for "
+                          "problem.yaml, got fixed_wing (It hovers.)"),
                 0u)
           << error.what();
     }
@@ -191,8 +193,9 @@ TEST(ApplyCalibration, refusesKeysThatItDoesNotKnow) {
 
 // What a comment says of a model is wrong as soon as another one is applied.
 TEST(ApplyCalibration, headersOfProblemsNameNoIdentifiedNumber) {
-  for (const std::string name : {"multirotor_lateral", "multirotor_longitudinal", "multirotor_vertical",
-                                 "robust/aslquad_lateral", "robust/aslquad_longitudinal", "robust/aslquad_vertical"}) {
+  for (const std::string name :
+       {"multirotor_lateral", "multirotor_longitudinal", "multirotor_vertical", "robust/aslquad_lateral",
+        "robust/aslquad_longitudinal", "robust/aslquad_vertical"}) {
     const std::string text = readText(std::string(PROBLEMS_FOLDER) + "/" + name + ".yaml");
     const std::string header = text.substr(0, text.find("polyfly_problem:"));
     const std::regex stated("(K|tau|A_[xyz]) *=? *-?[0-9]|[-+] 0[.][0-9]+ v|[(]0[.][0-9]+ (phi|theta)");
@@ -276,7 +279,8 @@ TEST(ApplyCalibration, refusesWhatDoesNotFitByFileFieldAndRule) {
            {"gain: 0.81", "gain: .nan", "gain: must be"},
            {"gain: 0.81", "gain: -0.81", "gain: must be greater than 0: wrong sign or frame"},
            {"tau: 0.3", "tau: 0", "tau: must be greater than 0"},
-           {"tau: 0.3, supported: true", "tau: 0.3, supported: perhaps", "supported: must be true or false"}}) {
+           {"tau: 0.3, supported: true", "tau: 0.3, supported: perhaps",
+            "supported: must be true or false"}}) {
     const std::string error = errorOf(problemText(1), without(kAttitude, part, instead));
     EXPECT_EQ(error.find(place + rule), 0u) << error;
   }

@@ -25,7 +25,8 @@ RecognisedVehicle ofStatus(const LogTable& table) {
     const auto column = table.column.find(status.field);
     if (column == table.column.end() || column->second.empty()) continue;
     const std::vector<double>& values = column->second;
-    if (!std::all_of(values.begin(), values.end(), [&](double value) { return value == status.value; })) continue;
+    if (!std::all_of(values.begin(), values.end(), [&](double value) { return value == status.value; }))
+      continue;
     return {status.kind, std::string("The log names it (") + kVehicleTable + "." + status.field + ")."};
   }
   return {};
@@ -39,7 +40,8 @@ RecognisedVehicle ofMessages(const AutopilotLog& log) {
   };
   if (has("QTUN")) return {};  // a plane with lift rotors
   for (const char* name : {"TECS", "AETR"}) {
-    if (has(name)) return {VehicleKind::kFixedWing, std::string("The log has ") + name + ", which ArduPlane writes."};
+    if (has(name))
+      return {VehicleKind::kFixedWing, std::string("The log has ") + name + ", which ArduPlane writes."};
   }
   if (has("MOTB")) return {VehicleKind::kMultirotor, "The log has MOTB, which ArduCopter writes."};
   return {};

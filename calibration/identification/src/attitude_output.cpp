@@ -124,7 +124,8 @@ std::string controllerRow(const ControllerModel& model) {
   text.pop_back();
   char validation[48] = "";
   if (model.validation) {
-    std::snprintf(validation, sizeof validation, "  validation %.1f %%", model.validation->validation_percent);
+    std::snprintf(validation, sizeof validation, "  validation %.1f %%",
+                  model.validation->validation_percent);
   }
   text += validation;
   text += model.supported() ? "  supported\n" : "  NOT SUPPORTED\n";

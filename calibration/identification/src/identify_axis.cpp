@@ -119,7 +119,8 @@ std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const st
 }
 
 void takeValidation(std::vector<AxisValidationFit> results, AxisModel* model) {
-  for (std::size_t i = 0; i < results.size(); ++i) model->controller_models[i].validation = std::move(results[i]);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    model->controller_models[i].validation = std::move(results[i]);
   model->validation = model->controller_models.front().validation;
 }
 
@@ -209,7 +210,8 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
     }
     takeValidation(validateOnFlight(model, other.source, segments), &model);
   } else {
-    takeValidation(validateByHalves(model.record, model.segments, fit, model.controller_models.size()), &model);
+    takeValidation(validateByHalves(model.record, model.segments, fit, model.controller_models.size()),
+                   &model);
   }
   model.frequency_response = measureFrequencyResponse(model.segments, blockLength(model.segments),
                                                       kGreatestFrequency, kFrequencyPoints);

@@ -40,15 +40,17 @@ double errorOf(const FittedParameter& parameter) {
 
 void addFitReasons(const ControllerModel& model, std::vector<std::string>* reasons) {
   if (!(model.fit.fit_percent >= kLeastFit)) {
-    reasons->push_back(reason("The fit is %.1f %%; a controller needs at least %.0f %%.", model.fit.fit_percent,
-                              kLeastFit));
+    reasons->push_back(
+        reason("The fit is %.1f %%; a controller needs at least %.0f %%.", model.fit.fit_percent, kLeastFit));
   }
   if (!model.validation) {
-    reasons->emplace_back("The data do not suffice for a validation: both halves must excite the loop for 2 s.");
+    reasons->emplace_back(
+        "The data do not suffice for a validation: both halves must excite the loop for 2 s.");
   } else if (!(model.validation->validation_percent >= kLeastValidation)) {
-    reasons->push_back(reason("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
-                              "least %.0f %%.",
-                              model.validation->validation_percent, kLeastValidation));
+    reasons->push_back(
+        reason("The fit on data that it was not fitted to is %.1f %%; a controller needs at "
+               "least %.0f %%.",
+               model.validation->validation_percent, kLeastValidation));
   }
 }
 
@@ -56,20 +58,22 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
   for (const FittedParameter& one : model.fit.parameters) {
     if (one.name == "delay" || one.name == "offset") continue;
     if (!(one.least() > 0.0)) {
-      reasons->push_back(reason("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.", one.name.c_str(),
-                                one.least(), one.greatest()));
+      reasons->push_back(reason("The 95 %% interval of %s, %.3g .. %.3g, is not above zero.",
+                                one.name.c_str(), one.least(), one.greatest()));
       continue;
     }
     const double allowed = one.name == "gain" ? kVagueModelGain : kVagueModelNumber;
     if (!(one.standard_error <= allowed * one.value)) {
-      reasons->push_back(reason("Too little excitation for %s: the standard error of %.2g is above %.0f %% of "
-                                "%.3g.",
-                                one.name.c_str(), one.standard_error, 100.0 * allowed, one.value));
+      reasons->push_back(
+          reason("Too little excitation for %s: the standard error of %.2g is above %.0f %% of "
+                 "%.3g.",
+                 one.name.c_str(), one.standard_error, 100.0 * allowed, one.value));
     }
   }
 }
 
-void addSearchReasons(const ControllerModel& model, const FitOptions& bounds, std::vector<std::string>* reasons) {
+void addSearchReasons(const ControllerModel& model, const FitOptions& bounds,
+                      std::vector<std::string>* reasons) {
   const LoopShape& shape = model.fit.shape;
   if (shape.delay > kUpperEnd * bounds.delay_greatest) {
     reasons->push_back(reason("The delay of %.2f s lies at the end of its search range.", shape.delay));
@@ -98,8 +102,8 @@ LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>&
   const double of_tau = tau.standard_error;
   const double of_delay = errorOf(delay);
   const Eigen::MatrixXd& correlated = with_delay.correlation;
-  const double variance = of_tau * of_tau + of_delay * of_delay +
-                          2.0 * correlated(at_tau, at_delay) * of_tau * of_delay;
+  const double variance =
+      of_tau * of_tau + of_delay * of_delay + 2.0 * correlated(at_tau, at_delay) * of_tau * of_delay;
   FittedParameter sum = {"tau", "s", result.shape.tau, std::sqrt(std::max(0.0, variance))};
   sum.half_width = tau.half_width / of_tau * sum.standard_error;
   result.parameters = {gain, sum, *with_delay.find("offset")};
@@ -134,9 +138,10 @@ std::vector<std::string> reasonsAgainst(const ControllerModel& model, const std:
   const double gain = model.fit.gain;
   const bool other_unit = gain > 0.0 && (gain < kGainOfOtherUnit || gain > 1.0 / kGainOfOtherUnit);
   if (axis != "thrust" && other_unit) {
-    reasons.push_back(reason("The gain of %.3g is that of other units: a loop that reaches its command has about "
-                             "1.",
-                             gain));
+    reasons.push_back(
+        reason("The gain of %.3g is that of other units: a loop that reaches its command has about "
+               "1.",
+               gain));
   }
   return reasons;
 }

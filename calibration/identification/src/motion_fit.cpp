@@ -82,6 +82,39 @@ void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
   }
 }
 
+// Drag along heading and left of the body: a - expected = -R D R' v + d, both horizontal axes of W one below
+// the other, with R the turn by the yaw.
+void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
+  const Eigen::Index rows = motion.velocity.rows();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 4);
+  Eigen::VectorXd left(2 * rows);
+  const Eigen::ArrayXd cosine = motion.yaw.array().cos();
+  const Eigen::ArrayXd sine = motion.yaw.array().sin();
+  const Eigen::ArrayXd forward =
+      cosine * motion.velocity.col(0).array() + sine * motion.velocity.col(1).array();
+  const Eigen::ArrayXd sideways =
+      cosine * motion.velocity.col(1).array() - sine * motion.velocity.col(0).array();
+  columns.col(0).head(rows) = -(cosine * forward).matrix();
+  columns.col(0).tail(rows) = -(sine * forward).matrix();
+  columns.col(1).head(rows) = (sine * sideways).matrix();
+  columns.col(1).tail(rows) = -(cosine * sideways).matrix();
+  columns.col(2).head(rows).setOnes();
+  columns.col(3).tail(rows).setOnes();
+  left << motion.acceleration.col(0) - motion.expected.col(0),
+      motion.acceleration.col(1) - motion.expected.col(1);
+  std::vector<Eigen::Index> starts = indices(motion.starts);
+  for (const std::size_t start : motion.starts) {
+    if (start > 0) starts.push_back(rows + static_cast<Eigen::Index>(start));
+  }
+  const Regression found = regress(columns, left, starts);
+  for (const auto& [name, column] :
+       {std::pair<const char*, Eigen::Index>{"drag_forward", 0}, {"drag_left", 1}}) {
+    result->parameters.push_back(parameterOf(name, "1/s", found, column));
+    result->parameters.back().supported = sound;
+    checkDrag(result->parameters.back(), &result->warnings);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> checkMotion(const Motion& motion) {
@@ -132,6 +165,7 @@ MotionFit fitDrag(const Motion& motion) {
     trace.depends = list(motion.velocity.col(axis));
     result.traces.push_back(std::move(trace));
   }
+  fitRotorDrag(motion, sound, &result);
   return result;
 }
 

@@ -85,9 +85,8 @@ RecognisedVehicle bySpeed(const TimeSeries& speed, const std::string& name, doub
   const double seconds = speed.time[static_cast<std::size_t>(last - speed.value.begin()) - 1] -
                          speed.time[static_cast<std::size_t>(first - speed.value.begin())];
   if (share > kSlowShare && name != "airspeed") {
-    return {VehicleKind::kMultirotor,
-            told("In flight the %s is below %.0f m/s in %.0f %% of the time.", name.c_str(), kStall,
-                 100.0 * share)};
+    return {VehicleKind::kMultirotor, told("In flight the %s is below %.0f m/s in %.0f %% of the time.",
+                                           name.c_str(), kStall, 100.0 * share)};
   }
   if (share <= kSlowNoise && seconds >= kLongFlight && forward >= kForwardShare) {
     return {VehicleKind::kFixedWing,

@@ -14,7 +14,8 @@ std::string yamlNumber(double value) {
 }
 
 std::string vehicleLine(const RecognisedVehicle& vehicle) {
-  return std::string("vehicle: {kind: ") + nameOf(vehicle.kind) + ", reason: " + yamlString(vehicle.reason) + "}\n";
+  return std::string("vehicle: {kind: ") + nameOf(vehicle.kind) + ", reason: " + yamlString(vehicle.reason) +
+         "}\n";
 }
 
 std::string valueText(double value, double half_width) {

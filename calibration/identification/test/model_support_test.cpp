@@ -70,7 +70,8 @@ TEST(EquivalentLag, HasTheSumOfLagAndDelayWithIntervalsThatHoldIt) {
     const FittedParameter& tau = *lag.find("tau");
     held += tau.least() <= made.tau + made.delay && made.tau + made.delay <= tau.greatest() ? 1 : 0;
   }
-  EXPECT_GE(held, kFlights * 9 / 10);
+  // 34 of 40 are the lower 5 % quantile of a coverage of 91 %.
+  EXPECT_GE(held, 34);
 }
 
 TEST(EquivalentLag, ItsFitIsThatOfTheLagAlone) {
@@ -102,7 +103,8 @@ TEST(IdentifyAxis, EveryControllerModelHasItsOwnEvaluation) {
         << one.key;
   }
   EXPECT_TRUE(model.findModel("model")->supported()) << all(*model.findModel("model"));
-  EXPECT_TRUE(model.findModel("model_without_delay")->supported()) << all(*model.findModel("model_without_delay"));
+  EXPECT_TRUE(model.findModel("model_without_delay")->supported())
+      << all(*model.findModel("model_without_delay"));
   EXPECT_TRUE(model.supported);
   const ControllerModel& second = *model.findModel("model_second_order_without_delay");
   EXPECT_EQ(second.fit.shape.delay, 0.0);

@@ -30,7 +30,8 @@ FlightSignals circles(double speed, double wind, double offset) {
   signals.series["vx"] =
       madeSeries([=](double time) { return flies(time) * (speed * std::cos(0.1 * time) + wind); });
   signals.series["vy"] = madeSeries([=](double time) { return flies(time) * speed * std::sin(0.1 * time); });
-  signals.series["yaw"] = madeSeries([=](double time) { return std::remainder(0.1 * time + offset, 2.0 * M_PI); });
+  signals.series["yaw"] =
+      madeSeries([=](double time) { return std::remainder(0.1 * time + offset, 2.0 * M_PI); });
   return signals;
 }
 

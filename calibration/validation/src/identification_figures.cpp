@@ -13,7 +13,8 @@ using Style = Series::Style;
 constexpr double kDegree = 57.29577951308232;
 constexpr const char* kRejectedColor = "#f6dcd3";
 // Of the models for a controller, in their order.
-constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen, palette::kPurple};
+constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
+                                        palette::kPurple};
 constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
 // Curves of all segments with a gap between them.

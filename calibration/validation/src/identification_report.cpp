@@ -34,9 +34,10 @@ void writeControllerModels(const AxisModel& axis, std::ostream& out) {
          "<th>validation</th><th>why not</th></tr>\n";
   for (const ControllerModel& model : axis.controller_models) {
     out << (model.supported() ? "<tr>" : "<tr class='bad'>") << "<td>" << escaped(model.title) << "<br><code>"
-        << escaped(model.key) << "</code></td><td>" << (model.supported() ? "yes" : "<b>no</b>") << "</td><td>"
-        << number(model.fit.fit_percent, 4) << " %</td><td>"
-        << (model.validation ? number(model.validation->validation_percent, 4) + " %" : "none") << "</td><td>";
+        << escaped(model.key) << "</code></td><td>" << (model.supported() ? "yes" : "<b>no</b>")
+        << "</td><td>" << number(model.fit.fit_percent, 4) << " %</td><td>"
+        << (model.validation ? number(model.validation->validation_percent, 4) + " %" : "none")
+        << "</td><td>";
     for (const std::string& sentence : model.reasons) out << escaped(sentence) << "<br>";
     out << "</td></tr>\n";
   }
@@ -46,13 +47,15 @@ void writeControllerModels(const AxisModel& axis, std::ostream& out) {
 // What calibrate apply does with the axis.
 void writeAdvice(const AxisModel& axis, std::ostream& out) {
   if (!axis.supported) {
-    out << "<p><b>Not to be used:</b> the data do not support the model that problem files take; calibrate apply "
+    out << "<p><b>Not to be used:</b> the data do not support the model that problem files take; calibrate "
+           "apply "
            "refuses it.</p>";
     return;
   }
   const ControllerModel* lag = axis.findModel("model_without_delay");
   if (lag == nullptr || (axis.axis != "roll" && axis.axis != "pitch")) return;
-  out << "<p>calibrate apply writes gain " << number(lag->fit.gain) << " and tau " << number(lag->fit.shape.tau)
+  out << "<p>calibrate apply writes gain " << number(lag->fit.gain) << " and tau "
+      << number(lag->fit.shape.tau)
       << " s: lag and delay together. The offset is a trim and goes into no model.</p>";
 }
 

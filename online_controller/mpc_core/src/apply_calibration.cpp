@@ -11,7 +11,8 @@ namespace {
 // The model of a problem file, and what is to be replaced in it.
 class ProblemText {
  public:
-  ProblemText(const std::string& text, const std::string& source) : edits_(text, source), root_(edits_.root()) {
+  ProblemText(const std::string& text, const std::string& source)
+      : edits_(text, source), root_(edits_.root()) {
     if (!root_["model"].IsMap()) edits_.refuse("model", "missing");
   }
 
@@ -44,7 +45,8 @@ class ProblemText {
   void setEntry(const char* matrix, int row, int column, double value) {
     edits_.setNumber(
         node(matrix, row, column),
-        std::string("model.") + matrix + "[" + std::to_string(row) + "][" + std::to_string(column) + "]", value);
+        std::string("model.") + matrix + "[" + std::to_string(row) + "][" + std::to_string(column) + "]",
+        value);
   }
 
   // A reference of a robust problem names the state that its input holds: there the gain stands a second time.
@@ -58,7 +60,8 @@ class ProblemText {
         continue;
       const std::string field = "parameters[" + std::to_string(index) + "]";
       const double held = edits_.numberOf(command[input], field + ".input");
-      if (held != 0.0) edits_.setNumber(state[lag], field + ".state[" + std::to_string(lag) + "]", gain * held);
+      if (held != 0.0)
+        edits_.setNumber(state[lag], field + ".state[" + std::to_string(lag) + "]", gain * held);
     }
   }
 
@@ -98,8 +101,8 @@ class ProblemText {
     const bool there = rows && rows.IsSequence() && row < static_cast<int>(rows.size()) &&
                        rows[row].IsSequence() && column < static_cast<int>(rows[row].size());
     if (!there) {
-      edits_.refuse(std::string("model.") + matrix,
-             "must have an entry in row " + std::to_string(row) + ", column " + std::to_string(column));
+      edits_.refuse(std::string("model.") + matrix, "must have an entry in row " + std::to_string(row) +
+                                                        ", column " + std::to_string(column));
     }
     return rows[row][column];
   }

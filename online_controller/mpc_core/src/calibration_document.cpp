@@ -14,7 +14,8 @@ constexpr std::array<const char*, 5> kCalibrationKinds = {"attitude", "drag", "d
 constexpr int kCalibrationFormat = 1;
 
 std::string kindOf(const YamlField& root) {
-  if (!root.has("polyfly_calibration")) root.failAt("polyfly_calibration", "must be 1, as `calibrate` writes it");
+  if (!root.has("polyfly_calibration"))
+    root.failAt("polyfly_calibration", "must be 1, as `calibrate` writes it");
   root.at("polyfly_calibration").integer(kCalibrationFormat, kCalibrationFormat);
   const YamlField kind = root.at("kind");
   if (std::find(kCalibrationKinds.begin(), kCalibrationKinds.end(), kind.text()) == kCalibrationKinds.end())
@@ -61,7 +62,8 @@ void CalibrationDocument::requireSupport(const std::vector<std::string>& place) 
   if (file_.force) return;
   const YamlField map = at(place);
   if (!map.has("supported"))
-    map.failAt("supported", "missing: calibrate the flight again (calibrate apply --force takes the numbers)");
+    map.failAt("supported",
+               "missing: calibrate the flight again (calibrate apply --force takes the numbers)");
   const YamlField supported = map.at("supported");
   if (supported.text() == "true") return;
   if (supported.text() != "false") supported.fail("must be true or false");
@@ -70,7 +72,8 @@ void CalibrationDocument::requireSupport(const std::vector<std::string>& place) 
     if (!map.has(key)) continue;
     for (const YamlField& one : map.at(key).items()) reasons += "\n  " + one.text();
   }
-  supported.fail("the data do not support these numbers; fly again (calibrate apply --force takes them)" + reasons);
+  supported.fail("the data do not support these numbers; fly again (calibrate apply --force takes them)" +
+                 reasons);
 }
 
 double CalibrationDocument::supported(const std::vector<std::string>& place, const char* key) const {
@@ -127,9 +130,9 @@ std::string CalibrationDocument::provenanceEntry(const std::vector<std::string>&
   std::string text = "  - {file: " + yamlString(file_.provenance.file) +
                      ", checksum: " + yamlString(file_.provenance.checksum) + ", kind: " + kind_ +
                      ",\n     tool_version: " +
-                     yamlString(root_.has("tool_version") ? root_.at("tool_version").text() : "") + ", data: [" +
-                     yamlString(dataText("file")) + ", " + yamlString(dataText("checksum")) + ", " +
-                     yamlString(dataText("recorded")) + "],\n     fields: [";
+                     yamlString(root_.has("tool_version") ? root_.at("tool_version").text() : "") +
+                     ", data: [" + yamlString(dataText("file")) + ", " + yamlString(dataText("checksum")) +
+                     ", " + yamlString(dataText("recorded")) + "],\n     fields: [";
   for (std::size_t index = 0; index < fields.size(); ++index)
     text += (index > 0 ? ", " : "") + yamlString(fields[index]);
   return text + "]}\n";
@@ -138,8 +141,8 @@ std::string CalibrationDocument::provenanceEntry(const std::vector<std::string>&
 std::string CalibrationDocument::provenanceText(const std::vector<std::string>& fields) const {
   std::string text;
   for (const std::string& field : fields) text += (text.empty() ? "" : ", ") + field;
-  return text + " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of " + dataText("file") +
-         " (" + dataText("checksum") + ")";
+  return text + " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of " +
+         dataText("file") + " (" + dataText("checksum") + ")";
 }
 
 }  // namespace polyfly

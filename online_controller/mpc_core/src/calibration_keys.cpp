@@ -54,16 +54,17 @@ void checkAttitude(const YamlField& root) {
 }
 
 void checkDisturbance(const YamlField& root) {
-  root.checkKeys({"polyfly_calibration", "kind", "data", "disturbances"},
-                 {"tool_version", "vehicle", "windows", "remarks", "share", "confidence", "axes", "warnings"});
+  root.checkKeys(
+      {"polyfly_calibration", "kind", "data", "disturbances"},
+      {"tool_version", "vehicle", "windows", "remarks", "share", "confidence", "axes", "warnings"});
   for (const YamlField& one : root.at("disturbances").items()) one.checkKeys({"name", "range"}, {"unit"});
   if (!root.has("axes")) return;
   const YamlField axes = root.at("axes");
   axes.checkKeys({}, {"x", "y", "z"});
   for (const char* axis : {"x", "y", "z"}) {
     if (!axes.has(axis)) continue;
-    axes.at(axis).checkKeys({}, {"mean", "deviation", "supported", "confidence", "independent_samples",
-                                 "quantiles", "warnings"});
+    axes.at(axis).checkKeys(
+        {}, {"mean", "deviation", "supported", "confidence", "independent_samples", "quantiles", "warnings"});
   }
 }
 

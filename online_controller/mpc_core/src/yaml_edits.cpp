@@ -23,7 +23,8 @@ std::string eightDigits(double value) {
   return out.str();
 }
 
-YamlEdits::YamlEdits(std::string text, std::string source) : text_(std::move(text)), source_(std::move(source)) {
+YamlEdits::YamlEdits(std::string text, std::string source)
+    : text_(std::move(text)), source_(std::move(source)) {
   try {
     root_ = YAML::Load(text_);
   } catch (const YAML::Exception& failure) {
@@ -48,8 +49,8 @@ double YamlEdits::numberOf(const YAML::Node& scalar, const std::string& field) c
 void YamlEdits::replaceScalar(const YAML::Node& scalar, const std::string& text) {
   const auto place = static_cast<std::size_t>(scalar.Mark().pos);
   const bool quoted = place < text_.size() && text_[place] == '"';
-  const std::size_t end =
-      quoted ? text_.find('"', place + 1) + 1 : std::min(text_.find_first_of(",]} \t\r\n#", place), text_.size());
+  const std::size_t end = quoted ? text_.find('"', place + 1) + 1
+                                 : std::min(text_.find_first_of(",]} \t\r\n#", place), text_.size());
   edits_.push_back({place, end - place, text});
 }
 

@@ -38,6 +38,7 @@ struct Motion {
   /// Acceleration from thrust, attitude and gravity, without drag [m/s^2].
   Eigen::MatrixX3d expected;
   Eigen::MatrixX3d velocity;  ///< [m/s]
+  Eigen::VectorXd yaw;        ///< [rad]
   /// Vertical part of thrust_cmd, in its unit; 0 if there is no thrust_cmd.
   Eigen::VectorXd lift;
   /// True: thrust_cmd is a share of full thrust. False: it is in newtons.
@@ -121,8 +122,9 @@ struct WindFit : MotionFit {
   std::vector<double> east;   ///< [m/s]
 };
 
-/// Drag coefficients A_x, A_y, and A_z where the thrust is known [1/s], each with the mean disturbance beside
-/// it; names drag_x, offset_x ...
+/// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s], each with the mean
+/// disturbance beside it; names drag_x, offset_x ... And those of the rotors along the body's heading and to
+/// its left, with one mean disturbance in W; names drag_forward, drag_left.
 MotionFit fitDrag(const Motion& motion);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
