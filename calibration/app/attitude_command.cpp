@@ -60,9 +60,10 @@ int run(const AttitudeArguments& arguments) {
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = !calibration.failed.empty() ||
-                      std::any_of(calibration.axes.begin(), calibration.axes.end(),
-                                  [](const AxisModel& axis) { return !axis.warnings.empty(); });
+  const bool warned =
+      !calibration.failed.empty() ||
+      std::any_of(calibration.axes.begin(), calibration.axes.end(),
+                  [](const AxisModel& axis) { return !axis.warnings.empty() || !axis.supported; });
   return warned && arguments.strict ? kWarned : kCalibrated;
 }
 

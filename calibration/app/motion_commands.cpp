@@ -152,6 +152,16 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
 
+  const auto heading = std::make_shared<MotionArguments>();
+  command = add(
+      app, "heading", "Identify the angle between the motion and the heading of the attitude.", result,
+      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
+        keep(fitHeading(motionOf(signals, arguments.motion)), calibration);
+      },
+      heading);
+  declareMotion(*command, *heading);
+  declareMass(*command, *heading);
+
   add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
       std::make_shared<MotionArguments>());
 }

@@ -18,6 +18,10 @@ constexpr double kLeastExpected = 0.1;
 constexpr double kLeastCorrelation = 0.5;
 // Greatest half width of a confidence interval [1/s].
 constexpr double kVagueDrag = 0.1;
+// Greatest half width of the interval of a heading misalignment [rad].
+constexpr double kVagueHeading = 0.05;
+// Misalignment of the heading from which on commands go astray: 2 degrees [rad].
+constexpr double kGreatestMisalignment = 0.035;
 // Greatest half width of a confidence interval, relative to the value.
 constexpr double kVagueShare = 0.3;
 
@@ -82,6 +86,15 @@ void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
   }
 }
 
+// First rows of the stretches where two axes stand one below the other, and the number of rows.
+std::vector<Eigen::Index> stackedStarts(const Motion& motion) {
+  std::vector<Eigen::Index> starts = indices(motion.starts);
+  for (const std::size_t start : motion.starts) {
+    if (start > 0) starts.push_back(motion.velocity.rows() + static_cast<Eigen::Index>(start));
+  }
+  return starts;
+}
+
 // Drag along heading and left of the body: a - expected = -R D R' v + d, both horizontal axes of W one below
 // the other, with R the turn by the yaw.
 void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
@@ -102,11 +115,7 @@ void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
   columns.col(3).tail(rows).setOnes();
   left << motion.acceleration.col(0) - motion.expected.col(0),
       motion.acceleration.col(1) - motion.expected.col(1);
-  std::vector<Eigen::Index> starts = indices(motion.starts);
-  for (const std::size_t start : motion.starts) {
-    if (start > 0) starts.push_back(rows + static_cast<Eigen::Index>(start));
-  }
-  const Regression found = regress(columns, left, starts);
+  const Regression found = regress(columns, left, stackedStarts(motion));
   for (const auto& [name, column] :
        {std::pair<const char*, Eigen::Index>{"drag_forward", 0}, {"drag_left", 1}}) {
     result->parameters.push_back(parameterOf(name, "1/s", found, column));
@@ -166,6 +175,49 @@ MotionFit fitDrag(const Motion& motion) {
     result.traces.push_back(std::move(trace));
   }
   fitRotorDrag(motion, sound, &result);
+  return result;
+}
+
+MotionFit fitHeading(const Motion& motion) {
+  const Eigen::Index rows = motion.velocity.rows();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 5);
+  columns.col(0) << motion.expected.col(0), motion.expected.col(1);
+  columns.col(1) << -motion.expected.col(1), motion.expected.col(0);
+  columns.col(2) << -motion.velocity.col(0), -motion.velocity.col(1);
+  columns.col(3).head(rows).setOnes();
+  columns.col(4).tail(rows).setOnes();
+  Eigen::VectorXd measured(2 * rows);
+  measured << motion.acceleration.col(0), motion.acceleration.col(1);
+  const Regression found = regress(columns, measured, stackedStarts(motion));
+  const double cosine = found.coefficients[0];
+  const double sine = found.coefficients[1];
+  // Of the angle of (cosine, sine), whose errors are taken as independent: they are by symmetry.
+  const auto across = [&](const Eigen::VectorXd& errors) {
+    return std::hypot(cosine * errors[1], sine * errors[0]) / (cosine * cosine + sine * sine);
+  };
+  MotionFit result;
+  FittedParameter angle = {"heading_misalignment", "rad", std::atan2(sine, cosine),
+                           across(found.standard_errors), across(found.half_widths)};
+  const double tilt = rms(columns.col(0)) * std::sqrt(2.0);
+  angle.supported = tilt >= kLeastExpected && angle.half_width <= kVagueHeading;
+  if (!angle.supported) {
+    result.warnings.push_back(
+        sentence("heading_misalignment is not bounded by these data: %.2g +- %.2g rad, at %.2g m/s^2 rms of "
+                 "horizontal "
+                 "thrust. Fly quicker, to all sides.",
+                 angle.value, angle.half_width, tilt));
+  } else if (std::abs(angle.value) > kGreatestMisalignment && std::abs(angle.value) > angle.half_width) {
+    result.warnings.push_back(sentence(
+        "The motion is turned by %.3f +- %.3f rad from where the attitude tilts: align yaw of odometry and "
+        "attitude before flight.",
+        angle.value, angle.half_width));
+  }
+  result.parameters = {angle};
+  const Eigen::VectorXd modelled = columns * found.coefficients;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    result.traces.push_back(traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
+                                    motion.acceleration.col(axis), modelled.segment(axis * rows, rows)));
+  }
   return result;
 }
 

@@ -12,6 +12,8 @@ std::vector<std::string> sentencesOf(const AttitudeCalibration& calibration) {
   sentences.insert(sentences.end(), calibration.failed.begin(), calibration.failed.end());
   for (const AxisModel& axis : calibration.axes) {
     for (const std::string& warning : axis.warnings) sentences.push_back(axis.axis + ": " + warning);
+    if (!axis.supported)
+      sentences.push_back(axis.axis + ": The model that problem files take is not supported: do not use it.");
   }
   return sentences;
 }

@@ -9,7 +9,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, 5> kCalibrationKinds = {"attitude", "drag", "disturbance", "mass", "wind"};
+constexpr std::array<const char*, 6> kCalibrationKinds = {"attitude", "drag",    "disturbance",
+                                                          "mass",     "heading", "wind"};
 // Value of the key polyfly_calibration.
 constexpr int kCalibrationFormat = 1;
 
@@ -19,7 +20,7 @@ std::string kindOf(const YamlField& root) {
   root.at("polyfly_calibration").integer(kCalibrationFormat, kCalibrationFormat);
   const YamlField kind = root.at("kind");
   if (std::find(kCalibrationKinds.begin(), kCalibrationKinds.end(), kind.text()) == kCalibrationKinds.end())
-    kind.fail("must be attitude, drag, disturbance, mass or wind, got '" + kind.text() + "'");
+    kind.fail("must be attitude, drag, disturbance, mass, heading or wind, got '" + kind.text() + "'");
   return kind.text();
 }
 

@@ -80,9 +80,9 @@ void checkFitted(const YamlField& parameters, std::initializer_list<const char*>
 void checkMotion(const YamlField& root) {
   root.checkKeys({"polyfly_calibration", "kind", "data", "parameters"},
                  {"tool_version", "vehicle", "windows", "remarks", "warnings"});
-  checkFitted(root.at("parameters"),
-              {"drag_x", "drag_y", "drag_z", "drag_forward", "drag_left", "offset_x", "offset_y", "offset_z",
-               "mass", "hover_thrust", "hover_command", "wind_north", "wind_east", "airspeed_scale"});
+  checkFitted(root.at("parameters"), {"drag_x", "drag_y", "drag_z", "drag_forward", "drag_left", "offset_x",
+                                      "offset_y", "offset_z", "mass", "hover_thrust", "hover_command",
+                                      "wind_north", "wind_east", "airspeed_scale", "heading_misalignment"});
 }
 
 }  // namespace

@@ -127,6 +127,12 @@ struct WindFit : MotionFit {
 /// its left, with one mean disturbance in W; names drag_forward, drag_left.
 MotionFit fitDrag(const Motion& motion);
 
+/// Heading misalignment: the angle by which the direction of the measured acceleration is turned, about z up,
+/// from the direction in which the attitude tilts the thrust [rad]; name heading_misalignment. Velocities of an
+/// odometry and an attitude whose frames agree give 0. Warns where it is not 0, and where the vehicle tilts too
+/// little. With the thrust's own scale, an isotropic drag and a mean disturbance as further unknowns.
+MotionFit fitHeading(const Motion& motion);
+
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
 /// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a
 /// warning. Throws Error if there is no thrust_cmd.

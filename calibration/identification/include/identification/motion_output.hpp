@@ -9,7 +9,7 @@
 
 namespace polyfly {
 
-/// What `calibrate disturbance`, `drag`, `mass` or `wind` found; bounds of the first, parameters of the
+/// What `calibrate disturbance`, `drag`, `mass`, `heading` or `wind` found; bounds of the first, parameters of the
 /// others.
 struct MotionCalibration {
   std::string kind;
