@@ -55,10 +55,10 @@ def loops(folder):
         with open("region_maps/problems/multirotor_%s.yaml" % problem) as file:
             model = yaml.safe_load(file)["model"]
         tau = -1.0 / model["A"][2][2]
-        parameters = found[axis]["without_delay"]["parameters"]
+        handed_out = found[axis]["model_without_delay"]
         for name, had in (("gain", model["B"][2][0] * tau), ("tau", tau)):
             true = hidden["%s_%s" % (axis, "time" if name == "tau" else "gain")]
-            rows.append((axis, name, had, true, parameters[name]["value"], parameters[name]["interval_95"]))
+            rows.append((axis, name, had, true, handed_out[name], handed_out["intervals_95"][name]))
     return rows
 
 
