@@ -53,7 +53,7 @@ PACKAGES = {
     "fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
     "fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
     "calibration/bags": {"polyfly_base", "bags"},
-    "calibration/identification": {"polyfly_base", "bags", "identification"},
+    "calibration/identification": {"polyfly_base", "mpc_core", "bags", "identification"},
     "calibration/autopilot": {"polyfly_base", "identification", "autopilot"},
     "calibration/excitation": {"polyfly_base", "online_controller", "excitation"},
     "calibration/excitation/ros": {"polyfly_base", "polyfly_ros", "online_controller", "online_controller_ros",

@@ -30,6 +30,7 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   AttitudeCalibration calibration;
   const FlightSignals training =
       readSignals(arguments.log, arguments, &calibration.training, &calibration.remarks);
+  calibration.vehicle = recogniseVehicle(training);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();
@@ -65,9 +66,10 @@ int run(const AttitudeArguments& arguments) {
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = !calibration.failed.empty() ||
-                      std::any_of(calibration.axes.begin(), calibration.axes.end(),
-                                  [](const AxisModel& axis) { return !axis.warnings.empty(); });
+  const bool warned =
+      !calibration.failed.empty() ||
+      std::any_of(calibration.axes.begin(), calibration.axes.end(),
+                  [](const AxisModel& axis) { return !axis.warnings.empty() || !axis.supported; });
   return warned && arguments.strict ? kWarned : kCalibrated;
 }
 

@@ -34,6 +34,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   }
   const FlightSignals signals =
       readSignals(arguments.log, arguments, &calibration.data, &calibration.remarks);
+  calibration.vehicle = recogniseVehicle(signals);
   const std::vector<std::string> velocities = kind == "wind"
                                                   ? std::vector<std::string>{"vn", "ve", "airspeed"}
                                                   : std::vector<std::string>{"vx", "vy", "vz"};
@@ -150,6 +151,16 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
+
+  const auto heading = std::make_shared<MotionArguments>();
+  command = add(
+      app, "heading", "Identify the angle between the motion and the heading of the attitude.", result,
+      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
+        keep(fitHeading(motionOf(signals, arguments.motion)), calibration);
+      },
+      heading);
+  declareMotion(*command, *heading);
+  declareMass(*command, *heading);
 
   add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
       std::make_shared<MotionArguments>());

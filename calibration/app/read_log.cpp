@@ -62,6 +62,11 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
                      "Date of the flight, for the provenance of the result.");
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
       ->type_name("FILE");
+  command
+      .add_option(
+          "--vehicle", arguments.vehicle,
+          "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
+      ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");
   command.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
@@ -120,6 +125,7 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
+  if (!arguments.vehicle.empty()) signals.vehicle = {vehicleKindOf(arguments.vehicle), "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
   for (const std::string& remark : settleUnits(&signals)) remarks->push_back(path + ": " + remark);
   for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);

@@ -16,6 +16,7 @@ struct LogArguments {
   std::vector<std::string> signals;
   std::vector<std::string> topics;
   std::string recorded;
+  std::string vehicle;
   std::string output;
   bool on_ground = false;
   bool strict = false;

@@ -126,7 +126,7 @@ TEST_F(CommandLine, ShowsWhereTheNumbersOfAMapAreFrom) {
   writeBytes(
       path("lag.yaml"),
       "polyfly_calibration: 1\nkind: drag\ndata: {file: \"a.bag\", checksum: \"xxh64:1\", recorded: \"\"}\n"
-      "parameters:\n  drag_x: {value: 0.5, supported: true}\n");
+      "parameters:\n  drag_x: {value: 0.5, interval_95: [0.4, 0.6], supported: true}\n");
   writeBytes(path("cart.yaml"),
              "polyfly_problem: 1\nname: cart\ntype: tracking_mpc\ncalibration: lag.yaml\nmodel:\n"
              "  states: [{name: v, unit: m/s}]\n  inputs: [{name: u, unit: m/s^2, range: [-1, 1]}]\n"

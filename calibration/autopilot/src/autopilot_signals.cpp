@@ -9,6 +9,7 @@
 
 #include "autopilot/autopilot_log.hpp"
 #include "ground_time.hpp"
+#include "logged_vehicle.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -314,12 +315,14 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
     tables.insert(baseName(choices.back().table));
   }
   tables.insert(groundTables().begin(), groundTables().end());
+  tables.insert(kVehicleTable);
   const std::vector<std::string> wanted(tables.begin(), tables.end());
   const AutopilotLog log = px4 ? readULog(path, wanted) : readDataflash(path, wanted);
   AutopilotSignals result;
   result.remarks = log.remarks;
   result.signals.source = path;
   for (const auto& [name, count] : log.counts) result.signals.places.push_back(name);
+  result.signals.vehicle = loggedVehicle(log);
   for (const Choice& one : choices) addChoice(one, log, &result.signals);
   for (const Place& place : places) addSeries(place, log, &result.signals);
   const bool chosen = choice.count("thrust_cmd") > 0;

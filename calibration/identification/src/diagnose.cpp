@@ -19,12 +19,9 @@ constexpr double kInseparable = 0.97;
 // Least gain of an angle loop whose command and response have one scale.
 constexpr double kLeastGain = 0.7;
 constexpr double kGreatestGain = 1.4;
-// Gain below which units differ. They also differ above its inverse.
-constexpr double kStrangeGain = 0.25;
 constexpr double kDegree = 57.29577951308232;
 // Greatest factor between a gain and the gain of degrees for which degrees are suspected.
 constexpr double kDegreeMargin = 1.5;
-constexpr double kPoorFit = 60.0;  // [%]
 // Greatest drop of the fit from training to validation [%].
 constexpr double kDropFit = 8.0;
 // Lead of the response before the command above which clocks disagree [s].
@@ -265,7 +262,7 @@ class Diagnosis {
 
   void quality() {
     const LoopFit& fit = model_.with_delay;
-    if (fit.fit_percent < kPoorFit) {
+    if (fit.fit_percent < kLeastFit) {
       say(text("The model explains little of the response (fit %.1f %%): do not rely on these numbers.",
                fit.fit_percent));
     }
@@ -322,14 +319,6 @@ class Diagnosis {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
   return Diagnosis(model, records, bounds).run();
-}
-
-bool isSupported(const AxisModel& model) {
-  const FittedParameter* gain = model.without_delay.find("gain");
-  const FittedParameter* tau = model.without_delay.find("tau");
-  const bool unit =
-      model.axis == "thrust" || (gain->value > kStrangeGain && gain->value < 1.0 / kStrangeGain);
-  return model.with_delay.fit_percent >= kPoorFit && gain->least() > 0.0 && tau->least() > 0.0 && unit;
 }
 
 }  // namespace polyfly

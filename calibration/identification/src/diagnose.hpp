@@ -11,8 +11,4 @@ namespace polyfly {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds);
 
-/// Whether a controller may be given these numbers: the model explains the response, the intervals of gain
-/// and of the lag that counts the delay in exclude zero, and the gain is not one of another unit.
-bool isSupported(const AxisModel& model);
-
 }  // namespace polyfly

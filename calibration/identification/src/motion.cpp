@@ -33,9 +33,12 @@ class Attitude {
     for (double& value : yaw_cosine_.value) value = std::cos(value);
   }
 
+  double yaw(double time) const {
+    return std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
+  }
+
   Eigen::Vector3d up(double time) const {
-    const double yaw = std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
-    return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+    return Eigen::AngleAxisd(yaw(time), Eigen::Vector3d::UnitZ()) *
            (Eigen::AngleAxisd(interpolated(pitch_, time), Eigen::Vector3d::UnitY()) *
             (Eigen::AngleAxisd(interpolated(roll_, time), Eigen::Vector3d::UnitX()) *
              Eigen::Vector3d::UnitZ()));
@@ -111,6 +114,8 @@ void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>
       for (std::size_t axis = 0; axis < 3; ++axis) pull[axis][i] = vertical / up[2][i] * up[axis][i];
     }
   }
+  for (std::size_t i = 0; i < count; ++i)
+    motion->yaw[from + static_cast<Eigen::Index>(i)] = attitude.yaw(time[i]);
   const std::vector<double> smooth_lift = smoothed(time, lift, options.smoothing);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<double> smooth_pull = smoothed(time, pull[axis], options.smoothing);
@@ -158,6 +163,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   motion.expected.resize(rows, 3);
   motion.velocity.resize(rows, 3);
   motion.lift.resize(rows);
+  motion.yaw.resize(rows);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     addStretch(parts[i].time, velocity, attitude, thrust.time.empty() ? nullptr : &thrust, options,
                static_cast<Eigen::Index>(motion.starts[i]), &motion);

@@ -47,7 +47,8 @@ std::string toYaml(const MotionCalibration& calibration) {
   out << "polyfly_calibration: 1\nkind: " << calibration.kind
       << "\ntool_version: " << yamlString(kIdentificationVersion)
       << "\ndata: {file: " << yamlString(data.file) << ", checksum: " << yamlString(data.checksum)
-      << ", recorded: " << yamlString(data.recorded) << "}\nwindows: [";
+      << ", recorded: " << yamlString(data.recorded) << "}\n"
+      << vehicleLine(calibration.vehicle) << "windows: [";
   for (std::size_t i = 0; i < calibration.windows.size(); ++i) {
     const TimeWindow& window = calibration.windows[i];
     out << (i > 0 ? ", " : "") << "[" << yamlNumber(window.from) << ", " << yamlNumber(window.to) << "]";

@@ -33,6 +33,8 @@ struct AutopilotSignals {
 /// - to check the others: gyro and the rest of the accelerometer, of sensor_combined and IMU; height, of
 ///   vehicle_local_position.z and XKF1.PD, else NKF1, EKF1, else GPS.Alt
 ///
+/// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.
+///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
 /// responses alike. A command is taken as the straight line between the values that were logged, which are
 /// some of those that were sent. What was measured while the vehicle stood, by the autopilot's own account

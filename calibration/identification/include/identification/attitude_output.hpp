@@ -6,6 +6,7 @@
 
 #include "identification/identify_axis.hpp"
 #include "identification/provenance.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
@@ -13,6 +14,7 @@ namespace polyfly {
 struct AttitudeCalibration {
   Provenance training;
   std::optional<Provenance> validation;
+  RecognisedVehicle vehicle;
   std::vector<AxisModel> axes;
   std::vector<std::string> remarks;  ///< sentences: what was wrong with the files
   std::vector<std::string> failed;   ///< sentences: axes that could not be identified

@@ -8,6 +8,7 @@
 #include "identification/fit_loop.hpp"
 #include "identification/frequency_response.hpp"
 #include "identification/loop_record.hpp"
+#include "identification/model_support.hpp"
 
 namespace polyfly {
 
@@ -40,18 +41,6 @@ struct IdentifyOptions {
   bool second_order = false;
 };
 
-/// How well a model does on data that it was not fitted to.
-struct AxisValidationFit {
-  std::string source;
-  double training_percent = 0.0;
-  double validation_percent = 0.0;
-  /// True: the model of the first half of the data is validated on the second half.
-  bool by_halves = false;
-  std::vector<LoopSegment> segments;
-  /// Predicted response of each segment.
-  std::vector<std::vector<double>> prediction;
-};
-
 struct AxisModel {
   std::string axis;
   std::string unit;
@@ -68,12 +57,18 @@ struct AxisModel {
   LoopFit without_delay;
   /// Second-order model of Eq. 45 with a delay.
   std::optional<LoopFit> second_order;
+  /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
+  /// What controllers can be given, each with its own evaluation: of thrust only `model`.
+  std::vector<ControllerModel> controller_models;
   std::vector<FrequencyPoint> frequency_response;
   /// Sentences on what the data do not support.
   std::vector<std::string> warnings;
-  /// True: the model explains the response, and the data bound gain and lag.
+  /// Whether the model that problem files take is supported: the one without delay, of thrust the one with.
   bool supported = true;
+
+  /// None if there is no model with this key.
+  const ControllerModel* findModel(const std::string& key) const;
 };
 
 /// Cleans, chooses windows, fits all models, validates and warns. Throws Error naming source, axis and rule

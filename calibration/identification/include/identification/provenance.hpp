@@ -5,6 +5,6 @@
 namespace polyfly {
 
 /// Version of the identification, written into every result; raised when the same data give other numbers.
-constexpr const char* kIdentificationVersion = "2";
+constexpr const char* kIdentificationVersion = "3";
 
 }  // namespace polyfly
