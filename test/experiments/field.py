@@ -97,7 +97,7 @@ def loops(folder, calibration):
             handed_out = found["model_without_delay"]
             true = hidden["%s_%s" % (axis, "time" if name == "tau" else "gain")]
             of_flights = [flight["parameters"][name] for flight in found["flights"]]
-            rows.append((axis, name, had, true, handed_out[name], handed_out["interval_95"][name], of_flights))
+            rows.append((axis, name, had, true, handed_out[name], handed_out["intervals_95"][name], of_flights))
     return rows
 
 
