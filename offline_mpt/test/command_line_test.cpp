@@ -426,7 +426,8 @@ TEST_F(CommandLine, ToolsTellTheirVersion) {
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   const Outcome general = run({"--help"});
   EXPECT_EQ(general.exit_code, 0);
-  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "Examples"}) {
+  for (const char* word :
+       {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
   for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot"}) {
