@@ -7,10 +7,10 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "support/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {

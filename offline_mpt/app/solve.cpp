@@ -14,7 +14,6 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/process_group.hpp"
-#include "support/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
@@ -22,6 +21,7 @@
 #include "signals.hpp"
 #include "solve_robust.hpp"
 #include "stopwatch.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/decompositions.hpp"
 #include "lp/polytope.hpp"
+#include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/slater_point.hpp"
 
