@@ -50,7 +50,7 @@ class ExportTargets : public testing::Test {
   template <class Run>
   void expectTestTells(ExportType type, const Run& run) {
     MapContent map = content();
-    // Continuous: near a facet, float may take either side.
+    // One law for all regions: near a facet, float may take either side.
     for (std::size_t i = 0; i < map.laws.size(); ++i) map.laws[i] = map.laws[i % (2 * 4)];
     save(type, map);
     EXPECT_EQ(run(), 0) << logOf(folder);
