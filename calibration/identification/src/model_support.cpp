@@ -1,7 +1,9 @@
 #include "identification/model_support.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "linear_part.hpp"
 
@@ -98,7 +100,7 @@ LoopFit equivalentLag(const LoopFit& with_delay, const std::vector<LoopSegment>&
   LoopFit result = with_delay;
   result.shape.tau = tau.value + delay.value;
   result.shape.delay = 0.0;
-  // Errors of the sum; that of the least squares before it is the one of tau where the delay has none.
+  // Variance of the sum from the covariance of the two. A delay that was not fitted has no error.
   const double of_tau = tau.standard_error;
   const double of_delay = errorOf(delay);
   const Eigen::MatrixXd& correlated = with_delay.correlation;

@@ -49,7 +49,8 @@ class CalibrationDocument {
   /// negative value is refused by force too.
   double positiveParameter(const std::string& name) const;
 
-  /// The ends of `range` of each disturbance of the file that is supported, by the letter of its axis.
+  /// The ends of `range` of each disturbance, by the letter of its axis; requireSupport({"axes", letter}) tells
+  /// whether the data support them.
   std::vector<std::pair<std::string, std::pair<double, double>>> disturbances() const;
 
   /// An entry of the list `provenance` of a problem file: this file, its data, and the fields that it set.

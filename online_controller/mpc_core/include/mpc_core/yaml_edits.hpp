@@ -2,8 +2,8 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace polyfly {
