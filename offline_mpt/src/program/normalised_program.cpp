@@ -6,6 +6,7 @@
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
+#include "program/repeated_rows.hpp"
 
 namespace polyfly {
 namespace {
@@ -127,11 +128,14 @@ void keepRows(NormalisedProgram& ld, const Eigen::MatrixXd& M, const std::vector
 }
 
 void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
+  const RepeatedRows rows(ld.source);
   std::vector<int> kept;
   for (int i = 0; i < ld.m; ++i) {
     bool implied = false;
     for (int& k : kept) {
-      const Parallel relation = compare(ld, M, i, k);
+      Parallel relation = compare(ld, M, i, k);
+      if (relation == Parallel::kNo && rows.distance(ld.row_ids[i], ld.row_ids[k]) <= kRepeatedRow)
+        relation = Parallel::kImplied;
       if (relation == Parallel::kNo) continue;
       if (relation == Parallel::kReplaces) k = i;
       implied = true;
