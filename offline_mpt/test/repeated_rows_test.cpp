@@ -160,10 +160,23 @@ TEST(RepeatedEqualities, ThatContradictEachOtherAreRefusedByRow) {
     ParametricProgram program = madeProgram(1, kSizes[1]);
     appendRow(program, program.A.row(0), program.b(0) + distance, program.S.row(0));
     program.equalities = {0, program.rowCount() - 1};
-    EXPECT_NE(messageOf(program).find("has another right-hand side"), std::string::npos) << distance;
+    EXPECT_NE(messageOf(program).find("its right-hand side does not"), std::string::npos) << distance;
     CountOptions options;
     EXPECT_THROW(countRegions(program, options), Error) << distance;
   }
+}
+
+TEST(ImpliedEqualities, ThatTieTheParametersAreNotBlamedOnTheEqualities) {
+  ParametricProgram program = madeProgram(1, kSizes[1]);
+  appendRow(program, program.A.row(0), 0.0, Eigen::Vector2d(1.0, 0.0));
+  appendRow(program, -program.A.row(0), 0.0, Eigen::Vector2d(-1.0, 0.0));
+  appendRow(program, program.A.row(0), 0.0, Eigen::Vector2d(0.0, 1.0));
+  appendRow(program, -program.A.row(0), 0.0, Eigen::Vector2d(0.0, -1.0));
+  const std::string message = messageOf(program);
+  EXPECT_EQ(message.find("eq_ids"), std::string::npos) << message;
+  EXPECT_NE(message.find(": row 8: can only hold with equality, on a lower-dimensional set"),
+            std::string::npos)
+      << message;
 }
 
 TEST(RepeatedEqualities, ThatAreClearlyIndependentAreSolved) {

@@ -73,7 +73,7 @@ void checkEqualities(const ParametricProgram& program) {
     const double size =
         to.col(k).cwiseAbs().maxCoeff() + (from.cwiseAbs() * weights.col(k).cwiseAbs()).maxCoeff();
     if (difference > std::max(kDependent, kRounding * size))
-      refuse(program, row, "depends on other equalities, and has another right-hand side", difference);
+      refuse(program, row, "depends on other equalities, but its right-hand side does not", difference);
   }
 }
 

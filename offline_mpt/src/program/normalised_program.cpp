@@ -79,9 +79,12 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
   const Eigen::MatrixXd range = Q.leftCols(rank);
   Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
   if (rank > 0) z_p = range * ShortestLeastSquares(A * range).solve(rhs);
-  if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
-    throw Error(program.name +
-                ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
+  const Eigen::VectorXd rest = (A * z_p - rhs).rowwise().lpNorm<Eigen::Infinity>();
+  Eigen::Index worst = 0;
+  if (rest.maxCoeff(&worst) > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
+    throw Error(program.name + ": row " +
+                std::to_string(program.equalities[static_cast<std::size_t>(worst)]) +
+                ": can only hold with equality, on a lower-dimensional set of parameters");
   }
   return {Q.rightCols(n - rank), z_p};
 }
