@@ -113,7 +113,8 @@ ExitCode count(const CountArguments& options) {
                filesOfProblem(options.problem));
   const ParametricProgram program = loadProgram(options.problem);
   printRemarks(options.problem, program);
-  const CountResult result = countWithProgress(program, options);
+  const CountResult result =
+      inFile(options.problem, program, [&] { return countWithProgress(program, options); });
   if (result.status == ExploreStatus::kInfeasible)
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   if (!options.stats.empty()) writeText(options.stats, statsJson(program, options, result));

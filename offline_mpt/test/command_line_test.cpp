@@ -308,7 +308,18 @@ TEST_F(CommandLine, RefusesBadProblems) {
   expectRefused({"solve", written("infeasible.json", problem), "-o", map}, {"infeasible.json", "infeasible"});
   problem = toy();
   problem["H"] = {{-1.0}};
-  expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json", "H"});
+  expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json: ", "H: must be"});
+  expectRefused({"count", path("concave.json")}, {"concave.json: ", "H: must be"});
+  problem = toy();
+  problem["A"] = {{1.0}, {-1.0}, {1.0}, {1.0}};
+  problem["b"] = {1.0, 1.0, 0.0, 1e-9};
+  problem["B"] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+  problem["eq_ids"] = {2, 3};
+  for (const char* command : {"solve", "count"}) {
+    std::vector<std::string> words{command, written("equalities.json", problem)};
+    if (words.front() == "solve") words.insert(words.end(), {"-o", map});
+    expectRefused(words, {"equalities.json: eq_ids: row 3 depends on other equalities"});
+  }
 }
 
 // min (t + 0.5) z over z >= -1, t in [-2, 2]: without end where t < -0.5.
