@@ -38,7 +38,7 @@ constexpr double kForceMargin = 1.5;
 constexpr double kGravityShown = 9.80665;  // [m/s^2]
 constexpr double kLongestLag = 1.0;        // [s]
 
-TimeSeries clean(const FlightSignals& signals, const std::string& name) {
+TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
   CleaningCounts ignored;
   return signals.has(name) ? cleaned(signals.at(name), &ignored) : TimeSeries{};
 }
