@@ -197,8 +197,8 @@ class Settlement {
 
   // True: the angle is in radians, by its rate.
   bool angle(const std::string& name, const std::string& rate) {
-    const TimeSeries measured = clean(signals_, name);
-    const TimeSeries turning = clean(signals_, rate);
+    const TimeSeries measured = cleanSignal(signals_, name);
+    const TimeSeries turning = cleanSignal(signals_, rate);
     const Comparison found = changeAgainstRate(measured, turning);
     const bool beyond = name != "yaw" && isBeyond(measured);
     if (!found.tells()) {
@@ -228,8 +228,8 @@ class Settlement {
   // True: the yaw rate is that of the gyro.
   bool rate() {
     if (!signals_.has("gyro_z") || !signals_.has("yaw_rate")) return false;
-    const TimeSeries rate = clean(signals_, "yaw_rate");
-    const Comparison found = valueAgainstValue(rate, clean(signals_, "gyro_z"));
+    const TimeSeries rate = cleanSignal(signals_, "yaw_rate");
+    const Comparison found = valueAgainstValue(rate, cleanSignal(signals_, "gyro_z"));
     if (!found.tells()) return false;
     if (found.correlation < 0.0)
       remarks_.emplace_back("yaw_rate and gyro_z have opposite signs: one of them is of another frame");
@@ -240,8 +240,8 @@ class Settlement {
 
   void command(const std::string& axis, bool response_is_right) {
     const std::string name = axis + "_cmd";
-    const TimeSeries asked = clean(signals_, name);
-    const TimeSeries answered = clean(signals_, axis);
+    const TimeSeries asked = cleanSignal(signals_, name);
+    const TimeSeries answered = cleanSignal(signals_, axis);
     if (asked.time.size() < 2 || answered.time.size() < kLeastCompared) return;
     const TimeWindow whole = {std::max(asked.time.front(), answered.time.front()), answered.time.back()};
     double follows = 0.0;
@@ -256,7 +256,7 @@ class Settlement {
   }
 
   void force() {
-    std::vector<double> values = clean(signals_, "specific_force_z").value;
+    std::vector<double> values = cleanSignal(signals_, "specific_force_z").value;
     if (values.size() < kLeastCompared) return;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
