@@ -28,8 +28,8 @@ void checkFit(const YamlField& fit) {
 
 void checkAttitudeAxis(const YamlField& axis) {
   axis.checkKeys({}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
-                      "model_second_order_without_delay", "hover_command", "windows", "samples", "validation",
-                      "with_delay", "without_delay", "second_order", "warnings"});
+                      "model_second_order_without_delay", "hover_command", "windows", "left_out", "samples",
+                      "validation", "with_delay", "without_delay", "second_order", "warnings"});
   for (const char* model :
        {"model", "model_without_delay", "model_second_order", "model_second_order_without_delay"}) {
     if (!axis.has(model)) continue;
