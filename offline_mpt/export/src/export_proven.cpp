@@ -37,6 +37,7 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options) {
 void checkExportOutputs(const std::string& folder, const std::string& name,
                         const std::vector<std::string>& inputs) {
   checkExportName(name);
+  if (folder.empty()) throw Error("the folder to write to must have a name");
   const std::string stem = folder + "/" + name;
   const Output::Folder made = Output::Folder::kIsMade;
   checkOutputs({{stem + ".c", Output::Kind::kText, made},

@@ -124,6 +124,8 @@ class Export(FolderCase):
             self.map.export("clip", self.folder, "half")
         with self.assertRaisesRegex(pf.Error, "2clip"):
             self.map.export("2clip", self.folder / "code")
+        with self.assertRaisesRegex(pf.Error, "the folder to write to must have a name"):
+            self.map.export("clip", "")
         with self.assertRaisesRegex(pf.Error, "law.map.*folder"):
             self.map.export("clip", self.path)
         self.assertEqual(["law.map"], self.names())

@@ -20,8 +20,8 @@ struct ProvenExport {
 /// be proven or made.
 ProvenExport proveExport(const RegionMap& map, ExportOptions options);
 
-/// To be called before the work. Throws Error where `name` is no name of code, or where one of the four files of
-/// writeExport cannot be written or is one of `inputs` (checkOutputs).
+/// To be called before the work. Throws Error where `name` is no name of code, `folder` is empty, or one of the four
+/// files of writeExport cannot be written or is one of `inputs` (checkOutputs).
 void checkExportOutputs(const std::string& folder, const std::string& name,
                         const std::vector<std::string>& inputs);
 
