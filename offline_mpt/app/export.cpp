@@ -1,12 +1,12 @@
-#include <cstdio>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "command.hpp"
-#include "export_bound.hpp"
-#include "map_export/export_map.hpp"
+#include "export_proven/export_proven.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
@@ -37,44 +37,15 @@ struct ExportArguments {
   bool chooses_type = false;
 };
 
-/// The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
-/// have no answer though the map has one, its leaves get more candidates; failing that, it gets a greater tolerance.
-ExportBound proveExport(const RegionMap& map, ExportOptions& options) {
-  constexpr int kRounds = 4;
-  constexpr double kGrowth = 4.0;
-  try {
-    const checker::Map checked(checker::readFile(map.path()));
-    for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
-      options.extra.clear();
-      for (const bool is_repaired : {false, true}) {
-        const checker::ExportedAnswers proven =
-            checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
-        if (proven.missing.empty()) return {proven.error, proven.margin};
-        if (is_repaired) break;
-        for (const auto& [leaf, region] : proven.missing) options.extra.push_back({leaf, region});
-      }
-    }
-  } catch (const checker::Refused& refused) {
-    throw Error(map.path() + ": its code could not be proven: " + refused.what());
-  }
-  throw Error(map.path() +
-              ": its code could not be proven: rounding may find no region where the map has one");
-}
-
-struct Export {
-  ExportOptions options;
-  ExportBound bound;
-};
-
 /// The asked type, or else the first of double and float whose tables fit the limit.
-Export fittingExport(const RegionMap& map, const ExportArguments& arguments) {
+ProvenExport fittingExport(const RegionMap& map, const ExportArguments& arguments) {
   std::vector<ExportType> types = {arguments.options.type};
   if (arguments.chooses_type) types = {ExportType::kDouble, ExportType::kFloat};
   std::string needs;
   for (const ExportType type : types) {
-    Export result = {arguments.options, {}};
-    result.options.type = type;
-    result.bound = proveExport(map, result.options);
+    ExportOptions options = arguments.options;
+    options.type = type;
+    ProvenExport result = proveExport(map, std::move(options));
     const std::size_t bytes = exportTableBytes(map, result.options);
     if (arguments.flash_limit == 0 || bytes <= arguments.flash_limit) return result;
     needs += (needs.empty() ? "" : ", ") + std::to_string(bytes) + " bytes in " +
@@ -85,21 +56,9 @@ Export fittingExport(const RegionMap& map, const ExportArguments& arguments) {
 }
 
 ExitCode exportMap(const ExportArguments& arguments) {
-  checkExportName(arguments.options.name);
-  const std::string stem = arguments.folder + "/" + arguments.options.name;
-  const Output::Folder made = Output::Folder::kIsMade;
-  checkOutputs({{stem + ".c", Output::Kind::kText, made},
-                {stem + ".h", Output::Kind::kText, made},
-                {stem + "_test.c", Output::Kind::kText, made},
-                {stem + ".json", Output::Kind::kText, made}},
-               {arguments.map});
+  checkExportOutputs(arguments.folder, arguments.options.name, {arguments.map});
   const RegionMap map = RegionMap::open(arguments.map);
-  const auto [options, bound] = fittingExport(map, arguments);
-  makeFolder(arguments.folder);
-  writeText(stem + ".c", exportSource(map, options));
-  writeText(stem + ".h", exportHeader(map, options, bound));
-  writeText(stem + "_test.c", exportTest(map, options, bound));
-  writeText(stem + ".json", exportFacts(map, options, bound));
+  writeExport(map, fittingExport(map, arguments), arguments.folder);
   return ExitCode::kDone;
 }
 

@@ -7,17 +7,18 @@
 
 Names, units and files are those of the tools. A rule that input breaks raises Error with file, field and rule.
 """
-from ._polyfly import (CertifyReport, Defect, DiscreteModel, Error, Map, MPLP, MPQP, OnlineProgram, OnlineRobust,
-                       OutsideError, Parameter, Picture, Problem, Program, Region, RobustProblem, RobustProof,
-                       RobustSampling, Signal, SteadyState, VerifyReport, load_problem, load_program,
-                       load_robust_problem, is_robust_file, open, parse_problem, parse_robust_problem)
+from ._polyfly import (CertifyReport, Defect, DiffReport, DiscreteModel, Error, LawDifference, Map, MapCover, MPLP, MPQP,
+                       OnlineProgram, OnlineRobust, OutsideError, Parameter, Picture, Problem, Program, Region,
+                       RobustProblem, RobustProof, RobustSampling, Signal, SteadyState, VerifyReport, diff, load_problem,
+                       load_program, load_robust_problem, is_robust_file, open, parse_problem, parse_robust_problem)
 from .law import Law
 from .mpc import MPC
 
-__all__ = ["CertifyReport", "Defect", "DiscreteModel", "Error", "Law", "MPC", "MPLP", "MPQP", "Map", "OnlineProgram",
-           "OnlineRobust", "OutsideError", "Parameter", "Picture", "Problem", "Program", "Region", "RobustProblem",
-           "RobustProof", "RobustSampling", "Signal", "SteadyState", "VerifyReport", "is_robust_file", "load",
-           "load_problem", "load_program", "load_robust_problem", "open", "parse_problem", "parse_robust_problem"]
+__all__ = ["CertifyReport", "Defect", "DiffReport", "DiscreteModel", "Error", "Law", "LawDifference", "MPC", "MPLP",
+           "MPQP", "Map", "MapCover", "OnlineProgram", "OnlineRobust", "OutsideError", "Parameter", "Picture", "Problem",
+           "Program", "Region", "RobustProblem", "RobustProof", "RobustSampling", "Signal", "SteadyState",
+           "VerifyReport", "diff", "is_robust_file", "load", "load_problem", "load_program", "load_robust_problem",
+           "open", "parse_problem", "parse_robust_problem"]
 
 
 def load(path):

@@ -20,11 +20,15 @@ const double* parameterOf(const Numbers& theta, std::size_t p, const std::string
   return theta.data();
 }
 
+std::size_t rowCount(const Numbers& array, std::size_t columns, const std::string& field) {
+  if (array.ndim() != 2 || static_cast<std::size_t>(array.shape(1)) != columns)
+    throw Error(field + ": must have rows of " + std::to_string(columns) + " numbers, got " +
+                shapeText(array));
+  return static_cast<std::size_t>(array.shape(0));
+}
+
 std::size_t parameterRows(const Numbers& thetas, std::size_t p, const std::string& name) {
-  if (thetas.ndim() != 2 || static_cast<std::size_t>(thetas.shape(1)) != p)
-    throw Error(name + ": thetas: must have rows of " + std::to_string(p) + " numbers, got " +
-                shapeText(thetas));
-  return static_cast<std::size_t>(thetas.shape(0));
+  return rowCount(thetas, p, name + ": thetas");
 }
 
 }  // namespace polyfly::python

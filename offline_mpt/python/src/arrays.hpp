@@ -26,6 +26,9 @@ pybind11::array view(const Number* data, std::vector<pybind11::ssize_t> shape, p
 /// The p numbers of one parameter. Throws Error `name: theta: rule`.
 const double* parameterOf(const Numbers& theta, std::size_t p, const std::string& name);
 
+/// Number of rows of an array with `columns` numbers each. Throws Error `field: rule`.
+std::size_t rowCount(const Numbers& array, std::size_t columns, const std::string& field);
+
 /// Number of rows of an array of parameters, p numbers each. Throws Error `name: thetas: rule`.
 std::size_t parameterRows(const Numbers& thetas, std::size_t p, const std::string& name);
 

@@ -13,6 +13,9 @@ void bindRegions(pybind11::module_& module);
 void bindPrograms(pybind11::module_& module);
 void bindProblems(pybind11::module_& module);
 void bindRobust(pybind11::module_& module);
+void bindDiff(pybind11::module_& module);
 void bindMaps(pybind11::module_& module, pybind11::class_<LoadedMap>& type);
+/// What a map is written as, besides its file.
+void bindOutputs(pybind11::class_<LoadedMap>& type);
 
 }  // namespace polyfly::python

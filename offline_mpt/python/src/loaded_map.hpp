@@ -27,6 +27,9 @@ class LoadedMap {
   std::size_t parameterCount() const noexcept { return map_.parameters().size(); }
   std::size_t inputCount() const noexcept { return map_.inputs().size(); }
 
+  /// The file that is mapped, as an input of checkOutputs. Empty: an image in memory.
+  std::string file() const { return image_ ? "" : map_.path(); }
+
   /// Writes the map's bytes with writeFileAtomically. Throws Error.
   void save(const std::string& path) const;
 

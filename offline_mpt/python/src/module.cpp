@@ -21,7 +21,9 @@ PYBIND11_MODULE(_polyfly, module) {
   bindPrograms(module);
   bindProblems(module);
   bindRobust(module);
+  bindDiff(module);
   bindMaps(module, map);
+  bindOutputs(map);
 }
 
 }  // namespace polyfly::python
