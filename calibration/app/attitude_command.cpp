@@ -5,6 +5,7 @@
 
 #include "calibrate_commands.hpp"
 #include "identification/flight_signals.hpp"
+#include "identification/several_flights.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -23,28 +24,58 @@ struct AttitudeArguments : LogArguments {
   IdentifyOptions options;
 };
 
+bool holds(const ReadFlight& flight, const std::string& axis) {
+  const std::vector<std::string> axes = recordedAxes(flight.signals);
+  return std::find(axes.begin(), axes.end(), axis) != axes.end();
+}
+
+// The axes that any of the flights holds, in the order of recordedAxes.
+std::vector<std::string> axesOf(const std::vector<ReadFlight>& flights) {
+  std::vector<std::string> axes;
+  for (const std::string axis : {"roll", "pitch", "yaw_rate", "thrust"}) {
+    if (std::any_of(flights.begin(), flights.end(),
+                    [&axis](const auto& flight) { return holds(flight, axis); }))
+      axes.push_back(axis);
+  }
+  return axes;
+}
+
+// One axis of all flights that hold it. Throws Error.
+std::vector<AxisFlightRecords> recordsOf(const std::vector<ReadFlight>& flights,
+                                         const std::vector<std::vector<TimeWindow>>& windows,
+                                         const std::optional<FlightSignals>& validation,
+                                         const std::string& axis) {
+  std::vector<AxisFlightRecords> all;
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    if (flights.size() > 1 && !holds(flights[i], axis)) continue;
+    all.push_back({axisRecords(flights[i].signals, axis), windows[i]});
+    if (validation) all.back().records.validation = axisRecords(*validation, axis).training;
+  }
+  if (all.empty()) throw Error("no flight holds " + axis + " together with its command");
+  return all;
+}
+
 AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
-  options.windows = parseWindows(arguments.windows);
+  const auto windows = flightWindows(arguments.windows, arguments.logs.size());
   options.validation_windows = parseWindows(arguments.validation_windows);
   AttitudeCalibration calibration;
-  const FlightSignals training =
-      readSignals(arguments.log, arguments, &calibration.training, &calibration.remarks);
+  const std::vector<ReadFlight> flights = readFlights(arguments, &calibration.remarks);
+  for (const ReadFlight& flight : flights) calibration.training.push_back(flight.provenance);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();
     validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration.remarks);
   }
-  const std::vector<std::string> axes = arguments.axes.empty() ? recordedAxes(training) : arguments.axes;
+  const std::vector<std::string> axes = arguments.axes.empty() ? axesOf(flights) : arguments.axes;
   if (axes.empty()) {
-    throw Error(arguments.log + ": holds no command together with its response; choose them with --signal");
+    throw Error(arguments.logs.front() +
+                ": holds no command together with its response; choose them with --signal");
   }
   for (const std::string& axis : axes) {
     try {
-      AxisRecords records = axisRecords(training, axis);
-      if (validation) records.validation = axisRecords(*validation, axis).training;
       options.second_order = arguments.second_order || axis == "roll";
-      calibration.axes.push_back(identifyAxis(records, options));
+      calibration.axes.push_back(identifyFlights(recordsOf(flights, windows, validation, axis), options));
     } catch (const Error& error) {
       calibration.failed.emplace_back(error.what());
     }

@@ -201,6 +201,84 @@ TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
   EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
 }
 
+TEST_F(CalibrateTool, MakesOneModelOfSeveralFlights) {
+  test::MadeLoop made;
+  made.gain = 0.9;
+  writeFlight(made, 2, "b.csv");
+  made.gain = 1.1;
+  writeFlight(made, 3, "c.csv");
+  ASSERT_EQ(run("attitude flight.csv b.csv c.csv -o loops.yaml --report report"), 0) << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "loops.yaml");
+  ASSERT_EQ(yaml["data"]["training"].size(), 3u);
+  EXPECT_EQ(yaml["data"]["training"][1]["file"].as<std::string>(), "b.csv");
+  const YAML::Node roll = yaml["axes"]["roll"];
+  EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
+  ASSERT_EQ(roll["flights"].size(), 3u);
+  EXPECT_EQ(roll["flights"][2]["file"].as<std::string>(), "c.csv");
+  EXPECT_GT(roll["flights"][0]["left_out_percent"].as<double>(), 80.0);
+  EXPECT_TRUE(roll["validation"]["by_flights"].as<bool>());
+  const YAML::Node gain = roll["with_delay"]["parameters"]["gain"];
+  EXPECT_NEAR(gain["value"].as<double>(), 1.0, 0.02);
+  EXPECT_NEAR(gain["between_flights"].as<double>(), 0.1, 0.02);
+  EXPECT_NEAR(gain["interval_95"][1].as<double>() - gain["value"].as<double>(), 4.3027 * 0.1 / std::sqrt(3.0),
+              0.05);
+  EXPECT_NE(out().find("the intervals hold the spread between 3 flights"), std::string::npos) << out();
+  expectPage("report", {"flight.csv", "c.csv", "What each flight says", "by the others' model"});
+  ASSERT_EQ(run("attitude flight.csv -o roll.yaml"), 0) << err();
+  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["interval_holds_for"].as<std::string>(),
+            "this flight alone");
+}
+
+TEST_F(CalibrateTool, FindsDragAndBoundsOfSeveralFlights) {
+  for (const int flight : {1, 2}) {
+    std::ofstream file(folder_ / ("fast" + std::to_string(flight) + ".csv"));
+    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
+    const double drag = 0.2 + 0.02 * flight;
+    double velocity = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      const double time = 0.02 * i;
+      const double pitch = 0.1 * std::sin(0.5 * time);
+      file << time << "," << velocity << "," << velocity << ",0," << -pitch << "," << pitch << ",0\n";
+      velocity += 0.02 * (9.8066 * std::tan(pitch) - drag * velocity);
+    }
+  }
+  ASSERT_EQ(run("drag fast1.csv fast2.csv --window 1:0:30 --window 2:30:60 -o drag.yaml --report drag"), 0)
+      << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "drag.yaml");
+  ASSERT_EQ(yaml["data"].size(), 2u);
+  EXPECT_EQ(yaml["data"][1]["file"].as<std::string>(), "fast2.csv");
+  EXPECT_EQ(yaml["windows"][1][0][1].as<double>(), 60.0);
+  ASSERT_EQ(yaml["flights"].size(), 2u);
+  EXPECT_NEAR(yaml["flights"][1]["drag_x"].as<double>(), 0.24, 0.01);
+  EXPECT_NEAR(yaml["parameters"]["drag_x"]["value"].as<double>(), 0.23, 0.01);
+  EXPECT_EQ(yaml["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
+  expectPage("drag", {"What each flight says", "fast2.csv"});
+  ASSERT_EQ(run("disturbance fast1.csv fast2.csv --drag 0.22 0.22 0 -o bound.yaml"), 0) << err();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "bound.yaml")["data"].size(), 2u);
+}
+
+TEST_F(CalibrateTool, TellsWhatIsWrongWithSeveralFlights) {
+  std::ofstream(folder_ / "still.csv") << "t_s,roll_cmd_rad,roll_rad\n0,0,0\n0.02,0,0\n0.04,0,0\n";
+  fs::copy_file(folder_ / "flight.csv", folder_ / "copy.csv");
+  EXPECT_EQ(run("attitude flight.csv copy.csv"), 2);
+  EXPECT_NE(err().find("copy.csv: is the same flight as flight.csv"), std::string::npos) << err();
+  EXPECT_EQ(run("wind flight.csv still.csv"), 2);
+  EXPECT_NE(err().find("takes one log"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv still.csv --window 3:1:2"), 2);
+  EXPECT_NE(err().find("must be that of a log, 1 to 2"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv still.csv -o still.csv"), 2);
+  ASSERT_EQ(run("attitude flight.csv still.csv -o roll.yaml --strict"), 1) << err();
+  EXPECT_NE(out().find("Left out: still.csv: roll: "), std::string::npos) << out();
+  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
+  // Each flight with a window of its own.
+  writeFlight({}, 2, "b.csv");
+  ASSERT_EQ(run("attitude flight.csv b.csv --window 1:2:20 --window 2:5:28 -o roll.yaml"), 0) << err();
+  const YAML::Node flights = YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["flights"];
+  EXPECT_EQ(flights[0]["windows"][0][1].as<double>(), 20.0);
+  EXPECT_EQ(flights[1]["windows"][0][0].as<double>(), 5.0);
+}
+
 TEST_F(CalibrateTool, CutsAFlightWhereItsClockWasSet) {
   for (const double jump : {1.7e9, 1e11, -3600.0}) {
     writeFlight({}, 1, "set.csv", [jump](double time) { return time < 12.0 ? time : time + jump; });

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "drag_judgement.hpp"
 #include "identification/motion.hpp"
 #include "polyfly_base/error.hpp"
 #include "regression.hpp"
@@ -81,6 +82,8 @@ void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
 }
 
 }  // namespace
+
+void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) { checkDrag(drag, warnings); }
 
 std::vector<std::string> checkMotion(const Motion& motion) {
   std::vector<std::string> warnings;

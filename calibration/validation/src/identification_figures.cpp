@@ -13,6 +13,11 @@ constexpr double kDegree = 57.29577951308232;
 constexpr const char* kRejectedColor = "#f6dcd3";
 constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
+// First time of the record, from which figures of a record since 1970 count [s].
+double startOf(const AxisModel& axis) {
+  return figureStart(std::min(axis.record.response.time.front(), axis.record.command.time.front()));
+}
+
 // Curves of all segments with a gap between them.
 Series ofSegments(const std::vector<LoopSegment>& segments, const std::string& label,
                   const std::string& color) {
@@ -42,16 +47,21 @@ Series ofPrediction(const std::vector<LoopSegment>& segments,
 
 ReportFigure selectionFigure(const AxisModel& axis) {
   ReportFigure result;
+  const double start = startOf(axis);
   result.heading = axis.axis + ": what was used";
   result.caption =
       "The whole record; shaded yellow: used; shaded red: the command moves, but it was left out.";
   for (const RejectedWindow& rejected : axis.choice.rejected) {
     if (rejected.reason.find("short") == std::string::npos) {
-      result.caption += " Left out at " + std::to_string(std::lround(rejected.window.from)) + ".." +
-                        std::to_string(std::lround(rejected.window.to)) + " s: " + rejected.reason + ".";
+      result.caption += " Left out at " + std::to_string(std::lround(rejected.window.from - start)) + ".." +
+                        std::to_string(std::lround(rejected.window.to - start)) + " s: " + rejected.reason +
+                        ".";
     }
   }
+  if (!axis.flights.empty()) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  for (std::size_t i = 0; i < axis.flights.size(); ++i)
+    panel.marks.push_back({axis.flights[i].begins, "flight " + std::to_string(i + 1), palette::kGrey});
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected) {
     panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
@@ -61,7 +71,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   response.y = axis.record.response.value;
   response.label = "measured";
   response.color = kMeasuredColor;
-  panel.series = {thinned(response, kCurvePoints)};
+  panel.series = {thinned(withGaps(response), kCurvePoints)};
   if (axis.command_unit == axis.unit) {
     Series command;
     command.x = axis.record.command.time;
@@ -69,7 +79,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     command.label = "command";
     command.color = palette::kVermilion;
     command.style = Style::kSteps;
-    panel.series.push_back(thinned(command, kCurvePoints));
+    panel.series.push_back(thinned(withGaps(command, kFarStep), kCurvePoints));
   }
   Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
   Series curve;
@@ -77,11 +87,12 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   curve.y = axis.choice.activity.value;
   curve.label = "deviation of the command over 2 s";
   if (!curve.x.empty()) {
-    activity.series = {thinned(curve, kCurvePoints)};
+    activity.series = {thinned(withGaps(curve), kCurvePoints)};
     activity.bounds = {{axis.choice.threshold, "threshold"}};
   }
   std::vector<Panel> panels = {panel};
   if (!activity.series.empty()) panels.push_back(activity);
+  countFrom(start, &panels);
   result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
@@ -106,7 +117,11 @@ ReportFigure comparisonFigure(
     panel.series.push_back(thinned(model, 2 * kCurvePoints));
     residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
   }
-  result.figure = pageFigure({panel, residuals}, row_height::kPaired);
+  std::vector<Panel> panels = {panel, residuals};
+  // Another flight has a clock of its own.
+  const bool own = segments.empty() || segments.front().time.front() >= axis.record.response.time.front();
+  countFrom(own ? startOf(axis) : figureStart(segments.front().time.front()), &panels);
+  result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
 
@@ -182,7 +197,8 @@ std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
   if (axis.validation) {
     figures.push_back(comparisonFigure(
         axis.axis + ": validation",
-        axis.validation->by_halves
+        axis.validation->by_flights ? "Each flight with the model of the others, which has not seen it."
+        : axis.validation->by_halves
             ? "The model of the first half of the data on the second half, which it has not seen."
             : "The model on " + axis.validation->source + ", which it has not seen.",
         axis, axis.validation->segments, {{"lag and delay", &axis.validation->prediction}}));

@@ -224,6 +224,23 @@ void applyDisturbance(const YAML::Node& calibration, const CalibrationFile& file
   }
 }
 
+// File, checksum and date of a flight.
+std::string flightEntry(const YAML::Node& flight) {
+  return yamlString(flight["file"].as<std::string>("")) + ", " +
+         yamlString(flight["checksum"].as<std::string>("")) + ", " +
+         yamlString(flight["recorded"].as<std::string>(""));
+}
+
+// The flights that a calibration is made from: of several a list in a list.
+std::string flightEntries(const YAML::Node& calibration) {
+  const YAML::Node data = calibration["data"];
+  const YAML::Node flights = data.IsMap() && data["training"] ? data["training"] : data;
+  if (!flights.IsSequence()) return "[" + flightEntry(flights) + "]";
+  std::string text;
+  for (const YAML::Node& flight : flights) text += (text.empty() ? "[[" : ", [") + flightEntry(flight) + "]";
+  return text + "]";
+}
+
 // Quoted for YAML: names of files and fields have no other characters that need it.
 std::string provenanceEntry(const CalibrationFile& file, const YAML::Node& calibration,
                             const std::vector<std::string>& fields) {
@@ -231,11 +248,7 @@ std::string provenanceEntry(const CalibrationFile& file, const YAML::Node& calib
                      ", checksum: " + yamlString(file.provenance.checksum) +
                      ", kind: " + calibration["kind"].as<std::string>() +
                      ",\n     tool_version: " + yamlString(calibration["tool_version"].as<std::string>("")) +
-                     ", data: [";
-  const YAML::Node data = calibration["data"]["file"] ? calibration["data"] : calibration["data"]["training"];
-  text += yamlString(data["file"].as<std::string>("")) + ", " +
-          yamlString(data["checksum"].as<std::string>("")) + ", " +
-          yamlString(data["recorded"].as<std::string>("")) + "],\n     fields: [";
+                     ", data: " + flightEntries(calibration) + ",\n     fields: [";
   for (std::size_t index = 0; index < fields.size(); ++index)
     text += (index > 0 ? ", " : "") + yamlString(fields[index]);
   return text + "]}\n";

@@ -11,7 +11,8 @@ namespace polyfly {
 
 /// What one run of `calibrate attitude` found.
 struct AttitudeCalibration {
-  Provenance training;
+  /// The flights, one or several of one vehicle.
+  std::vector<Provenance> training;
   std::optional<Provenance> validation;
   std::vector<AxisModel> axes;
   std::vector<std::string> remarks;  ///< sentences: what was wrong with the files

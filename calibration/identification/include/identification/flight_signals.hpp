@@ -32,6 +32,8 @@ struct FlightSignals {
   std::map<std::string, std::string> origin;
   /// True: thrust_cmd is known to be a share of full thrust.
   bool thrust_is_share = false;
+  /// Sentences on how the file was read.
+  std::vector<std::string> remarks;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.
@@ -46,8 +48,9 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals);
 
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
 /// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
-/// turns the sign. Throws Error when a chosen column is not there, a name is not one of the above, or there
-/// is no column of times (`t_s`).
+/// turns the sign. It binds times as `time` (`COLUMN`, or `SECONDS,NANOSECONDS`), and those of the commands as
+/// `cmd_time`. Throws Error when a chosen column is not there, a name is not one of the above, or there is no
+/// column of times.
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
 /// The loops whose command and response are both there, of: roll, pitch, yaw_rate, thrust.

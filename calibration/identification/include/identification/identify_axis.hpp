@@ -47,9 +47,26 @@ struct AxisValidationFit {
   double validation_percent = 0.0;
   /// True: the model of the first half of the data is validated on the second half.
   bool by_halves = false;
+  /// True: each of several flights is validated with the model of the others.
+  bool by_flights = false;
   std::vector<LoopSegment> segments;
   /// Predicted response of each segment.
   std::vector<std::vector<double>> prediction;
+};
+
+/// What one of several flights says of an axis.
+struct AxisFlight {
+  std::string source;
+  /// Where its record begins on the clock of all flights [s].
+  double begins = 0.0;
+  /// Windows that were used, in the flight's own time [s].
+  std::vector<TimeWindow> windows;
+  /// Parameters of the flight's own model with delay.
+  std::vector<FittedParameter> parameters;
+  /// Fit of the flight's own model [%].
+  double fit_percent = 0.0;
+  /// Fit of the other flights' model on this flight [%].
+  double left_out_percent = 0.0;
 };
 
 struct AxisModel {
@@ -62,6 +79,8 @@ struct AxisModel {
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
+  /// The flights, if there are several. Empty: the intervals hold for the only flight.
+  std::vector<AxisFlight> flights;
   /// First-order model of Eq. 37 with a delay.
   LoopFit with_delay;
   /// First-order model of Eq. 37 without a delay.
