@@ -186,6 +186,21 @@ TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
   EXPECT_NE(out().find("lag and delay"), std::string::npos);
 }
 
+TEST_F(CalibrateTool, ReadsMillisecondsWithDecimalCommas) {
+  writeFlight({}, 1, "flight_ms.csv", [](double time) { return std::round(1e3 * (1.6e9 + time)); });
+  std::string text = contents(folder_ / "flight_ms.csv").replace(0, 3, "stamp");
+  std::replace(text.begin(), text.end(), ',', ';');
+  std::replace(text.begin(), text.end(), '.', ',');
+  std::ofstream(folder_ / "epoch.csv") << "\xef\xbb\xbf" << text;
+  ASSERT_EQ(run("attitude epoch.csv -o roll.yaml --report report"), 0) << err();
+  EXPECT_NE(out().find("column stamp are taken as milliseconds"), std::string::npos) << out();
+  EXPECT_NE(out().find("decimal comma"), std::string::npos) << out();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
+  EXPECT_EQ(yaml["data"]["training"]["recorded"].as<std::string>(), "2020-09-13T12:26:40Z");
+  EXPECT_NEAR(yaml["axes"]["roll"]["model"]["gain"].as<double>(), 1.0, 0.03);
+  expectPage("report", {"time since 2020-09-13T12:26:40Z [s]", "supported</span>"});
+}
+
 TEST_F(CalibrateTool, WritesAReport) {
   ASSERT_EQ(run("attitude flight.csv --report report --quiet"), 0) << err();
   expectPage("report", {"what was used", "measured and modelled", "validation", "frequency response"});

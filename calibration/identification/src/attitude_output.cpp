@@ -125,7 +125,13 @@ std::string row(const char* name, const LoopFit& fit) {
   std::snprintf(head, sizeof head, "  %-22s fit %6.1f %%  ", name, fit.fit_percent);
   std::string line = head;
   for (const FittedParameter& parameter : fit.parameters) {
-    line += "  " + parameter.name + " " + valueText(parameter.value, parameter.half_width);
+    line += "  " + parameter.name + " ";
+    if (parameter.name == "delay" && std::isnan(parameter.half_width)) {
+      // The search has ended at its least delay.
+      line += "0 s (none is seen)";
+      continue;
+    }
+    line += valueText(parameter.value, parameter.half_width);
     if (!parameter.unit.empty() && parameter.unit != "1") line += " " + parameter.unit;
   }
   return line + "\n";

@@ -100,19 +100,21 @@ void pool(const std::vector<LoopFit>& flights, const std::vector<LoopSegment>& s
   fit->prediction = std::move(prediction.prediction);
 }
 
-// Each flight with the model of the others.
-AxisValidationFit leaveOneOut(const std::vector<IdentifiedFlight>& flights, std::vector<AxisFlight>* told) {
+// A model on each flight that is made from the other flights. `fits` are those of each flight, `percents` takes the
+// fit on each.
+AxisValidationFit leaveOneOut(const std::vector<IdentifiedFlight>& flights, const std::vector<LoopFit>& fits,
+                              std::vector<double>* percents) {
   AxisValidationFit result;
   result.source = "each flight";
   result.by_flights = true;
   double squares = 0.0;
   std::vector<double> response;
   for (std::size_t i = 0; i < flights.size(); ++i) {
-    std::vector<LoopFit> others = fitsOf(flights, &AxisModel::with_delay);
+    std::vector<LoopFit> others = fits;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const LoopFit model = others.size() > 1 ? poolFits(others.front(), others) : others.front();
     LoopPrediction prediction = predictLoop(model, flights[i].model.segments);
-    (*told)[i].left_out_percent = prediction.fit_percent;
+    percents->push_back(prediction.fit_percent);
     for (std::size_t k = 0; k < prediction.prediction.size(); ++k) {
       LoopSegment segment = flights[i].model.segments[k];
       for (std::size_t sample = 0; sample < segment.response.size(); ++sample) {
@@ -131,7 +133,7 @@ AxisValidationFit leaveOneOut(const std::vector<IdentifiedFlight>& flights, std:
   return result;
 }
 
-std::string nameOf(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 std::string valuesOf(const std::vector<AxisFlight>& flights, std::size_t parameter) {
   std::string text;
@@ -146,7 +148,7 @@ std::string valuesOf(const std::vector<AxisFlight>& flights, std::size_t paramet
 void addWarnings(const std::vector<IdentifiedFlight>& flights, AxisModel* model) {
   for (const IdentifiedFlight& flight : flights) {
     for (const std::string& warning : flight.model.warnings)
-      model->warnings.push_back(nameOf(flight.model.source) + " alone: " + warning);
+      model->warnings.push_back(fileName(flight.model.source) + " alone: " + warning);
   }
   for (std::size_t i = 0; i < 2; ++i) {
     const FittedParameter& one = model->with_delay.parameters[i];
@@ -159,15 +161,14 @@ void addWarnings(const std::vector<IdentifiedFlight>& flights, AxisModel* model)
   if (flights.size() == 2 && (holds_zero(0) || holds_zero(1))) {
     model->warnings.emplace_back(
         "Two flights say little of how much flights differ: the interval of gain or lag holds zero. Add a "
-        "third "
-        "flight.");
+        "third flight.");
   }
   for (const AxisFlight& flight : model->flights) {
     if (flight.left_out_percent >= flight.fit_percent - kDropBetween) continue;
     char text[160];
     std::snprintf(text, sizeof text, ": the model of the other flights reaches %.1f %%, its own %.1f %%.",
                   flight.left_out_percent, flight.fit_percent);
-    model->warnings.push_back(nameOf(flight.source) + text);
+    model->warnings.push_back(fileName(flight.source) + text);
   }
 }
 
@@ -177,22 +178,25 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   AxisRecords records = joined(flights);
   records.validation = validation;
   AxisModel model = identifyAxis(records, jointOptions(flights, options));
-  for (const IdentifiedFlight& flight : flights) {
-    model.flights.push_back({flight.model.source, flight.begins, flight.model.choice.windows,
-                             flight.model.with_delay.parameters, flight.model.with_delay.fit_percent, 0.0});
-    for (const RejectedWindow& rejected : flight.model.choice.rejected)
-      model.choice.rejected.push_back({shifted(rejected.window, flight.shift), rejected.reason});
+  std::vector<double> left_out;
+  const std::vector<LoopFit> fits = fitsOf(flights, &AxisModel::with_delay);
+  AxisValidationFit each = leaveOneOut(flights, fits, &left_out);
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const AxisModel& own = flights[i].model;
+    model.flights.push_back({own.source, flights[i].begins, own.choice.windows, fits[i].parameters,
+                             fits[i].fit_percent, left_out[i]});
+    for (const RejectedWindow& rejected : own.choice.rejected)
+      model.choice.rejected.push_back({shifted(rejected.window, flights[i].shift), rejected.reason});
   }
-  const AxisValidationFit left_out = leaveOneOut(flights, &model.flights);
   if (!validation) {
-    model.validation = left_out;
+    model.validation = std::move(each);
     model.validation->training_percent = model.with_delay.fit_percent;
   }
   FitOptions bounds = options.fit;
   bounds.order = LoopOrder::kFirst;
   bounds.with_delay = true;
   model.warnings = diagnose(model, records, bounds);
-  pool(fitsOf(flights, &AxisModel::with_delay), model.segments, &model.with_delay);
+  pool(fits, model.segments, &model.with_delay);
   pool(fitsOf(flights, &AxisModel::without_delay), model.segments, &model.without_delay);
   if (model.second_order) {
     std::vector<LoopFit> second;

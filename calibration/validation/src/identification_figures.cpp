@@ -79,7 +79,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     command.label = "command";
     command.color = palette::kVermilion;
     command.style = Style::kSteps;
-    panel.series.push_back(thinned(withGaps(command, kFarStep), kCurvePoints));
+    panel.series.push_back(thinned(withGaps(command), kCurvePoints));
   }
   Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
   Series curve;

@@ -39,7 +39,8 @@ void writeFlights(const AxisModel& axis, std::ostream& out) {
   out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
       << axis.flights.size() << " flights"
       << (axis.flights.size() == 2 ? "; two say little of it, so they are wide" : "")
-      << ".</p><div class='scroll'><table><tr><th>flight</th><th>fit</th><th>by the others' model</th>";
+      << ".</p><div class='scroll'><table class='numbers'><tr><th>flight</th><th>fit</th><th>by the others' "
+         "model</th>";
   for (const FittedParameter& parameter : axis.with_delay.parameters)
     out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
   out << "</tr>\n";

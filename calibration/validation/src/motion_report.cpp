@@ -24,7 +24,8 @@ void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
     return;
   }
   out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
-      << calibration.flights.size() << " flights.</p><div class='scroll'><table><tr><th>flight</th>";
+      << calibration.flights.size()
+      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
   for (const FittedParameter& parameter : calibration.parameters)
     out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
   out << "</tr>\n";

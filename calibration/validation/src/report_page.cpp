@@ -33,10 +33,11 @@ section { background: #fff; border: 1px solid var(--line); border-radius: 8px; p
 section > p { color: var(--soft); margin-bottom: 10px; max-width: 92ch; }
 section svg { display: block; width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 15px; }
-td { white-space: nowrap; }
 th, td { text-align: right; padding: 5px 10px; border-bottom: 1px solid var(--line); }
 th { font-weight: 600; color: var(--soft); }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
+.numbers td:not(:first-child) { white-space: nowrap; }
+.numbers td:first-child { overflow-wrap: anywhere; }
 tr.bad td { color: var(--bad); font-weight: 600; }
 .use { display: grid; grid-template-columns: 150px 90px 1fr 90px 130px; gap: 4px 12px; align-items: center; font-size: 14px;
        font-variant-numeric: tabular-nums; }
@@ -88,19 +89,30 @@ std::string number(double value, int digits) {
   return text;
 }
 
+namespace {
+
+// The search has ended at the least delay: the data show none.
+bool isLeastDelay(const FittedParameter& parameter) {
+  return parameter.name == "delay" && std::isnan(parameter.half_width);
+}
+
+}  // namespace
+
 bool isBounded(const FittedParameter& parameter) {
+  if (isLeastDelay(parameter)) return true;
   // Half width from which on the data say nothing, for any quantity here.
   constexpr double kNoInterval = 1e4;
   return std::abs(parameter.half_width) < kNoInterval;
 }
 
 std::string intervalText(const FittedParameter& parameter) {
+  if (isLeastDelay(parameter)) return "at its least: none is seen";
   if (!isBounded(parameter)) return "not bounded by the data";
   return number(parameter.least(), 4) + " .. " + number(parameter.greatest(), 4);
 }
 
 std::string valueWithin(const FittedParameter& parameter) {
-  if (!isBounded(parameter)) return number(parameter.value);
+  if (isLeastDelay(parameter) || !isBounded(parameter)) return number(parameter.value);
   return number(parameter.value) + " ± " + number(parameter.half_width, 2);
 }
 

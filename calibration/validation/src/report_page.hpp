@@ -30,7 +30,8 @@ void writeFigureSection(const ReportFigure& figure, std::ostream& out);
 /// A number with so many significant digits, a dash where there is none.
 std::string number(double value, int digits = 3);
 
-/// Whether the data bound a parameter at all: its interval is finite and of a size that means something.
+/// Whether the data bound a parameter at all: its interval is finite and of a size that means something. A delay at
+/// the end of its search has no interval, and is bounded.
 bool isBounded(const FittedParameter& parameter);
 
 /// The 95 % interval, or that the data do not bound the value.

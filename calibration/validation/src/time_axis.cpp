@@ -32,6 +32,8 @@ Series withGaps(Series series, double gap) {
 
 Series withGaps(const Series& series) {
   const double period = typicalPeriod({series.x, series.y}, kLongestPeriod);
+  // Of samples that are all far apart a line is all that can be drawn.
+  if (period <= 0.0) return series;
   return withGaps(series, std::max(kLeastDrawnGap, kGapPeriods * period));
 }
 
