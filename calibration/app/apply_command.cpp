@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrate_commands.hpp"
+#include "identification/apply_options.hpp"
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
@@ -19,22 +20,32 @@ namespace {
 struct ApplyArguments {
   std::vector<std::string> calibrations;
   std::string problem;
+  std::string options;
   std::string output;
   bool force = false;
 };
 
 int apply(const ApplyArguments& arguments) {
+  const std::string& target = arguments.problem.empty() ? arguments.options : arguments.problem;
+  if (target.empty() || (!arguments.problem.empty() && !arguments.options.empty()))
+    throw Error("--problem: give either a problem file or --options");
   std::vector<std::string> inputs = arguments.calibrations;
-  inputs.push_back(arguments.problem);
+  inputs.push_back(target);
   checkOutputs({{arguments.output}}, inputs);
   std::vector<CalibrationFile> files;
   for (const std::string& path : arguments.calibrations) {
     files.push_back({readText(path), path, provenanceOf(path), arguments.force});
   }
-  const AppliedCalibration applied = applyCalibrations(readText(arguments.problem), arguments.problem, files);
-  // What is written must be a problem; a robust one is checked for what a controller needs of it.
-  parseFlightModel(applied.problem, arguments.problem + " with its calibration");
-  writeFileAtomically(arguments.output, applied.problem);
+  AppliedOptions applied;
+  if (arguments.problem.empty()) {
+    applied = applyToOptions(readText(target), target, files);
+  } else {
+    AppliedCalibration problem = applyCalibrations(readText(target), target, files);
+    // What is written must be a problem; a robust one is checked for what a controller needs of it.
+    parseFlightModel(problem.problem, target + " with its calibration");
+    applied = {std::move(problem.problem), std::move(problem.changes)};
+  }
+  writeFileAtomically(arguments.output, applied.text);
   for (const std::string& change : applied.changes) std::cout << visible(change) << "\n";
   if (applied.changes.empty()) std::cout << "all numbers were as identified already\n";
   return kCalibrated;
@@ -44,19 +55,19 @@ int apply(const ApplyArguments& arguments) {
 
 void addApplyCommand(CLI::App& app, int* result) {
   const auto arguments = std::make_shared<ApplyArguments>();
-  CLI::App* command =
-      app.add_subcommand("apply", "Write calibrations into a problem file, with their provenance.");
+  CLI::App* command = app.add_subcommand(
+      "apply", "Write calibrations into a problem file or a node's options, with their provenance.");
   command
       ->add_option("calibrations", arguments->calibrations,
-                   "Output files (-o) of attitude, drag and disturbance.")
+                   "Output files (-o) of attitude, drag, disturbance and mass.")
       ->required()
       ->type_name("FILE...");
-  command->add_option("--problem", arguments->problem, "Problem file to calibrate.")
-      ->required()
+  command->add_option("--problem", arguments->problem, "Problem file to calibrate.")->type_name("FILE");
+  command
+      ->add_option("--options", arguments->options,
+                   "Options file of a node to calibrate, as launch/config/firefly.yaml or techpod.yaml.")
       ->type_name("FILE");
-  command->add_option("-o,--output", arguments->output, "Problem file to write.")
-      ->required()
-      ->type_name("FILE");
+  command->add_option("-o,--output", arguments->output, "File to write.")->required()->type_name("FILE");
   command->add_flag("--force", arguments->force, "Use numbers also if the data do not support them.");
   command->callback([arguments, result] { *result = apply(*arguments); });
 }

@@ -55,6 +55,34 @@ std::vector<AxisFlightRecords> recordsOf(const std::vector<ReadFlight>& flights,
   return all;
 }
 
+// Sentences on what each flight lacks, with its file. Of axes that are asked for: on each of several flights that
+// does not hold one.
+std::vector<std::string> missingIn(const std::vector<ReadFlight>& flights,
+                                   const std::vector<std::string>& asked) {
+  std::vector<std::string> sentences;
+  for (const ReadFlight& flight : flights) {
+    const std::string file = flight.signals.source + ": ";
+    if (asked.empty()) {
+      for (const std::string& sentence : missingAxes(flight.signals)) sentences.push_back(file + sentence);
+    }
+    for (const std::string& axis : asked) {
+      if (flights.size() > 1 && !holds(flight, axis))
+        sentences.push_back(file + "holds no " + axis + " together with its command");
+    }
+  }
+  return sentences;
+}
+
+std::string whyNoAxis(const std::vector<ReadFlight>& flights) {
+  std::string text;
+  for (const ReadFlight& flight : flights) {
+    text +=
+        (text.empty() ? "" : "; ") + flight.signals.source + ": holds no command together with its response";
+    for (const std::string& sentence : missingAxes(flight.signals)) text += "; " + sentence;
+  }
+  return text;
+}
+
 AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   IdentifyOptions options = arguments.options;
   const auto windows = flightWindows(arguments.windows, arguments.logs.size());
@@ -62,16 +90,16 @@ AttitudeCalibration calibrate(const AttitudeArguments& arguments) {
   AttitudeCalibration calibration;
   const std::vector<ReadFlight> flights = readFlights(arguments, &calibration.remarks);
   for (const ReadFlight& flight : flights) calibration.training.push_back(flight.provenance);
+  calibration.vehicle = vehicleOf(flights);
   std::optional<FlightSignals> validation;
   if (!arguments.validation.empty()) {
     calibration.validation.emplace();
     validation = readSignals(arguments.validation, arguments, &*calibration.validation, &calibration.remarks);
   }
   const std::vector<std::string> axes = arguments.axes.empty() ? axesOf(flights) : arguments.axes;
-  if (axes.empty()) {
-    throw Error(arguments.logs.front() +
-                ": holds no command together with its response; choose them with --signal");
-  }
+  const std::vector<std::string> missing = missingIn(flights, arguments.axes);
+  if (axes.empty()) throw Error(whyNoAxis(flights));
+  for (const std::string& sentence : missing) calibration.remarks.push_back(sentence);
   for (const std::string& axis : axes) {
     try {
       options.second_order = arguments.second_order || axis == "roll";
@@ -90,9 +118,10 @@ int run(const AttitudeArguments& arguments) {
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
-  const bool warned = !calibration.failed.empty() ||
-                      std::any_of(calibration.axes.begin(), calibration.axes.end(),
-                                  [](const AxisModel& axis) { return !axis.warnings.empty(); });
+  const bool warned =
+      !calibration.failed.empty() ||
+      std::any_of(calibration.axes.begin(), calibration.axes.end(),
+                  [](const AxisModel& axis) { return !axis.warnings.empty() || !axis.supported; });
   return warned && arguments.strict ? kWarned : kCalibrated;
 }
 

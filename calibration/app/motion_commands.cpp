@@ -35,9 +35,26 @@ struct MotionFlights {
 
 using Find = std::function<void(const MotionFlights&, const MotionArguments&, MotionCalibration*)>;
 
+// The windows of all flights on their common clock. A flight without one is used as a whole if another has one.
+std::vector<TimeWindow> jointWindows(const MotionFlights& flights, const JoinedFlights& joined) {
+  const auto& each = flights.each_windows;
+  if (std::all_of(each.begin(), each.end(), [](const auto& windows) { return windows.empty(); })) return {};
+  std::vector<TimeWindow> all;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (const TimeWindow& window : each[i])
+      all.push_back({window.from + joined.shifts[i], window.to + joined.shifts[i]});
+    if (!each[i].empty()) continue;
+    const std::vector<TimeWindow> flown = windowsWithout({joined.spans[i]}, joined.signals.not_flight);
+    all.insert(all.end(), flown.begin(), flown.end());
+  }
+  return all;
+}
+
 MotionFlights readMotion(const MotionArguments& arguments, MotionCalibration* calibration) {
   MotionFlights flights;
-  for (ReadFlight& flight : readFlights(arguments, &calibration->remarks)) {
+  std::vector<ReadFlight> read = readFlights(arguments, &calibration->remarks);
+  calibration->vehicle = vehicleOf(read);
+  for (ReadFlight& flight : read) {
     flights.each.push_back(std::move(flight.signals));
     calibration->data.push_back(flight.provenance);
   }
@@ -49,11 +66,8 @@ MotionFlights readMotion(const MotionArguments& arguments, MotionCalibration* ca
     return flights;
   }
   JoinedFlights joined = joinFlights(flights.each);
+  flights.windows = jointWindows(flights, joined);
   flights.joint = std::move(joined.signals);
-  for (std::size_t i = 0; i < flights.each.size(); ++i) {
-    for (const TimeWindow& window : flights.each_windows[i])
-      flights.windows.push_back({window.from + joined.shifts[i], window.to + joined.shifts[i]});
-  }
   return flights;
 }
 
@@ -146,6 +160,13 @@ void findWind(const MotionFlights& flights, const MotionArguments&, MotionCalibr
   keep(std::move(wind), calibration);
 }
 
+void findHeading(const MotionFlights& flights, const MotionArguments& arguments,
+                 MotionCalibration* calibration) {
+  if (flights.several())
+    throw Error("heading: takes one log: attitude and motion are aligned anew for each flight");
+  keep(fitHeading(jointMotion(flights, arguments.motion)), calibration);
+}
+
 void declareMotion(CLI::App& command, MotionArguments& arguments) {
   command.add_option("--gravity", arguments.motion.gravity, "Gravitational acceleration [m/s^2].")
       ->check(numberFrom(1.0, 30.0))
@@ -213,6 +234,12 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
+
+  const auto heading = std::make_shared<MotionArguments>();
+  command = add(app, "heading", "Identify the angle between the motion and the heading of the attitude.",
+                result, findHeading, heading);
+  declareMotion(*command, *heading);
+  declareMass(*command, *heading);
 
   add(app, "wind", "Identify wind and airspeed scale of the fixed wing.", result, findWind,
       std::make_shared<MotionArguments>());

@@ -12,6 +12,8 @@
 #include "command_line/prompt.hpp"
 #include "command_line/read_progress.hpp"
 #include "identification/bag_signals.hpp"
+#include "identification/flight_phases.hpp"
+#include "identification/signal_units.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 
@@ -67,6 +69,11 @@ void declareLog(CLI::App& command, LogArguments& arguments) {
                      "Date of the flight, for the provenance of the result.");
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
       ->type_name("FILE");
+  command
+      .add_option(
+          "--vehicle", arguments.vehicle,
+          "Kind of the vehicle. The tool recognises it by log, airspeed or ground speed if not given.")
+      ->check(oneOf(std::vector<std::string>{"multirotor", "fixed_wing"}));
   command.add_flag("--on-ground", arguments.on_ground,
                    "Also use data that an autopilot recorded on the ground.");
   command.add_flag("--strict", arguments.strict, "End with exit code 1 if there is a warning.");
@@ -161,7 +168,19 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks) {
   FlightSignals signals = readAnyLog(path, arguments, provenance, remarks);
+  if (!arguments.vehicle.empty()) signals.vehicle = {vehicleKindOf(arguments.vehicle), "As --vehicle says."};
   for (const std::string& remark : clockRemarks(signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& remark : settleUnits(&signals)) remarks->push_back(path + ": " + remark);
+  for (const std::string& clause : clausesOn(signals.not_flight)) remarks->push_back(path + ": " + clause);
+  const std::vector<RejectedWindow> found = findNonFlight(signals, arguments.on_ground);
+  for (const std::string& clause : clausesOn(found))
+    remarks->push_back(path + ": " + clause + "; left out where no window asks for it");
+  // Beside those that the autopilot told.
+  signals.not_flight.insert(signals.not_flight.end(), found.begin(), found.end());
+  std::stable_sort(signals.not_flight.begin(), signals.not_flight.end(),
+                   [](const RejectedWindow& one, const RejectedWindow& other) {
+                     return one.window.from < other.window.from;
+                   });
   return signals;
 }
 
@@ -177,6 +196,24 @@ std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<s
     flights.push_back(std::move(flight));
   }
   return flights;
+}
+
+RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights) {
+  RecognisedVehicle common;
+  std::string first;
+  for (const ReadFlight& flight : flights) {
+    const RecognisedVehicle own = recogniseVehicle(flight.signals);
+    if (own.kind == VehicleKind::kUnknown) continue;
+    if (common.kind == VehicleKind::kUnknown) {
+      common = own;
+      first = flight.signals.source;
+    } else if (own.kind != common.kind) {
+      throw Error(flight.signals.source + ": the vehicle is a " + nameOf(own.kind) + " (" + own.reason +
+                  ") and that of " + first + " a " + nameOf(common.kind) + " (" + common.reason +
+                  "); --vehicle states the kind");
+    }
+  }
+  return common;
 }
 
 void checkResults(const LogArguments& arguments, const std::string& report, const std::string& validation) {

@@ -18,6 +18,7 @@ struct LogArguments {
   std::vector<std::string> topics;
   std::string name_space;
   std::string recorded;
+  std::string vehicle;
   std::string output;
   bool on_ground = false;
   bool strict = false;
@@ -34,7 +35,8 @@ std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string
 /// FROM:TO in seconds. Throws Error.
 std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 
-/// Signals of a flight in any form; appends what was wrong with it, and where its times jump. Throws Error.
+/// Signals of a flight in any form, with units settled and the stretches that are no flight; appends what was
+/// wrong with it, where its times jump, and those stretches. Throws Error.
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks);
 
@@ -46,6 +48,9 @@ struct ReadFlight {
 
 /// All flights of the arguments. Throws Error; also where a flight is named twice.
 std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
+
+/// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.
+RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "synthetic_flight.hpp"
 
 namespace polyfly {
@@ -14,13 +17,30 @@ namespace {
 
 constexpr double kWritten = 1e-7;  // relative, of numbers in eight digits
 
-const char* const kAttitude =
-    "polyfly_calibration: 1\nkind: attitude\ntool_version: \"1\"\n"
+// The beginning of every calibration file, up to its kind.
+std::string head(const std::string& kind) {
+  return "polyfly_calibration: 1\nkind: " + kind +
+         "\ntool_version: \"1\"\nvehicle: {kind: multirotor, reason: \"It hovers.\"}\n";
+}
+
+const std::string kAttitude =
+    head("attitude") +
     "data:\n  training: {file: \"a.bag\", checksum: \"xxh64:1\", recorded: \"2016-01-01T00:00:00Z\"}\n"
     "axes:\n"
-    "  roll:\n    model: {gain: 0.8, tau: 0.2, delay: 0.05}\n    model_without_delay: {gain: 0.81, tau: "
-    "0.3}\n"
-    "  pitch:\n    model_without_delay: {gain: 0.7, tau: 0.4}\n";
+    "  roll:\n    supported: true\n    model: {gain: 0.8, tau: 0.2, delay: 0.05, supported: true}\n"
+    "    model_without_delay: {gain: 0.81, tau: 0.3, supported: true, reasons: []}\n"
+    "  pitch:\n    model_without_delay: {gain: 0.7, tau: 0.4, supported: true}\n";
+
+const std::string kDrag = head("drag") +
+                          "data: {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\nparameters:\n" +
+                          "  drag_x: {value: 0.3, interval_95: [0.2, 0.4], supported: true}\n"
+                          "  drag_y: {value: 0.4, interval_95: [0.3, 0.5], supported: true}\n"
+                          "  drag_z: {value: 0.1, interval_95: [0.05, 0.15], supported: true}\n";
+
+const std::string kBounds = head("disturbance") +
+                            "data: {file: \"b.bag\"}\n"
+                            "disturbances:\n  - {name: d_x, range: [-1, 1]}\n  - {name: d_y, range: [-0.21, "
+                            "0.33]}\naxes:\n  y: {supported: true}\n";
 
 CalibrationFile file(const std::string& text) {
   return {text, "calibration.yaml", {"calibration.yaml", "xxh64:2", ""}, false};
@@ -77,9 +97,12 @@ TEST(ApplyCalibration, provenanceListsAllFlights) {
       std::string::npos)
       << applied;
   EXPECT_NO_THROW(parseProblem(applied, "after"));
+  const std::string odd = "\n    - " + one + "\n    - {file: \"b.bag\", pilot: me}";
+  EXPECT_NE(errorOf(problemText(1), without(kAttitude, one, odd)).find("pilot"), std::string::npos);
   const std::string drag =
       "polyfly_calibration: 1\nkind: drag\ndata:\n  - {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\n"
-      "  - {file: \"c.bag\", checksum: \"y\", recorded: \"\"}\nparameters:\n  drag_y: {value: 0.4}\n";
+      "  - {file: \"c.bag\", checksum: \"y\", recorded: \"\"}\nparameters:\n  drag_y: {value: 0.4, "
+      "interval_95: [0.3, 0.5], supported: true}\n";
   EXPECT_NE(applyCalibrations(problemText(1), "p", {file(drag)})
                 .problem.find("data: [[\"b.bag\", \"x\", \"\"], [\"c.bag\", \"y\", \"\"]],"),
             std::string::npos);
@@ -94,44 +117,119 @@ TEST(ApplyCalibration, twiceIsTheSameNumbersAndBothFilesAreNamed) {
 }
 
 TEST(ApplyCalibration, dragGoesIntoTheRowOfItsVelocity) {
-  const std::string drag =
-      "polyfly_calibration: 1\nkind: drag\ndata: {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\n"
-      "parameters:\n  drag_x: {value: 0.3}\n  drag_y: {value: 0.4}\n  drag_z: {value: -0.1}\n";
-  EXPECT_NEAR(parseProblem(applyCalibrations(problemText(1), "p", {file(drag)}).problem, "after").A_c(1, 1),
+  EXPECT_NEAR(parseProblem(applyCalibrations(problemText(1), "p", {file(kDrag)}).problem, "after").A_c(1, 1),
               -0.4, kWritten);
-  EXPECT_EQ(parseProblem(applyCalibrations(problemText(2), "p", {file(drag)}).problem, "after").A_c(1, 1),
-            0.0);
+  EXPECT_NEAR(parseProblem(applyCalibrations(problemText(2), "p", {file(kDrag)}).problem, "after").A_c(1, 1),
+              -0.1, kWritten);
+}
+
+// The drag of a plane: -0.028 with the interval -0.057 .. 0.0015, which is none.
+TEST(ApplyCalibration, refusesADragThatIsNotAboveZero) {
+  const std::string number = "value: 0.4, interval_95: [0.3, 0.5]";
+  const std::string negative = without(kDrag, number, "value: -0.028, interval_95: [-0.057, 0.0015]");
+  EXPECT_NE(errorOf(problemText(1), negative).find("parameters.drag_y.value: must not be negative"),
+            std::string::npos)
+      << errorOf(problemText(1), negative);
+  const std::string vague = without(kDrag, number, "value: 0.4, interval_95: [-0.1, 0.9]");
+  EXPECT_NE(errorOf(problemText(1), vague).find("parameters.drag_y.interval_95: must be above 0"),
+            std::string::npos)
+      << errorOf(problemText(1), vague);
+  CalibrationFile forced = file(vague);
+  forced.force = true;
+  EXPECT_NO_THROW(applyCalibrations(problemText(1), "problem.yaml", {forced}));
+  forced = file(negative);
+  forced.force = true;
+  EXPECT_THROW(applyCalibrations(problemText(1), "problem.yaml", {forced}), Error);
 }
 
 TEST(ApplyCalibration, boundsGoIntoTheDisturbanceOfTheAxis) {
   const std::string problem =
       "polyfly_problem: 1\nmodel:\n  disturbances:\n    - {name: w_y, unit: m/s^2, range: [-0.5, 0.5]}  # "
       "wind\n";
-  const std::string bounds =
-      "polyfly_calibration: 1\nkind: disturbance\ndata: {file: \"b.bag\"}\n"
-      "disturbances:\n  - {name: d_x, range: [-1, 1]}\n  - {name: d_y, range: [-0.21, 0.33]}\n";
-  const AppliedCalibration applied = applyCalibrations(problem, "robust.yaml", {file(bounds)});
+  const AppliedCalibration applied = applyCalibrations(problem, "robust.yaml", {file(kBounds)});
   EXPECT_NE(applied.problem.find("{name: w_y, unit: m/s^2, range: [-0.21, 0.33]}  # wind"),
             std::string::npos);
 }
 
 TEST(ApplyCalibration, takesWhatTheDataDoNotSupportByForceOnly) {
-  const std::string weak = without(kAttitude, "  roll:\n",
-                                   "  roll:\n    supported: false\n    warnings:\n      - \"Fly longer.\"\n");
+  const std::string sound = "supported: true, reasons: []";
+  const std::string weak = without(kAttitude, sound, "supported: false, reasons: [\"Fly longer.\"]");
   const std::string error = errorOf(problemText(1), weak);
-  EXPECT_EQ(error.find("calibration.yaml: axes.roll: the data do not support these numbers"), 0u) << error;
+  EXPECT_EQ(
+      error.find("calibration.yaml:11: axes.roll.model_without_delay.supported: the data do not support"), 0u)
+      << error;
   EXPECT_NE(error.find("Fly longer."), std::string::npos);
   EXPECT_EQ(errorOf(problemText(0), weak), "");  // pitch is not concerned
   CalibrationFile forced = file(weak);
   forced.force = true;
   EXPECT_NO_THROW(applyCalibrations(problemText(1), "problem.yaml", {forced}));
-  const std::string bounds =
-      "polyfly_calibration: 1\nkind: disturbance\ndata: {file: \"b.bag\"}\n"
-      "disturbances:\n  - {name: d_y, range: [-0.21, 0.33]}\naxes:\n  y: {supported: false}\n";
-  EXPECT_NE(errorOf("model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n", bounds), "");
-  EXPECT_EQ(errorOf("model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n",
-                    without(bounds, "false", "true")),
-            "");
+  // The flags of the axis and of other models say nothing of this one, and a missing flag is no support.
+  const std::string silent = without(kAttitude, sound, "reasons: []");
+  EXPECT_NE(errorOf(problemText(1), silent).find("model_without_delay.supported: missing"),
+            std::string::npos);
+  const std::string problem = "model:\n  disturbances:\n    - {name: w_y, range: [-1, 1]}\n";
+  EXPECT_EQ(errorOf(problem, kBounds), "");
+  EXPECT_NE(errorOf(problem, without(kBounds, "supported: true", "supported: false")), "");
+  EXPECT_NE(errorOf(problem, without(kBounds, "supported: true", "mean: 0")), "");
+}
+
+TEST(ApplyCalibration, refusesTheNumbersOfAFixedWing) {
+  for (const std::string& calibration : {kAttitude, kDrag}) {
+    const std::string wing = without(calibration, "kind: multirotor", "kind: fixed_wing");
+    CalibrationFile forced = file(wing);
+    forced.force = true;
+    try {
+      applyCalibrations(problemText(1), "problem.yaml", {forced});
+      ADD_FAILURE() << "taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what())
+                    .find("calibration.yaml:4: vehicle.kind: must be multirotor for "
+                          "problem.yaml, got fixed_wing (It hovers.)"),
+                0u)
+          << error.what();
+    }
+    EXPECT_EQ(errorOf(problemText(1), without(calibration, "kind: multirotor", "kind: unknown")), "");
+  }
+}
+
+TEST(ApplyCalibration, refusesKeysThatItDoesNotKnow) {
+  struct Case {
+    std::string calibration;
+    std::string part;
+    std::string instead;
+    std::string field;
+  };
+  for (const Case& one :
+       {Case{kAttitude, "axes:", "axis: 1\naxes:", "axis"}, Case{kAttitude, "  roll:", "  rol:", "rol"},
+        Case{kAttitude, "model_without_delay", "model_without_dealy", "model_without_dealy"},
+        Case{kAttitude, "tau: 0.3,", "tau: 0.3, tua: 0.4,", "tua"},
+        Case{kAttitude, "recorded", "record", "record"}, Case{kAttitude, "reason:", "cause:", "cause"},
+        Case{kDrag, "drag_y", "drag_yy", "drag_yy"}, Case{kDrag, "interval_95", "interval", "interval"},
+        Case{kBounds, "name: d_y,", "name: d_y, range_: 1,", "range_"},
+        Case{kBounds, "y: {supported", "y: {suported: true, supported", "suported"}}) {
+    const std::string error = errorOf(problemText(1), without(one.calibration, one.part, one.instead));
+    EXPECT_EQ(error.find("calibration.yaml:"), 0u) << error;
+    EXPECT_NE(error.find(one.field), std::string::npos) << error;
+    EXPECT_NE(error.find("unknown"), std::string::npos) << error;
+  }
+}
+
+// What a comment says of a model is wrong as soon as another one is applied.
+TEST(ApplyCalibration, headersOfProblemsNameNoIdentifiedNumber) {
+  for (const std::string name :
+       {"multirotor_lateral", "multirotor_longitudinal", "multirotor_vertical", "robust/aslquad_lateral",
+        "robust/aslquad_longitudinal", "robust/aslquad_vertical"}) {
+    const std::string text = readText(std::string(PROBLEMS_FOLDER) + "/" + name + ".yaml");
+    const std::string header = text.substr(0, text.find("polyfly_problem:"));
+    const std::regex stated("(K|tau|A_[xyz]) *=? *-?[0-9]|[-+] 0[.][0-9]+ v|[(]0[.][0-9]+ (phi|theta)");
+    EXPECT_FALSE(std::regex_search(header, stated)) << name << ": " << header;
+  }
+}
+
+TEST(ApplyCalibration, theGainOfARobustReferenceIsThatOfTheModel) {
+  const std::string path = std::string(PROBLEMS_FOLDER) + "/robust/aslquad_lateral.yaml";
+  const std::string applied = applyCalibrations(readText(path), path, {file(kAttitude)}).problem;
+  EXPECT_NE(applied.find("state: [0, 0, 0.81], input: [1]"), std::string::npos) << applied;
 }
 
 class IncludedCalibration : public testing::Test {
@@ -192,19 +290,24 @@ TEST_F(IncludedCalibration, errorsNameFileFieldAndRule) {
 TEST(ApplyCalibration, refusesWhatDoesNotFitByFileFieldAndRule) {
   EXPECT_EQ(errorOf("model: [", kAttitude).substr(0, 25), "problem.yaml: is no YAML:");
   EXPECT_EQ(errorOf("name: a\n", kAttitude), "problem.yaml: model: missing");
+  EXPECT_EQ(errorOf("- 1\n", kAttitude), "problem.yaml: must be a map");
   EXPECT_EQ(errorOf(problemText(1), "kind: attitude\n"),
-            "calibration.yaml: polyfly_calibration: must be 1, as `calibrate` writes it");
-  EXPECT_EQ(errorOf(problemText(1), "polyfly_calibration: 1\nkind: wind\n"),
-            "calibration.yaml: kind: must be attitude, drag or disturbance, got 'wind'");
+            "calibration.yaml:1: polyfly_calibration: must be 1, as `calibrate` writes it");
+  EXPECT_EQ(
+      errorOf(problemText(1), "polyfly_calibration: 1\nkind: roll\n"),
+      "calibration.yaml:2: kind: must be attitude, drag, disturbance, mass, heading or wind, got 'roll'");
   EXPECT_EQ(errorOf(problemText(2), kAttitude),
             "calibration.yaml: kind attitude: has nothing for the problem problem.yaml");
-  EXPECT_EQ(errorOf(problemText(1), without(kAttitude, "gain: 0.81", "gain: .nan")),
-            "calibration.yaml: axes.roll.model_without_delay.gain: must be a finite number");
-  EXPECT_EQ(
-      errorOf(problemText(1), without(kAttitude, "gain: 0.81", "gain: -0.81")),
-      "calibration.yaml: axes.roll.model_without_delay.gain: must be greater than 0: wrong sign or frame");
-  EXPECT_EQ(errorOf(problemText(1), without(kAttitude, "tau: 0.3", "tau: 0")),
-            "calibration.yaml: axes.roll.model_without_delay.tau: must be greater than 0");
+  const std::string place = "calibration.yaml:11: axes.roll.model_without_delay.";
+  for (const auto& [part, instead, rule] : std::vector<std::array<std::string, 3>>{
+           {"gain: 0.81", "gain: .nan", "gain: must be"},
+           {"gain: 0.81", "gain: -0.81", "gain: must be greater than 0: wrong sign or frame"},
+           {"tau: 0.3", "tau: 0", "tau: must be greater than 0"},
+           {"tau: 0.3, supported: true", "tau: 0.3, supported: perhaps",
+            "supported: must be true or false"}}) {
+    const std::string error = errorOf(problemText(1), without(kAttitude, part, instead));
+    EXPECT_EQ(error.find(place + rule), 0u) << error;
+  }
 }
 
 }  // namespace

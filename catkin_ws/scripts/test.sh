@@ -34,8 +34,10 @@ runCheck() {
   echo "$status" > "build/.run/results/$name.status"
 }
 
+# POLYFLY_TEST_PACKAGES: kinds of packages that the tests use where they are installed, and that are to be installed.
 testCommand() {
-  startCommand 6 run
+  # shellcheck disable=SC2086  # several kinds
+  startCommand 6 run ${POLYFLY_TEST_PACKAGES:-}
   buildBoth all all
   own demo
   step tests "running the tests" runTests release

@@ -24,6 +24,11 @@ void printRemarks(const std::string& problem, const ParametricProgram& program) 
     std::fprintf(stderr, "offline_mpt: %s: %s\n", problem.c_str(), remark.c_str());
 }
 
+Error namingFile(const Error& error, const ParametricProgram& program, const std::string& file) {
+  const std::string text = error.what(), name = program.name + ": ";
+  return text.compare(0, name.size(), name) == 0 ? Error(file + ": " + text.substr(name.size())) : error;
+}
+
 void writeText(const std::string& path, const std::string& text) { writeFileAtomically(path, text); }
 
 ExitCode exitCode(ExploreStatus status) {

@@ -5,6 +5,7 @@
 
 #include "command_line/command_line.hpp"
 #include "offline_mpt/partition.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 
 namespace polyfly {
@@ -28,10 +29,13 @@ void addInfo(CLI::App& app, ExitCode& exit_code);
 void addEval(CLI::App& app, ExitCode& exit_code);
 void addVerify(CLI::App& app, ExitCode& exit_code);
 void addReduce(CLI::App& app, ExitCode& exit_code);
+void addDiff(CLI::App& app, ExitCode& exit_code);
 void addPlot(CLI::App& app, ExitCode& exit_code);
+void addExplore(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);
+void addExport(CLI::App& app, ExitCode& exit_code);
 void addCount(CLI::App& app, ExitCode& exit_code);
 
 /// What an exploration that ended so returns to the shell.
@@ -45,6 +49,19 @@ int defaultThreads();
 
 /// Prints what the author of the problem may not have meant, a line each, on standard error.
 void printRemarks(const std::string& problem, const ParametricProgram& program);
+
+/// Of an error that names the program, one that names `file`, from which it was read.
+Error namingFile(const Error& error, const ParametricProgram& program, const std::string& file);
+
+/// Calls `work`. Its errors that name the program name `file`.
+template <typename Work>
+auto inFile(const std::string& file, const ParametricProgram& program, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw namingFile(error, program, file);
+  }
+}
 
 /// Writes a text as writeFileAtomically does. Throws Error.
 void writeText(const std::string& path, const std::string& text);

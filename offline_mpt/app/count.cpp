@@ -7,10 +7,10 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "offline_mpt/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -113,7 +113,8 @@ ExitCode count(const CountArguments& options) {
                filesOfProblem(options.problem));
   const ParametricProgram program = loadProgram(options.problem);
   printRemarks(options.problem, program);
-  const CountResult result = countWithProgress(program, options);
+  const CountResult result =
+      inFile(options.problem, program, [&] { return countWithProgress(program, options); });
   if (result.status == ExploreStatus::kInfeasible)
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   if (!options.stats.empty()) writeText(options.stats, statsJson(program, options, result));

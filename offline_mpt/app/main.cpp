@@ -12,7 +12,10 @@ const char kMainFooter[] =
   offline_mpt info lateral.map
   offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1
   offline_mpt reduce lateral.map -o small.map --separate
+  offline_mpt diff lateral.map small.map
   offline_mpt plot lateral.map --slice e_p,e_v -o lateral.svg
+  offline_mpt explore lateral.map -o lateral.html
+  offline_mpt export lateral.map -o code --name lateral
   offline_mpt analyze lateral.map --model lateral_model.yaml
   offline_mpt set invariant model.yaml -o safe.json
 
@@ -37,7 +40,10 @@ int main(int argc, char** argv) {
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);
   polyfly::addReduce(app, exit_code);
+  polyfly::addDiff(app, exit_code);
   polyfly::addPlot(app, exit_code);
+  polyfly::addExplore(app, exit_code);
+  polyfly::addExport(app, exit_code);
   polyfly::addAnalyze(app, exit_code);
   polyfly::addSet(app, exit_code);
   polyfly::addBounds(app, exit_code);

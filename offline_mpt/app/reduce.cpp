@@ -1,17 +1,14 @@
-#include "offline_mpt/reduce.hpp"
-
 #include <cstdio>
-#include <cstring>
 #include <map>
 #include <memory>
-#include <new>
+#include <utility>
 
 #include "command.hpp"
+#include "offline_mpt/reduce_proven.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
-#include "region_maps/format.hpp"
+#include "region_maps/map_image.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
 #include "signals.hpp"
 #include "verify_reduction.hpp"
 
@@ -50,61 +47,29 @@ struct ReduceArguments {
   bool quiet = false;
 };
 
-/// The bytes of a map where RegionMap::view can read them.
-class Image {
- public:
-  explicit Image(const MapContent& content)
-      : bytes_(layOut(content)), place_(::operator new(bytes_.size(), kAlignment)) {
-    std::memcpy(place_, bytes_.data(), bytes_.size());
-  }
-  ~Image() { ::operator delete(place_, kAlignment); }
-  Image(const Image&) = delete;
-  Image& operator=(const Image&) = delete;
-
-  RegionMap view(const std::string& name) const { return RegionMap::view(place_, bytes_.size(), name); }
-  const std::vector<std::byte>& bytes() const { return bytes_; }
-
- private:
-  static constexpr std::align_val_t kAlignment{format::kAlignment};
-  std::vector<std::byte> bytes_;
-  void* place_;
+struct Result {
+  ReduceStats stats;
+  std::unique_ptr<MapImage> image;
+  ReductionReport report;  // not filled in without a proof
 };
 
-ReduceResult reduceWithProgress(const RegionMap& map, const ReduceArguments& options, double side_tolerance) {
+Result reduceWithProgress(const RegionMap& map, const ReduceArguments& options) {
   Progress progress(options.quiet);
   ReduceOptions reduce_options = options.reduce;
-  reduce_options.side_tolerance = side_tolerance;
   reduce_options.progress = [&progress](std::uint64_t done, std::uint64_t total) {
     progress.show("joined regions of " + std::to_string(done) + " of " + std::to_string(total) + " laws",
                   -1.0);
   };
-  return reduce(map, reduce_options);
-}
-
-struct Attempt {
-  ReduceStats stats;
-  std::unique_ptr<Image> image;
-  ReductionReport report;  // not filled in without a proof
-};
-
-/// Where the proof fails, slivers were left out of the search tree that matter, or rounding made too much of
-/// them: they are added to the leaves, and trees that leave out thicker or thinner ones are tried.
-Attempt reduceAndProve(const RegionMap& map, const ReduceArguments& options) {
-  constexpr int kMaxRepairs = 5;
-  Attempt attempt;
-  for (const double share : {1.0, 3.0, 0.3}) {
-    ReduceResult result = reduceWithProgress(map, options, share * options.reduce.side_tolerance);
-    attempt.stats = result.stats;
-    for (int repairs = 0; repairs <= kMaxRepairs; ++repairs) {
-      attempt.image = std::make_unique<Image>(result.content);
-      if (options.no_proof) return attempt;
-      attempt.report = proveReduction(attempt.image->view(options.output), map, options.reduce.threads,
-                                      options.quiet, !options.certificate.empty());
-      if (attempt.report.passed()) return attempt;
-      if (!repairLeaves(result.content, attempt.report)) break;
-    }
+  if (options.no_proof) {
+    const ReduceResult result = reduce(map, reduce_options);
+    return {result.stats, std::make_unique<MapImage>(result.content), {}};
   }
-  return attempt;
+  ReductionOptions proof;
+  proof.threads = options.reduce.threads;
+  proof.certificate = !options.certificate.empty();
+  proof.progress = [&progress](std::uint64_t done, std::uint64_t total) { showProof(progress, done, total); };
+  ProvenReduction proven = reduceProven(map, options.output, reduce_options, proof);
+  return {proven.stats, std::make_unique<MapImage>(std::move(proven.image)), std::move(proven.report)};
 }
 
 ExitCode reduceMap(const ReduceArguments& options) {
@@ -113,21 +78,21 @@ ExitCode reduceMap(const ReduceArguments& options) {
   // Of no phase anything can be kept.
   endOnSignal(options.output + ": interrupted: nothing was written");
   const RegionMap map = RegionMap::open(options.map);
-  const Attempt attempt = reduceAndProve(map, options);
-  if (!options.no_proof && !attempt.report.passed()) {
-    if (!options.quiet) std::fputs(reductionText(attempt.report).c_str(), stdout);
+  const Result result = reduceWithProgress(map, options);
+  if (!options.no_proof && !result.report.passed()) {
+    if (!options.quiet) std::fputs(reductionText(result.report).c_str(), stdout);
     std::fprintf(stderr, "offline_mpt: %s: the reduced map could not be proven: nothing was written\n",
                  options.output.c_str());
     return ExitCode::kFailed;
   }
-  const RegionMap reduced = attempt.image->view(options.output);
+  const RegionMap reduced = result.image->view(options.output);
   ignoreSignals();
-  writeFileAtomically(options.output, attempt.image->bytes());
-  if (!options.certificate.empty()) writeCertificate(attempt.report, options.certificate);
+  writeFileAtomically(options.output, result.image->bytes());
+  if (!options.certificate.empty()) writeCertificate(result.report, options.certificate);
   if (!options.stats.empty())
-    writeText(options.stats, reduceJson(attempt.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
+    writeText(options.stats, reduceJson(result.stats, sizeOf(map), sizeOf(reduced), !options.no_proof));
   if (!options.quiet) {
-    std::fputs(reduceText(attempt.stats, sizeOf(map), sizeOf(reduced)).c_str(), stdout);
+    std::fputs(reduceText(result.stats, sizeOf(map), sizeOf(reduced)).c_str(), stdout);
     std::printf("%s: %s\n", options.output.c_str(),
                 options.no_proof ? "written, not proven" : "proven to answer as the original, written");
   }

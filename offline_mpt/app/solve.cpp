@@ -14,7 +14,6 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/process_group.hpp"
-#include "offline_mpt/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
@@ -22,6 +21,7 @@
 #include "signals.hpp"
 #include "solve_robust.hpp"
 #include "stopwatch.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
@@ -312,7 +312,8 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   const ParametricProgram program = loadProgram(options.problem);
   if (!options.quiet) printRemarks(options.problem, program);
   seconds.load = watch.lap();
-  const Partition partition = exploreWithProgress(program, options, session.group());
+  const Partition partition = inFile(options.problem, program,
+                                     [&] { return exploreWithProgress(program, options, session.group()); });
   seconds.explore = watch.lap();
   reportStop(options, partition);
   reportUnbounded(options, partition);
@@ -333,7 +334,8 @@ ExitCode lead(const SolveArguments& options, Session& session) {
     return exitCode(partition.status);
   }
   limitTree(options, partition);
-  const MapContent content = encodeWithProgress(program, partition, options);
+  const MapContent content =
+      inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
   seconds.encode = watch.lap();
   ignoreSignals();
   writeMap(content, options.map);

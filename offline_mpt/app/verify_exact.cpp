@@ -55,7 +55,9 @@ CertifyOptions watched(const VerifyExactOptions& options, Watch& watch) {
 CertifyReport certifyFile(const VerifyExactOptions& options, const std::string& map,
                           const ParametricProgram& program) {
   Watch watch(options);
-  return certify(RegionMap::open(map), program, watched(options, watch));
+  const std::string file = options.problem.empty() ? map + ": problem text" : options.problem;
+  return inFile(file, program,
+                [&] { return certify(RegionMap::open(map), program, watched(options, watch)); });
 }
 
 /// Repairs and writes the new map where that succeeds. Says what was done.

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "command.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "progress.hpp"
 
 namespace polyfly {
 
@@ -20,8 +22,7 @@ struct VerifyReductionOptions {
 /// Proves that a reduced map answers as the original, or refutes it. kDone when it is proven.
 ExitCode verifyReducedMap(const VerifyReductionOptions& options);
 
-/// verifyReduction with a progress line. With `certificate` the report has the proof.
-ReductionReport proveReduction(const RegionMap& reduced, const RegionMap& original, int threads, bool quiet,
-                               bool certificate);
+/// Shows how far the proof of a reduction is, with `done` of `total` regions of both maps.
+void showProof(Progress& progress, std::uint64_t done, std::uint64_t total);
 
 }  // namespace polyfly

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "offline_mpt/program_oracle.hpp"
+#include "verify/program_oracle.hpp"
 
 namespace polyfly::bench {
 namespace {

@@ -38,7 +38,13 @@ std::string read(const Tool& tool, int argc, char** argv, Arguments& arguments) 
     if (option && ++k == argc) throw BadUsage(word + ": its value is missing");
     arguments[option ? word : ""] = argv[k];
   }
-  if (arguments.count("") == 0 || arguments[""].empty()) throw BadUsage("the file to check is missing");
+  const bool has_folder = !tool.instead_of_file.empty() && arguments.count(tool.instead_of_file) != 0;
+  if (!has_folder && (arguments.count("") == 0 || arguments[""].empty()))
+    throw BadUsage("the file to check is missing");
+  if (has_folder) {
+    if (arguments.count("") != 0) throw BadUsage(tool.instead_of_file + " and a file exclude each other");
+    arguments[""] = arguments[tool.instead_of_file];
+  }
   return "";
 }
 

@@ -24,6 +24,8 @@ struct Tool {
   std::string usage;
   /// Options, each of which takes a value.
   std::vector<std::string> options;
+  /// The option that may stand in place of the file. Empty: there is none.
+  std::string instead_of_file = {};
 };
 
 /// The value as a whole number from `least` to `greatest`. Throws BadUsage.

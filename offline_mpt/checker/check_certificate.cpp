@@ -1,10 +1,13 @@
 // check_certificate CERTIFICATE --map MAP [--problem FILE]: confirms a certificate by substitution, as
-// offline_mpt/CERTIFICATE.md states it. GMP only; shares no code with the solver or with what wrote the
-// certificate.
+// offline_mpt/CERTIFICATE.md states it. With --export, it proves the bounds of exported C code again. GMP only; shares
+// no code with the solver or with what wrote certificate and code.
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "arguments.hpp"
 #include "certificate.hpp"
+#include "export_bound.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "reduction.hpp"
@@ -14,10 +17,13 @@ namespace {
 constexpr char kUsage[] =
     R"(usage: check_certificate CERTIFICATE --map MAP [--problem FILE]
        check_certificate CERTIFICATE --map REDUCED --reduced-from ORIGINAL
+       check_certificate --export DIR --map MAP
 Confirms in rational arithmetic that MAP is the complete solution of its problem. The certificate is from
 'offline_mpt verify --exact'. With --problem, the certificate must be of that problem file.
 With --reduced-from, it confirms that REDUCED answers as ORIGINAL does. The certificate is then from
 'offline_mpt verify --reduced-from'. ORIGINAL has a certificate of its own.
+With --export, it confirms the bounds that the only .json file of DIR states of the tables in the .c file of the
+same name, from 'offline_mpt export'. MAP has a certificate of its own.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
@@ -26,12 +32,38 @@ std::string valueOf(const checker::Arguments& arguments, const std::string& opti
   return found == arguments.end() ? "" : found->second;
 }
 
+/// The only file of the folder that ends so, without its ending.
+std::string onlyStem(const std::string& folder, const std::string& ending) {
+  std::string stem;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
+    if (entry.path().extension() != ending) continue;
+    if (!stem.empty()) throw checker::Unreadable(folder + ": has more than one file *" + ending);
+    stem = (entry.path().parent_path() / entry.path().stem()).string();
+  }
+  if (stem.empty()) throw checker::Unreadable(folder + ": has no file *" + ending);
+  return stem;
+}
+
+void confirmCode(const std::string& folder, const std::string& map_file) {
+  using checker::readFile;
+  const std::string stem = onlyStem(folder, ".json");
+  const checker::Map map(readFile(map_file));
+  checker::confirmExport(readFile(stem + ".json"), readFile(stem + ".c"), map);
+  std::printf("confirmed: the code of %zu regions answers within its bounds\n", map.regions.size());
+}
+
 void confirm(const checker::Arguments& arguments) {
   using checker::readFile;
   const std::string certificate = valueOf(arguments, ""), map_file = valueOf(arguments, "--map"),
                     problem = valueOf(arguments, "--problem"),
                     original_file = valueOf(arguments, "--reduced-from");
   if (map_file.empty()) throw checker::BadUsage("--map is missing");
+  if (const std::string folder = valueOf(arguments, "--export"); !folder.empty()) {
+    if (!problem.empty() || !original_file.empty()) throw checker::BadUsage("--export takes --map alone");
+    confirmCode(folder, map_file);
+    return;
+  }
   if (!problem.empty() && !original_file.empty())
     throw checker::BadUsage("--problem and --reduced-from exclude each other");
   const checker::Map map(readFile(map_file));
@@ -54,7 +86,10 @@ void confirm(const checker::Arguments& arguments) {
 
 int main(int argc, char** argv) {
   polyfly::installOutOfMemoryHandler("check_certificate");
-  return checker::run(
-      {"check_certificate", polyfly::kVersion, kUsage, {"--map", "--problem", "--reduced-from"}}, argc, argv,
-      confirm);
+  return checker::run({"check_certificate",
+                       polyfly::kVersion,
+                       kUsage,
+                       {"--map", "--problem", "--reduced-from", "--export"},
+                       "--export"},
+                      argc, argv, confirm);
 }

@@ -40,6 +40,7 @@ TEST_F(BadOptions, EveryNumberIsCheckedByEveryCommand) {
                                                  {"count"},
                                                  {"verify"},
                                                  {"reduce"},
+                                                 {"diff"},
                                                  {"analyze"},
                                                  {"bounds"},
                                                  {"set", "volume"},

@@ -126,7 +126,7 @@ TEST_F(CommandLine, ShowsWhereTheNumbersOfAMapAreFrom) {
   writeBytes(
       path("lag.yaml"),
       "polyfly_calibration: 1\nkind: drag\ndata: {file: \"a.bag\", checksum: \"xxh64:1\", recorded: \"\"}\n"
-      "parameters:\n  drag_x: {value: 0.5, supported: true}\n");
+      "parameters:\n  drag_x: {value: 0.5, interval_95: [0.4, 0.6], supported: true}\n");
   writeBytes(path("cart.yaml"),
              "polyfly_problem: 1\nname: cart\ntype: tracking_mpc\ncalibration: lag.yaml\nmodel:\n"
              "  states: [{name: v, unit: m/s}]\n  inputs: [{name: u, unit: m/s^2, range: [-1, 1]}]\n"
@@ -220,6 +220,7 @@ TEST_F(CommandLine, KeepsItsInputs) {
            {"reduce", map, "-o", map},
            {"verify", map, "--problem", problem, "--json", problem},
            {"verify", map, "--exact", "--certificate", map},
+           {"explore", map, "-o", map},
            {"plot", map, "--slice", "theta_0,theta_1", "-o", map}}) {
     expectRefused(arguments, {"name of its own"});
   }
@@ -307,7 +308,18 @@ TEST_F(CommandLine, RefusesBadProblems) {
   expectRefused({"solve", written("infeasible.json", problem), "-o", map}, {"infeasible.json", "infeasible"});
   problem = toy();
   problem["H"] = {{-1.0}};
-  expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json", "H"});
+  expectRefused({"solve", written("concave.json", problem), "-o", map}, {"concave.json: ", "H: must be"});
+  expectRefused({"count", path("concave.json")}, {"concave.json: ", "H: must be"});
+  problem = toy();
+  problem["A"] = {{1.0}, {-1.0}, {1.0}, {1.0}};
+  problem["b"] = {1.0, 1.0, 0.0, 1e-9};
+  problem["B"] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+  problem["eq_ids"] = {2, 3};
+  for (const char* command : {"solve", "count"}) {
+    std::vector<std::string> words{command, written("equalities.json", problem)};
+    if (words.front() == "solve") words.insert(words.end(), {"-o", map});
+    expectRefused(words, {"equalities.json: eq_ids: row 3 depends on other equalities"});
+  }
 }
 
 // min (t + 0.5) z over z >= -1, t in [-2, 2]: without end where t < -0.5.
@@ -359,6 +371,7 @@ TEST_F(CommandLine, RefusesDamagedMaps) {
   fs::remove(map);
   expectRefused({"info", map}, {"damaged.map"});
   expectRefused({"plot", map, "--slice", "a,b", "-o", path("x.svg")}, {"damaged.map"});
+  expectRefused({"explore", map, "-o", path("x.html")}, {"damaged.map"});
 }
 
 TEST_F(CommandLine, RefusesBadOptions) {
@@ -426,10 +439,11 @@ TEST_F(CommandLine, ToolsTellTheirVersion) {
 TEST_F(CommandLine, HelpsWithExamplesAndExitCodes) {
   const Outcome general = run({"--help"});
   EXPECT_EQ(general.exit_code, 0);
-  for (const char* word : {"Exit codes", "solve", "info", "eval", "verify", "reduce", "plot", "Examples"}) {
+  for (const char* word :
+       {"Exit codes", "solve", "info", "eval", "verify", "reduce", "diff", "plot", "explore", "Examples"}) {
     EXPECT_NE(general.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "plot"}) {
+  for (const char* command : {"solve", "info", "eval", "verify", "reduce", "diff", "plot", "explore"}) {
     const Outcome help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;

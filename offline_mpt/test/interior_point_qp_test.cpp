@@ -1,4 +1,4 @@
-#include "offline_mpt/interior_point_qp.hpp"
+#include "verify/interior_point_qp.hpp"
 
 #include <gtest/gtest.h>
 

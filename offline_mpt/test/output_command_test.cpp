@@ -73,6 +73,7 @@ TEST_F(OutputCommand, KeepsItsInputsUnderAnyNameAndItsOutputsApart) {
            {"verify", map_, "--exact", "--certificate", path("new"), "--json", path("./new")},
            {"verify", map_, "--reduced-from", map_, "--certificate", path("new"), "--json", path("./new")},
            {"eval", map_, "--csv", path("thetas.csv"), "-o", path("here/thetas.csv")},
+           {"explore", map_, "--samples", path("thetas.csv"), "-o", path("here/thetas.csv")},
            {"plot", map_, "--slice", "theta_0,theta_1", "-o", path("here/toy.map")}})
     expectRefused(arguments, "name of its own");
   EXPECT_EQ(readBytes(problem_), kToy);

@@ -1,5 +1,5 @@
 // The small linear programs against GLPK.
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 
 #include <glpk.h>
 #include <gtest/gtest.h>

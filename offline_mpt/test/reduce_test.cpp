@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <set>
 #include <string>
@@ -16,6 +17,7 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "offline_mpt/reduce_proven.hpp"
 #include "offline_mpt/verify.hpp"
 #include "offline_mpt/verify_reduction.hpp"
 #include "polyfly_base/error.hpp"
@@ -265,6 +267,30 @@ TEST(ReductionProof, RefusesMapsThatDoNotBelongTogether) {
   MapContent changed = reduce(original.map()).content;
   changed.solver_status = "limited";
   EXPECT_THROW(verifyReduction(MapInMemory(changed).map(), original.map()), Error);
+}
+
+TEST(ReduceProven, GivesTheReducedMapWithItsProof) {
+  const MapInMemory original(gridMap(4, 3, cellsOf({"UUbL", "UbcL", "bcLL"})));
+  ReductionOptions proof;
+  proof.certificate = true;
+  const ProvenReduction proven = reduceProven(original.map(), "small", with(MergeMethod::kAuto, true), proof);
+  ASSERT_TRUE(proven.report.passed()) << reductionText(proven.report);
+  const RegionMap small = proven.image.view("small");
+  EXPECT_LT(small.regionCount(), original.map().regionCount());
+  EXPECT_EQ(small.reducedFrom(), original.map().checksum());
+  const MapInMemory expected(reduce(original.map(), with(MergeMethod::kAuto, true)).content);
+  EXPECT_EQ(small.checksum(), expected.map().checksum());
+  EXPECT_EQ(reductionRefusal(proven.report.certificate, expected.bytes(), original.bytes()), "");
+}
+
+TEST(ReduceProven, SaysThatAProofWasInterrupted) {
+  const MapInMemory original(gridMap(4, 3, cellsOf({"UUbL", "UbcL", "bcLL"})));
+  const std::atomic<bool> stop{true};
+  ReductionOptions proof;
+  proof.stop = &stop;
+  const ProvenReduction stopped = reduceProven(original.map(), "small", with(MergeMethod::kAuto), proof);
+  EXPECT_TRUE(stopped.report.interrupted);
+  EXPECT_FALSE(stopped.report.passed());
 }
 
 TEST(Reduce, RefusesToSeparateWhatItCannot) {

@@ -12,12 +12,12 @@
 #include "map_in_memory.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "offline_mpt/program_oracle.hpp"
 #include "polyfly_base/error.hpp"
 #include "random.hpp"
 #include "random_program.hpp"
 #include "reference_problems.hpp"
 #include "verify/exact_optimality_check.hpp"
+#include "verify/program_oracle.hpp"
 
 namespace polyfly {
 namespace {

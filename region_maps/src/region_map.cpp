@@ -48,6 +48,7 @@ RegionMap RegionMap::view(const void* data, std::size_t size, const std::string&
 
 void RegionMap::load(const void* data, std::size_t size) {
   checkFrame(data, size, path_);
+  data_ = data;
   const MapFacts facts = checkStructure(data, size, path_);
   const format::Header header = format::readHeader(data);
   checkCost(header, facts.cost, path_);

@@ -12,9 +12,11 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "region_maps/map_image.hpp"
 #include "scratch_folder.hpp"
 #include "synthetic_map.hpp"
 
@@ -417,6 +419,25 @@ TEST(WriteFileAtomically, AppendsToTheFileOfTheStandardOutput) {
   const Bytes bytes = readBytes(path);
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), "before text after");
   EXPECT_TRUE(std::filesystem::is_symlink(folder.file("link")));
+}
+
+TEST(MapImage, HoldsTheBytesOfTheFileAlsoWhenItMoves) {
+  const MapContent content = makeSmallMap();
+  MapImage image(content);
+  EXPECT_EQ(image.bytes(), layOut(content));
+  const RegionMap map = image.view("small");
+  const MapImage moved = std::move(image);
+  EXPECT_EQ(moved.bytes(), layOut(content));
+  const double theta[] = {0.5, 0.5};
+  EXPECT_EQ(map.locate(theta).status, LookupStatus::kInside);
+  EXPECT_EQ(map.checksum(), moved.view("small").checksum());
+  EXPECT_EQ(map.path(), "small");
+}
+
+TEST(MapImage, RefusesWhatTheFormatForbids) {
+  MapContent content = makeSmallMap();
+  content.tolerance = 1.0;
+  EXPECT_THROW(MapImage{content}, Error);
 }
 
 }  // namespace

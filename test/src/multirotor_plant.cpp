@@ -23,6 +23,7 @@ struct Surroundings {
   Eigen::Vector3d push;          // [m/s^2]
   Eigen::Vector3d air_velocity;  // [m/s]
   Eigen::Vector3d hit;           // on the load [N]
+  bool tumbling = false;
 };
 
 StateVector pack(const PlantState& state) {
@@ -79,6 +80,7 @@ StateVector derivative(const PlantOptions& options, const StateVector& x, const 
   rate[6] = rollRate(options, command, x[6]);
   rate[7] = pitchRate(options, command, x[7]);
   rate[8] = x[9];
+  if (around.tumbling) rate.segment<3>(6) = options.tumble;
   rate[9] = lagRate(command.yaw_rate, x[9], options.yaw_rate_time);
   rate[10] = lagRate(command.thrust / options.mass, x[10], options.thrust_time);
   return rate;
@@ -94,8 +96,8 @@ Eigen::Vector3d bodyRates(const PlantState& state, double roll_rate, double pitc
           -sin_roll * pitch_rate + cos_roll * cos_pitch * state.yaw_rate};
 }
 
-VehicleState toVehicleState(const PlantOptions& options, const PlantState& state,
-                            const AttitudeCommand& acting, double stamp) {
+// `tilt_rates`: of roll and pitch [rad/s].
+VehicleState toVehicleState(const PlantState& state, const Eigen::Vector2d& tilt_rates, double stamp) {
   VehicleState vehicle;
   vehicle.stamp = stamp;
   vehicle.position = state.position;
@@ -103,8 +105,7 @@ VehicleState toVehicleState(const PlantOptions& options, const PlantState& state
   vehicle.attitude = Eigen::AngleAxisd(state.yaw, Eigen::Vector3d::UnitZ()) *
                      Eigen::AngleAxisd(state.pitch, Eigen::Vector3d::UnitY()) *
                      Eigen::AngleAxisd(state.roll, Eigen::Vector3d::UnitX());
-  vehicle.angular_velocity =
-      bodyRates(state, rollRate(options, acting, state.roll), pitchRate(options, acting, state.pitch));
+  vehicle.angular_velocity = bodyRates(state, tilt_rates.x(), tilt_rates.y());
   return vehicle;
 }
 
@@ -188,6 +189,8 @@ bool MultirotorPlant::during(double start, double duration) const {
   return since > -play && since < duration - play;
 }
 
+bool MultirotorPlant::isTumbling() const { return during(options_.tumble_start, options_.tumble_time); }
+
 Eigen::Vector3d MultirotorPlant::push() const {
   const bool kicked = during(options_.kick_start, options_.kick_time);
   return kicked ? Eigen::Vector3d(options_.wind + gust_ + options_.kick)
@@ -252,8 +255,13 @@ void MultirotorPlant::substep() {
   if (options_.thrust_time <= 0.0) {
     state_.thrust = acting_.thrust / options_.mass;
   }
+  const bool tumbling = isTumbling();
+  if (tumbling) {
+    state_.thrust = 0.0;
+    state_.yaw_rate = options_.tumble.z();
+  }
   const double h = options_.substep;
-  const Surroundings around{push(), airVelocity(), hit()};
+  const Surroundings around{push(), airVelocity(), hit(), tumbling};
   const StateVector x = pack(state_);
   const StateVector k1 = derivative(options_, x, acting_, around);
   const StateVector k2 = derivative(options_, x + 0.5 * h * k1, acting_, around);
@@ -276,7 +284,13 @@ void MultirotorPlant::drawGust() {
   gust_ = decay * gust_ + drive * options_.gust_sigma.cwiseProduct(gust_noise_.next3());
 }
 
-VehicleState MultirotorPlant::truth() const { return toVehicleState(options_, state_, acting_, time()); }
+VehicleState MultirotorPlant::truth() const {
+  const Eigen::Vector2d tilt_rates = isTumbling()
+                                         ? Eigen::Vector2d(options_.tumble.head<2>())
+                                         : Eigen::Vector2d(rollRate(options_, acting_, state_.roll),
+                                                           pitchRate(options_, acting_, state_.pitch));
+  return toVehicleState(state_, tilt_rates, time());
+}
 
 VehicleState MultirotorPlant::measure() {
   VehicleState measured = history_.front();

@@ -275,6 +275,29 @@ TEST(MultirotorPlant, AKickGivesItsImpulse) {
   EXPECT_LT((plant.state().velocity - 0.12 * options.kick).norm(), kRounding);
 }
 
+TEST(MultirotorPlant, ATumbleFallsAndTurnsAsItsRatesSay) {
+  PlantOptions options;
+  options.drag.setZero();
+  options.period = 0.001;
+  options.tumble_start = 0.1;
+  options.tumble_time = 0.5;
+  MultirotorPlant plant(options, hovering(options));
+  const AttitudeCommand hover = command(0.0, 0.0, 0.0, options.mass * options.gravity);
+  for (int i = 0; i < 100; ++i) plant.advance(hover);
+  EXPECT_LT(plant.state().velocity.norm(), kRounding);
+  plant.advance(hover);
+  for (int i = 1; i < 499; ++i) {
+    const VehicleState before = plant.measure();
+    plant.advance(hover);
+    const VehicleState after = plant.measure();
+    const Eigen::AngleAxisd turn(before.attitude.conjugate() * after.attitude);
+    const Eigen::Vector3d mean = 0.5 * (before.angular_velocity + after.angular_velocity);
+    EXPECT_LT((turn.angle() * turn.axis() / options.period - mean).norm(), 1e-2) << i;
+  }
+  plant.advance(hover);
+  EXPECT_LT((plant.state().velocity + 0.5 * options.gravity * Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+}
+
 TEST(MultirotorPlant, CommandsActAfterTheirDelay) {
   PlantOptions options;
   MultirotorPlant prompt(options, hovering(options));

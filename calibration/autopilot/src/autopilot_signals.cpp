@@ -9,6 +9,7 @@
 
 #include "autopilot/autopilot_log.hpp"
 #include "ground_time.hpp"
+#include "logged_vehicle.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -38,30 +39,62 @@ constexpr Place kPx4[] = {{"roll_cmd", "vehicle_attitude_setpoint", "roll_body"}
                           {"yaw_rate_cmd", "vehicle_rates_setpoint", "yaw", -1.0},
                           {"thrust_cmd", "vehicle_attitude_setpoint", "thrust_body[2]", -1.0},
                           {"thrust_cmd", "vehicle_attitude_setpoint", "thrust"},
+                          {"thrust_cmd", "vehicle_rates_setpoint", "thrust_body[2]", -1.0},
+                          {"thrust_cmd", "vehicle_rates_setpoint", "thrust"},
                           {"roll", "vehicle_attitude", "q", 1.0, 0.0, Place::Angle::kRoll},
+                          {"roll", "vehicle_attitude", "roll"},
                           {"pitch", "vehicle_attitude", "q", -1.0, 0.0, Place::Angle::kPitch},
+                          {"pitch", "vehicle_attitude", "pitch", -1.0},
                           {"yaw", "vehicle_attitude", "q", -1.0, 0.5 * kPi, Place::Angle::kYaw},
+                          {"yaw", "vehicle_attitude", "yaw", -1.0, 0.5 * kPi},
                           {"yaw_rate", "vehicle_angular_velocity", "xyz[2]", -1.0},
                           {"yaw_rate", "vehicle_attitude", "yawspeed", -1.0},
+                          {"yaw_rate", "sensor_combined", "gyro_rad[2]", -1.0},
                           {"specific_force_z", "sensor_combined", "accelerometer_m_s2[2]", -1.0},
+                          {"specific_force_z", "vehicle_acceleration", "xyz[2]", -1.0},
+                          {"specific_force_x", "sensor_combined", "accelerometer_m_s2[0]"},
+                          {"specific_force_y", "sensor_combined", "accelerometer_m_s2[1]", -1.0},
+                          {"gyro_x", "sensor_combined", "gyro_rad[0]"},
+                          {"gyro_y", "sensor_combined", "gyro_rad[1]", -1.0},
+                          {"gyro_z", "sensor_combined", "gyro_rad[2]", -1.0},
+                          {"gyro_x", "vehicle_angular_velocity", "xyz[0]"},
+                          {"gyro_y", "vehicle_angular_velocity", "xyz[1]", -1.0},
+                          {"height", "vehicle_local_position", "z", -1.0},
                           {"vx", "vehicle_local_position", "vy"},
                           {"vy", "vehicle_local_position", "vx"},
                           {"vz", "vehicle_local_position", "vz", -1.0},
                           {"vn", "vehicle_local_position", "vx"},
                           {"ve", "vehicle_local_position", "vy"},
                           {"airspeed", "airspeed_validated", "true_airspeed_m_s"},
+                          {"vn", "vehicle_global_position", "vel_n"},
+                          {"ve", "vehicle_global_position", "vel_e"},
                           {"airspeed", "airspeed", "true_airspeed_m_s"}};
 
 constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
+                                {"roll_cmd", "ATT", "RollIn", kDegrees},
+                                {"roll_cmd", "CTUN", "NavRoll", kDegrees},
                                 {"pitch_cmd", "ATT", "DesPitch", -kDegrees},
+                                {"pitch_cmd", "ATT", "PitchIn", -kDegrees},
+                                {"pitch_cmd", "CTUN", "NavPitch", -kDegrees},
                                 {"roll", "ATT", "Roll", kDegrees},
                                 {"pitch", "ATT", "Pitch", -kDegrees},
                                 {"yaw", "ATT", "Yaw", -kDegrees, 0.5 * kPi},
                                 {"yaw_rate_cmd", "RATE", "YDes", -kDegrees},
+                                {"yaw_rate_cmd", "RATE", "YawDes", -kDegrees},
                                 {"yaw_rate", "RATE", "Y", -kDegrees},
+                                {"yaw_rate", "RATE", "Yaw", -kDegrees},
                                 {"thrust_cmd", "CTUN", "ThO"},
                                 {"thrust_cmd", "CTUN", "ThrOut"},
                                 {"specific_force_z", "IMU", "AccZ", -1.0},
+                                {"specific_force_x", "IMU", "AccX"},
+                                {"specific_force_y", "IMU", "AccY", -1.0},
+                                {"gyro_x", "IMU", "GyrX"},
+                                {"gyro_y", "IMU", "GyrY", -1.0},
+                                {"gyro_z", "IMU", "GyrZ", -1.0},
+                                {"height", "XKF1", "PD", -1.0},
+                                {"height", "NKF1", "PD", -1.0},
+                                {"height", "EKF1", "PD", -1.0},
+                                {"height", "GPS", "Alt"},
                                 {"vx", "XKF1", "VE"},
                                 {"vx", "NKF1", "VE"},
                                 {"vx", "EKF1", "VE"},
@@ -74,6 +107,7 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"vz", "NKF1", "VD", -1.0},
                                 {"vz", "EKF1", "VD", -1.0},
                                 {"vz", "GPS", "VZ", -1.0},
+                                {"vz", "GPS", "VelZ", -1.0},
                                 {"vn", "XKF1", "VN"},
                                 {"vn", "NKF1", "VN"},
                                 {"vn", "EKF1", "VN"},
@@ -82,7 +116,8 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"ve", "NKF1", "VE"},
                                 {"ve", "EKF1", "VE"},
                                 {"ve", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
-                                {"airspeed", "ARSP", "Airspeed"}};
+                                {"airspeed", "ARSP", "Airspeed"},
+                                {"airspeed", "NTUN", "Arspd"}};
 
 double angleOf(double w, double x, double y, double z, Place::Angle angle) {
   switch (angle) {
@@ -227,10 +262,12 @@ TimeSeries betweenSamples(const TimeSeries& logged) {
 }
 
 // Leaves out of all responses what was measured while the vehicle stood.
-void leaveGroundOut(const GroundTime& ground, AutopilotSignals* result) {
+// `start` is the zero of the log's own time.
+void leaveGroundOut(const GroundTime& ground, double start, AutopilotSignals* result) {
   if (ground.windows.empty()) return;
   double stood = 0.0;
   double all = 0.0;
+  TimeWindow whole;
   bool left = false;
   for (auto& [name, series] : result->signals.series) {
     if (isCommand(name) || series.time.empty()) continue;
@@ -242,6 +279,7 @@ void leaveGroundOut(const GroundTime& ground, AutopilotSignals* result) {
     if (last - first > all) {
       all = last - first;
       stood = here;
+      whole = {first, last};
     }
     series = without(series, ground.windows);
     left = left || !series.time.empty();
@@ -253,6 +291,12 @@ void leaveGroundOut(const GroundTime& ground, AutopilotSignals* result) {
   char text[160];
   std::snprintf(text, sizeof text, "%.1f s of %.1f s were left out: the vehicle stood, by ", stood, all);
   if (stood > 0.0) result->remarks.push_back(text + ground.by);
+  for (const TimeWindow& window : ground.windows) {
+    const TimeWindow part = {std::max(whole.from, window.from) - start,
+                             std::min(whole.to, window.to) - start};
+    if (part.from < part.to)
+      result->signals.not_flight.push_back({part, "the vehicle stood, by " + ground.by});
+  }
 }
 
 }  // namespace
@@ -271,11 +315,14 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
     tables.insert(baseName(choices.back().table));
   }
   tables.insert(groundTables().begin(), groundTables().end());
+  tables.insert(kVehicleTable);
   const std::vector<std::string> wanted(tables.begin(), tables.end());
   const AutopilotLog log = px4 ? readULog(path, wanted) : readDataflash(path, wanted);
   AutopilotSignals result;
   result.remarks = log.remarks;
   result.signals.source = path;
+  for (const auto& [name, count] : log.counts) result.signals.places.push_back(name);
+  result.signals.vehicle = loggedVehicle(log);
   for (const Choice& one : choices) addChoice(one, log, &result.signals);
   for (const Place& place : places) addSeries(place, log, &result.signals);
   const bool chosen = choice.count("thrust_cmd") > 0;
@@ -285,6 +332,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
   }
   double start = std::numeric_limits<double>::infinity();
   for (const auto& [name, series] : result.signals.series) {
+    if (isAuxiliary(name)) continue;
     for (const double time : series.time) start = std::min(start, std::isfinite(time) ? time : start);
   }
   if (!std::isfinite(start)) {
@@ -292,7 +340,7 @@ AutopilotSignals signalsFromAutopilot(const std::string& path,
     for (const auto& [name, count] : log.counts) known += (known.empty() ? "" : ", ") + name;
     throw Error(path + ": holds no attitude, rate or thrust; choose with --signal from " + known);
   }
-  if (!on_ground) leaveGroundOut(groundTime(log), &result);
+  if (!on_ground) leaveGroundOut(groundTime(log), start, &result);
   for (auto& [name, series] : result.signals.series) {
     for (double& time : series.time) time -= start;
   }

@@ -6,7 +6,7 @@
 namespace polyfly {
 namespace {
 
-constexpr std::uint64_t kLength = sizeof(std::uint32_t);
+constexpr std::size_t kLength = sizeof(std::uint32_t);
 constexpr std::uint64_t kGreatestHeader = std::uint64_t{1} << 20;  // bytes; a connection's is a few hundred
 constexpr std::uint64_t kGreatestRecord = std::uint64_t{1} << 31;  // bytes
 // Bytes that are searched at once.
@@ -14,7 +14,9 @@ constexpr std::uint64_t kWindow = std::uint64_t{1} << 16;
 // The field `op` of each record's header: its length, name and sign; the kind follows.
 constexpr std::array<std::uint8_t, 7> kMark = {4, 0, 0, 0, 'o', 'p', '='};
 // Greatest number of bytes in a header before its field `op`. Those of rosbag are 57 at most.
-constexpr std::uint64_t kLongestLead = 256;
+constexpr std::size_t kLongestLead = 256;
+// Longest header that is searched for [bytes]. A search must end soon in files that hold many marks.
+constexpr std::uint32_t kLongestHeader = 4096;
 
 bool isTopLevelKind(std::uint8_t op) {
   return op >= static_cast<std::uint8_t>(BagOp::kBagHeader) &&
@@ -29,6 +31,13 @@ bool isTopLevel(const BagFields& fields) {
   const auto op = fields.number<std::uint8_t>("op");
   if (!op || !isTopLevelKind(*op)) return false;
   return !fields.is(BagOp::kChunk) || (fields.text("compression") && fields.number<std::uint32_t>("size"));
+}
+
+// Whether the fields of a header that begins at `place` lead to the mark.
+bool leadsTo(const std::vector<std::uint8_t>& bytes, std::size_t place, std::size_t mark) {
+  std::size_t field = place + kLength;
+  while (field < mark) field += kLength + littleEndian<std::uint32_t>(bytes.data() + field);
+  return field == mark;
 }
 
 }  // namespace
@@ -57,34 +66,32 @@ std::optional<FileRecord> RecordFinder::at(std::uint64_t place) {
 }
 
 // The header's length stands before its first field; the mark is one of its fields.
-std::optional<std::uint64_t> RecordFinder::recordAround(std::uint64_t mark, std::uint64_t from,
+std::optional<std::uint64_t> RecordFinder::recordAround(const Window& window, std::size_t mark,
                                                         std::uint64_t to) {
-  if (mark < from + kLength) return std::nullopt;
-  const std::uint64_t last = mark - kLength;
-  const std::uint64_t count = std::min(last - from, kLongestLead) + 1;
-  for (std::uint64_t back = 0; back < count; ++back) {
-    const std::uint64_t place = last - back;
-    if (place >= to) continue;
-    const std::optional<std::uint32_t> header = lengthAt(place);
-    if (!header || *header > kGreatestHeader || place + kLength + *header < mark + kMark.size()) continue;
-    if (at(place)) return place;
+  for (std::size_t back = kLength; back <= std::min(mark, kLongestLead + kLength); ++back) {
+    const std::size_t place = mark - back;
+    const auto header = littleEndian<std::uint32_t>(window.bytes.data() + place);
+    const bool holds_mark = header <= kLongestHeader && kLength + header >= back + kMark.size() &&
+                            leadsTo(window.bytes, place, mark);
+    if (holds_mark && window.begin + place < to && at(window.begin + place)) return window.begin + place;
   }
   return std::nullopt;
 }
 
 std::uint64_t RecordFinder::search(std::uint64_t from, std::uint64_t to, Kinds kinds) {
-  std::vector<std::uint8_t> window;
+  Window window;
   // A record that begins before `to` may have its mark behind it.
   const std::uint64_t last = std::min(source_.size(), to + kLength + kLongestLead + kMark.size() + 1);
   for (std::uint64_t place = from; place + kMark.size() < last; place += kWindow) {
-    window.resize(std::min(kWindow + kMark.size(), last - place));
-    if (!source_.read(place, window.size(), window.data())) return to;
-    auto found = window.begin();
+    window.begin = place - std::min<std::uint64_t>(place - from, kLongestLead + kLength);
+    window.bytes.resize(std::min(place - window.begin + kWindow + kMark.size(), last - window.begin));
+    if (!source_.read(window.begin, window.bytes.size(), window.bytes.data())) return to;
+    auto found = window.bytes.begin() + static_cast<std::ptrdiff_t>(place - window.begin);
     while (true) {
-      found = std::search(found, window.end() - 1, kMark.begin(), kMark.end());
-      if (found == window.end() - 1) break;
-      const std::uint64_t mark = place + static_cast<std::uint64_t>(found - window.begin());
-      const auto record = kinds(found[kMark.size()]) ? recordAround(mark, from, to) : std::nullopt;
+      found = std::search(found, window.bytes.end() - 1, kMark.begin(), kMark.end());
+      if (found == window.bytes.end() - 1) break;
+      const auto mark = static_cast<std::size_t>(found - window.bytes.begin());
+      const auto record = kinds(found[kMark.size()]) ? recordAround(window, mark, to) : std::nullopt;
       if (record) return *record;
       ++found;
     }

@@ -40,8 +40,14 @@ class RecordFinder {
  private:
   using Kinds = bool (*)(std::uint8_t op);
 
+  // Bytes of the file from `begin` on.
+  struct Window {
+    std::uint64_t begin = 0;
+    std::vector<std::uint8_t> bytes;
+  };
+
   std::uint64_t search(std::uint64_t from, std::uint64_t to, Kinds kinds);
-  std::optional<std::uint64_t> recordAround(std::uint64_t mark, std::uint64_t from, std::uint64_t to);
+  std::optional<std::uint64_t> recordAround(const Window& window, std::size_t mark, std::uint64_t to);
   bool within(std::uint64_t from, std::uint64_t count) const;
   std::optional<std::uint32_t> lengthAt(std::uint64_t at);
 

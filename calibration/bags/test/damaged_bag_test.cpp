@@ -110,7 +110,8 @@ TEST_P(DamagedBag, LosesNoChunkBehindAWrongLength) {
   for (const std::size_t chunk : {std::size_t{0}, std::size_t{5}}) {
     const auto [begin, end] = places[chunk];
     std::uint32_t header = 0;
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(begin), 4, reinterpret_cast<std::uint8_t*>(&header));
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(begin), 4,
+                reinterpret_cast<std::uint8_t*>(&header));
     const std::size_t length = begin + 4 + header;
     const auto right = static_cast<std::uint32_t>(end - length - 4);
     for (const std::uint32_t wrong : {right / 2, right + 5, 3 * right, 0x7fffffffU, 0xffffffffU}) {
@@ -192,6 +193,17 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedBag,
                            return std::get<1>(test.param) +
                                   (std::get<0>(test.param) == FieldOrder::kSorted ? "Sorted" : "KindFirst");
                          });
+
+// A file of nothing but the marks that are searched for.
+TEST(DamagedBagText, IsSearchedInReasonableSteps) {
+  const std::string magic = "#ROSBAG V2.0\n";
+  Bytes bytes(magic.begin(), magic.end());
+  const Bytes mark = {4, 0, 0, 0, 'o', 'p', '=', 5};
+  for (int copy = 0; copy < 100000; ++copy) bytes.insert(bytes.end(), mark.begin(), mark.end());
+  const BagHealth health = scan(bytes);
+  EXPECT_EQ(health.messages, 0u);
+  EXPECT_EQ(health.unread_bytes, bytes.size() - magic.size());
+}
 
 TEST(DamagedBagText, CountsInWords) {
   MadeBag bag = flight(FieldOrder::kSorted, "lz4");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "identification/flight_phases.hpp"
 #include "identification/yaml_text.hpp"
 
 namespace polyfly {
@@ -19,6 +20,14 @@ void writeWindows(const std::vector<TimeWindow>& windows, std::ostream& out) {
         << "]";
   }
   out << "]";
+}
+
+void writeLeftOut(const std::vector<RejectedWindow>& left_out, const std::string& indent, std::ostream& out) {
+  out << indent << "left_out:" << (left_out.empty() ? " []" : "") << "\n";
+  for (const RejectedWindow& one : left_out) {
+    out << indent << "  - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
+        << ", reason: " << yamlString(one.reason) << "}\n";
+  }
 }
 
 // One flight as a map, several as a list.
@@ -39,8 +48,10 @@ void writeFlights(const AxisModel& axis, std::ostream& out) {
     out << "      - file: " << yamlString(std::filesystem::path(flight.source).filename().string())
         << "\n        windows: ";
     writeWindows(flight.windows, out);
-    out << "\n        fit_percent: " << yamlNumber(flight.fit_percent)
-        << "\n        left_out_percent: " << yamlNumber(flight.left_out_percent)
+    out << "\n";
+    writeLeftOut(flight.left_out, "        ", out);
+    out << "        fit_percent: " << yamlNumber(flight.fit_percent)
+        << "\n        validation_percent: " << yamlNumber(flight.validation_percent)
         << "  # of the other flights' model\n        parameters:\n";
     for (const FittedParameter& parameter : flight.parameters) {
       out << "          " << parameter.name << ": {value: " << yamlNumber(parameter.value)
@@ -70,41 +81,61 @@ void writeFit(const char* key, const AxisModel& axis, const LoopFit& fit, std::o
   }
 }
 
-// What a controller takes: the lag of Eq. 37 as it stands cannot hold a delay.
-void writeModel(const AxisModel& axis, std::ostream& out) {
+const char* purposeOf(const std::string& key) {
+  if (key == "model_without_delay") return "Eq. 37 as problem files take it: the delay counted as lag";
+  if (key == "model_second_order") return "Eq. 45 with delay, for a guidance that compensates it";
+  if (key == "model_second_order_without_delay") return "Eq. 45 for one that does not";
+  return "Eq. 37 with delay, for a controller that compensates it";
+}
+
+// A number of the model with its interval, under the name of `parameter`.
+void writeInterval(const FittedParameter& parameter, bool first, std::ostream& out) {
+  out << (first ? "" : ", ") << parameter.name << ": [" << yamlNumber(parameter.least()) << ", "
+      << yamlNumber(parameter.greatest()) << "]";
+}
+
+// One model in the form in which a controller takes it, and what it is worth.
+void writeControllerModel(const AxisModel& axis, const ControllerModel& model, std::ostream& out) {
+  const bool thrust = axis.axis == "thrust";
+  const LoopFit& fit = model.fit;
+  out << "    " << model.key << ":  # " << (thrust ? "m/s^2 per command" : purposeOf(model.key)) << "\n";
+  for (const FittedParameter& one : fit.parameters) {
+    if (one.name != "offset" || thrust) out << "      " << one.name << ": " << yamlNumber(one.value) << "\n";
+  }
+  out << "      intervals_95: {";
+  bool first = true;
+  for (const FittedParameter& one : fit.parameters) {
+    if (one.name == "offset" && !thrust) continue;
+    writeInterval(one, first, out);
+    first = false;
+  }
+  out << "}\n      fit_percent: " << yamlNumber(fit.fit_percent) << "\n";
+  if (model.validation)
+    out << "      validation_percent: " << yamlNumber(model.validation->validation_percent) << "\n";
+  out << "      supported: " << (model.supported() ? "true" : "false")
+      << "\n      reasons:" << (model.supported() ? " []" : "") << "\n";
+  for (const std::string& sentence : model.reasons) out << "        - " << yamlString(sentence) << "\n";
+}
+
+void writeModels(const AxisModel& axis, std::ostream& out) {
+  for (const ControllerModel& model : axis.controller_models) writeControllerModel(axis, model, out);
+  if (axis.axis != "thrust") return;
   const LoopFit& fit = axis.with_delay;
-  if (axis.axis == "thrust") {
-    out << "    model: {gain: " << yamlNumber(fit.gain) << ", tau: " << yamlNumber(fit.shape.tau)
-        << ", delay: " << yamlNumber(fit.shape.delay) << ", offset: " << yamlNumber(fit.offset)
-        << "}  # m/s^2 per command\n    hover_command: " << yamlNumber((kGravity - fit.offset) / fit.gain)
-        << "  # where the model holds 9.8066 m/s^2\n";
-    return;
-  }
-  out << "    model: {gain: " << yamlNumber(fit.gain) << ", tau: " << yamlNumber(fit.shape.tau)
-      << ", delay: " << yamlNumber(fit.shape.delay)
-      << "}  # Eq. 37 with delay, for a controller that compensates it\n"
-      << "    model_without_delay: {gain: " << yamlNumber(fit.gain)
-      << ", tau: " << yamlNumber(fit.shape.tau + fit.shape.delay)
-      << "}  # for one that does not: the delay counted as lag\n";
-  if (axis.second_order) {
-    const LoopFit& second = *axis.second_order;
-    out << "    model_second_order: {a0: " << yamlNumber(second.find("a0")->value)
-        << ", a1: " << yamlNumber(second.find("a1")->value)
-        << ", b0: " << yamlNumber(second.find("b0")->value) << ", delay: " << yamlNumber(second.shape.delay)
-        << "}  # Eq. 45\n";
-  }
+  out << "    hover_command: " << yamlNumber((kGravity - fit.offset) / fit.gain)
+      << "  # where the model holds 9.8066 m/s^2\n";
 }
 
 void writeAxis(const AxisModel& axis, std::ostream& out) {
   out << "  " << axis.axis << ":\n    unit: " << yamlString(axis.unit) << "\n";
   out << "    supported: " << (axis.supported ? "true" : "false")
-      << "  # whether the data say enough for a controller\n";
-  writeModel(axis, out);
+      << "  # that of the model which problem files take\n";
+  writeModels(axis, out);
   writeFlights(axis, out);
   if (axis.flights.empty()) {
     out << "    windows: ";
     writeWindows(axis.choice.windows, out);
     out << "  # [s] in the file's own time\n";
+    writeLeftOut(axis.choice.rejected, "    ", out);
   }
   out << "    samples: " << axis.with_delay.samples << "\n";
   if (axis.validation) {
@@ -120,9 +151,9 @@ void writeAxis(const AxisModel& axis, std::ostream& out) {
   for (const std::string& sentence : axis.warnings) out << "      - " << yamlString(sentence) << "\n";
 }
 
-std::string row(const char* name, const LoopFit& fit) {
+std::string row(const std::string& name, const LoopFit& fit) {
   char head[64];
-  std::snprintf(head, sizeof head, "  %-22s fit %6.1f %%  ", name, fit.fit_percent);
+  std::snprintf(head, sizeof head, "  %-22s fit %6.1f %%  ", name.c_str(), fit.fit_percent);
   std::string line = head;
   for (const FittedParameter& parameter : fit.parameters) {
     line += "  " + parameter.name + " ";
@@ -147,7 +178,7 @@ void writeSpread(const AxisModel& axis, std::ostream& out) {
   for (const AxisFlight& flight : axis.flights) {
     char fits[80];
     std::snprintf(fits, sizeof fits, "  fit %.1f %%, by the model of the others %.1f %%\n",
-                  flight.fit_percent, flight.left_out_percent);
+                  flight.fit_percent, flight.validation_percent);
     out << "    " << flight.source << " ";
     for (const FittedParameter& parameter : flight.parameters) {
       if (parameter.name == "offset") continue;
@@ -158,7 +189,32 @@ void writeSpread(const AxisModel& axis, std::ostream& out) {
   }
 }
 
+// A model with its own validation, and why it is refused.
+std::string controllerRow(const ControllerModel& model) {
+  std::string text = row(model.title, model.fit);
+  text.pop_back();
+  char validation[48] = "";
+  if (model.validation) {
+    std::snprintf(validation, sizeof validation, "  validation %.1f %%",
+                  model.validation->validation_percent);
+  }
+  text += validation;
+  text += model.supported() ? "  supported\n" : "  NOT SUPPORTED\n";
+  for (const std::string& sentence : model.reasons) text += "    " + sentence + "\n";
+  return text;
+}
+
 }  // namespace
+
+std::vector<std::string> leftOutClauses(const AxisModel& axis) {
+  if (axis.flights.empty()) return clausesOn(axis.choice.rejected);
+  std::vector<std::string> clauses;
+  for (const AxisFlight& flight : axis.flights) {
+    const std::string file = std::filesystem::path(flight.source).filename().string();
+    for (const std::string& clause : clausesOn(flight.left_out)) clauses.push_back(file + ": " + clause);
+  }
+  return clauses;
+}
 
 std::string toYaml(const AttitudeCalibration& calibration) {
   std::ostringstream out;
@@ -167,6 +223,7 @@ std::string toYaml(const AttitudeCalibration& calibration) {
       << "\ndata:\n";
   writeProvenance("training", calibration.training, out);
   if (calibration.validation) writeProvenance("validation", {*calibration.validation}, out);
+  out << vehicleLine(calibration.vehicle);
   if (!calibration.remarks.empty()) {
     out << "remarks:\n";
     for (const std::string& sentence : calibration.remarks) out << "  - " << yamlString(sentence) << "\n";
@@ -186,8 +243,8 @@ std::string toText(const AttitudeCalibration& calibration) {
   for (const AxisModel& axis : calibration.axes) {
     out << axis.axis << " (" << axis.with_delay.samples << " samples in " << axis.segments.size()
         << (axis.segments.size() == 1 ? " stretch" : " stretches") << "; +- is half of the 95 % interval)\n"
-        << row("lag and delay", axis.with_delay) << row("lag alone", axis.without_delay);
-    if (axis.second_order) out << row("second order and delay", *axis.second_order);
+        << row("lag alone", axis.without_delay);
+    for (const ControllerModel& model : axis.controller_models) out << controllerRow(model);
     if (axis.validation) {
       char text[128];
       std::snprintf(text, sizeof text,
@@ -200,6 +257,7 @@ std::string toText(const AttitudeCalibration& calibration) {
       out << text;
     }
     writeSpread(axis, out);
+    for (const std::string& clause : leftOutClauses(axis)) out << "  left out: " << clause << "\n";
     for (const std::string& sentence : axis.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const std::string& sentence : calibration.failed) out << "not identified: " << sentence << "\n";

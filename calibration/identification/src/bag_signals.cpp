@@ -1,9 +1,11 @@
 #include "identification/bag_signals.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 
+#include "bags/recording_share.hpp"
 #include "clock_choice.hpp"
 #include "polyfly_base/error.hpp"
 #include "topic_signals.hpp"
@@ -49,7 +51,8 @@ const std::vector<KnownType>& knownTypes() {
        {{"roll", "pose.pose.orientation", Angle::kRoll},
         {"pitch", "pose.pose.orientation", Angle::kPitch},
         {"yaw", "pose.pose.orientation", Angle::kYaw},
-        {"yaw_rate", "twist.twist.angular.z"}}},
+        {"yaw_rate", "twist.twist.angular.z"},
+        {"height", "pose.pose.position.z"}}},
       {"sensor_msgs/Imu",
        "",
        1,
@@ -57,19 +60,26 @@ const std::vector<KnownType>& knownTypes() {
         {"pitch", "orientation", Angle::kPitch},
         {"yaw", "orientation", Angle::kYaw},
         {"yaw_rate", "angular_velocity.z"},
+        {"gyro_x", "angular_velocity.x"},
+        {"gyro_y", "angular_velocity.y"},
+        {"gyro_z", "angular_velocity.z"},
+        {"specific_force_x", "linear_acceleration.x"},
+        {"specific_force_y", "linear_acceleration.y"},
         {"specific_force_z", "linear_acceleration.z"}}},
       {"geometry_msgs/TransformStamped",
        "",
        2,
        {{"roll", "transform.rotation", Angle::kRoll},
         {"pitch", "transform.rotation", Angle::kPitch},
-        {"yaw", "transform.rotation", Angle::kYaw}}},
+        {"yaw", "transform.rotation", Angle::kYaw},
+        {"height", "transform.translation.z"}}},
       {"geometry_msgs/PoseStamped",
        "pose",
        3,
        {{"roll", "pose.orientation", Angle::kRoll},
         {"pitch", "pose.orientation", Angle::kPitch},
-        {"yaw", "pose.orientation", Angle::kYaw}}},
+        {"yaw", "pose.orientation", Angle::kYaw},
+        {"height", "pose.position.z"}}},
       {"geometry_msgs/TwistStamped",
        "velocity_local",
        1,
@@ -89,6 +99,25 @@ bool isKnown(const KnownType& known, const BagConnection& connection) {
 }
 
 constexpr int kTruthRank = 10;  // added to that of the type
+constexpr double kRadianOfDegree = 3.14159265358979323846 / 180.0;
+// Times by which two records of one message may differ [s].
+constexpr double kSameMessage = 0.1;
+
+// Whether two topics brought the same messages, of which at least one number changes.
+bool isRepeated(const std::map<std::string, TimeSeries>& one,
+                const std::map<std::string, TimeSeries>& other) {
+  bool changes = false;
+  if (one.size() != other.size()) return false;
+  for (const auto& [name, series] : one) {
+    const auto found = other.find(name);
+    if (found == other.end() || found->second.value != series.value) return false;
+    for (std::size_t i = 0; i < series.time.size(); ++i) {
+      if (std::abs(series.time[i] - found->second.time[i]) > kSameMessage) return false;
+      changes = changes || series.value[i] != series.value.front();
+    }
+  }
+  return changes;
+}
 
 bool endsWith(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() &&
@@ -107,6 +136,11 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
     throw Error("--signal " + signal + "=" + text + ": must be SIGNAL=TOPIC:FIELD for a bag");
   }
   Choice choice = {text.substr(0, colon), {signal, text.substr(colon + 1), Angle::kNone}};
+  const std::string degrees = ":deg";
+  if (endsWith(choice.use.path, degrees)) {
+    choice.use.path.resize(choice.use.path.size() - degrees.size());
+    choice.use.scale = kRadianOfDegree;
+  }
   const std::pair<const char*, Angle> angles[] = {
       {".roll", Angle::kRoll}, {".pitch", Angle::kPitch}, {".yaw", Angle::kYaw}};
   for (const auto& [ending, angle] : angles) {
@@ -159,7 +193,10 @@ class Collector {
       if (topics_.count(choice.topic) == 0)
         throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
     }
-    gather(&result);
+    const std::set<std::string> used = gather(&result);
+    const std::string loss = lossSentence(recordingShare(result.health, used));
+    if (!loss.empty()) result.health.remarks.push_back(loss);
+    result.signals.places.assign(topics_.begin(), topics_.end());
     return result;
   }
 
@@ -239,11 +276,35 @@ class Collector {
     int rank = 0;
   };
 
+  // Sources whose messages repeat those of an earlier topic, with that topic.
+  using Repeats = std::map<const TopicSignals*, std::string>;
+
+  Repeats findRepeats() const {
+    Repeats repeats;
+    std::map<std::string, std::map<std::string, TimeSeries>> earlier;
+    for (const auto& [topic, sources] : sources_) {
+      for (const Source& one : sources) {
+        const bool is_steady = one.reader->clock().isSteady();
+        auto found = one.reader->series(0.0, is_steady ? SignalClock::kHeaders : SignalClock::kRecorder);
+        const auto same = std::find_if(earlier.begin(), earlier.end(), [&found](const auto& before) {
+          return isRepeated(before.second, found);
+        });
+        if (same != earlier.end()) {
+          repeats[one.reader.get()] = same->first;
+        } else {
+          earlier[topic] = std::move(found);
+        }
+      }
+    }
+    return repeats;
+  }
+
   // The best source of each signal; two of the same rank leave a question that only the user can answer.
-  std::map<std::string, Winner> winners() const {
+  std::map<std::string, Winner> winners(const Repeats& repeats) const {
     std::map<std::string, Winner> best;
     for (const auto& [topic, sources] : sources_) {
       for (const Source& one : sources) {
+        if (repeats.count(one.reader.get()) > 0) continue;
         for (const std::string& signal : one.reader->names()) {
           const auto before = best.find(signal);
           if (before != best.end()) {
@@ -258,8 +319,10 @@ class Collector {
     return best;
   }
 
-  void gather(BagSignals* result) const {
-    const std::map<std::string, Winner> best = winners();
+  // Returns the topics that give a signal.
+  std::set<std::string> gather(BagSignals* result) const {
+    const Repeats repeats = findRepeats();
+    const std::map<std::string, Winner> best = winners(repeats);
     // All readers of a topic have the same stamps.
     std::map<std::string, HeaderClock> clocks;
     ClockChoice choice;
@@ -278,6 +341,11 @@ class Collector {
       result->signals.origin[signal] = winner.topic;
     }
     for (const auto& [topic, sources] : sources_) {
+      const auto repeated = repeats.find(sources.back().reader.get());
+      if (repeated != repeats.end()) {
+        result->health.remarks.push_back("topic " + topic + ": repeats " + repeated->second +
+                                         "; its messages count once");
+      }
       const auto clock = clocks.find(topic);
       // Nothing is said of topics that are whole and not used.
       if (clock == clocks.end() && !sources.front().reader->names().empty()) continue;
@@ -288,6 +356,9 @@ class Collector {
         remark += clause.empty() ? "" : (remark.empty() ? "topic " + topic + ": " : "; ") + clause;
       if (!remark.empty()) result->health.remarks.push_back(remark);
     }
+    std::set<std::string> used;
+    for (const auto& [topic, clock] : clocks) used.insert(topic);
+    return used;
   }
 
   // Which of two topics gives a signal; the answer holds for everything that both could give.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <set>
+#include <map>
 
 #include "polyfly_base/error.hpp"
 
@@ -19,12 +19,9 @@ constexpr double kInseparable = 0.97;
 // Least gain of an angle loop whose command and response have one scale.
 constexpr double kLeastGain = 0.7;
 constexpr double kGreatestGain = 1.4;
-// Gain below which units differ. They also differ above its inverse.
-constexpr double kStrangeGain = 0.25;
 constexpr double kDegree = 57.29577951308232;
 // Greatest factor between a gain and the gain of degrees for which degrees are suspected.
 constexpr double kDegreeMargin = 1.5;
-constexpr double kPoorFit = 60.0;  // [%]
 // Greatest drop of the fit from training to validation [%].
 constexpr double kDropFit = 8.0;
 // Lead of the response before the command above which clocks disagree [s].
@@ -41,8 +38,12 @@ constexpr double kGreatPart = 0.7;
 constexpr double kSaturatedShare = 0.1;
 // Share of the samples at an extreme above which the command counts as clipped.
 constexpr double kClippedShare = 0.05;
+// Share of the command's range within which two levels are one.
+constexpr double kRestShare = 0.02;
 // Number of levels from which on a command counts as continuous.
 constexpr std::size_t kContinuous = 50;
+// Share of the time with a moving command in which the response must follow.
+constexpr double kFollowedShare = 0.5;
 // Correlation above which a signal follows a command.
 constexpr double kFollows = 0.7;
 // Factor by which the correlation of another axis must exceed the own correlation.
@@ -67,6 +68,7 @@ class Diagnosis {
     excitation();
     saturation();
     quality();
+    following();
     return warnings_;
   }
 
@@ -221,31 +223,46 @@ class Diagnosis {
     }
   }
 
-  // A continuous command that is often exactly at its extreme has been cut off there.
+  bool isUsed(double time) const {
+    return std::any_of(model_.segments.begin(), model_.segments.end(), [time](const LoopSegment& segment) {
+      return segment.time.front() <= time && time <= segment.time.back();
+    });
+  }
+
+  // A continuous command that is often exactly at its extreme has been cut off there, unless it rests there.
   void commandClipped() {
-    std::set<double> levels;
+    std::map<double, std::size_t> used;
+    std::map<double, std::size_t> all;
     std::size_t samples = 0;
-    for (const LoopSegment& segment : model_.segments) {
-      levels.insert(segment.command.value.begin(), segment.command.value.end());
-      samples += segment.command.value.size();
+    const TimeSeries& command = model_.record.command;
+    for (std::size_t i = 0; i < command.time.size(); ++i) {
+      ++all[command.value[i]];
+      if (!isUsed(command.time[i])) continue;
+      ++used[command.value[i]];
+      ++samples;
     }
-    if (levels.size() < kContinuous) return;
-    std::size_t clipped = 0;
-    for (const LoopSegment& segment : model_.segments) {
-      for (const double value : segment.command.value) {
-        clipped += value == *levels.begin() || value == *levels.rbegin() ? 1 : 0;
-      }
-    }
-    const double share = static_cast<double>(clipped) / static_cast<double>(samples);
-    if (share > kClippedShare) {
-      say(text("The command is at its limit (%.3g or %.3g) in %.0f %% of the samples.", *levels.begin(),
-               *levels.rbegin(), 100.0 * share));
+    if (used.size() < kContinuous) return;
+    const auto rest = std::max_element(
+        all.begin(), all.end(), [](const auto& one, const auto& other) { return one.second < other.second; });
+    const double near = kRestShare * (all.rbegin()->first - all.begin()->first);
+    const auto isLimit = [&](double level, double extreme) {
+      // Zero is the middle of every command but that of thrust.
+      const bool middle = !isThrust() && std::abs(level) <= near;
+      const bool passed = std::abs(extreme - level) > near;
+      const bool rests = rest->first == level && level != all.begin()->first && level != all.rbegin()->first;
+      return !middle && !passed && !rests;
+    };
+    for (const auto& [end, extreme] : {std::make_pair(*used.begin(), all.begin()->first),
+                                       std::make_pair(*used.rbegin(), all.rbegin()->first)}) {
+      const double share = static_cast<double>(end.second) / static_cast<double>(samples);
+      if (share <= kClippedShare || !isLimit(end.first, extreme)) continue;
+      say(text("The command is at its limit (%.3g) in %.0f %% of the samples.", end.first, 100.0 * share));
     }
   }
 
   void quality() {
     const LoopFit& fit = model_.with_delay;
-    if (fit.fit_percent < kPoorFit) {
+    if (fit.fit_percent < kLeastFit) {
       say(text("The model explains little of the response (fit %.1f %%): do not rely on these numbers.",
                fit.fit_percent));
     }
@@ -273,6 +290,24 @@ class Diagnosis {
     }
   }
 
+  // What was left out because the response does not follow, against what was used.
+  void following() {
+    double left_out = 0.0;
+    for (const RejectedWindow& rejected : model_.choice.rejected) {
+      if (rejected.reason.find("does not follow") != std::string::npos)
+        left_out += rejected.window.to - rejected.window.from;
+    }
+    double used = 0.0;
+    for (const TimeWindow& window : model_.choice.windows) used += window.to - window.from;
+    if (used < kFollowedShare * (used + left_out)) {
+      say(
+          text("The response follows the command in %.1f s of %.1f s only: another mode flew, or the command "
+               "is not "
+               "that of this loop.",
+               used, used + left_out));
+    }
+  }
+
   const AxisModel& model_;
   const AxisRecords& records_;
   const FitOptions& bounds_;
@@ -284,14 +319,6 @@ class Diagnosis {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds) {
   return Diagnosis(model, records, bounds).run();
-}
-
-bool isSupported(const AxisModel& model) {
-  const FittedParameter* gain = model.without_delay.find("gain");
-  const FittedParameter* tau = model.without_delay.find("tau");
-  const bool unit =
-      model.axis == "thrust" || (gain->value > kStrangeGain && gain->value < 1.0 / kStrangeGain);
-  return model.with_delay.fit_percent >= kPoorFit && gain->least() > 0.0 && tau->least() > 0.0 && unit;
 }
 
 }  // namespace polyfly

@@ -11,8 +11,8 @@ namespace polyfly {
 std::vector<std::string> diagnose(const AxisModel& model, const AxisRecords& records,
                                   const FitOptions& bounds);
 
-/// Whether a controller may be given these numbers: the model explains the response, the intervals of gain
-/// and of the lag that counts the delay in exclude zero, and the gain is not one of another unit.
-bool isSupported(const AxisModel& model);
+/// Sets the reasons against each controller model, and whether the one that problem files take is supported.
+/// `bounds` are those of the fit.
+void judgeModels(const FitOptions& bounds, AxisModel* model);
 
 }  // namespace polyfly

@@ -64,6 +64,20 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
+// Activity above which lies half of its energy. Where a short excitation is in a long hover, the quantile is that of
+// the hover, this level that of the excitation.
+double energyLevel(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  double energy = 0.0;
+  for (const double value : values) energy += value * value;
+  double below = 0.0;
+  for (const double value : values) {
+    below += value * value;
+    if (2.0 * below >= energy) return value;
+  }
+  return 0.0;
+}
+
 // A piece of the record and its part of the activity, [first, last).
 struct ActivePiece {
   TimeWindow window;
@@ -188,7 +202,9 @@ ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSear
                           record.response.time.back()};
   if (!(all.from < all.to)) return choice;
   std::vector<ActivePiece> active;
-  for (const TimeWindow& window : cutAtFarSteps({all}, record.response.time)) {
+  choice.rejected = record.not_flight;
+  for (const TimeWindow& window :
+       windowsWithout(cutAtFarSteps({all}, record.response.time), record.not_flight)) {
     if (!(typicalPeriod(within(record.response, window)) <= kLongestPeriod)) {
       choice.rejected.push_back({window, "its samples are too far apart"});
       continue;
@@ -198,7 +214,8 @@ ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSear
     active.push_back({window, first, choice.activity.time.size()});
   }
   if (active.empty()) return choice;
-  choice.threshold = options.threshold_share * quantile(choice.activity.value, kBusyShare);
+  choice.threshold = std::max(options.threshold_share * quantile(choice.activity.value, kBusyShare),
+                              options.energy_share * energyLevel(choice.activity.value));
   if (choice.threshold < kLeastActivity) return choice;
   for (const ActivePiece& piece : active) {
     for (const TimeWindow& window : activeWindows(choice.activity, choice.threshold, options.margin, piece)) {

@@ -27,6 +27,8 @@ const std::vector<Pattern>& patterns() {
   static const std::vector<const char*> kAngle = {"rad", "deg"};
   static const std::vector<const char*> kRate = {"radps", "degps"};
   static const std::vector<const char*> kSpeed = {"mps"};
+  static const std::vector<const char*> kForce = {"mps2"};
+  static const std::vector<const char*> kLength = {"m"};
   static const std::vector<Pattern> kList = {
       {"roll_cmd", {"roll_cmd", "roll_ref", "roll_sp", "roll_des"}, kAngle},
       {"pitch_cmd", {"pitch_cmd", "pitch_ref", "pitch_sp", "pitch_des"}, kAngle},
@@ -39,7 +41,7 @@ const std::vector<Pattern>& patterns() {
       {"pitch", {"pitch", "pitch_vicon", "pitch_imu", "pitch_est"}, kAngle},
       {"yaw", {"yaw", "yaw_vicon", "yaw_imu", "yaw_est", "heading"}, kAngle},
       {"yaw_rate", {"wz", "gz", "yaw_rate", "yawrate"}, kRate},
-      {"specific_force_z", {"az"}, {"mps2"}},
+      {"specific_force_z", {"az"}, kForce},
       {"vx", {"vx"}, kSpeed},
       {"vy", {"vy"}, kSpeed},
       {"vz", {"vz"}, kSpeed},
@@ -47,6 +49,13 @@ const std::vector<Pattern>& patterns() {
       {"vn", {"vn"}, kSpeed},
       {"ve", {"ve"}, kSpeed},
       {"airspeed", {"tas", "ias", "airspeed"}, kSpeed},
+      {"gyro_x", {"wx", "gx", "roll_rate", "rollrate"}, kRate},
+      {"gyro_y", {"wy", "gy", "pitch_rate", "pitchrate"}, kRate},
+      {"gyro_z", {"wz", "gz"}, kRate},
+      {"specific_force_x", {"ax"}, kForce},
+      {"specific_force_y", {"ay"}, kForce},
+      {"height", {"height", "z", "alt"}, kLength},
+      {"height", {"down"}, kLength, -1.0},
   };
   return kList;
 }
@@ -144,12 +153,24 @@ TimeSeries smoothed(const TimeSeries& raw, CleaningCounts* counts) {
   return series;
 }
 
+std::string listOfPlaces(const FlightSignals& signals) {
+  constexpr std::size_t kMostPlaces = 60;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(signals.places.size(), kMostPlaces); ++i)
+    list += (i > 0 ? ", " : "") + signals.places[i];
+  if (signals.places.size() > kMostPlaces)
+    list += " and " + std::to_string(signals.places.size() - kMostPlaces) + " more";
+  return list;
+}
+
 }  // namespace
 
 const TimeSeries& FlightSignals::at(const std::string& name) const {
   const auto found = series.find(name);
   if (found != series.end()) return found->second;
-  throw Error(source + ": no signal " + name + "; choose one with --signal " + name + "=COLUMN");
+  const std::string known = listOfPlaces(*this);
+  throw Error(source + ": no signal " + name + "; choose one with --signal " + name + "=COLUMN" +
+              (known.empty() ? "" : "; the log has " + known));
 }
 
 const std::vector<std::string>& signalNames() {
@@ -188,6 +209,7 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
   signals.source = log.path;
   const CsvColumns columns(log, choice);
   signals.remarks = columns.remarks();
+  signals.places = log.names;
   for (const auto& [signal, column] : choice) {
     if (signal == "time" || signal == "cmd_time") continue;
     const auto& names = signalNames();
@@ -197,7 +219,13 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
       throw Error("--signal " + signal + ": is none of " + known);
     }
     const bool turned = !column.empty() && column.front() == '-';
-    signals.series[signal] = columns.series(signal, column.substr(turned ? 1 : 0), turned ? -1.0 : 1.0);
+    const std::string ending = ":deg";
+    const bool degrees = column.size() > ending.size() &&
+                         column.compare(column.size() - ending.size(), ending.size(), ending) == 0;
+    const std::size_t from = turned ? 1 : 0;
+    const std::string name = column.substr(from, column.size() - from - (degrees ? ending.size() : 0));
+    const double factor = (turned ? -1.0 : 1.0) * (degrees ? kRadiansPerDegree / unitOf(name) : 1.0);
+    signals.series[signal] = columns.series(signal, name, factor);
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : patterns()) {
@@ -208,6 +236,30 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
     signals.origin[pattern.signal] = column;
   }
   return signals;
+}
+
+bool isAuxiliary(const std::string& name) {
+  return name.compare(0, 5, "gyro_") == 0 || name == "specific_force_x" || name == "specific_force_y" ||
+         name == "height";
+}
+
+std::vector<std::string> missingAxes(const FlightSignals& signals) {
+  const std::vector<std::string> found = recordedAxes(signals);
+  std::vector<std::string> sentences;
+  for (const std::string axis : {"roll", "pitch", "yaw_rate", "thrust"}) {
+    if (std::find(found.begin(), found.end(), axis) != found.end()) continue;
+    std::string missing = signals.has(axis + "_cmd") ? "" : axis + "_cmd";
+    const bool vertical = signals.has("vz") && signals.has("roll") && signals.has("pitch");
+    const bool answered = axis == "thrust" ? signals.has("specific_force_z") || vertical : signals.has(axis);
+    if (!answered)
+      missing += (missing.empty() ? "" : " and no ") +
+                 (axis == "thrust" ? "specific_force_z, nor vz with roll and pitch" : axis);
+    sentences.push_back(axis + " is not identified: the log has no " + missing);
+  }
+  const std::string known = listOfPlaces(signals);
+  if (!sentences.empty() && !known.empty())
+    sentences.push_back("--signal chooses the place of a signal; the log has " + known);
+  return sentences;
 }
 
 std::vector<std::string> recordedAxes(const FlightSignals& signals) {
@@ -224,6 +276,7 @@ AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis) {
   AxisRecords records;
   records.axis = axis;
   records.training.source = signals.source;
+  records.training.not_flight = signals.not_flight;
   records.training.command = signals.at(axis + "_cmd");
   if (axis == "thrust") {
     records.unit = "m/s^2";

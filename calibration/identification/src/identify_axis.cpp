@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "diagnose.hpp"
+#include "follow.hpp"
+#include "identification/flight_phases.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -61,20 +63,80 @@ AxisValidationFit validateOn(const LoopFit& fit, std::string source, std::vector
   return result;
 }
 
-std::optional<AxisValidationFit> validateByHalves(const LoopRecord& record,
-                                                  const std::vector<LoopSegment>& segments,
-                                                  const FitOptions& options) {
+// The models of one set of segments, in the order of kModels.
+std::vector<LoopFit> fitModels(const LoopFit& with_delay, const std::vector<LoopSegment>& segments,
+                               FitOptions options, std::size_t count) {
+  std::vector<LoopFit> fits = {with_delay};
+  if (count > 1) fits.push_back(equivalentLag(with_delay, segments));
+  options.order = LoopOrder::kSecond;
+  for (const bool delayed : {true, false}) {
+    if (fits.size() == count) break;
+    options.with_delay = delayed;
+    fits.push_back(fitLoop(segments, options));
+  }
+  return fits;
+}
+
+struct ModelName {
+  const char* key;
+  const char* title;
+};
+constexpr ModelName kModels[] = {{"model", "lag and delay"},
+                                 {"model_without_delay", "lag as handed out"},
+                                 {"model_second_order", "second order and delay"},
+                                 {"model_second_order_without_delay", "second order alone"}};
+
+std::size_t modelCount(const std::string& axis, bool second_order) {
+  if (axis == "thrust") return 1;
+  return second_order ? 4 : 2;
+}
+
+// The models of the first half, each validated on the second; none where a half says too little.
+std::vector<AxisValidationFit> validateByHalves(const LoopRecord& record,
+                                                const std::vector<LoopSegment>& segments,
+                                                const FitOptions& options, std::size_t count) {
   const auto [first, second] = halves(segments);
   const std::vector<LoopSegment> training = cutSegments(record, first, options.delay_greatest);
   const std::vector<LoopSegment> rest = cutSegments(record, second, options.delay_greatest);
-  if (totalDuration(training) < kLeastHalf || totalDuration(rest) < kLeastHalf) return std::nullopt;
+  if (totalDuration(training) < kLeastHalf || totalDuration(rest) < kLeastHalf) return {};
   try {
-    AxisValidationFit result = validateOn(fitLoop(training, options), record.source, rest);
-    result.by_halves = true;
-    return result;
+    std::vector<AxisValidationFit> results;
+    for (const LoopFit& fit : fitModels(fitLoop(training, options), training, options, count)) {
+      results.push_back(validateOn(fit, record.source, rest));
+      results.back().by_halves = true;
+    }
+    return results;
   } catch (const Error&) {
-    return std::nullopt;  // a half in which nothing moves says nothing
+    return {};  // a half in which nothing moves says nothing
   }
+}
+
+// Every controller model on the segments of another flight.
+std::vector<AxisValidationFit> validateOnFlight(const AxisModel& model, const std::string& source,
+                                                const std::vector<LoopSegment>& segments) {
+  std::vector<AxisValidationFit> results;
+  for (const ControllerModel& one : model.controller_models)
+    results.push_back(validateOn(one.fit, source, segments));
+  return results;
+}
+
+void takeValidation(std::vector<AxisValidationFit> results, AxisModel* model) {
+  for (std::size_t i = 0; i < results.size(); ++i)
+    model->controller_models[i].validation = std::move(results[i]);
+  model->validation = model->controller_models.front().validation;
+}
+
+// Every model of the axis on its segments.
+void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
+  FitOptions without = options;
+  without.with_delay = false;
+  model->without_delay = fitLoop(model->segments, without);
+  model->with_delay = fitLoop(model->segments, options);
+  std::vector<LoopFit> fits =
+      fitModels(model->with_delay, model->segments, options, modelCount(model->axis, second_order));
+  if (fits.size() > 2) model->second_order = fits[2];
+  for (std::size_t i = 0; i < fits.size(); ++i)
+    model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
 
 double blockLength(const std::vector<LoopSegment>& segments) {
@@ -84,15 +146,32 @@ double blockLength(const std::vector<LoopSegment>& segments) {
 }
 
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
-                              const ExcitationSearchOptions& options, ExcitationChoice* choice) {
-  *choice = chooseExcitation(record, options);
-  if (windows.empty()) return choice->windows;
+                              const IdentifyOptions& options, ExcitationChoice* choice) {
+  *choice = chooseExcitation(record, options.excitation);
+  if (windows.empty()) {
+    keepWhatFollows(record, options.fit, options.excitation.least_window, choice);
+    return choice->windows;
+  }
   choice->windows = windows;
   choice->rejected.clear();
   return windows;
 }
 
 }  // namespace
+
+const ControllerModel* AxisModel::findModel(const std::string& key) const {
+  for (const ControllerModel& one : controller_models) {
+    if (one.key == key) return &one;
+  }
+  return nullptr;
+}
+
+void judgeModels(const FitOptions& bounds, AxisModel* model) {
+  for (ControllerModel& one : model->controller_models)
+    one.reasons = reasonsAgainst(one, model->axis, bounds);
+  const ControllerModel* handed_out = model->findModel("model_without_delay");
+  model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
+}
 
 AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model;
@@ -106,28 +185,20 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  const std::vector<TimeWindow> windows =
-      given(options.windows, model.record, options.excitation, &model.choice);
+  const std::vector<TimeWindow> windows = given(options.windows, model.record, options, &model.choice);
   model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
                 (options.windows.empty() ? "no stretch in which the command moves and the response follows"
                                          : "the given windows hold no samples") +
+                whyNotFlight(records.training.not_flight, options.windows) +
                 whyUnusable(records.training.response));
   }
   FitOptions fit = options.fit;
+  fit.order = LoopOrder::kFirst;
+  fit.with_delay = true;
   try {
-    fit.order = LoopOrder::kFirst;
-    fit.with_delay = false;
-    model.without_delay = fitLoop(model.segments, fit);
-    if (options.second_order) {
-      fit.order = LoopOrder::kSecond;
-      fit.with_delay = true;
-      model.second_order = fitLoop(model.segments, fit);
-    }
-    fit.order = LoopOrder::kFirst;
-    fit.with_delay = true;
-    model.with_delay = fitLoop(model.segments, fit);
+    fitAll(fit, options.second_order, &model);
   } catch (const Error& error) {
     throw Error(where + error.what());
   }
@@ -135,20 +206,21 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
     CleaningCounts ignored;
     const LoopRecord other = cleanRecord(*records.validation, &ignored);
     ExcitationChoice choice;
-    const auto chosen = given(options.validation_windows, other, options.excitation, &choice);
+    const auto chosen = given(options.validation_windows, other, options, &choice);
     std::vector<LoopSegment> segments = cutSegments(other, chosen, options.fit.delay_greatest);
     if (segments.empty()) {
       throw Error(other.source + ": " + model.axis + ": nothing to validate on" +
                   whyUnusable(records.validation->response));
     }
-    model.validation = validateOn(model.with_delay, other.source, std::move(segments));
+    takeValidation(validateOnFlight(model, other.source, segments), &model);
   } else {
-    model.validation = validateByHalves(model.record, model.segments, fit);
+    takeValidation(validateByHalves(model.record, model.segments, fit, model.controller_models.size()),
+                   &model);
   }
   model.frequency_response = measureFrequencyResponse(model.segments, blockLength(model.segments),
                                                       kGreatestFrequency, kFrequencyPoints);
   model.warnings = diagnose(model, records, fit);
-  model.supported = isSupported(model);
+  judgeModels(fit, &model);
   return model;
 }
 

@@ -72,6 +72,13 @@ double slope(const std::vector<double>& time, const std::vector<double>& value, 
   return product / spread;
 }
 
+// Whether an ordered series has this very sample.
+bool holds(const TimeSeries& series, double time, double value) {
+  const auto at = std::lower_bound(series.time.begin(), series.time.end(), time);
+  return at != series.time.end() && *at == time &&
+         series.value[static_cast<std::size_t>(at - series.time.begin())] == value;
+}
+
 // The finite samples as pieces without far steps, the one that begins first before the others.
 std::vector<TimeSeries> piecesInOrder(const TimeSeries& series, CleaningCounts* counts) {
   std::vector<TimeSeries> pieces;
@@ -153,6 +160,24 @@ std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
   return left;
 }
 
+std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
+                                       const std::vector<RejectedWindow>& others) {
+  std::vector<TimeWindow> left = windows;
+  for (const RejectedWindow& other : others) {
+    std::vector<TimeWindow> rest;
+    for (const TimeWindow& window : left) {
+      if (other.window.to <= window.from || other.window.from >= window.to) {
+        rest.push_back(window);
+        continue;
+      }
+      if (window.from < other.window.from) rest.push_back({window.from, other.window.from});
+      if (other.window.to < window.to) rest.push_back({other.window.to, window.to});
+    }
+    left = rest;
+  }
+  return left;
+}
+
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
   if (series.time.size() != series.value.size())
     throw Error("time series: as many times as values are needed");
@@ -160,7 +185,7 @@ TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {
   for (const TimeSeries& piece : piecesInOrder(series, counts)) {
     for (std::size_t i = 0; i < piece.time.size(); ++i) {
       if (!clean.time.empty() && piece.time[i] <= clean.time.back()) {
-        ++counts->out_of_order;
+        ++(holds(clean, piece.time[i], piece.value[i]) ? counts->repeated : counts->out_of_order);
         continue;
       }
       clean.time.push_back(piece.time[i]);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identification/excitation.hpp"
+#include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -32,9 +33,12 @@ class Attitude {
     for (double& value : yaw_cosine_.value) value = std::cos(value);
   }
 
+  double yaw(double time) const {
+    return std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
+  }
+
   Eigen::Vector3d up(double time) const {
-    const double yaw = std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
-    return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+    return Eigen::AngleAxisd(yaw(time), Eigen::Vector3d::UnitZ()) *
            (Eigen::AngleAxisd(interpolated(pitch_, time), Eigen::Vector3d::UnitY()) *
             (Eigen::AngleAxisd(interpolated(roll_, time), Eigen::Vector3d::UnitX()) *
              Eigen::Vector3d::UnitZ()));
@@ -67,7 +71,9 @@ std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSigna
   record.response = velocity;
   record.command = {{velocity.time.front()}, {0.0}};
   std::vector<TimeWindow> windows = wanted;
-  if (windows.empty()) windows = {{velocity.time.front(), velocity.time.back()}};
+  if (windows.empty()) {
+    windows = windowsWithout({{velocity.time.front(), velocity.time.back()}}, signals.not_flight);
+  }
   for (const char* name : {"vx", "vy", "vz", "roll", "pitch", "yaw", "thrust_cmd"}) {
     if (signals.has(name)) windows = cutAtFarSteps(windows, clean(signals, name).time);
   }
@@ -108,6 +114,8 @@ void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>
       for (std::size_t axis = 0; axis < 3; ++axis) pull[axis][i] = vertical / up[2][i] * up[axis][i];
     }
   }
+  for (std::size_t i = 0; i < count; ++i)
+    motion->yaw[from + static_cast<Eigen::Index>(i)] = attitude.yaw(time[i]);
   const std::vector<double> smooth_lift = smoothed(time, lift, options.smoothing);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<double> smooth_pull = smoothed(time, pull[axis], options.smoothing);
@@ -143,7 +151,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   const std::vector<LoopSegment> parts = stretches(velocity[0], signals, options.windows);
   if (parts.empty()) {
     throw Error(signals.source + ": no stretch of velocities of a second or more" +
-                whyUnusable(signals.at("vx")));
+                whyNotFlight(signals.not_flight, options.windows) + whyUnusable(signals.at("vx")));
   }
   motion.starts.push_back(0);
   for (const LoopSegment& part : parts) {
@@ -155,6 +163,7 @@ Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
   motion.expected.resize(rows, 3);
   motion.velocity.resize(rows, 3);
   motion.lift.resize(rows);
+  motion.yaw.resize(rows);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     addStretch(parts[i].time, velocity, attitude, thrust.time.empty() ? nullptr : &thrust, options,
                static_cast<Eigen::Index>(motion.starts[i]), &motion);

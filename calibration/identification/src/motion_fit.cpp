@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "drag_judgement.hpp"
 #include "identification/motion.hpp"
+#include "motion_judgement.hpp"
 #include "polyfly_base/error.hpp"
 #include "regression.hpp"
 
@@ -19,6 +19,10 @@ constexpr double kLeastExpected = 0.1;
 constexpr double kLeastCorrelation = 0.5;
 // Greatest half width of a confidence interval [1/s].
 constexpr double kVagueDrag = 0.1;
+// Greatest half width of the interval of a heading misalignment [rad].
+constexpr double kVagueHeading = 0.05;
+// Misalignment of the heading from which on commands go astray: 2 degrees [rad].
+constexpr double kGreatestMisalignment = 0.035;
 // Greatest half width of a confidence interval, relative to the value.
 constexpr double kVagueShare = 0.3;
 
@@ -73,17 +77,65 @@ void checkDrag(FittedParameter& drag, std::vector<std::string>* warnings) {
         sentence("%s is not bounded by these data: %.2g +- %.2g 1/s. Fly fast and straight in calm air.",
                  drag.name.c_str(), drag.value, drag.half_width));
     drag.supported = false;
-  } else if (drag.greatest() < 0.0) {
+  } else if (!(drag.least() > 0.0)) {
     drag.supported = false;
     warnings->push_back(sentence(
-        "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame.",
+        drag.greatest() < 0.0
+            ? "%s is negative: wind pushed the vehicle along, or angles and velocities are of another frame."
+            : "The 95 %% interval of %s is not above zero: these data do not tell it from no drag.",
         drag.name.c_str()));
+  }
+}
+
+// First rows of the stretches where two axes stand one below the other, and the number of rows.
+std::vector<Eigen::Index> stackedStarts(const Motion& motion) {
+  std::vector<Eigen::Index> starts = indices(motion.starts);
+  for (const std::size_t start : motion.starts) {
+    if (start > 0) starts.push_back(motion.velocity.rows() + static_cast<Eigen::Index>(start));
+  }
+  return starts;
+}
+
+// Drag along heading and left of the body: a - expected = -R D R' v + d, both horizontal axes of W one below
+// the other, with R the turn by the yaw.
+void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
+  const Eigen::Index rows = motion.velocity.rows();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 4);
+  Eigen::VectorXd left(2 * rows);
+  const Eigen::ArrayXd cosine = motion.yaw.array().cos();
+  const Eigen::ArrayXd sine = motion.yaw.array().sin();
+  const Eigen::ArrayXd forward =
+      cosine * motion.velocity.col(0).array() + sine * motion.velocity.col(1).array();
+  const Eigen::ArrayXd sideways =
+      cosine * motion.velocity.col(1).array() - sine * motion.velocity.col(0).array();
+  columns.col(0).head(rows) = -(cosine * forward).matrix();
+  columns.col(0).tail(rows) = -(sine * forward).matrix();
+  columns.col(1).head(rows) = (sine * sideways).matrix();
+  columns.col(1).tail(rows) = -(cosine * sideways).matrix();
+  columns.col(2).head(rows).setOnes();
+  columns.col(3).tail(rows).setOnes();
+  left << motion.acceleration.col(0) - motion.expected.col(0),
+      motion.acceleration.col(1) - motion.expected.col(1);
+  const Regression found = regress(columns, left, stackedStarts(motion));
+  for (const auto& [name, column] :
+       {std::pair<const char*, Eigen::Index>{"drag_forward", 0}, {"drag_left", 1}}) {
+    result->parameters.push_back(parameterOf(name, "1/s", found, column));
+    result->parameters.back().supported = sound;
+    checkDrag(result->parameters.back(), &result->warnings);
   }
 }
 
 }  // namespace
 
 void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) { checkDrag(drag, warnings); }
+
+void judgeMass(std::vector<FittedParameter>* parameters, std::vector<std::string>* warnings) {
+  const FittedParameter& first = parameters->front();
+  if (first.half_width <= kVagueShare * std::abs(first.value) && first.least() > 0.0) return;
+  for (FittedParameter& parameter : *parameters) parameter.supported = false;
+  warnings->push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
+                               first.value, first.half_width));
+}
 
 std::vector<std::string> checkMotion(const Motion& motion) {
   std::vector<std::string> warnings;
@@ -133,6 +185,50 @@ MotionFit fitDrag(const Motion& motion) {
     trace.depends = list(motion.velocity.col(axis));
     result.traces.push_back(std::move(trace));
   }
+  fitRotorDrag(motion, sound, &result);
+  return result;
+}
+
+MotionFit fitHeading(const Motion& motion) {
+  const Eigen::Index rows = motion.velocity.rows();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * rows, 5);
+  columns.col(0) << motion.expected.col(0), motion.expected.col(1);
+  columns.col(1) << -motion.expected.col(1), motion.expected.col(0);
+  columns.col(2) << -motion.velocity.col(0), -motion.velocity.col(1);
+  columns.col(3).head(rows).setOnes();
+  columns.col(4).tail(rows).setOnes();
+  Eigen::VectorXd measured(2 * rows);
+  measured << motion.acceleration.col(0), motion.acceleration.col(1);
+  const Regression found = regress(columns, measured, stackedStarts(motion));
+  const double cosine = found.coefficients[0];
+  const double sine = found.coefficients[1];
+  // Of the angle of (cosine, sine), whose errors are taken as independent: they are by symmetry.
+  const auto across = [&](const Eigen::VectorXd& errors) {
+    return std::hypot(cosine * errors[1], sine * errors[0]) / (cosine * cosine + sine * sine);
+  };
+  MotionFit result;
+  FittedParameter angle = {"heading_misalignment", "rad", std::atan2(sine, cosine),
+                           across(found.standard_errors), across(found.half_widths)};
+  const double tilt = rms(columns.col(0)) * std::sqrt(2.0);
+  angle.supported = tilt >= kLeastExpected && angle.half_width <= kVagueHeading;
+  if (!angle.supported) {
+    result.warnings.push_back(
+        sentence("heading_misalignment is not bounded by these data: %.2g +- %.2g rad, at %.2g m/s^2 rms of "
+                 "horizontal "
+                 "thrust. Fly quicker, to all sides.",
+                 angle.value, angle.half_width, tilt));
+  } else if (std::abs(angle.value) > kGreatestMisalignment && std::abs(angle.value) > angle.half_width) {
+    result.warnings.push_back(sentence(
+        "The motion is turned by %.3f +- %.3f rad from where the attitude tilts: align yaw of odometry and "
+        "attitude before flight.",
+        angle.value, angle.half_width));
+  }
+  result.parameters = {angle};
+  const Eigen::VectorXd modelled = columns * found.coefficients;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    result.traces.push_back(traceOf(motion, std::string("acceleration along ") + kMotionAxes[axis], "m/s^2",
+                                    motion.acceleration.col(axis), modelled.segment(axis * rows, rows)));
+  }
   return result;
 }
 
@@ -143,6 +239,7 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
   const Regression found = regress(load, motion.lift, indices(motion.starts));
   MotionFit result;
   result.warnings = checkMotion(motion);
+  const bool sound = result.warnings.empty();
   const char* unit = motion.lift_is_share ? "1" : "N";
   if (motion.lift_is_share) {
     result.parameters = {parameterOf("hover_command", unit, found, 0, options.gravity)};
@@ -152,11 +249,8 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
     result.parameters = {parameterOf("mass", "kg", found, 0),
                          parameterOf("hover_thrust", unit, found, 0, options.gravity)};
   }
-  const FittedParameter& first = result.parameters.front();
-  if (!(first.half_width <= kVagueShare * std::abs(first.value)) || first.value <= 0.0) {
-    result.warnings.push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
-                                       first.value, first.half_width));
-  }
+  for (FittedParameter& parameter : result.parameters) parameter.supported = sound;
+  judgeMass(&result.parameters, &result.warnings);
   MotionTrace trace =
       traceOf(motion, "vertical part of the thrust command", unit, motion.lift, load * found.coefficients[0]);
   trace.against = "vertical acceleration with gravity and drag [m/s^2]";

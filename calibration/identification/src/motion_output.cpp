@@ -57,7 +57,7 @@ std::string toYaml(const MotionCalibration& calibration) {
   const bool several = calibration.data.size() > 1;
   for (const Provenance& flight : calibration.data)
     out << (several ? "\n  - " : " ") << provenanceMap(flight);
-  out << "\nwindows:";
+  out << "\n" << vehicleLine(calibration.vehicle) << "windows:";
   for (const std::vector<TimeWindow>& windows : calibration.windows) {
     out << (several ? "\n  - " : " ");
     writeWindowList(windows, out);

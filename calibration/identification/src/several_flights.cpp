@@ -38,6 +38,10 @@ void append(const TimeSeries& series, double shift, TimeSeries* all) {
   all->value.insert(all->value.end(), series.value.begin(), series.value.end());
 }
 
+void append(const std::vector<RejectedWindow>& windows, double shift, std::vector<RejectedWindow>* all) {
+  for (const RejectedWindow& one : windows) all->push_back({shifted(one.window, shift), one.reason});
+}
+
 // A flight after the other on one clock, from 0 s on.
 void layOut(std::vector<IdentifiedFlight>* flights) {
   double next = 0.0;
@@ -64,6 +68,7 @@ AxisRecords joined(const std::vector<IdentifiedFlight>& flights) {
   if (every(&AxisRecords::other_command)) all.other_command.emplace();
   if (every(&AxisRecords::vertical_velocity)) all.vertical_velocity.emplace();
   for (const IdentifiedFlight& flight : flights) {
+    append(flight.model.record.not_flight, flight.shift, &all.training.not_flight);
     all.training.source += (all.training.source.empty() ? "" : ", ") + flight.model.source;
     append(flight.model.record.command, flight.shift, &all.training.command);
     append(flight.model.record.response, flight.shift, &all.training.response);
@@ -72,6 +77,7 @@ AxisRecords joined(const std::vector<IdentifiedFlight>& flights) {
       append(*flight.records.vertical_velocity, flight.shift, &*all.vertical_velocity);
     all.cleaning.not_finite += flight.model.cleaning.not_finite;
     all.cleaning.out_of_order += flight.model.cleaning.out_of_order;
+    all.cleaning.repeated += flight.model.cleaning.repeated;
   }
   return all;
 }
@@ -88,6 +94,13 @@ IdentifyOptions jointOptions(const std::vector<IdentifiedFlight>& flights, Ident
 std::vector<LoopFit> fitsOf(const std::vector<IdentifiedFlight>& flights, LoopFit AxisModel::*fit) {
   std::vector<LoopFit> fits;
   for (const IdentifiedFlight& flight : flights) fits.push_back(flight.model.*fit);
+  return fits;
+}
+
+// One of the models for a controller, as each flight has it.
+std::vector<LoopFit> controllerFits(const std::vector<IdentifiedFlight>& flights, std::size_t place) {
+  std::vector<LoopFit> fits;
+  for (const IdentifiedFlight& flight : flights) fits.push_back(flight.model.controller_models[place].fit);
   return fits;
 }
 
@@ -164,12 +177,58 @@ void addWarnings(const std::vector<IdentifiedFlight>& flights, AxisModel* model)
         "third flight.");
   }
   for (const AxisFlight& flight : model->flights) {
-    if (flight.left_out_percent >= flight.fit_percent - kDropBetween) continue;
+    if (flight.validation_percent >= flight.fit_percent - kDropBetween) continue;
     char text[160];
     std::snprintf(text, sizeof text, ": the model of the other flights reaches %.1f %%, its own %.1f %%.",
-                  flight.left_out_percent, flight.fit_percent);
+                  flight.validation_percent, flight.fit_percent);
     model->warnings.push_back(fileName(flight.source) + text);
   }
+}
+
+// What each flight says, and what was left out of it. `percents`: fit of the others' model on each.
+void addFlights(const std::vector<IdentifiedFlight>& flights, const std::vector<double>& percents,
+                AxisModel* model) {
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    const AxisModel& own = flights[i].model;
+    model->flights.push_back({own.source, flights[i].begins, own.choice.windows, own.choice.rejected,
+                              own.with_delay.parameters, own.with_delay.fit_percent, percents[i]});
+    append(own.choice.rejected, flights[i].shift, &model->choice.rejected);
+  }
+}
+
+// Validates each model for a controller flight by flight. The result is the fit of `model` on each flight, by the
+// model of the others.
+std::vector<double> validateByFlights(const std::vector<IdentifiedFlight>& flights, AxisModel* model) {
+  std::vector<double> of_first;
+  for (std::size_t i = 0; i < model->controller_models.size(); ++i) {
+    std::vector<double> percents;
+    AxisValidationFit each = leaveOneOut(flights, controllerFits(flights, i), &percents);
+    if (i == 0) of_first = std::move(percents);
+    ControllerModel& one = model->controller_models[i];
+    // One that another flight has validated stays so.
+    if (one.validation && !one.validation->by_halves) continue;
+    each.training_percent = one.fit.fit_percent;
+    one.validation = std::move(each);
+  }
+  model->validation = model->controller_models.front().validation;
+  return of_first;
+}
+
+// The pooled models in place of those of all flights together.
+void poolModels(const std::vector<IdentifiedFlight>& flights, AxisModel* model) {
+  pool(fitsOf(flights, &AxisModel::without_delay), model->segments, &model->without_delay);
+  for (std::size_t i = 0; i < model->controller_models.size(); ++i) {
+    ControllerModel& one = model->controller_models[i];
+    pool(controllerFits(flights, i), model->segments, &one.fit);
+    one.validation->training_percent = one.fit.fit_percent;
+    if (one.validation->by_flights) continue;
+    LoopPrediction prediction = predictLoop(one.fit, one.validation->segments);
+    one.validation->validation_percent = prediction.fit_percent;
+    one.validation->prediction = std::move(prediction.prediction);
+  }
+  model->with_delay = model->controller_models.front().fit;
+  if (model->second_order) model->second_order = model->findModel("model_second_order")->fit;
+  model->validation = model->controller_models.front().validation;
 }
 
 AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptions& options,
@@ -178,39 +237,14 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   AxisRecords records = joined(flights);
   records.validation = validation;
   AxisModel model = identifyAxis(records, jointOptions(flights, options));
-  std::vector<double> left_out;
-  const std::vector<LoopFit> fits = fitsOf(flights, &AxisModel::with_delay);
-  AxisValidationFit each = leaveOneOut(flights, fits, &left_out);
-  for (std::size_t i = 0; i < flights.size(); ++i) {
-    const AxisModel& own = flights[i].model;
-    model.flights.push_back({own.source, flights[i].begins, own.choice.windows, fits[i].parameters,
-                             fits[i].fit_percent, left_out[i]});
-    for (const RejectedWindow& rejected : own.choice.rejected)
-      model.choice.rejected.push_back({shifted(rejected.window, flights[i].shift), rejected.reason});
-  }
-  if (!validation) {
-    model.validation = std::move(each);
-    model.validation->training_percent = model.with_delay.fit_percent;
-  }
+  addFlights(flights, validateByFlights(flights, &model), &model);
   FitOptions bounds = options.fit;
   bounds.order = LoopOrder::kFirst;
   bounds.with_delay = true;
   model.warnings = diagnose(model, records, bounds);
-  pool(fits, model.segments, &model.with_delay);
-  pool(fitsOf(flights, &AxisModel::without_delay), model.segments, &model.without_delay);
-  if (model.second_order) {
-    std::vector<LoopFit> second;
-    for (const IdentifiedFlight& flight : flights) second.push_back(*flight.model.second_order);
-    pool(second, model.segments, &*model.second_order);
-  }
-  if (validation) {
-    const LoopPrediction prediction = predictLoop(model.with_delay, model.validation->segments);
-    model.validation->validation_percent = prediction.fit_percent;
-    model.validation->prediction = prediction.prediction;
-  }
-  model.validation->training_percent = model.with_delay.fit_percent;
+  poolModels(flights, &model);
   addWarnings(flights, &model);
-  model.supported = isSupported(model);
+  judgeModels(bounds, &model);
   return model;
 }
 

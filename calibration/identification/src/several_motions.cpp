@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "drag_judgement.hpp"
 #include "identification/several_flights.hpp"
+#include "motion_judgement.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -25,6 +25,20 @@ TimeWindow spanOf(const FlightSignals& flight) {
   }
   if (!(span.from <= span.to)) throw Error(flight.source + ": holds no sample");
   return span;
+}
+
+TimeWindow movedBy(const TimeWindow& window, double by) { return {window.from + by, window.to + by}; }
+
+std::vector<std::string> commonPlaces(const std::vector<FlightSignals>& flights) {
+  std::vector<std::string> common;
+  for (const std::string& place : flights.front().places) {
+    const bool everywhere =
+        std::all_of(flights.begin(), flights.end(), [&place](const FlightSignals& flight) {
+          return std::find(flight.places.begin(), flight.places.end(), place) != flight.places.end();
+        });
+    if (everywhere) common.push_back(place);
+  }
+  return common;
 }
 
 // What must be alike for one model.
@@ -57,7 +71,10 @@ JoinedFlights joinFlights(const std::vector<FlightSignals>& flights) {
     all.source += (all.source.empty() ? "" : ", ") + flight.source;
     const TimeWindow span = spanOf(flight);
     joined.shifts.push_back(next - span.from);
-    next = span.to + joined.shifts.back() + kMotionPause;
+    joined.spans.push_back(movedBy(span, joined.shifts.back()));
+    next = joined.spans.back().to + kMotionPause;
+    for (const RejectedWindow& one : flight.not_flight)
+      all.not_flight.push_back({movedBy(one.window, joined.shifts.back()), one.reason});
     for (const auto& [name, series] : flight.series) {
       const bool common = std::all_of(flights.begin(), flights.end(),
                                       [name = name](const FlightSignals& other) { return other.has(name); });
@@ -67,6 +84,7 @@ JoinedFlights joinFlights(const std::vector<FlightSignals>& flights) {
       one.value.insert(one.value.end(), series.value.begin(), series.value.end());
     }
   }
+  all.places = commonPlaces(flights);
   return joined;
 }
 
@@ -78,6 +96,12 @@ SeveralFit fitDragOf(const Motion& joint, const std::vector<Motion>& flights) {
   all.warnings = checkMotion(joint);
   const bool sound = all.warnings.empty();
   SeveralFit result = pooled(std::move(all), fits);
+  // Those of the rotors come last.
+  const std::size_t rotors = 2 * result.traces.size();
+  for (std::size_t i = rotors; i < result.parameters.size(); ++i) {
+    result.parameters[i].supported = sound;
+    judgeDrag(result.parameters[i], &result.warnings);
+  }
   // Each axis has its coefficient and its offset, and one trace, which is straight in the velocity.
   for (std::size_t axis = 0; axis < result.traces.size(); ++axis) {
     FittedParameter& drag = result.parameters[2 * axis];
@@ -98,6 +122,7 @@ SeveralFit fitMassOf(const Motion& joint, const std::vector<Motion>& flights, co
   for (const Motion& flight : flights) fits.push_back(fitMass(flight, options));
   const double before = all.parameters.front().value;
   SeveralFit result = pooled(std::move(all), fits);
+  judgeMass(&result.parameters, &result.warnings);
   // The model is proportional to its first parameter.
   for (double& value : result.traces.front().modelled) value *= result.parameters.front().value / before;
   return result;

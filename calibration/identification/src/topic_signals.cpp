@@ -86,7 +86,7 @@ void TopicSignals::add(const BagMessage& message) {
   std::size_t name = 0;
   for (const FieldUse& use : uses_) {
     if (use.angle == FieldUse::Angle::kNone) {
-      values_[name++].push_back((*numbers)[at++]);
+      values_[name++].push_back(use.scale * (*numbers)[at++]);
     } else {
       values_[name++].push_back(angleOf(quaternion(numbers->data() + at), use.angle));
       at += std::size(kQuaternion);

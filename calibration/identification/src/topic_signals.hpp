@@ -19,6 +19,8 @@ struct FieldUse {
   /// Path of a number, or of a quaternion if an angle is requested.
   std::string path;
   Angle angle = Angle::kNone;
+  /// Factor from the field's unit to that of the signal.
+  double scale = 1.0;
 };
 
 /// Collects signals from the messages of one topic.

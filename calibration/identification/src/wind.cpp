@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "identification/flight_phases.hpp"
 #include "identification/motion.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
@@ -39,7 +40,8 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& wan
   Samples samples;
   std::vector<double> rows[3];
   std::vector<TimeWindow> windows = wanted;
-  if (windows.empty() && !north.time.empty()) windows = {{north.time.front(), north.time.back()}};
+  if (windows.empty() && !north.time.empty())
+    windows = windowsWithout({{north.time.front(), north.time.back()}}, signals.not_flight);
   for (const TimeSeries* series : {&north, &east, &airspeed}) windows = cutAtFarSteps(windows, series->time);
   for (std::size_t i = 0; i < north.time.size() && !east.time.empty() && !airspeed.time.empty(); ++i) {
     const double time = north.time[i];
@@ -55,7 +57,8 @@ Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& wan
   }
   constexpr std::size_t kLeastSamples = 20;
   if (rows[0].size() < kLeastSamples)
-    throw Error(signals.source + ": too few samples in flight with airspeed" + whyUnusable(signals.at("vn")));
+    throw Error(signals.source + ": too few samples in flight with airspeed" +
+                whyNotFlight(signals.not_flight, wanted) + whyUnusable(signals.at("vn")));
   const auto vector = [](const std::vector<double>& values) {
     return Eigen::VectorXd(
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));

@@ -20,6 +20,11 @@ std::string provenanceMap(const Provenance& provenance) {
          ", recorded: " + yamlString(provenance.recorded) + "}";
 }
 
+std::string vehicleLine(const RecognisedVehicle& vehicle) {
+  return std::string("vehicle: {kind: ") + nameOf(vehicle.kind) + ", reason: " + yamlString(vehicle.reason) +
+         "}\n";
+}
+
 std::string valueText(double value, double half_width) {
   char text[64];
   std::snprintf(text, sizeof text, "%.5g", value);

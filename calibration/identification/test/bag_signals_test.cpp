@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 
 #include "identification/identify_axis.hpp"
 #include "made_bag.hpp"
@@ -71,6 +72,8 @@ class BagSignalsTest : public testing::Test {
     const LoopRecord record = test::makeFlight({}, 1);
     MadeBag bag;
     for (const std::string& vehicle : vehicles) {
+      // Another vehicle does something else.
+      const double sign = same_ || vehicle == vehicles.front() ? 1.0 : -1.0;
       const auto command = bag.connect(vehicle + "/command/roll_pitch_yawrate_thrust",
                                        "mav_msgs/RollPitchYawrateThrust", kCommand);
       const auto odometry = bag.connect(vehicle + "/odometry", "nav_msgs/Odometry", kOdometry);
@@ -85,13 +88,13 @@ class BagSignalsTest : public testing::Test {
         while (next < record.command.time.size() &&
                record.command.time[next] <= record.response.time[i] + ahead) {
           const double time = kStart + record.command.time[next];
-          bag.write(command, time, commandMessage(time + command_lead_, record.command.value[next]));
+          bag.write(command, time, commandMessage(time + command_lead_, sign * record.command.value[next]));
           ++next;
         }
         const double time = kStart + record.response.time[i];
         bag.write(odometry, time,
                   odometryMessage(stamp_(time) + (2 * i > record.response.time.size() ? clock : 0.0),
-                                  record.response.value[i]));
+                                  sign * record.response.value[i]));
         if (i % 100 == 99) bag.endChunk();
       }
     }
@@ -123,6 +126,8 @@ class BagSignalsTest : public testing::Test {
   std::function<double(double)> stamp_ = [](double time) { return time; };
   // Stamp of a command minus its receive time [s].
   double command_lead_ = 0.0;
+  // True: all vehicles of writeFlight do the same, as where messages are recorded twice.
+  bool same_ = false;
 };
 
 TEST_F(BagSignalsTest, FindsCommandAndAttitude) {
@@ -191,6 +196,17 @@ TEST_F(BagSignalsTest, LeavesAnotherClockOutWhereOneTopicHasNoStamps) {
   EXPECT_NEAR(identifyRoll(bag).with_delay.shape.delay, test::MadeLoop().delay, 0.01);
 }
 
+TEST_F(BagSignalsTest, SaysThatPartsAreLost) {
+  writeFlight({""});
+  std::ifstream file(path_, std::ios::binary);
+  std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  bytes.resize(bytes.size() / 2);
+  write(bytes);
+  const BagSignals bag = signalsFromBag(path_, {});
+  EXPECT_NE(bag.health.remarks.back().find("The end of the recording is missing"), std::string::npos)
+      << bag.health.remarks.back();
+}
+
 TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
   writeFlight({"/one", "/two"});
   EXPECT_NE(errorOf({}).find("could come from /one/"), std::string::npos) << errorOf({});
@@ -216,6 +232,16 @@ TEST_F(BagSignalsTest, UsesTheTopicsOfOneNamespace) {
   options.choice = {{"yaw_rate", "odometry:twist.twist.angular.z"}};
   EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("yaw_rate"), "/bravo/odometry");
   EXPECT_NE(errorOf({}).find("choose with --namespace"), std::string::npos) << errorOf({});
+}
+
+TEST_F(BagSignalsTest, CountsMessagesInTwoTopicsOnce) {
+  same_ = true;
+  writeFlight({"", "/relay"});
+  const BagSignals bag = signalsFromBag(path_, {});
+  ASSERT_EQ(bag.health.remarks.size(), 2u);
+  EXPECT_EQ(bag.health.remarks[1], "topic /relay/odometry: repeats /odometry; its messages count once");
+  EXPECT_EQ(bag.signals.origin.at("roll"), "/odometry");
+  EXPECT_EQ(bag.signals.at("roll").time.size(), test::makeFlight({}, 1).response.time.size());
 }
 
 TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {

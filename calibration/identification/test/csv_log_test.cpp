@@ -72,6 +72,13 @@ TEST_F(CsvFile, FindsSignalsAndTurnsDegrees) {
   EXPECT_DOUBLE_EQ(signals.at("pitch").value[0], 1.0);
   EXPECT_DOUBLE_EQ(signalsFromCsv(log, {{"pitch", "-other"}}).at("pitch").value[0], -1.0);
   EXPECT_EQ(recordedAxes(signals), (std::vector<std::string>{"roll"}));
+  EXPECT_NEAR(signalsFromCsv(log, {{"pitch", "-other:deg"}}).at("pitch").value[0], -std::acos(-1.0) / 180.0,
+              1e-12);
+  const std::vector<std::string> missing = missingAxes(signals);
+  ASSERT_EQ(missing.size(), 4u);
+  EXPECT_EQ(missing[0], "pitch is not identified: the log has no pitch_cmd");
+  EXPECT_EQ(missing[1], "yaw_rate is not identified: the log has no yaw_rate_cmd");
+  EXPECT_NE(missing[3].find("the log has t_s, cmd_t_s, roll_cmd_deg"), std::string::npos) << missing[3];
   EXPECT_THROW(signals.at("yaw"), Error);
   EXPECT_THROW(signalsFromCsv(log, {{"nonsense", "other"}}), Error);
   EXPECT_THROW(signalsFromCsv(log, {{"pitch", "nonsense"}}), Error);

@@ -106,6 +106,31 @@ TEST(IdentifyAxis, WarnsOfSaturation) {
   EXPECT_TRUE(warnsOf(model, "saturates")) << all(model);
 }
 
+// A stick at its middle is no limit, also where the pilot moved it to one side only; a cut-off command is one.
+TEST(IdentifyAxis, WarnsOfALimitButNotOfACentredStick) {
+  AxisRecords records = madeAxis({}, 1);
+  TimeSeries& command = records.training.command;
+  for (std::size_t i = 0; i < command.time.size(); ++i)
+    command.value[i] = std::fmax(0.0, 0.3 * std::sin(1.1 * command.time[i]));
+  EXPECT_FALSE(warnsOf(identifyAxis(records, wholeFlight()), "at its limit"));
+  for (std::size_t i = 0; i < command.time.size(); ++i)
+    command.value[i] = std::fmin(0.25, 0.3 * std::sin(1.1 * command.time[i]));
+  EXPECT_TRUE(warnsOf(identifyAxis(records, wholeFlight()), "at its limit"));
+}
+
+TEST(IdentifyAxis, CountsRowsThatWereWrittenTwiceOnce) {
+  AxisRecords records = madeAxis({}, 1);
+  for (TimeSeries* series : {&records.training.command, &records.training.response}) {
+    const TimeSeries once = *series;
+    series->time.insert(series->time.end(), once.time.begin(), once.time.end());
+    series->value.insert(series->value.end(), once.value.begin(), once.value.end());
+  }
+  const AxisModel model = identifyAxis(records, wholeFlight());
+  EXPECT_TRUE(model.warnings.empty()) << all(model);
+  EXPECT_GT(model.cleaning.repeated, 1000u);
+  EXPECT_EQ(model.with_delay.samples, identifyAxis(madeAxis({}, 1), wholeFlight()).with_delay.samples);
+}
+
 TEST(IdentifyAxis, NamesSourceAndAxisWhenThereIsNothing) {
   AxisRecords records = madeAxis({}, 1);
   records.training.source = "flight.csv";

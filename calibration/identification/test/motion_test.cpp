@@ -25,6 +25,8 @@ struct MadeMotion {
   double noise = 0.005;
   // Step of the disturbance along x in the second half [m/s^2].
   double step = 0.0;
+  // True: the drag acts along heading, left and up of the body.
+  bool drag_turns = false;
 };
 
 // A multirotor that tilts and turns, by Euler's method in small steps; yaw wraps. `gusts` are the
@@ -65,13 +67,82 @@ FlightSignals makeMotion(const MadeMotion& made, std::uint32_t seed, std::vector
       put("vz", t, velocity.z() + made.noise * normal(random));
       if (gusts != nullptr) gusts->push_back(disturbance.x() + more.x());
     }
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    if (made.drag_turns) turn << std::cos(yaw), -std::sin(yaw), 0, std::sin(yaw), std::cos(yaw), 0, 0, 0, 1;
     velocity += kStep * (thrust / kMass * up - Eigen::Vector3d(0.0, 0.0, kGravity) -
-                         made.drag.cwiseProduct(velocity) + disturbance + more);
+                         turn * made.drag.asDiagonal() * turn.transpose() * velocity + disturbance + more);
     for (double& one : disturbance) {
       one += -one * kStep / kMemory + made.gust * std::sqrt(2.0 * kStep / kMemory) * normal(random);
     }
   }
   return signals;
+}
+
+TEST(Motion, FindsTheDragOfTheRotorsAlongTheBody) {
+  int inside = 0;
+  constexpr int kFlights = 20;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
+    MadeMotion made;
+    made.gust = 0.03;
+    made.drag_turns = true;
+    const auto found = fitDrag(motionOf(makeMotion(made, seed), {})).parameters;
+    ASSERT_EQ(found.size(), 6u);
+    for (const std::size_t axis : {0u, 1u}) {
+      const FittedParameter& drag = found[4 + axis];
+      EXPECT_EQ(drag.name, axis == 0 ? "drag_forward" : "drag_left");
+      const double truth = made.drag[static_cast<Eigen::Index>(axis)];
+      inside += drag.least() <= truth && truth <= drag.greatest() ? 1 : 0;
+      EXPECT_NEAR(drag.value, truth, 0.02);
+      EXPECT_TRUE(drag.supported);
+    }
+  }
+  EXPECT_GE(inside, 2 * kFlights * 9 / 10);
+}
+
+TEST(Motion, FindsTheHeadingMisalignmentWithinItsInterval) {
+  int inside = 0;
+  constexpr int kFlights = 20;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
+    // The attitude tells a yaw that is less by `truth` than that of the motion.
+    const double truth = 0.02 * static_cast<double>(seed) - 0.2;
+    FlightSignals signals = makeMotion({}, seed);
+    for (double& yaw : signals.series["yaw"].value) yaw -= truth;
+    const MotionFit fit = fitHeading(motionOf(signals, {}));
+    const FittedParameter& angle = fit.parameters.front();
+    EXPECT_EQ(angle.name, "heading_misalignment");
+    EXPECT_TRUE(angle.supported);
+    EXPECT_NEAR(angle.value, truth, 0.04);
+    inside += angle.least() <= truth && truth <= angle.greatest() ? 1 : 0;
+    const bool warned = !fit.warnings.empty();
+    EXPECT_TRUE(warned || std::abs(truth) < 0.07) << truth;
+    EXPECT_TRUE(!warned || std::abs(truth) > 0.001) << truth;
+  }
+  EXPECT_GE(inside, kFlights * 9 / 10 - 1);
+}
+
+TEST(Motion, TooLittleTiltTellsNoHeading) {
+  FlightSignals signals = makeMotion({}, 1);
+  for (const char* name : {"roll", "pitch"}) {
+    for (double& value : signals.series[name].value) value *= 0.001;
+  }
+  const MotionFit fit = fitHeading(motionOf(signals, {}));
+  EXPECT_FALSE(fit.parameters.front().supported);
+  EXPECT_FALSE(fit.warnings.empty());
+}
+
+// Without drag, about half of the estimates are negative, and none may be handed out.
+TEST(Motion, ADragThatIsNotAboveZeroIsNotSupported) {
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    MadeMotion made;
+    made.gust = 0.05;
+    made.drag.setZero();
+    const MotionFit fit = fitDrag(motionOf(makeMotion(made, seed), {}));
+    for (const FittedParameter& one : fit.parameters) {
+      const bool drag = one.name.rfind("drag", 0) == 0;
+      EXPECT_TRUE(!drag || one.least() > 0.0 || !one.supported) << one.name;
+    }
+    EXPECT_FALSE(fit.warnings.empty());
+  }
 }
 
 TEST(Motion, FindsDragWithinItsInterval) {
@@ -83,7 +154,7 @@ TEST(Motion, FindsDragWithinItsInterval) {
     MotionOptions options;
     options.mass = kMass;
     const auto found = fitDrag(motionOf(makeMotion(made, seed), options)).parameters;
-    ASSERT_EQ(found.size(), 6u);
+    ASSERT_EQ(found.size(), 8u);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const FittedParameter& drag = found[2 * axis];
       const double truth = made.drag[static_cast<Eigen::Index>(axis)];
@@ -102,7 +173,7 @@ TEST(Motion, FindsDragWithoutAKnownThrust) {
   FlightSignals signals = makeMotion(made, 2);
   signals.series.erase("thrust_cmd");
   const auto found = fitDrag(motionOf(signals, {})).parameters;
-  ASSERT_EQ(found.size(), 4u);
+  ASSERT_EQ(found.size(), 6u);
   EXPECT_NEAR(found[0].value, made.drag.x(), 0.02);
   EXPECT_NEAR(found[2].value, made.drag.y(), 0.02);
   EXPECT_THROW(fitMass(motionOf(signals, {}), {}), Error);
@@ -345,9 +416,28 @@ TEST(SeveralMotions, AreOneRecordOnOneClock) {
   EXPECT_LT(joined.signals.at("vx").time.back(), 400.0);
   const Motion joint = motionOf(joined.signals, {});
   EXPECT_EQ(joint.starts.size(), 4u);
+  ASSERT_EQ(joined.spans.size(), 3u);
+  EXPECT_GT(joined.spans[1].from, joined.spans[0].to);
   const auto bounds = boundDisturbance(joint, {}, {});
   EXPECT_GT(bounds[0].independent_samples,
             1.5 * boundDisturbance(motionOf(flights[0], {}), {}, {})[0].independent_samples);
+}
+
+TEST(SeveralMotions, LeaveOutOfEachWhatIsNoFlight) {
+  auto flights = makeFlightsOfOneVehicle(1);
+  flights[0].places = {"a", "b"};
+  flights[1].places = {"b", "c"};
+  flights[2].places = {"b"};
+  const double start = flights[1].at("vx").time.front();
+  flights[1].not_flight = {{{start + 5.0, start + 8.0}, "upset"}};
+  const JoinedFlights joined = joinFlights(flights);
+  EXPECT_EQ(joined.signals.places, std::vector<std::string>{"b"});
+  const Motion motion = motionOf(joined.signals, {});
+  const double from = joined.spans[1].from;
+  EXPECT_TRUE(std::none_of(motion.time.begin(), motion.time.end(),
+                           [from](double time) { return time > from + 5.01 && time < from + 7.99; }));
+  EXPECT_TRUE(std::any_of(motion.time.begin(), motion.time.end(),
+                          [from](double time) { return time > from + 9.0 && time < from + 10.0; }));
 }
 
 TEST(SeveralMotions, FindMassOrSayWhyNot) {

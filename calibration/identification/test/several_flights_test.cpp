@@ -131,7 +131,7 @@ TEST(SeveralFlights, GivesOneModelOfThreeEqualFlights) {
   EXPECT_TRUE(model.validation->by_flights);
   EXPECT_NEAR(model.validation->validation_percent, model.with_delay.fit_percent, 2.0);
   for (const AxisFlight& flight : model.flights)
-    EXPECT_NEAR(flight.left_out_percent, flight.fit_percent, 2.0);
+    EXPECT_NEAR(flight.validation_percent, flight.fit_percent, 2.0);
   // The windows are those of each flight's own time, the segments those of one clock.
   EXPECT_GT(model.flights[1].windows.front().from, 1.6e9 - 1.0);
   EXPECT_LT(model.segments.back().time.back(), 400.0);
@@ -139,6 +139,51 @@ TEST(SeveralFlights, GivesOneModelOfThreeEqualFlights) {
     EXPECT_GT(model.segments[i].time.front(), model.segments[i - 1].time.back());
   ASSERT_EQ(model.with_delay.prediction.size(), model.segments.size());
   ASSERT_EQ(model.validation->prediction.size(), model.validation->segments.size());
+}
+
+TEST(SeveralFlights, HandsOutModelsWithTheSpreadBetweenFlights) {
+  test::MadeLoop weak;
+  weak.gain = 0.95;
+  test::MadeLoop strong;
+  strong.gain = 1.05;
+  IdentifyOptions options;
+  options.second_order = true;
+  const AxisModel model = identifyFlights(madeAxes({weak, {}, strong}), options);
+  ASSERT_EQ(model.controller_models.size(), 4u);
+  for (const ControllerModel& one : model.controller_models) {
+    ASSERT_TRUE(one.validation.has_value());
+    EXPECT_TRUE(one.validation->by_flights);
+    EXPECT_EQ(one.validation->training_percent, one.fit.fit_percent);
+    EXPECT_NEAR(one.validation->validation_percent, one.fit.fit_percent, 3.0) << one.key;
+    // Of a loop of first order, the second-order numbers need not be bounded.
+    if (one.fit.shape.order == LoopOrder::kFirst) {
+      EXPECT_TRUE(one.supported()) << one.key;
+    }
+  }
+  const ControllerModel& lag = *model.findModel("model_without_delay");
+  EXPECT_NEAR(lag.fit.find("gain")->between_flights, 0.05, 0.015);
+  EXPECT_EQ(lag.fit.gain, lag.fit.find("gain")->value);
+  EXPECT_NEAR(lag.fit.shape.tau, test::MadeLoop().tau + test::MadeLoop().delay, 0.015);
+  EXPECT_EQ(lag.fit.shape.delay, 0.0);
+  EXPECT_EQ(model.with_delay.gain, model.controller_models.front().fit.gain);
+  EXPECT_EQ(model.second_order->gain, model.findModel("model_second_order")->fit.gain);
+}
+
+TEST(SeveralFlights, LeaveOutOfEachWhatIsNoFlight) {
+  std::vector<AxisFlightRecords> flights = madeAxes({{}, {}, {}});
+  const LoopRecord& record = flights[1].records.training;
+  const double start = std::min(record.command.time.front(), record.response.time.front());
+  flights[1].records.training.not_flight = {{{start + 10.0, start + 13.0}, "upset"}};
+  const AxisModel model = identifyFlights(flights, {});
+  ASSERT_EQ(model.flights.size(), 3u);
+  ASSERT_FALSE(model.flights[1].left_out.empty());
+  EXPECT_EQ(model.flights[1].left_out.front().reason, "upset");
+  EXPECT_NEAR(model.flights[1].left_out.front().window.from, start + 10.0, 1e-6);
+  for (const TimeWindow& window : model.flights[1].windows)
+    EXPECT_TRUE(window.to <= start + 10.01 || window.from >= start + 12.99);
+  // On the clock of all flights, in the record too.
+  ASSERT_EQ(model.record.not_flight.size(), 1u);
+  EXPECT_NEAR(model.record.not_flight.front().window.from, model.flights[1].begins + 10.0, 1e-6);
 }
 
 TEST(SeveralFlights, IsTheFlightItselfWhereTheOthersSayNothing) {
@@ -162,8 +207,11 @@ TEST(SeveralFlights, SaysWhereTheyDiffer) {
   EXPECT_NE(allWarnings(model).find("The flights differ in gain: "), std::string::npos) << allWarnings(model);
   EXPECT_NE(allWarnings(model).find("flight 3: the model of the other flights reaches"), std::string::npos);
   EXPECT_GT(model.with_delay.find("gain")->between_flights, 0.15);
+  EXPECT_FALSE(model.supported);
+  const ControllerModel& lag = *model.findModel("model_without_delay");
+  ASSERT_FALSE(lag.reasons.empty());
   // The others' gain of 1 on a flight with 0.6: an error of two thirds.
-  EXPECT_NEAR(model.flights[2].left_out_percent, 35.0, 8.0);
+  EXPECT_NEAR(model.flights[2].validation_percent, 35.0, 8.0);
 }
 
 TEST(SeveralFlights, AsksForAThirdFlightWhereTwoSayTooLittle) {
@@ -180,8 +228,13 @@ TEST(SeveralFlights, TakesTheGivenValidation) {
   for (AxisFlightRecords& flight : flights) flight.records.validation = test::makeFlight({}, 9);
   const AxisModel model = identifyFlights(flights, {});
   EXPECT_FALSE(model.validation->by_flights);
+  for (const ControllerModel& one : model.controller_models) {
+    EXPECT_FALSE(one.validation->by_flights);
+    EXPECT_NEAR(one.validation->validation_percent,
+                predictLoop(one.fit, one.validation->segments).fit_percent, 1e-9);
+  }
   EXPECT_GT(model.validation->validation_percent, 85.0);
-  EXPECT_GT(model.flights[0].left_out_percent, 85.0);
+  EXPECT_GT(model.flights[0].validation_percent, 85.0);
 }
 
 }  // namespace

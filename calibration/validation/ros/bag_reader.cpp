@@ -63,6 +63,7 @@ class LogBuilder {
   void add(const nav_msgs::Odometry& message) {
     log_.add(toVehicleState(message));
     times_.push_back(time_);
+    odometry_times_.push_back(time_);
   }
 
   void add(const trajectory_msgs::MultiDOFJointTrajectory& message) {
@@ -79,6 +80,7 @@ class LogBuilder {
     command.stamp = message.header.stamp.toSec();
     command.command = {message.roll, message.pitch, message.yaw_rate, message.thrust.z};
     log_.commands.push_back(command);
+    command_times_.push_back(time_);
   }
 
   void add(const online_controller::ControllerStatus& message) {
@@ -101,6 +103,15 @@ class LogBuilder {
         {message.header.stamp.toSec(), {message.vector.x, message.vector.y, message.vector.z}});
   }
 
+  // What the stamps of odometry and commands are worth; the topics are those they came on.
+  std::vector<FlightLog::TopicClock> clocks(const std::string& odometry, const std::string& command) const {
+    std::vector<double> of_odometry, of_commands;
+    for (const polyfly::VehicleState& state : log_.odometry) of_odometry.push_back(state.stamp);
+    for (const FlightLog::Command& sent : log_.commands) of_commands.push_back(sent.stamp);
+    return {{odometry, polyfly::headerClock(of_odometry, odometry_times_), firstOf(odometry_times_)},
+            {command, polyfly::headerClock(of_commands, command_times_), firstOf(command_times_)}};
+  }
+
   FlightLog finish() {
     putReferencesFirst();
     placeFirstReference();
@@ -114,6 +125,8 @@ class LogBuilder {
  private:
   using Event = FlightLog::Event;
   using Kind = FlightLog::EventKind;
+
+  static double firstOf(const std::vector<double>& times) { return times.empty() ? 0.0 : times.front(); }
 
   // In simulated time many messages bear one time; the node had the reference before it answered.
   void putReferencesFirst() {
@@ -191,8 +204,10 @@ class LogBuilder {
   }
 
   FlightLog log_;
-  // Receive times of log_.events [s].
+  // Receive times of log_.events, of odometry and of commands [s].
   std::vector<double> times_;
+  std::vector<double> odometry_times_;
+  std::vector<double> command_times_;
   double time_ = 0.0;
   std::size_t refused_ = 0;
   std::string refusal_;
@@ -232,8 +247,11 @@ class BagReader {
     use<online_controller::ControllerStatus>(topics_.status);
     use<geometry_msgs::Vector3Stamped>(topics_.disturbance);
     readMessages();
+    const auto clocks = builder_.clocks(fullName(topics_.odometry), fullName(topics_.command));
     FlightLog log = builder_.finish();
     check(log);
+    log.clocks = clocks;
+    log.share = share();
     log.remarks = health_.remarks;
     for (const auto& [topic, count] : misfits_) {
       log.remarks.push_back("topic " + topic + ": " + std::to_string(count) +
@@ -302,6 +320,15 @@ class BagReader {
     health_ = polyfly::scanBag(path_, visitor);
     std::stable_sort(held_.begin(), held_.end(),
                      [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
+  }
+
+  // Of the topics that the flight consists of. Messages that do not fit their definition were not read.
+  polyfly::RecordingShare share() const {
+    std::set<std::string> topics;
+    for (const auto& [topic, handler] : handlers_) topics.insert(topic);
+    polyfly::RecordingShare share = polyfly::recordingShare(health_, topics);
+    for (const auto& [topic, count] : misfits_) share.messages.read -= static_cast<double>(count);
+    return share;
   }
 
   std::string remarks() const {

@@ -17,6 +17,7 @@
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/online_law.hpp"
 #include "validation/controller_options.hpp"
+#include "validation/flight_pages.hpp"
 #include "validation/map_comparison.hpp"
 #include "validation/map_proposal.hpp"
 #include "validation/report.hpp"
@@ -37,6 +38,7 @@ struct Arguments {
   polyfly::Thresholds thresholds;
   std::string json;
   std::string report;
+  std::string explore;
   std::string propose;
   std::uint64_t propose_limit = 20000;
   std::string topics_bag;
@@ -57,6 +59,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
   app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
   app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
+      ->type_name("DIR");
+  app.add_option(
+         "--explore", arguments.explore,
+         "Write a page for each axis into this folder: its map and the flight's samples, to be explored in "
+         "a browser. The report links to the pages.")
       ->type_name("DIR");
   app.add_option(
          "--propose", arguments.propose,
@@ -128,9 +135,9 @@ std::string proposalFile(const std::string& folder, const polyfly::RegionMap& ma
   return folder + "/" + std::string(map.name()) + "." + std::string(map.problemKind());
 }
 
-std::string reportFolder(const Arguments& arguments, std::size_t number) {
-  if (arguments.bags.size() == 1) return arguments.report;
-  return arguments.report + "/flight_" + std::to_string(number);
+// The folder of one flight below that of all.
+std::string flightFolder(const Arguments& arguments, const std::string& folder, std::size_t number) {
+  return arguments.bags.size() == 1 ? folder : folder + "/flight_" + std::to_string(number);
 }
 
 // Before the work: whether all results can be written, and none over a file that is read.
@@ -146,8 +153,16 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
   };
   if (!arguments.report.empty()) {
     for (std::size_t number = 1; number <= arguments.bags.size(); ++number)
-      addPage(reportFolder(arguments, number));
+      addPage(flightFolder(arguments, arguments.report, number));
     if (arguments.bags.size() > 1) addPage(arguments.report);
+  }
+  if (!arguments.explore.empty()) {
+    for (std::size_t number = 1; number <= arguments.bags.size(); ++number) {
+      for (const std::string& name : polyfly::flightPageNames()) {
+        outputs.push_back({flightFolder(arguments, arguments.explore, number) + "/" + name,
+                           Output::Kind::kText, Output::Folder::kIsMade});
+      }
+    }
   }
   if (!arguments.propose.empty()) {
     for (const polyfly::RegionMap* map : maps.flown) {
@@ -181,9 +196,9 @@ polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
 }
 
 // Reads, replays, judges; writes what belongs to this flight alone.
-polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
-                             const polyfly::MultirotorOptions& options, const Arguments& arguments,
-                             polyfly_ros::ValidationTopics* topics) {
+polyfly::ValidationReport judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
+                                const polyfly::MultirotorOptions& options, const Arguments& arguments,
+                                polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
   const polyfly::FlightLog log = polyfly_ros::readBag(
@@ -191,34 +206,37 @@ polyfly::FlightSummary judge(const std::string& bag, std::size_t number, const p
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
-  polyfly::FlightSummary flight;
-  flight.validation = polyfly::validate(log, samples, maps.flown, options, robustOracle);
+  polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
-    flight.validation.comparisons.push_back(
+    report.comparisons.push_back(
         polyfly::compareMaps(samples, *maps.flown[other.axis], *other.map, other.axis, robustOracle));
   }
-  if (arguments.bags.size() == 1) propose(maps, arguments, &flight.validation);
-  flight.broken = polyfly::brokenThresholds(flight.validation, arguments.thresholds);
-  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(flight.validation));
-  if (topics != nullptr) topics->write(samples, flight.validation);
-  if (!arguments.report.empty()) {
-    polyfly::writeReport({log, samples, maps.flown, options, flight.validation, flight.broken},
-                         reportFolder(arguments, number));
+  if (arguments.bags.size() == 1) propose(maps, arguments, &report);
+  report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
+  if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
+  if (topics != nullptr) topics->write(samples, report);
+  const std::string report_folder = flightFolder(arguments, arguments.report, number);
+  std::vector<polyfly::ReportLink> pages;
+  if (!arguments.explore.empty()) {
+    const std::string folder = flightFolder(arguments, arguments.explore, number);
+    polyfly::writeFlightPages(samples, maps.flown, log.source, folder);
+    pages = polyfly::flightPageLinks(maps.flown, folder, report_folder);
   }
-  return flight;
+  if (!arguments.report.empty()) {
+    polyfly::writeReport({log, samples, maps.flown, options, report, pages}, report_folder);
+  }
+  return report;
 }
 
 // What concerns all flights together, where there are several.
-std::string summarise(const std::vector<polyfly::FlightSummary>& flights, const polyfly::MapChoice& maps,
+std::string summarise(const std::vector<polyfly::ValidationReport>& flights, const polyfly::MapChoice& maps,
                       const Arguments& arguments) {
-  std::vector<polyfly::ValidationReport> reports;
-  for (const polyfly::FlightSummary& flight : flights) reports.push_back(flight.validation);
-  if (flights.size() == 1) return polyfly::toJson(reports.front());
-  polyfly::ValidationReport all = polyfly::together(reports);
+  if (flights.size() == 1) return polyfly::toJson(flights.front());
+  polyfly::ValidationReport all = polyfly::together(flights);
   propose(maps, arguments, &all);
   if (!arguments.quiet) std::cout << "\n" << polyfly::visibleLines(polyfly::toText(all));
   if (!arguments.report.empty()) polyfly::writeOverview(flights, all, arguments.report);
-  return polyfly::toJson(all, reports);
+  return polyfly::toJson(all, flights);
 }
 
 int run(const Arguments& arguments) {
@@ -235,7 +253,7 @@ int run(const Arguments& arguments) {
   if (!arguments.topics_bag.empty()) {
     topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);
   }
-  std::vector<polyfly::FlightSummary> flights;
+  std::vector<polyfly::ValidationReport> flights;
   for (const std::string& bag : arguments.bags) {
     flights.push_back(judge(bag, flights.size() + 1, choice, options, arguments, topics.get()));
   }
@@ -243,16 +261,16 @@ int run(const Arguments& arguments) {
   const std::string json = summarise(flights, choice, arguments);
   if (!arguments.json.empty()) polyfly::writeFileAtomically(arguments.json, json);
   bool broken = false;
-  for (const polyfly::FlightSummary& flight : flights) {
-    broken = broken || (arguments.strict && !flight.validation.warnings.empty());
-    for (const std::string& sentence : flight.validation.warnings) {
+  for (const polyfly::ValidationReport& flight : flights) {
+    broken = broken || (arguments.strict && flight.verdict() == polyfly::Verdict::kDoubtful);
+    for (const std::string& sentence : flight.warnings) {
       if (arguments.quiet)
-        std::cerr << polyfly::visible("warning: " + flight.validation.source + ": " + sentence) << "\n";
+        std::cerr << polyfly::visible("warning: " + flight.source + ": " + sentence) << "\n";
     }
     for (const std::string& sentence : flight.broken) {
       broken = true;
-      std::cerr << "broken: "
-                << polyfly::visible((flights.size() > 1 ? flight.validation.source + ": " : "") + sentence)
+      if (!arguments.quiet) continue;
+      std::cerr << "broken: " << polyfly::visible((flights.size() > 1 ? flight.source + ": " : "") + sentence)
                 << "\n";
     }
   }

@@ -18,6 +18,19 @@ Difference joined(const Difference& one, std::size_t ones, const Difference& oth
   return result;
 }
 
+RecordingShare::Amount joined(const RecordingShare::Amount& one, const RecordingShare::Amount& other) {
+  RecordingShare::Amount result = {one.read + other.read, std::nullopt};
+  if (one.recorded && other.recorded) result.recorded = *one.recorded + *other.recorded;
+  return result;
+}
+
+std::optional<RecordingShare> joined(const std::optional<RecordingShare>& one,
+                                     const std::optional<RecordingShare>& other) {
+  if (!one || !other) return std::nullopt;
+  return RecordingShare{joined(one->messages, other->messages), joined(one->bytes, other->bytes),
+                        joined(one->seconds, other->seconds)};
+}
+
 template <class Part>
 void append(std::vector<Part>* all, const std::vector<Part>& more) {
   all->insert(all->end(), more.begin(), more.end());
@@ -80,9 +93,11 @@ void add(const MapComparison& other, MapComparison* comparison) {
 
 void add(const ValidationReport& other, ValidationReport* all) {
   all->tracking = joined(all->tracking, all->tracked_samples, other.tracking, other.tracked_samples);
+  all->share = joined(all->share, other.share);
   all->samples += other.samples;
   all->tracked_samples += other.tracked_samples;
   all->outside_map_samples += other.outside_map_samples;
+  all->outside_map_time += other.outside_map_time;
   all->duration += other.duration;
   all->top_speed = std::max(all->top_speed, other.top_speed);
   for (std::size_t axis = 0; axis < all->axes.size(); ++axis) add(other.axes[axis], &all->axes[axis]);
@@ -100,9 +115,11 @@ ValidationReport together(const std::vector<ValidationReport>& flights) {
   if (flights.size() == 1) return all;
   for (std::size_t flight = 1; flight < flights.size(); ++flight) add(flights[flight], &all);
   all.warnings.clear();
+  all.broken.clear();
   for (const ValidationReport& flight : flights) {
     const std::string name = std::filesystem::path(flight.source).filename().string();
     for (const std::string& sentence : flight.warnings) all.warnings.push_back(name + ": " + sentence);
+    for (const std::string& sentence : flight.broken) all.broken.push_back(name + ": " + sentence);
   }
   all.source = std::to_string(flights.size()) + " flights";
   all.hold.reset();

@@ -228,7 +228,7 @@ std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t
   if (near(loop.gain, model->gain, kGainFactor) && near(loop.lag, model->lag, kLagFactor)) return "";
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text.precision(2);
+  text.precision(3);
   text << "The vehicle answers its " << kAngles[angle] << " command with gain " << loop.gain
        << " and a lag of " << loop.lag << " s, delay included; the model of its map has " << model->gain
        << " and " << model->lag
@@ -238,6 +238,9 @@ std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t
 }
 
 void warnOfModels(const FlightLog& log, const AxisMaps& maps, std::vector<std::string>* warnings) {
+  // Between commands and odometry of different clocks there is no lag.
+  const auto is_steady = [](const FlightLog::TopicClock& topic) { return topic.clock.isSteady(); };
+  if (!std::all_of(log.clocks.begin(), log.clocks.end(), is_steady)) return;
   for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
     try {
       // Roll belongs to the lateral map, pitch to the longitudinal map.

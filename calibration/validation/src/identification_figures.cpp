@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "report_parts.hpp"
 #include "validation/identification_report.hpp"
@@ -11,6 +12,9 @@ using Style = Series::Style;
 
 constexpr double kDegree = 57.29577951308232;
 constexpr const char* kRejectedColor = "#f6dcd3";
+// Of the models for a controller, in their order.
+constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen,
+                                        palette::kPurple};
 constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
 // First time of the record, from which figures of a record since 1970 count [s].
@@ -50,14 +54,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   const double start = startOf(axis);
   result.heading = axis.axis + ": what was used";
   result.caption =
-      "The whole record; shaded yellow: used; shaded red: the command moves, but it was left out.";
-  for (const RejectedWindow& rejected : axis.choice.rejected) {
-    if (rejected.reason.find("short") == std::string::npos) {
-      result.caption += " Left out at " + std::to_string(std::lround(rejected.window.from - start)) + ".." +
-                        std::to_string(std::lround(rejected.window.to - start)) + " s: " + rejected.reason +
-                        ".";
-    }
-  }
+      "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
   if (!axis.flights.empty()) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
   for (std::size_t i = 0; i < axis.flights.size(); ++i)
@@ -101,7 +98,7 @@ ReportFigure comparisonFigure(
     const std::string& heading, const std::string& caption, const AxisModel& axis,
     const std::vector<LoopSegment>& segments,
     const std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>>& models) {
-  constexpr const char* kColors[] = {palette::kBlue, palette::kVermilion, palette::kGreen};
+  const auto color_of = [](std::size_t i) { return kModelColors[i % std::size(kModelColors)]; };
   ReportFigure result;
   result.heading = heading;
   result.caption = caption;
@@ -111,7 +108,7 @@ ReportFigure comparisonFigure(
   measured.width = 3.5;
   panel.series = {thinned(measured, 2 * kCurvePoints)};
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const Series model = ofPrediction(segments, *models[i].second, models[i].first, kColors[i]);
+    const Series model = ofPrediction(segments, *models[i].second, models[i].first, color_of(i));
     Series residual = model;
     for (std::size_t k = 0; k < residual.y.size(); ++k) residual.y[k] = measured.y[k] - model.y[k];
     panel.series.push_back(thinned(model, 2 * kCurvePoints));
@@ -161,7 +158,7 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
   panels[1].series = {phase};
   panels[2].series = {coherence};
   panels[2].y_range = {{0.0, 1.05}};
-  const auto add_model = [&](const LoopFit& fit, const char* label, const char* color) {
+  const auto add_model = [&](const LoopFit& fit, const std::string& label, const char* color) {
     Series model_gain;
     model_gain.label = label;
     model_gain.color = color;
@@ -176,9 +173,10 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
     panels[0].series.push_back(model_gain);
     panels[1].series.push_back(model_phase);
   };
-  add_model(axis.with_delay, "lag and delay", palette::kBlue);
-  add_model(axis.without_delay, "lag alone", palette::kVermilion);
-  if (axis.second_order) add_model(*axis.second_order, "second order", palette::kGreen);
+  for (std::size_t i = 0; i < axis.controller_models.size(); ++i) {
+    const ControllerModel& model = axis.controller_models[i];
+    add_model(model.fit, model.title, kModelColors[i % std::size(kModelColors)]);
+  }
   result.figure = pageFigure(std::move(panels), row_height::kView, 3);
   return result;
 }
@@ -188,20 +186,23 @@ ReportFigure frequencyFigure(const AxisModel& axis) {
 std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
   std::vector<ReportFigure> figures;
   figures.push_back(selectionFigure(axis));
-  std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>> models = {
-      {"lag and delay", &axis.with_delay.prediction}, {"lag alone", &axis.without_delay.prediction}};
-  if (axis.second_order) models.emplace_back("second order", &axis.second_order->prediction);
+  std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>> models;
+  std::vector<std::pair<std::string, const std::vector<std::vector<double>>*>> validated;
+  for (const ControllerModel& model : axis.controller_models) {
+    models.emplace_back(model.title, &model.fit.prediction);
+    if (model.validation) validated.emplace_back(model.title, &model.validation->prediction);
+  }
   figures.push_back(comparisonFigure(axis.axis + ": measured and modelled",
                                      "On the data that the models were made from; below, what they leave.",
                                      axis, axis.segments, models));
   if (axis.validation) {
     figures.push_back(comparisonFigure(
         axis.axis + ": validation",
-        axis.validation->by_flights ? "Each flight with the model of the others, which has not seen it."
+        axis.validation->by_flights ? "Each flight with the models of the others, which have not seen it."
         : axis.validation->by_halves
-            ? "The model of the first half of the data on the second half, which it has not seen."
-            : "The model on " + axis.validation->source + ", which it has not seen.",
-        axis, axis.validation->segments, {{"lag and delay", &axis.validation->prediction}}));
+            ? "The models of the first half of the data on the second half, which they have not seen."
+            : "The models on " + axis.validation->source + ", which they have not seen.",
+        axis, axis.validation->segments, validated));
   }
   if (!axis.frequency_response.empty()) figures.push_back(frequencyFigure(axis));
   return figures;

@@ -14,11 +14,13 @@ std::vector<std::string> sentencesOf(const AttitudeCalibration& calibration) {
   sentences.insert(sentences.end(), calibration.failed.begin(), calibration.failed.end());
   for (const AxisModel& axis : calibration.axes) {
     for (const std::string& warning : axis.warnings) sentences.push_back(axis.axis + ": " + warning);
+    if (!axis.supported)
+      sentences.push_back(axis.axis + ": The model that problem files take is not supported: do not use it.");
   }
   return sentences;
 }
 
-void writeFit(const char* name, const LoopFit& fit, std::ostream& out) {
+void writeFit(const std::string& name, const LoopFit& fit, std::ostream& out) {
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FittedParameter& parameter = fit.parameters[i];
     out << (isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>") << (i == 0 ? name : "") << "</td><td>"
@@ -46,7 +48,8 @@ void writeFlights(const AxisModel& axis, std::ostream& out) {
   out << "</tr>\n";
   for (const AxisFlight& flight : axis.flights) {
     out << "<tr><td>" << escaped(std::filesystem::path(flight.source).filename().string()) << "</td><td>"
-        << number(flight.fit_percent, 3) << " %</td><td>" << number(flight.left_out_percent, 3) << " %</td>";
+        << number(flight.fit_percent, 3) << " %</td><td>" << number(flight.validation_percent, 3)
+        << " %</td>";
     for (const FittedParameter& parameter : flight.parameters)
       out << "<td>" << valueWithin(parameter) << "</td>";
     out << "</tr>\n";
@@ -57,23 +60,35 @@ void writeFlights(const AxisModel& axis, std::ostream& out) {
   out << "</tr></table></div>\n";
 }
 
-// What to do with the table.
+// What controllers can be given, each with its own evaluation.
+void writeControllerModels(const AxisModel& axis, std::ostream& out) {
+  out << "<div class='scroll'><table><tr><th>model for a controller</th><th>supported</th><th>fit</th>"
+         "<th>validation</th><th>why not</th></tr>\n";
+  for (const ControllerModel& model : axis.controller_models) {
+    out << (model.supported() ? "<tr>" : "<tr class='bad'>") << "<td>" << escaped(model.title) << "<br><code>"
+        << escaped(model.key) << "</code></td><td>" << (model.supported() ? "yes" : "<b>no</b>")
+        << "</td><td>" << number(model.fit.fit_percent, 4) << " %</td><td>"
+        << (model.validation ? number(model.validation->validation_percent, 4) + " %" : "none")
+        << "</td><td>";
+    for (const std::string& sentence : model.reasons) out << escaped(sentence) << "<br>";
+    out << "</td></tr>\n";
+  }
+  out << "</table></div>\n";
+}
+
+// What calibrate apply does with the axis.
 void writeAdvice(const AxisModel& axis, std::ostream& out) {
   if (!axis.supported) {
-    out << "<p><b>Not to be used:</b> these data do not support the numbers; the sentences on top say why, "
-           "and "
-           "calibrate apply refuses them.</p>";
+    out << "<p><b>Not to be used:</b> the data do not support the model that problem files take; calibrate "
+           "apply "
+           "refuses it.</p>";
     return;
   }
-  if (axis.axis != "roll" && axis.axis != "pitch") return;
-  const LoopFit& fit = axis.with_delay;
-  const double tau = fit.find("tau")->value, delay = fit.find("delay")->value;
-  out << "<p>For problem files: gain " << number(fit.find("gain")->value) << ", tau " << number(tau + delay)
-      << " s (lag and delay together, what calibrate apply writes); a controller that compensates the delay "
-         "takes "
-         "tau "
-      << number(tau) << " s and delay " << number(delay)
-      << " s. The offset is a trim and goes into no model.</p>";
+  const ControllerModel* lag = axis.findModel("model_without_delay");
+  if (lag == nullptr || (axis.axis != "roll" && axis.axis != "pitch")) return;
+  out << "<p>calibrate apply writes gain " << number(lag->fit.gain) << " and tau "
+      << number(lag->fit.shape.tau)
+      << " s: lag and delay together. The offset is a trim and goes into no model.</p>";
 }
 
 void writeTable(const AxisModel& axis, std::ostream& out) {
@@ -93,13 +108,17 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
         << number(axis.validation->training_percent, 4) << " %";
   }
   out << ".</p>";
+  const std::vector<std::string> clauses = leftOutClauses(axis);
+  if (!clauses.empty()) out << "<p>Left out:</p><ul>";
+  for (const std::string& clause : clauses) out << "<li>" << escaped(clause) << "</li>";
+  if (!clauses.empty()) out << "</ul>\n";
   writeAdvice(axis, out);
+  writeControllerModels(axis, out);
   out << "<div "
          "class='scroll'><table><tr><th>model</th><th>fit</th><th>parameter</th><th>value</th><th>standard "
          "error</th><th>95 % interval</th></tr>\n";
-  writeFit("lag and delay", axis.with_delay, out);
   writeFit("lag alone", axis.without_delay, out);
-  if (axis.second_order) writeFit("second order and delay", *axis.second_order, out);
+  for (const ControllerModel& model : axis.controller_models) writeFit(model.title, model.fit, out);
   out << "</table></div>\n";
   writeFlights(axis, out);
   out << "</section>\n";

@@ -26,26 +26,21 @@ void writeTile(const std::string& value, const std::string& label, bool good, st
 }
 
 void writeList(const std::vector<std::string>& sentences, std::ostream& out) {
+  if (sentences.empty()) return;
   out << "<ul>";
   for (const std::string& sentence : sentences) out << "<li>" << escaped(sentence) << "</li>";
-  out << "</ul></div>\n";
+  out << "</ul>";
 }
 
-void writeVerdict(const std::vector<std::string>& broken, const std::vector<std::string>& warnings,
-                  std::ostream& out) {
-  if (broken.empty() && warnings.empty()) {
-    out << "<div class='verdict good'>Passed: the map held the flight and the record agrees with it. Of "
-           "regions that were not visited, this says nothing.</div>\n";
-  }
-  if (!warnings.empty()) {
-    out << "<div class='verdict bad'>"
-        << (broken.empty() ? "The map held the flight, but what was recorded does not fit together"
-                           : "Warnings");
-    writeList(warnings, out);
-  }
-  if (broken.empty()) return;
-  out << "<div class='verdict bad'>Failed";
-  writeList(broken, out);
+void writeVerdict(const ValidationReport& report, std::ostream& out) {
+  const Verdict verdict = report.verdict();
+  out << "<div class='verdict " << (verdict == Verdict::kPassed ? "good" : "bad") << "'>"
+      << sentenceOn(verdict);
+  writeList(report.broken, out);
+  if (!report.broken.empty() && !report.warnings.empty())
+    out << "The record may not say what it seems to say:";
+  writeList(report.warnings, out);
+  out << "</div>\n";
 }
 
 void writeTiles(const ValidationReport& report, std::ostream& out) {
@@ -60,7 +55,8 @@ void writeTiles(const ValidationReport& report, std::ostream& out) {
             "commands out of bounds, of " + std::to_string(report.commands.recorded),
             report.violationCount() == 0, out);
   writeTile(percent(report.coverage),
-            "of " + std::to_string(report.tracked_samples) + " samples inside the maps",
+            "of " + std::to_string(report.tracked_samples) + " samples inside the maps; outside for " +
+                number(report.outside_map_time) + " s",
             report.outside_map_samples == 0, out);
   writeTile(std::to_string(report.visitedCount()) + " of " + std::to_string(report.regionCount()),
             "regions visited", true, out);
@@ -210,23 +206,37 @@ void writeHead(const ValidationReport& report, std::ostream& out) {
          "report</title><style>"
       << kReportStyle << "</style></head><body><main>\n<h1>Flight report</h1>\n<p class='source'>"
       << escaped(std::filesystem::path(report.source).filename().string()) << " · " << number(report.duration)
-      << " s · " << report.samples << " samples</p>\n";
+      << " s · " << report.samples << " samples";
+  if (report.share) out << "<br>Read: " << escaped(describe(*report.share));
+  out << "</p>\n";
 }
 
-void writeFlights(const std::vector<FlightSummary>& flights, std::ostream& out) {
+void writeFlights(const std::vector<ValidationReport>& flights, std::ostream& out) {
   out << "<section><h2>The flights</h2><div "
          "class='scroll'><table><tr><th>flight</th><th>samples</th><th>inside the "
          "maps</th><th>tracking error, rms</th><th>regions visited</th><th>verdict</th></tr>\n";
   for (std::size_t index = 0; index < flights.size(); ++index) {
-    const ValidationReport& report = flights[index].validation;
-    const bool good = flights[index].broken.empty();
+    const ValidationReport& report = flights[index];
+    const bool good = report.verdict() == Verdict::kPassed;
     out << "<tr" << (good ? "" : " class='bad'") << "><td><a href='flight_" << index + 1 << "/index.html'>"
         << escaped(std::filesystem::path(report.source).filename().string()) << "</a></td><td>"
         << report.samples << "</td><td>" << percent(report.coverage) << "</td><td>"
         << number(100.0 * report.tracking.rms) << " cm</td><td>" << report.visitedCount() << " of "
-        << report.regionCount() << "</td><td>" << (good ? "passed" : "failed") << "</td></tr>\n";
+        << report.regionCount() << "</td><td>" << nameOf(report.verdict()) << "</td></tr>\n";
   }
   out << "</table></div></section>\n";
+}
+
+void writeMapPages(const std::vector<ReportLink>& links, std::ostream& out) {
+  if (links.empty()) return;
+  out << "<section><h2>Explore the maps</h2><p>A page for each map, with slices, this flight's samples and "
+         "simulated flights:";
+  const char* separator = " ";
+  for (const ReportLink& link : links) {
+    out << separator << "<a href='" << escaped(link.address) << "'>" << escaped(link.text) << "</a>";
+    separator = ", ";
+  }
+  out << ".</p></section>\n";
 }
 
 // What follows the pictures.
@@ -245,8 +255,9 @@ void writeNumbers(const ValidationReport& report, std::ostream& out) {
 std::string toHtml(const ReportContent& content) {
   std::ostringstream out;
   writeHead(content.validation, out);
-  writeVerdict(content.broken, content.validation.warnings, out);
+  writeVerdict(content.validation, out);
   writeTiles(content.validation, out);
+  writeMapPages(content.map_pages, out);
   const std::vector<ReportFigure> figures = reportFigures(content);
   for (const ReportFigure& figure : figures) {
     writeFigureSection(figure, out);
@@ -259,22 +270,15 @@ void writeReport(const ReportContent& content, const std::string& folder) {
   writePage(folder, toHtml(content), "summary.json", toJson(content.validation));
 }
 
-void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
+void writeOverview(const std::vector<ValidationReport>& flights, const ValidationReport& all,
                    const std::string& folder) {
-  std::vector<ValidationReport> reports;
-  std::vector<std::string> broken;
-  for (const FlightSummary& flight : flights) {
-    reports.push_back(flight.validation);
-    const std::string name = std::filesystem::path(flight.validation.source).filename().string();
-    for (const std::string& sentence : flight.broken) broken.push_back(name + ": " + sentence);
-  }
   std::ostringstream out;
   writeHead(all, out);
-  writeVerdict(broken, all.warnings, out);
+  writeVerdict(all, out);
   writeTiles(all, out);
   writeFlights(flights, out);
   writeNumbers(all, out);
-  writePage(folder, out.str(), "summary.json", toJson(all, reports));
+  writePage(folder, out.str(), "summary.json", toJson(all, flights));
 }
 
 }  // namespace polyfly

@@ -1,5 +1,6 @@
 #include "report_page.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -7,9 +8,17 @@
 
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
+namespace {
+
+// Numbers of at least this size, and those below the other, have an exponent.
+constexpr double kGreatestPlain = 1e7;
+constexpr double kLeastPlain = 1e-4;
+
+}  // namespace
 
 const char* const kReportStyle = R"css(
 :root { --ink: #22272e; --soft: #5b6570; --line: #dfe3e8; --blue: #0072b2; --bad: #c04a00; --good: #00775a; }
@@ -85,8 +94,17 @@ void writeFigureSection(const ReportFigure& figure, std::ostream& out) {
 std::string number(double value, int digits) {
   if (!std::isfinite(value)) return "–";
   char text[48];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
+  const double size = std::abs(value);
+  if (size >= kGreatestPlain || size < kLeastPlain) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    return text;
+  }
+  const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size))));
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  std::string result = text;
+  if (decimals > 0) result.erase(result.find_last_not_of('0') + 1);
+  if (result.back() == '.') result.pop_back();
+  return result;
 }
 
 namespace {
@@ -121,9 +139,10 @@ std::string supportMark(bool supported) {
                    : " <span class='mark bad'>not supported</span>";
 }
 
+// Names of files and topics come from outside: a page is UTF-8 whatever they are.
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char character : text) {
+  for (const char character : visibleLines(text)) {
     switch (character) {
       case '&':
         result += "&amp;";

@@ -27,7 +27,7 @@ void writeCalibrationHead(const std::vector<Provenance>& flights, const std::vec
 /// A section with one picture.
 void writeFigureSection(const ReportFigure& figure, std::ostream& out);
 
-/// A number with so many significant digits, a dash where there is none.
+/// A number with so many significant digits, and all digits before the point. A dash where there is no number.
 std::string number(double value, int digits = 3);
 
 /// Whether the data bound a parameter at all: its interval is finite and of a size that means something. A delay at

@@ -82,6 +82,11 @@ void validateTracking(const std::vector<ReplaySample>& samples, ValidationReport
 
 }  // namespace
 
+Verdict ValidationReport::verdict() const {
+  if (!broken.empty()) return Verdict::kFailed;
+  return warnings.empty() ? Verdict::kPassed : Verdict::kDoubtful;
+}
+
 std::size_t ValidationReport::regionCount() const {
   return axes[0].regions() + axes[1].regions() + axes[2].regions();
 }
@@ -111,6 +116,10 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.samples = samples.size();
   report.duration = durationOf(stampsOf(samples));
   validateTracking(samples, &report);
+  if (samples.size() > 1) {
+    report.outside_map_time = report.duration * static_cast<double>(report.outside_map_samples) /
+                              static_cast<double>(samples.size() - 1);
+  }
   std::vector<double> lookups;
   for (std::size_t axis = 0; axis < maps.size(); ++axis) {
     report.axes[axis] = validateAxis(log, samples, *maps[axis], axis, maker);
@@ -120,7 +129,9 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.lookup_ns = percentiles(lookups);
   report.commands = validateCommands(log, samples, options);
   report.statuses = validateStatuses(log, samples);
-  report.warnings = flightWarnings(log, samples, maps, options);
+  report.warnings = recordWarnings(log, report.commands);
+  const std::vector<std::string> of_flight = flightWarnings(log, samples, maps, options);
+  report.warnings.insert(report.warnings.end(), of_flight.begin(), of_flight.end());
   report.hold = holdOffset(log, samples);
   return report;
 }

@@ -12,6 +12,7 @@ constexpr const char* kStatusNames[] = {"optimal", "clipped", "hold_last", "leve
 static_assert(std::size(kStatusNames) == kControlStatusCount, "each status has a name");
 constexpr const char* kCommandNames[4] = {"roll", "pitch", "yaw_rate", "thrust"};
 constexpr const char* kCommandUnits[4] = {"rad", "rad", "rad/s", "N"};
+constexpr const char* kVerdictNames[] = {"passed", "doubtful", "failed"};
 constexpr const char* kCauseNames[4] = {"inside", "outside_box", "outside_partition", "not_finite"};
 
 }  // namespace polyfly

@@ -157,8 +157,23 @@ Json json(const MapProposal& proposal) {
   return out;
 }
 
+Json json(const RecordingShare::Amount& amount) {
+  Json out = {{"read", amount.read}};
+  out["recorded"] = amount.recorded ? Json(*amount.recorded) : Json();
+  out["share"] = amount.share() ? Json(*amount.share()) : Json();
+  return out;
+}
+
+Json json(const RecordingShare& share) {
+  return {{"messages", json(share.messages)},
+          {"bytes", json(share.bytes)},
+          {"seconds", json(share.seconds)},
+          {"whole", share.isWhole()}};
+}
+
 Json json(const ValidationReport& report) {
   Json out;
+  out["verdict"] = nameOf(report.verdict());
   out["regions"] = report.regionCount();
   out["regions_visited"] = report.visitedCount();
   out["samples"] = report.samples;
@@ -170,6 +185,7 @@ Json json(const ValidationReport& report) {
   out["constraint_violations"] = report.violationCount();
   out["coverage"] = report.coverage;
   out["outside_map_samples"] = report.outside_map_samples;
+  out["outside_map_s"] = report.outside_map_time;
   out["max_qp_difference"] = report.maxQpDifference();
   out["max_command_difference"] = report.commands.max_difference;
   out["lookup_ns_p50"] = report.lookup_ns.p50;
@@ -182,6 +198,8 @@ Json json(const ValidationReport& report) {
   out["commands"] = json(report.commands);
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
+  out["recording"] = report.share ? json(*report.share) : Json();
+  out["broken"] = report.broken;
   out["warnings"] = report.warnings;
   out["comparisons"] = Json::array();
   for (const MapComparison& comparison : report.comparisons) out["comparisons"].push_back(json(comparison));
@@ -190,9 +208,14 @@ Json json(const ValidationReport& report) {
   return out;
 }
 
+// Names of files need not be UTF-8, but JSON must be.
+std::string dumped(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
-std::string toJson(const ValidationReport& report) { return json(report).dump(2) + "\n"; }
+std::string toJson(const ValidationReport& report) { return dumped(json(report)); }
 
 std::string toJson(const ValidationReport& all, const std::vector<ValidationReport>& flights) {
   Json out = json(all);
@@ -201,7 +224,7 @@ std::string toJson(const ValidationReport& all, const std::vector<ValidationRepo
     one.update(json(flight));
     out["flights"].push_back(one);
   }
-  return out.dump(2) + "\n";
+  return dumped(out);
 }
 
 }  // namespace polyfly

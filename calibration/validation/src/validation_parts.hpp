@@ -18,6 +18,9 @@ AxisValidation validateAxis(const FlightLog& log, const std::vector<ReplaySample
 CommandValidation validateCommands(const FlightLog& log, const std::vector<ReplaySample>& samples,
                                    const MultirotorOptions& options);
 
+/// What the record lacks, in sentences: parts of it, stamps, commands of the flight, odometry of commands.
+std::vector<std::string> recordWarnings(const FlightLog& log, const CommandValidation& commands);
+
 /// What does not fit together, in sentences: frames, signs, clocks, limits, and the vehicle's roll and pitch
 /// loops (identified from the flight) against the models of the maps. No sentence where the data do not tell.
 std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<ReplaySample>& samples,

@@ -119,6 +119,23 @@ void writeCommands(const CommandValidation& commands, std::ostream& out) {
 
 }  // namespace
 
+const char* nameOf(Verdict verdict) { return kVerdictNames[static_cast<std::size_t>(verdict)]; }
+
+const char* sentenceOn(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPassed:
+      return "Passed: the maps held the flight, and the record agrees with them. Nothing is said of regions "
+             "that were "
+             "not visited.";
+    case Verdict::kDoubtful:
+      return "Doubtful: the maps held what was read of the flight, but the record may not say what it seems "
+             "to say.";
+    case Verdict::kFailed:
+      return "Failed: the flight breaks a rule.";
+  }
+  return "";
+}
+
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds) {
   std::vector<std::string> broken;
   // Written so that a NaN breaks its threshold.
@@ -156,7 +173,9 @@ std::string toText(const ValidationReport& report) {
   out << std::setprecision(4);
   out << report.source << "\n  " << report.samples << " samples over " << report.duration << " s, "
       << report.tracked_samples << " with a reference, top speed " << report.top_speed << " m/s\n  coverage "
-      << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map\n";
+      << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map, for "
+      << report.outside_map_time << " s\n";
+  if (report.share) out << "  read: " << describe(*report.share) << "\n";
   for (const AxisValidation& axis : report.axes) writeAxis(axis, out);
   writeCommands(report.commands, out);
   out << "\n  status:";
@@ -176,9 +195,11 @@ std::string toText(const ValidationReport& report) {
     if (report.hold->disturbance) out << ", true one " << report.hold->disturbance->transpose();
     out << "\n";
   }
-  for (const std::string& sentence : report.warnings) out << "  warning: " << sentence << "\n";
   for (const MapComparison& other : report.comparisons) writeComparison(other, out);
   for (const MapProposal& proposal : report.proposals) printProposal(proposal, out);
+  out << "\n  " << sentenceOn(report.verdict()) << "\n";
+  for (const std::string& sentence : report.broken) out << "  broken: " << sentence << "\n";
+  for (const std::string& sentence : report.warnings) out << "  warning: " << sentence << "\n";
   return out.str();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polyfly_base/error.hpp"
+#include "report_page.hpp"
 #include "synthetic_flight.hpp"
 #include "validation/controller_options.hpp"
 
@@ -32,9 +33,9 @@ class Report : public testing::Test {
   // Writes the report of a log into the scratch folder and returns the page.
   std::string page(const FlightLog& log) {
     const auto samples = replay(log, maps_.axes(), options_);
-    const ValidationReport validation = validate(log, samples, maps_.axes(), options_);
-    const std::vector<std::string> broken = brokenThresholds(validation, {});
-    writeReport({log, samples, maps_.axes(), options_, validation, broken}, folder_ / "a/report");
+    ValidationReport validation = validate(log, samples, maps_.axes(), options_);
+    validation.broken = brokenThresholds(validation, {});
+    writeReport({log, samples, maps_.axes(), options_, validation}, folder_ / "a/report");
     return contents(folder_ / "a/report/index.html");
   }
 
@@ -71,6 +72,45 @@ TEST_F(Report, saysWhatFailed) {
   EXPECT_EQ(text.find("a/folder"), std::string::npos);
 }
 
+TEST_F(Report, isDoubtfulWhereTheRecordIsNotWhole) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  log.share = RecordingShare{{645.0, 3001.0}, {22.0, 100.0}, {6.45, 30.0}};
+  const std::string text = page(log);
+  EXPECT_EQ(text.find("Passed"), std::string::npos);
+  EXPECT_EQ(text.find("verdict good"), std::string::npos);
+  EXPECT_NE(text.find("Read: 21.4 % of the messages (645 of 3001)"), std::string::npos);
+  EXPECT_NE(text.find("Parts of the recording are lost"), std::string::npos);
+  const auto json = nlohmann::json::parse(contents(folder_ / "a/report/summary.json"));
+  EXPECT_EQ(json["verdict"], "doubtful");
+  EXPECT_EQ(json["recording"]["whole"], false);
+  EXPECT_EQ(json["recording"]["messages"]["recorded"], 3001.0);
+}
+
+TEST_F(Report, isUtf8WhateverTheFileIsCalled) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  log.source =
+      "fl\xfc"
+      "ge/fl\xfcg \xc3\xbc.bag";
+  const std::string text = page(log);
+  EXPECT_EQ(text.find("fl\xfc"), std::string::npos);
+  EXPECT_NE(text.find("fl\\xfcg \xc3\xbc.bag"), std::string::npos);
+  ValidationReport report;
+  report.warnings = {log.source};
+  EXPECT_TRUE(nlohmann::json::accept(toJson(report)));
+}
+
+TEST(ReportNumbers, areWrittenAsPeopleReadThem) {
+  EXPECT_EQ(number(100.4, 2), "100");
+  EXPECT_EQ(number(1.034), "1.03");
+  EXPECT_EQ(number(99.96), "100");
+  EXPECT_EQ(number(12345.6), "12346");
+  EXPECT_EQ(number(-0.000123456), "-0.000123");
+  EXPECT_EQ(number(1.5e-7, 2), "1.5e-07");
+  EXPECT_EQ(number(0.0), "0");
+  EXPECT_EQ(number(10.0), "10");
+  EXPECT_EQ(number(-1.0 / 0.0), "–");
+}
+
 TEST_F(Report, copesWithFlightsThatLackSomething) {
   EXPECT_NE(page(FlightLog{}).find("Failed"), std::string::npos);
 
@@ -95,9 +135,8 @@ TEST_F(Report, namesTheFolderThatCannotBeMade) {
   const FlightLog log;
   const std::vector<ReplaySample> samples;
   const ValidationReport validation;
-  const std::vector<std::string> broken;
   try {
-    writeReport({log, samples, maps_.axes(), options_, validation, broken}, folder_ / "file/report");
+    writeReport({log, samples, maps_.axes(), options_, validation}, folder_ / "file/report");
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("file/report: cannot be made"), std::string::npos)

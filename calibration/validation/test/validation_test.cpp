@@ -73,6 +73,7 @@ TEST_F(Validation, countsSamplesOutsideByTheirParameter) {
   }
   const ValidationReport report = validated(recorder.log());
   EXPECT_EQ(report.outside_map_samples, kAway);
+  EXPECT_NEAR(report.outside_map_time, 0.01 * static_cast<double>(kAway), 1e-6);
   EXPECT_NEAR(report.coverage, 0.93, kRounding);
   EXPECT_EQ(report.axes[0].outside_box, kAway);
   EXPECT_EQ(report.axes[0].inside, 100 - kAway);

@@ -91,6 +91,67 @@ TEST_F(Warnings, TellCommandsOfSomethingElse) {
   EXPECT_TRUE(has(validated(log), "are not those that these maps give"));
 }
 
+// Of a flight of 60 s: stamps and receive times, where odometry and commands have the same stamps.
+void setClocks(FlightLog* log) {
+  std::vector<double> odometry, commands;
+  for (const VehicleState& state : log->odometry) odometry.push_back(state.stamp);
+  for (const FlightLog::Command& command : log->commands) commands.push_back(command.stamp);
+  std::vector<double> received(odometry.size());
+  for (std::size_t k = 0; k < received.size(); ++k) received[k] = 100.0 + 0.01 * static_cast<double>(k);
+  log->clocks = {{"/odometry", headerClock(odometry, received), received.front()},
+                 {"/command", headerClock(commands, received), received.front()}};
+}
+
+TEST_F(Warnings, TellWhichClockJumped) {
+  FlightLog log = rolling(0.9, 0.25);
+  for (VehicleState& state : log.odometry) state.stamp += 100.0;
+  for (FlightLog::Command& command : log.commands) command.stamp += 100.0;
+  setClocks(&log);
+  FlightLog odometry = log;
+  for (VehicleState& state : odometry.odometry) state.stamp += state.stamp > 130.0 ? 120.0 : 0.0;
+  setClocks(&odometry);
+  EXPECT_TRUE(has(validated(odometry), "Topic /odometry: the clock of the headers jumps by 120 s"));
+  EXPECT_FALSE(has(validated(odometry), "Topic /command"));
+  EXPECT_TRUE(has(validated(odometry), "recorded commands answer no recorded odometry"));
+  FlightLog commands = log;
+  for (FlightLog::Command& command : commands.commands) command.stamp += command.stamp > 130.0 ? 0.6 : 0.0;
+  setClocks(&commands);
+  EXPECT_TRUE(has(validated(commands), "Topic /command: the clock of the headers jumps by 0.6 s"));
+  EXPECT_FALSE(has(validated(commands), "another vehicle"));
+  FlightLog unstamped = log;
+  for (FlightLog::Command& command : unstamped.commands) command.stamp = 0.0;
+  setClocks(&unstamped);
+  EXPECT_TRUE(has(validated(unstamped), "Topic /command: 6000 of 6000 messages have no stamp"));
+}
+
+TEST_F(Warnings, TellALossOfTheRecording) {
+  FlightLog log = syntheticFlight(maps_.axes());
+  log.share = RecordingShare{{960.0, 1000.0}, {95.0, 100.0}, {10.0, 10.0}};
+  EXPECT_EQ(validated(log).verdict(), Verdict::kPassed);
+  log.share->bytes.read = 94.0;
+  EXPECT_TRUE(has(validated(log), "Parts of the recording are lost"));
+  EXPECT_EQ(validated(log).verdict(), Verdict::kDoubtful);
+  log.share->bytes = {100.0, 100.0};
+  log.share->messages.recorded.reset();
+  EXPECT_TRUE(has(validated(log), "The end of the recording is missing"));
+}
+
+TEST_F(Warnings, TellCommandsThatAreLost) {
+  const FlightLog whole = syntheticFlight(maps_.axes());
+  // The controller stops, and it pauses; a record that begins before the controller is whole.
+  FlightLog stopped = whole, paused = whole, early = whole;
+  const std::size_t size = whole.commands.size();
+  stopped.commands.resize(size / 2);
+  const auto at = [size](FlightLog* log, std::size_t share) {
+    return log->commands.begin() + static_cast<std::ptrdiff_t>(share * size / 100);
+  };
+  paused.commands.erase(at(&paused, 30), at(&paused, 60));
+  early.commands.erase(early.commands.begin(), at(&early, 50));
+  EXPECT_TRUE(has(validated(stopped), "or its commands are lost"));
+  EXPECT_TRUE(has(validated(paused), "or its commands are lost"));
+  EXPECT_FALSE(has(validated(early), "or its commands are lost"));
+}
+
 TEST_F(Warnings, TellNorthEastDown) {
   FlightLog log = syntheticFlight(maps_.axes());
   for (VehicleState& state : log.odometry)

@@ -12,8 +12,10 @@ namespace polyfly {
 /// their mean; below 1e-12 of the greatest it counts as zero): of several optima the shortest z is taken,
 /// which is unique and, where the cost does not depend on theta, continuous. Where such a program has
 /// solutions but its cost falls without end, the partition says so (kUnbounded, unbounded_at). Rows may
-/// repeat, depend on each other or hold with equality everywhere. Throws Error when H is indefinite, the
-/// parameter set is unbounded, or the parameters that admit a solution form a lower-dimensional set.
+/// repeat, depend on each other or hold with equality everywhere. Inequalities that differ by less than 1e-10,
+/// relative, count as one. Throws Error when H is indefinite, the parameter set is unbounded, the parameters
+/// that admit a solution form a lower-dimensional set, or rounding would decide what an equality fixes: its
+/// unit row is nearer to the span of the others than 1e-6, but depends on them by more than rounding.
 ///
 /// Active sets are described in the order in which they are found, so the result depends neither on threads
 /// nor on processes, and an exploration that was stopped and resumed from its checkpoint ends with the

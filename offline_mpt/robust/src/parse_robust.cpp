@@ -239,7 +239,9 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "tie_break", "parameters"},
       {"description", "provenance", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance",
-       "peak_in_map"});
+       "peak_in_map", "calibration"});
+  // readProblem puts the numbers of these files in place of the key.
+  if (root.has("calibration")) root.at("calibration").fail("names files: only a problem file may have it");
   root.at("polyfly_problem").integer(1, 1);
   RobustProblem problem;
   problem.source = source;

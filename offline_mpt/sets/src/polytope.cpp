@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {

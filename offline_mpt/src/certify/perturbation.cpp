@@ -6,13 +6,15 @@
 #include "exact_kkt/exact_equalities.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
+#include "program/repeated_rows.hpp"
 #include "program/slater_point.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kRepeated = 1e-11;  // relative difference of two rows that are the same but for rounding
-constexpr int kPenalties = 40;       // powers of 4 that are tried as a penalty
+// Rows at this distance may have counted as one: the exploration compares with the first of several.
+constexpr double kMostRepeated = 2.0 * kRepeatedRow;
+constexpr int kPenalties = 40;  // powers of 4 that are tried as a penalty
 
 bool isConvex(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
   const int n = program.variableCount();
@@ -52,22 +54,6 @@ void makeConvex(const ParametricProgram& program, ProgramPerturbation& adjustmen
   throw Error(program.name + ": H: not positive semidefinite in exact arithmetic");
 }
 
-/// (A, S half, b + S centre) of a row, scaled to a greatest entry of one in A.
-Eigen::VectorXd unitRow(const ParametricProgram& program, int row) {
-  const int n = program.variableCount();
-  const int p = program.parameterCount();
-  Eigen::VectorXd result(n + p + 1);
-  result.head(n) = program.A.row(row);
-  result(n + p) = program.b(row);
-  for (int j = 0; j < p; ++j) {
-    const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
-    result(n + j) = program.S(row, j) * 0.5 * (signal.upper - signal.lower);
-    result(n + p) += program.S(row, j) * 0.5 * (signal.upper + signal.lower);
-  }
-  const double largest = result.head(n).cwiseAbs().maxCoeff();
-  return largest > 0.0 ? Eigen::VectorXd(result / largest) : Eigen::VectorXd(0 * result);
-}
-
 bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
   Eigen::Index pivot = 0;
   program.A.row(k).cwiseAbs().maxCoeff(&pivot);
@@ -84,20 +70,13 @@ bool exactlyRepeated(const ParametricProgram& program, int i, int k) {
 
 void dropRepeated(const ParametricProgram& program, const std::vector<char>& may_drop,
                   ProgramPerturbation& adjustment) {
-  std::vector<Eigen::VectorXd> rows;
-  for (int i = 0; i < program.rowCount(); ++i) rows.push_back(unitRow(program, i));
-  const int n = program.variableCount();
+  const RepeatedRows rows(program);
   for (int i = 0; i < program.rowCount(); ++i) {
-    if (!may_drop[i] || isEquality(program, i) || rows[i].isZero(0.0)) continue;
+    if (!may_drop[i] || isEquality(program, i)) continue;
     for (int k = 0; k < program.rowCount(); ++k) {
       const bool gone =
           std::find(adjustment.dropped.begin(), adjustment.dropped.end(), k) != adjustment.dropped.end();
-      if (k == i || gone || rows[k].isZero(0.0)) continue;
-      const Eigen::VectorXd difference = rows[i] - rows[k];
-      const double gap =
-          difference.tail(1)(0) + difference.segment(n, program.parameterCount()).cwiseAbs().sum();
-      const double scale = 1.0 + rows[k].cwiseAbs().maxCoeff();
-      if (difference.head(n).cwiseAbs().maxCoeff() > kRepeated || std::abs(gap) > kRepeated * scale) continue;
+      if (k == i || gone || rows.distance(i, k) > kMostRepeated) continue;
       if (exactlyRepeated(program, i, k)) continue;  // no harm: their slacks are multiples of each other
       adjustment.dropped.push_back(i);
       break;

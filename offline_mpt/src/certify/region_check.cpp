@@ -102,6 +102,29 @@ void compareLaw(const CheckContext& context, const RegionView& view, const Exact
   check.defects.push_back(std::move(defect));
 }
 
+/// Slack of a row at t where `active` is, in units of the row.
+double slackAt(const ExactProgram& program, const std::vector<int>& active, int row,
+               const std::vector<Rational>& t) {
+  ExactSolution solution;
+  if (solution.solve(program, active) != ExactStatus::kRegion) return 0.0;
+  const std::vector<Integer> slack = solution.slack(program, row);
+  Rational value(slack.back());
+  for (std::size_t j = 0; j < t.size(); ++j) value += slack[j] * t[j];
+  value /= solution.denominator();
+  const long exponent = program.shift + program.row_exponent[static_cast<std::size_t>(row)];
+  return std::ldexp(value.get_d(), static_cast<int>(-exponent));
+}
+
+/// What a region that holds the witness, `outside` of the half-space, gets wrong. A half-space may be far away
+/// where its slack is next to nothing.
+std::string describeUnlisted(const ExactProgram& program, const RegionCheck& check, const ExactOrigin& origin,
+                             const std::vector<Rational>& witness, double outside) {
+  std::string text = "holds parameters where " + describeOrigin(origin) + " is negative";
+  if (origin.kind == ExactOrigin::Kind::kSlack && !witness.empty())
+    text += ", down to " + shortText(slackAt(program, check.active, origin.index, witness));
+  return text + ", up to a distance of " + shortText(outside) + " (scaled) from its half-space";
+}
+
 /// Whether the listed rows imply `row`, with the line of the certificate that says so; `letter` starts it.
 Implication proveRow(const std::vector<ExactRow>& listed, std::size_t count, const ExactRow& row,
                      const char* letter, FloatLp& solver, std::string& text) {
@@ -150,8 +173,7 @@ void proveRows(const CheckContext& context, std::uint32_t index, const ExactRegi
     for (std::size_t j = 0; j < result.witness.size(); ++j)
       outside += row.unit[j] * result.witness[j].get_d();
     Defect defect = makeDefect(Defect::Kind::kUnlisted, index, -1,
-                               "holds parameters where " + describeOrigin(row.origin) +
-                                   " is negative, up to a distance of " + shortText(outside) + " (scaled)");
+                               describeUnlisted(context.program, check, row.origin, result.witness, outside));
     defect.size = outside;
     defect.witness = toTheta(context.program, result.witness);
     check.defects.push_back(std::move(defect));

@@ -9,6 +9,7 @@
 #include "explore/parallel/scheduler.hpp"
 #include "explore/region/compute_region.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/equality_check.hpp"
 #include "program/feasible_slack.hpp"
 #include "program/slater_point.hpp"
 #include "region_maps/format.hpp"
@@ -147,6 +148,7 @@ std::uint64_t leastMapBytes(const ParametricProgram& program, const MapCount& co
 CountResult countRegions(const ParametricProgram& program, const CountOptions& options) {
   const std::clock_t cpu_start = std::clock();
   checkProgram(program);
+  checkEqualities(program);
   const StrictComplementaritySystem system(program);
   ParametricProgram explicit_equalities = program;
   const SlaterPoint margin = findSlaterPoint(explicit_equalities);

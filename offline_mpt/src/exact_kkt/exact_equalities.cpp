@@ -6,6 +6,7 @@
 
 #include "arithmetic/exact_numbers.hpp"
 #include "mpc_core/decompositions.hpp"
+#include "program/equality_check.hpp"
 #include "program/program_rows.hpp"
 
 namespace polyfly {
@@ -38,25 +39,6 @@ bool followsExactly(const ParametricProgram& program, std::vector<int> basis, in
   basis.push_back(row);
   const int columns = program.variableCount() + program.parameterCount() + 1;
   return independentRows(wholeEqualities(program, basis, columns)).size() == size;
-}
-
-/// (A, S half, b + S centre) of the rows as columns, scaled to a length of one in A.
-Eigen::MatrixXd unitColumns(const ParametricProgram& program, const std::vector<int>& rows) {
-  const int n = program.variableCount(), p = program.parameterCount();
-  Eigen::MatrixXd result(n + p + 1, static_cast<Eigen::Index>(rows.size()));
-  for (Eigen::Index k = 0; k < result.cols(); ++k) {
-    const int row = rows[static_cast<std::size_t>(k)];
-    result.col(k).head(n) = program.A.row(row);
-    result(n + p, k) = program.b(row);
-    for (int j = 0; j < p; ++j) {
-      const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
-      result(n + j, k) = program.S(row, j) * 0.5 * (signal.upper - signal.lower);
-      result(n + p, k) += program.S(row, j) * 0.5 * (signal.upper + signal.lower);
-    }
-    const double length = result.col(k).head(n).norm();
-    if (length > 0.0) result.col(k) /= length;
-  }
-  return result;
 }
 
 /// Whether all `others` follow from the basis up to rounding.

@@ -16,6 +16,7 @@
 #include "explore/state/checkpoint.hpp"
 #include "explore/state/exploration_state.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/equality_check.hpp"
 #include "program/normalised_program.hpp"
 #include "program/slater_point.hpp"
 #include "program/unbounded_cost.hpp"
@@ -215,6 +216,7 @@ const char* toString(ExploreStatus status) {
 
 Partition explore(const ParametricProgram& program, const ExploreOptions& options) {
   checkProgram(program);
+  checkEqualities(program);
   ParametricProgram explicit_equalities = program;
   const SlaterPoint margin = findSlaterPoint(explicit_equalities);
   if (!margin.feasible) return {};

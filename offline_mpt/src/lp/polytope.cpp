@@ -1,4 +1,4 @@
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 
 #include <limits>
 #include <string>

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 
 namespace polyfly {
 

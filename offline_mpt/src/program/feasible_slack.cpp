@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 
 namespace polyfly {
 namespace {

@@ -6,6 +6,7 @@
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
+#include "program/repeated_rows.hpp"
 
 namespace polyfly {
 namespace {
@@ -78,9 +79,12 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
   const Eigen::MatrixXd range = Q.leftCols(rank);
   Eigen::MatrixXd z_p = Eigen::MatrixXd::Zero(n, out.p + 1);
   if (rank > 0) z_p = range * ShortestLeastSquares(A * range).solve(rhs);
-  if ((A * z_p - rhs).cwiseAbs().maxCoeff() > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
-    throw Error(program.name +
-                ": eq_ids: the equalities can only hold on a lower-dimensional set of parameters");
+  const Eigen::VectorXd rest = (A * z_p - rhs).rowwise().lpNorm<Eigen::Infinity>();
+  Eigen::Index worst = 0;
+  if (rest.maxCoeff(&worst) > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
+    throw Error(program.name + ": row " +
+                std::to_string(program.equalities[static_cast<std::size_t>(worst)]) +
+                ": can only hold with equality, on a lower-dimensional set of parameters");
   }
   return {Q.rightCols(n - rank), z_p};
 }
@@ -127,11 +131,14 @@ void keepRows(NormalisedProgram& ld, const Eigen::MatrixXd& M, const std::vector
 }
 
 void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
+  const RepeatedRows rows(ld.source);
   std::vector<int> kept;
   for (int i = 0; i < ld.m; ++i) {
     bool implied = false;
     for (int& k : kept) {
-      const Parallel relation = compare(ld, M, i, k);
+      Parallel relation = compare(ld, M, i, k);
+      if (relation == Parallel::kNo && rows.distance(ld.row_ids[i], ld.row_ids[k]) <= kRepeatedRow)
+        relation = Parallel::kImplied;
       if (relation == Parallel::kNo) continue;
       if (relation == Parallel::kReplaces) k = i;
       implied = true;

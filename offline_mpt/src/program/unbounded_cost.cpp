@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lp/polytope.hpp"
 #include "mpc_core/decompositions.hpp"
-#include "offline_mpt/polytope.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/slater_point.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 
 namespace polyfly {
 

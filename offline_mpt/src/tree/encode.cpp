@@ -6,9 +6,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "offline_mpt/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 #include "offline_mpt/search_tree.hpp"
 #include "tree/cell.hpp"
 #include "tree/plane_sides.hpp"

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "mpc_core/decompositions.hpp"
-#include "offline_mpt/interior_point_qp.hpp"
 #include "verify/interior_point_parts.hpp"
+#include "verify/interior_point_qp.hpp"
 
 namespace polyfly {
 namespace {

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <limits>
 
-#include "offline_mpt/interior_point_qp.hpp"
 #include "region_maps/region_map.hpp"
+#include "verify/interior_point_qp.hpp"
 
 namespace polyfly {
 namespace {

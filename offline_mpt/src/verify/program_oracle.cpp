@@ -1,4 +1,4 @@
-#include "offline_mpt/program_oracle.hpp"
+#include "verify/program_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "offline_mpt/partition.hpp"
-#include "offline_mpt/program_oracle.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 #include "verify/exact_optimality_check.hpp"
 #include "verify/parameter_sampler.hpp"
+#include "verify/program_oracle.hpp"
 
 namespace polyfly {
 namespace {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
@@ -108,10 +109,11 @@ void setCost(const MpcProblem& problem, const DiscreteModel& model, const Predic
 /// Collects rows A z <= b + S theta; those without z become A_theta theta <= b_theta.
 class Rows {
  public:
-  void add(const Eigen::RowVectorXd& on_z, double bound, const Eigen::RowVectorXd& on_theta) {
+  void add(const Eigen::RowVectorXd& on_z, double bound, const Eigen::RowVectorXd& on_theta,
+           std::string name) {
     if (!std::isfinite(bound)) return;
     const bool without_z = on_z.cwiseAbs().maxCoeff() <= kZeroRow * on_theta.cwiseAbs().maxCoeff();
-    (without_z ? parameter_rows_ : rows_).push_back({on_z, on_theta, bound});
+    (without_z ? parameter_rows_ : rows_).push_back({on_z, on_theta, bound, std::move(name)});
   }
 
   void store(ParametricProgram* program, Eigen::Index n, Eigen::Index p) const {
@@ -124,6 +126,7 @@ class Rows {
       program->A.row(i) = row.on_z;
       program->b(i) = row.bound;
       program->S.row(i) = row.on_theta;
+      program->row_names.push_back(row.name);
     }
     const auto k = static_cast<Eigen::Index>(parameter_rows_.size());
     program->A_theta.resize(k, p);
@@ -139,9 +142,15 @@ class Rows {
   struct Row {
     Eigen::RowVectorXd on_z, on_theta;
     double bound = 0.0;
+    std::string name;
   };
   std::vector<Row> rows_, parameter_rows_;
 };
+
+std::string rowName(const std::string& subject, double sign, int step) {
+  return subject + (sign > 0.0 ? " at its upper bound" : " at its lower bound") + ", step " +
+         std::to_string(step);
+}
 
 void setRows(const MpcProblem& problem, const Prediction& prediction, const Selectors& selectors,
              ParametricProgram* program) {
@@ -153,7 +162,8 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
     for (Eigen::Index i = 0; i < n; ++i) {
       const Signal& input = problem.inputs[static_cast<std::size_t>(i % nu)];
       const Eigen::RowVectorXd unit = sign * Eigen::RowVectorXd::Unit(n, i);
-      rows.add(unit, sign > 0.0 ? input.upper : -input.lower, -sign * selectors.reference.row(i % nu));
+      rows.add(unit, sign > 0.0 ? input.upper : -input.lower, -sign * selectors.reference.row(i % nu),
+               rowName(input.name, sign, static_cast<int>(i / nu)));
     }
   }
   for (const double sign : {1.0, -1.0}) {
@@ -161,7 +171,8 @@ void setRows(const MpcProblem& problem, const Prediction& prediction, const Sele
       const Eigen::MatrixXd on_theta = -sign * prediction.state[k] * selectors.error;
       for (int i = 0; i < problem.stateCount(); ++i) {
         const Signal& state = problem.states[static_cast<std::size_t>(i)];
-        rows.add(sign * prediction.input[k].row(i), sign > 0.0 ? state.upper : -state.lower, on_theta.row(i));
+        rows.add(sign * prediction.input[k].row(i), sign > 0.0 ? state.upper : -state.lower, on_theta.row(i),
+                 rowName(state.name, sign, static_cast<int>(k) + 1));
       }
     }
   }

@@ -191,15 +191,20 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "weights", "parameters"},
-      {"description", "provenance"});
+      {"description", "provenance", "calibration"});
+  // readProblem puts the numbers of these files in place of the key.
+  if (root.has("calibration")) root.at("calibration").fail("names files: only a problem file may have it");
   root.at("polyfly_problem").integer(kSchemaVersion, kSchemaVersion);
   MpcProblem problem;
   problem.source = source;
   problem.text = text;
   problem.name = root.at("name").name();
   if (root.has("description")) problem.description = root.at("description").text();
-  if (root.at("type").text() != "tracking_mpc") {
-    root.at("type").fail("must be tracking_mpc, got '" + root.at("type").text() + "'");
+  const std::string type = root.at("type").text();
+  if (type != "tracking_mpc") {
+    const char* allowed =
+        type == "robust_mpc" ? "must be tracking_mpc here" : "must be tracking_mpc or robust_mpc";
+    root.at("type").fail(std::string(allowed) + ", got '" + type + "'");
   }
   readModel(root.at("model"), &problem);
   problem.sampling_time = root.at("sampling_time").number();

@@ -289,6 +289,31 @@ TEST(Condense, CarriesNamesBoxesBoundsAndText) {
   EXPECT_EQ(again.S, program.S);
 }
 
+TEST(Condense, NamesWhatEachRowBounds) {
+  const MpcProblem problem = coupledProblem();
+  const ParametricProgram program = condense(problem);
+  ASSERT_EQ(program.row_names.size(), static_cast<std::size_t>(program.rowCount()));
+  const auto contains = [](const std::vector<Signal>& signals, const std::string& name) {
+    return std::any_of(signals.begin(), signals.end(),
+                       [&](const Signal& signal) { return name.rfind(signal.name + " at its ", 0) == 0; });
+  };
+  int inputs = 0;
+  for (Eigen::Index row = 0; row < program.A.rows(); ++row) {
+    const std::string& name = program.row_names[static_cast<std::size_t>(row)];
+    Eigen::Index column = 0;
+    const double greatest = program.A.row(row).cwiseAbs().maxCoeff(&column);
+    if (greatest != 1.0 || program.A.row(row).cwiseAbs().sum() != 1.0) {
+      EXPECT_TRUE(contains(problem.states, name)) << name;
+      continue;
+    }
+    ++inputs;
+    const std::string side = program.A(row, column) > 0.0 ? " at its upper bound" : " at its lower bound";
+    EXPECT_EQ(name, problem.inputs[static_cast<std::size_t>(column % 2)].name + side + ", step " +
+                        std::to_string(column / 2));
+  }
+  EXPECT_EQ(inputs, 2 * 2 * problem.horizon);
+}
+
 TEST(Condense, RemarksOnReferencesThatNoInputHolds) {
   MpcProblem problem = loadProblem(problemFile("multirotor_lateral.yaml"));
   EXPECT_TRUE(condense(problem).remarks.empty());

@@ -73,6 +73,8 @@ class RegionMap {
   std::size_t nodeCount() const noexcept;
   std::size_t leafCount() const noexcept;
   std::size_t bytes() const noexcept;
+  /// The bytes of the whole file.
+  std::string_view file() const noexcept { return {static_cast<const char*>(data_), bytes()}; }
   std::uint32_t formatVersion() const noexcept;
   /// Checksum of the whole file, as in its header.
   std::uint64_t checksum() const noexcept;
@@ -159,6 +161,7 @@ class RegionMap {
 
   std::string path_;
   MappedFile file_;
+  const void* data_ = nullptr;  // the file, in file_ or with the caller of view()
   format::Header header_ = {};
   const std::int32_t* active_ = nullptr;  // into the file
   // Views into the file.

@@ -139,12 +139,16 @@ Panel slicePanel(const RegionMap& map, const Slice& cut) {
   return panel;
 }
 
-void plotSlice(const RegionMap& map, const SliceRequest& request, const std::string& file) {
+Figure sliceFigure(const RegionMap& map, const SliceRequest& request) {
   Figure figure;
   figure.width = 860;
   figure.height = 640;
   figure.panels = {slicePanel(map, slice(map, request))};
-  writeFigure(figure, file);
+  return figure;
+}
+
+void plotSlice(const RegionMap& map, const SliceRequest& request, const std::string& file) {
+  writeFigure(sliceFigure(map, request), file);
 }
 
 }  // namespace polyfly

@@ -8,10 +8,12 @@
 # the folder of its tools, let catkin use what is built there; without them it builds all itself.
 
 # polyfly_library(NAME [UNITY] SOURCES file... [LINK target...] [PRIVATE target...] [INCLUDE folder...]
-#     [PRIVATE_INCLUDE folder...])
-#   A library with the package's include/ folder, and others of the package. UNITY: see polyfly_unity.
+#     [PRIVATE_INCLUDE folder...] [INSTALL header...])
+#   A library with the package's include/ folder, and others of the package. UNITY: see polyfly_unity. INSTALL: `cmake --install`
+#   of the plain build offers it, with these public headers or folders of headers (install.cmake); without any, other
+#   libraries need it, but no user includes it.
 function(polyfly_library name)
-  cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK;PRIVATE;INCLUDE;PRIVATE_INCLUDE;INSTALL" ${ARGN})
   list(TRANSFORM ARG_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   list(TRANSFORM ARG_PRIVATE_INCLUDE PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   set(headers "${CMAKE_CURRENT_SOURCE_DIR}/include" ${ARG_INCLUDE})
@@ -30,7 +32,7 @@ function(polyfly_library name)
   target_compile_features(${name} PUBLIC cxx_std_17)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${name}
-    PUBLIC "$<BUILD_INTERFACE:${headers}>" $<INSTALL_INTERFACE:include>
+    PUBLIC "$<BUILD_INTERFACE:${headers}>" $<INSTALL_INTERFACE:include/polyfly>
     PRIVATE "$<BUILD_INTERFACE:${ARG_PRIVATE_INCLUDE}>")
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
   polyfly_warnings(${name})
@@ -48,13 +50,17 @@ function(polyfly_library name)
     if(TARGET tools)
       add_dependencies(tools ${name})
     endif()
+    if(ARG_INSTALL OR "INSTALL" IN_LIST ARG_KEYWORDS_MISSING_VALUES)
+      polyfly_install_library(${name} HEADERS ${ARG_INSTALL} FOLDERS ${headers} LINK ${ARG_LINK} ${ARG_PRIVATE})
+    endif()
   endif()
 endfunction()
 
-# polyfly_tool(NAME [UNITY] SOURCES file... [LINK target...])
-#   A command-line tool; plain CMake leaves it in the preset's bin folder, catkin where rosrun looks.
+# polyfly_tool(NAME [UNITY] [INSTALL] SOURCES file... [LINK target...] [PRIVATE_INCLUDE folder...])
+#   A command-line tool; plain CMake leaves it in the preset's bin folder, catkin where rosrun looks. INSTALL: so does
+#   `cmake --install` of the plain build.
 function(polyfly_tool name)
-  cmake_parse_arguments(ARG "UNITY" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY;INSTALL" "" "SOURCES;LINK;PRIVATE_INCLUDE" ${ARGN})
   if(DEFINED POLYFLY_BUILT AND DEFINED POLYFLY_BIN_DIR AND EXISTS "${POLYFLY_BIN_DIR}/${name}")
     set(folder "${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME}")
     file(MAKE_DIRECTORY "${folder}")
@@ -63,6 +69,7 @@ function(polyfly_tool name)
   endif()
   add_executable(${name}_tool ${ARG_SOURCES})
   target_compile_features(${name}_tool PRIVATE cxx_std_17)
+  target_include_directories(${name}_tool PRIVATE ${ARG_PRIVATE_INCLUDE})
   target_link_libraries(${name}_tool PRIVATE ${ARG_LINK})
   set_target_properties(${name}_tool PROPERTIES OUTPUT_NAME ${name})
   if(DEFINED POLYFLY_BIN_DIR)
@@ -73,6 +80,8 @@ function(polyfly_tool name)
   endif()
   if(DEFINED CATKIN_DEVEL_PREFIX)
     install(TARGETS ${name}_tool RUNTIME DESTINATION lib/${PROJECT_NAME})
+  elseif(ARG_INSTALL)
+    polyfly_install_tool(${name}_tool)
   endif()
   polyfly_warnings(${name}_tool)
   polyfly_precompiled(${name}_tool tool)

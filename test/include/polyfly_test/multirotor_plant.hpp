@@ -79,6 +79,13 @@ struct PlantOptions {
   /// Duration of the push [s]. 0: never.
   double kick_time = 0.0;
 
+  /// Rates of roll, pitch and yaw of a tumble without thrust, as after the loss of a rotor [rad/s].
+  Eigen::Vector3d tumble{12.0, 7.0, 4.0};
+  /// Start of the tumble [s].
+  double tumble_start = 0.0;
+  /// Duration of the tumble [s]. 0: never.
+  double tumble_time = 0.0;
+
   /// Standard deviation of the position noise per axis [m].
   double position_noise = 0.0;
   /// Standard deviation of the velocity noise per axis [m/s].
@@ -137,6 +144,9 @@ void visitPlantOptions(Options& self, Visitor&& visit) {
   visit("kick", self.kick, "m/s^2", Range{-100.0, 100.0});
   visit("kick_start", self.kick_start, "s", Range{0.0, 1000000.0});
   visit("kick_time", self.kick_time, "s", Range{0.0, 1000.0});
+  visit("tumble", self.tumble, "rad/s", Range{-100.0, 100.0});
+  visit("tumble_start", self.tumble_start, "s", Range{0.0, 1000000.0});
+  visit("tumble_time", self.tumble_time, "s", Range{0.0, 1000.0});
   visit("position_noise", self.position_noise, "m", Range{0.0, 10.0});
   visit("velocity_noise", self.velocity_noise, "m/s", Range{0.0, 10.0});
   visit("attitude_noise", self.attitude_noise, "rad", Range{0.0, 1.0});
@@ -214,6 +224,7 @@ class MultirotorPlant {
   void substep();
   void drawGust();
   bool during(double start, double duration) const;
+  bool isTumbling() const;
   // Part of d(t) that does not depend on the state [m/s^2].
   Eigen::Vector3d push() const;
   // Velocity of the air [m/s].

@@ -9,7 +9,8 @@
 namespace polyfly {
 
 struct AutopilotSignals {
-  /// Signals of the flight. Times count from the first message that is used.
+  /// Signals of the flight. Times count from the first message that is used. `not_flight` says when the vehicle
+  /// stood.
   FlightSignals signals;
   /// Remarks on the log.
   std::vector<std::string> remarks;
@@ -17,15 +18,22 @@ struct AutopilotSignals {
 
 /// Finds the signals of identification in an autopilot's own log, by its messages:
 ///
-/// - roll_cmd, pitch_cmd: vehicle_attitude_setpoint.roll_body, .pitch_body, else .q_d; ATT.DesRoll, .DesPitch
-/// - roll, pitch, yaw: vehicle_attitude.q; ATT.Roll, .Pitch, .Yaw
-/// - yaw_rate_cmd: vehicle_rates_setpoint.yaw; RATE.YDes
-/// - yaw_rate: vehicle_angular_velocity.xyz[2], else vehicle_attitude.yawspeed; RATE.Y
-/// - thrust_cmd (a share of full thrust): vehicle_attitude_setpoint.thrust_body[2], else .thrust; CTUN.ThO
-/// - specific_force_z: sensor_combined.accelerometer_m_s2[2]; IMU.AccZ
+/// - roll_cmd, pitch_cmd: vehicle_attitude_setpoint.roll_body, .pitch_body, else .q_d; ATT.DesRoll, .DesPitch, else
+///   ATT.RollIn, .PitchIn, else CTUN.NavRoll, .NavPitch
+/// - roll, pitch, yaw: vehicle_attitude.q, else .roll, .pitch, .yaw; ATT.Roll, .Pitch, .Yaw
+/// - yaw_rate_cmd: vehicle_rates_setpoint.yaw; RATE.YDes, else .YawDes
+/// - yaw_rate: vehicle_angular_velocity.xyz[2], else vehicle_attitude.yawspeed, else sensor_combined.gyro_rad[2];
+///   RATE.Y, else .Yaw
+/// - thrust_cmd (a share of full thrust): vehicle_attitude_setpoint.thrust_body[2], else .thrust, else of
+///   vehicle_rates_setpoint; CTUN.ThO, else .ThrOut
+/// - specific_force_z: sensor_combined.accelerometer_m_s2[2], else vehicle_acceleration.xyz[2]; IMU.AccZ
 /// - vx, vy, vz, vn, ve: vehicle_local_position.vx ...; XKF1.VN ..., else NKF1, EKF1,
 ///   else GPS.Spd, .GCrs, .VZ
-/// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed
+/// - airspeed: airspeed_validated.true_airspeed_m_s, else airspeed.true_airspeed_m_s; ARSP.Airspeed, else NTUN.Arspd
+/// - to check the others: gyro and the rest of the accelerometer, of sensor_combined and IMU; height, of
+///   vehicle_local_position.z and XKF1.PD, else NKF1, EKF1, else GPS.Alt
+///
+/// The kind of vehicle is that of vehicle_status, and of the messages that only ArduPlane or ArduCopter writes.
 ///
 /// Frames: forward-right-down and north-east-down become forward-left-up and east-north-up, for commands and
 /// responses alike. A command is taken as the straight line between the values that were logged, which are

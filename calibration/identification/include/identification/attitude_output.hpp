@@ -6,6 +6,7 @@
 
 #include "identification/identify_axis.hpp"
 #include "identification/provenance.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
@@ -14,6 +15,7 @@ struct AttitudeCalibration {
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> training;
   std::optional<Provenance> validation;
+  RecognisedVehicle vehicle;
   std::vector<AxisModel> axes;
   std::vector<std::string> remarks;  ///< sentences: what was wrong with the files
   std::vector<std::string> failed;   ///< sentences: axes that could not be identified
@@ -24,5 +26,8 @@ std::string toYaml(const AttitudeCalibration& calibration);
 
 /// The numbers for people, with the warnings.
 std::string toText(const AttitudeCalibration& calibration);
+
+/// What was left out of the axis, a clause for each reason; of several flights with the file.
+std::vector<std::string> leftOutClauses(const AxisModel& axis);
 
 }  // namespace polyfly

@@ -16,6 +16,7 @@ struct BagSignalOptions {
   std::vector<std::string> topics;  ///< only these, and only names that end in one of them; all if empty
   std::string name_space;           ///< only topics in it, if not empty; with or without slashes around it
   /// Signal to `topic:path.of.a.number`, or `topic:path.of.a.quaternion.roll` (or pitch, yaw).
+  /// `:deg` after a number makes radians of degrees.
   std::map<std::string, std::string> choice;
   std::function<void(double)> progress;  ///< share of the file that was read
   /// Asked where two topics could give a signal: the index of the one, or none. Error if there is nobody.

@@ -13,6 +13,8 @@ struct ExcitationSearchOptions {
   double half_width = 1.0;
   /// Threshold as a share of the activity that is exceeded 10 % of the time.
   double threshold_share = 0.25;
+  /// Threshold as a share of the activity above which lies half of its energy. The greater threshold counts.
+  double energy_share = 0.06;
   /// Margin before and after a window, so that the response is included [s].
   double margin = 0.5;
   /// Least length of a window. Shorter windows are left out [s].
@@ -20,11 +22,6 @@ struct ExcitationSearchOptions {
   /// Least correlation of response and command at the best lag. Below it, the loop did not answer.
   double least_correlation = 0.5;
   double greatest_lag = 1.0;  ///< [s]
-};
-
-struct RejectedWindow {
-  TimeWindow window;
-  std::string reason;
 };
 
 /// What of a flight is used, and why not the rest.
@@ -37,7 +34,8 @@ struct ExcitationChoice {
   double threshold = 0.0;
 };
 
-/// Finds the windows in which the command is active and the response follows it at all. Clean record.
+/// Finds the windows in which the vehicle flies, the command is active and the response follows it at all.
+/// Clean record.
 ExcitationChoice chooseExcitation(const LoopRecord& record, const ExcitationSearchOptions& options);
 
 /// Greatest correlation coefficient in size, with its sign, of response and command over lags 0 ..

@@ -8,6 +8,7 @@
 #include "identification/csv_log.hpp"
 #include "identification/identify_axis.hpp"
 #include "identification/loop_record.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
@@ -23,6 +24,12 @@ namespace polyfly {
 /// | specific_force_z | along the body's z, by the accelerometer, + g at rest [m/s^2] |
 /// | vx, vy, vz | in W [m/s] |
 /// | vn, ve, airspeed | velocity over ground to north and east, speed through the air [m/s] |
+/// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
+/// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
+/// | height | up positive, above any level [m] |
+///
+/// The last three lines serve to check the others only: units (signal_units.hpp), and where the vehicle flies
+/// (flight_phases.hpp).
 struct FlightSignals {
   /// File that the signals come from.
   std::string source;
@@ -34,6 +41,12 @@ struct FlightSignals {
   bool thrust_is_share = false;
   /// Sentences on how the file was read.
   std::vector<std::string> remarks;
+  /// Stretches in which the vehicle does not fly, see findNonFlight. A reader leaves them empty.
+  std::vector<RejectedWindow> not_flight;
+  /// Columns, topics or tables of the file, whatever they hold.
+  std::vector<std::string> places;
+  /// Kind of the vehicle as the log or the user names it. recogniseVehicle tells the others.
+  RecognisedVehicle vehicle;
 
   bool has(const std::string& name) const { return series.count(name) > 0; }
   /// Throws Error naming source, signal, and the option that chooses one.
@@ -48,10 +61,17 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals);
 
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
 /// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
-/// turns the sign. It binds times as `time` (`COLUMN`, or `SECONDS,NANOSECONDS`), and those of the commands as
-/// `cmd_time`. Throws Error when a chosen column is not there, a name is not one of the above, or there is no
-/// column of times.
+/// turns the sign, `:deg` after it makes radians of degrees whatever the name says. It binds times as `time`
+/// (`COLUMN`, or `SECONDS,NANOSECONDS`), and those of the commands as `cmd_time`. Throws Error when a chosen
+/// column is not there, a name is not one of the above, or there is no column of times.
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
+
+/// Whether the signal only serves to check others.
+bool isAuxiliary(const std::string& name);
+
+/// A sentence for each of the four loops that recordedAxes does not give, on what is missing, and one on the
+/// places that the file has. Empty if there is no such loop.
+std::vector<std::string> missingAxes(const FlightSignals& signals);
 
 /// The loops whose command and response are both there, of: roll, pitch, yaw_rate, thrust.
 std::vector<std::string> recordedAxes(const FlightSignals& signals);

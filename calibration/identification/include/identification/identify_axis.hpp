@@ -8,6 +8,7 @@
 #include "identification/fit_loop.hpp"
 #include "identification/frequency_response.hpp"
 #include "identification/loop_record.hpp"
+#include "identification/model_support.hpp"
 
 namespace polyfly {
 
@@ -40,20 +41,6 @@ struct IdentifyOptions {
   bool second_order = false;
 };
 
-/// How well a model does on data that it was not fitted to.
-struct AxisValidationFit {
-  std::string source;
-  double training_percent = 0.0;
-  double validation_percent = 0.0;
-  /// True: the model of the first half of the data is validated on the second half.
-  bool by_halves = false;
-  /// True: each of several flights is validated with the model of the others.
-  bool by_flights = false;
-  std::vector<LoopSegment> segments;
-  /// Predicted response of each segment.
-  std::vector<std::vector<double>> prediction;
-};
-
 /// What one of several flights says of an axis.
 struct AxisFlight {
   std::string source;
@@ -61,12 +48,14 @@ struct AxisFlight {
   double begins = 0.0;
   /// Windows that were used, in the flight's own time [s].
   std::vector<TimeWindow> windows;
+  /// What was not used, in the flight's own time.
+  std::vector<RejectedWindow> left_out;
   /// Parameters of the flight's own model with delay.
   std::vector<FittedParameter> parameters;
   /// Fit of the flight's own model [%].
   double fit_percent = 0.0;
   /// Fit of the other flights' model on this flight [%].
-  double left_out_percent = 0.0;
+  double validation_percent = 0.0;
 };
 
 struct AxisModel {
@@ -87,12 +76,18 @@ struct AxisModel {
   LoopFit without_delay;
   /// Second-order model of Eq. 45 with a delay.
   std::optional<LoopFit> second_order;
+  /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
+  /// What controllers can be given, each with its own evaluation: of thrust only `model`.
+  std::vector<ControllerModel> controller_models;
   std::vector<FrequencyPoint> frequency_response;
   /// Sentences on what the data do not support.
   std::vector<std::string> warnings;
-  /// True: the model explains the response, and the data bound gain and lag.
+  /// Whether the model that problem files take is supported: the one without delay, of thrust the one with.
   bool supported = true;
+
+  /// None if there is no model with this key.
+  const ControllerModel* findModel(const std::string& key) const;
 };
 
 /// Cleans, chooses windows, fits all models, validates and warns. Throws Error naming source, axis and rule

@@ -20,6 +20,12 @@ struct TimeWindow {
   double to = 0.0;    ///< [s]
 };
 
+/// A stretch of a flight that is left out.
+struct RejectedWindow {
+  TimeWindow window;
+  std::string reason;
+};
+
 /// Command and response of one inner loop (attitude, yaw rate, thrust) in one flight, on one clock.
 struct LoopRecord {
   std::string source;   ///< file it came from
@@ -28,12 +34,15 @@ struct LoopRecord {
   /// Half width of the sliding mean that `response` went through (see smoothedMean); 0 if none [s]. The
   /// model's response goes through the same mean before the two are compared.
   double smoothing = 0.0;
+  /// Stretches in which the vehicle does not fly (see findNonFlight), in order of time.
+  std::vector<RejectedWindow> not_flight;
 };
 
 /// What had to be taken out of a record before it could be used.
 struct CleaningCounts {
   std::size_t not_finite = 0;    ///< samples that are NaN or infinite, in time or value
   std::size_t out_of_order = 0;  ///< samples whose time does not exceed that of the sample before
+  std::size_t repeated = 0;      ///< samples that were recorded before, with the same time and value
 };
 
 /// A step between samples, forward or back, that is far: there the clock was set, or nothing was recorded.
@@ -66,6 +75,10 @@ std::string whyUnusable(const TimeSeries& series);
 /// What the far steps of a clean series leave of the windows; nothing shorter than two samples.
 std::vector<TimeWindow> cutAtFarSteps(const std::vector<TimeWindow>& windows,
                                       const std::vector<double>& time);
+
+/// What is left of the windows without the others, in order of time.
+std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
+                                       const std::vector<RejectedWindow>& others);
 
 /// The series with finite samples of increasing time only. Where its times jump far, the pieces between are
 /// put in the order of their times first, so that a clock that was set back costs no more than what overlaps.

@@ -38,6 +38,7 @@ struct Motion {
   /// Acceleration from thrust, attitude and gravity, without drag [m/s^2].
   Eigen::MatrixX3d expected;
   Eigen::MatrixX3d velocity;  ///< [m/s]
+  Eigen::VectorXd yaw;        ///< [rad]
   /// Vertical part of thrust_cmd, in its unit; 0 if there is no thrust_cmd.
   Eigen::VectorXd lift;
   /// True: thrust_cmd is a share of full thrust. False: it is in newtons.
@@ -121,9 +122,16 @@ struct WindFit : MotionFit {
   std::vector<double> east;   ///< [m/s]
 };
 
-/// Drag coefficients A_x, A_y, and A_z where the thrust is known [1/s], each with the mean disturbance beside
-/// it; names drag_x, offset_x ...
+/// Drag coefficients A_x, A_y along the axes of W, and A_z where the thrust is known [1/s], each with the mean
+/// disturbance beside it; names drag_x, offset_x ... And those of the rotors along the body's heading and to
+/// its left, with one mean disturbance in W; names drag_forward, drag_left.
 MotionFit fitDrag(const Motion& motion);
+
+/// Heading misalignment: the angle by which the direction of the measured acceleration is turned, about z up,
+/// from the direction in which the attitude tilts the thrust [rad]; name heading_misalignment. Velocities of an
+/// odometry and an attitude whose frames agree give 0. Warns where it is not 0, and where the vehicle tilts too
+/// little. With the thrust's own scale, an isotropic drag and a mean disturbance as further unknowns.
+MotionFit fitHeading(const Motion& motion);
 
 /// Mass [kg] from the vertical part of a thrust command in newtons, and the command that holds the vehicle
 /// [N]; names mass, hover_thrust. Of a command that is a share of full thrust only hover_command, with a

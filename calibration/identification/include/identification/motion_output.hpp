@@ -5,15 +5,17 @@
 
 #include "identification/motion.hpp"
 #include "identification/provenance.hpp"
+#include "identification/vehicle_kind.hpp"
 
 namespace polyfly {
 
-/// What `calibrate disturbance`, `drag`, `mass` or `wind` found; bounds of the first, parameters of the
+/// What `calibrate disturbance`, `drag`, `mass`, `heading` or `wind` found; bounds of the first, parameters of the
 /// others.
 struct MotionCalibration {
   std::string kind;
   /// The flights, one or several of one vehicle.
   std::vector<Provenance> data;
+  RecognisedVehicle vehicle;
   /// Sentences on what was wrong with the file.
   std::vector<std::string> remarks;
   /// Windows that were used, one list for each flight. Empty: the whole record.

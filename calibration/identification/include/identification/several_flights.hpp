@@ -17,8 +17,10 @@ struct AxisFlightRecords {
 /// are the random-effects means over the flights, and their intervals hold the spread between flights
 /// (poolFlights). Record, segments, pictures and warnings are those of all flights together on one clock:
 /// the first begins at 0 s, the others follow with pauses. Unless `options` bring a record for validation,
-/// each flight is validated with the model of the others. A flight without a usable stretch is left out with
-/// a warning. If one flight is left, the result is that of identifyAxis. Throws Error if none is left.
+/// each flight is validated with the model of the others. So are the models for a controller, which are judged
+/// with these means and intervals. What is no flight is left out of each. A flight without a usable stretch
+/// is left out with a warning. If one flight is left, the result is that of identifyAxis. Throws Error if none
+/// is left.
 AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const IdentifyOptions& options);
 
 /// The mean over several flights of one model, with intervals that hold the spread between flights: values,

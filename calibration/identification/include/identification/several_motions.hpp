@@ -7,11 +7,13 @@
 namespace polyfly {
 
 /// Several flights on one clock: the first begins at 0 s, the others follow with pauses. Holds the signals
-/// that all of them have. Throws Error if the thrust commands are of different units. At least one flight.
+/// and the places that all of them have, and the stretches of each that are no flight. Throws Error if the thrust commands are of different units. At least one flight.
 struct JoinedFlights {
   FlightSignals signals;
   /// From each flight's own time to the common one [s].
   std::vector<double> shifts;
+  /// From the first to the last sample of each flight, on the common clock [s].
+  std::vector<TimeWindow> spans;
 };
 JoinedFlights joinFlights(const std::vector<FlightSignals>& flights);
 

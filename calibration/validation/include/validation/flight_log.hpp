@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bags/recording_share.hpp"
+#include "identification/header_clock.hpp"
 #include "online_controller/reference/reference_schedule.hpp"
 #include "online_controller/types/types.hpp"
 
@@ -62,12 +63,22 @@ struct FlightLog {
     Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   };
 
+  /// The stamps of a topic against the recorder's times.
+  struct TopicClock {
+    std::string topic;
+    HeaderClock clock;
+    /// Receive time of the topic's first message [s].
+    double start = 0.0;
+  };
+
   /// File of the record, for messages and titles.
   std::string source;
   /// Every irregularity of the file, as clauses without its name.
   std::vector<std::string> remarks;
   /// How much of the recording was read, with the messages of the flight's topics. None if the log is no file.
   std::optional<RecordingShare> share;
+  /// What the stamps of odometry and commands are worth. Empty if the log is no file.
+  std::vector<TopicClock> clocks;
   std::vector<VehicleState> odometry;
   std::vector<TimedReference> references;
   /// Times at which the node noticed silent odometry [s].

@@ -10,6 +10,13 @@
 
 namespace polyfly {
 
+/// A link to a page beside the report.
+struct ReportLink {
+  std::string text;
+  /// Relative to the report, escaped as in a URL.
+  std::string address;
+};
+
 /// The content of a report. References: they must stay valid until the report is written.
 struct ReportContent {
   const FlightLog& log;
@@ -17,7 +24,8 @@ struct ReportContent {
   const AxisMaps& maps;
   const MultirotorOptions& options;
   const ValidationReport& validation;
-  const std::vector<std::string>& broken;  ///< sentences of brokenThresholds
+  /// Pages that show the maps with this flight.
+  std::vector<ReportLink> map_pages = {};
 };
 
 /// A picture with the sentence under it.
@@ -37,15 +45,9 @@ std::string toHtml(const ReportContent& content);
 /// naming the file.
 void writeReport(const ReportContent& content, const std::string& folder);
 
-/// One of several flights, for the page of all.
-struct FlightSummary {
-  ValidationReport validation;
-  std::vector<std::string> broken;  ///< sentences of brokenThresholds
-};
-
 /// The page of several flights, with `summary.json` of all together. Their own pages are expected in
 /// `flight_1`, `flight_2` and so on of the same folder. `flights` must not be empty. Throws Error.
-void writeOverview(const std::vector<FlightSummary>& flights, const ValidationReport& all,
+void writeOverview(const std::vector<ValidationReport>& flights, const ValidationReport& all,
                    const std::string& folder);
 
 }  // namespace polyfly

@@ -107,6 +107,13 @@ struct HoldOffset {
   std::optional<Eigen::Vector3d> disturbance;          ///< mean of the true one, where recorded [m/s^2]
 };
 
+/// What a report says in one word.
+enum class Verdict {
+  kPassed,    ///< all thresholds hold, and nothing raises doubts
+  kDoubtful,  ///< all thresholds hold, but there are warnings
+  kFailed,    ///< a threshold is broken
+};
+
 struct ValidationReport {
   std::string source;
   /// How much of the recording was read. None if the log is no file.
@@ -117,6 +124,8 @@ struct ValidationReport {
   std::size_t tracked_samples = 0;
   /// Tracked samples with the parameters of some axis outside its map.
   std::size_t outside_map_samples = 0;
+  /// Time in which some axis had no answer of its map [s].
+  double outside_map_time = 0.0;
   /// Share of the tracked samples that all maps hold; 0 if there are none.
   double coverage = 0.0;
   /// Time from first to last odometry, without far steps of its clock [s].
@@ -134,12 +143,15 @@ struct ValidationReport {
 
   /// Sentences on why this record may not say what it seems to say.
   std::vector<std::string> warnings;
+  /// Sentences of brokenThresholds, where they were asked for.
+  std::vector<std::string> broken;
 
   /// Comparisons with other maps, where compareMaps was requested.
   std::vector<MapComparison> comparisons;
   /// Proposed problems, where proposeMap was requested.
   std::vector<MapProposal> proposals;
 
+  Verdict verdict() const;
   std::size_t regionCount() const;
   std::size_t visitedCount() const;
   double maxQpDifference() const;
@@ -167,7 +179,13 @@ struct Thresholds {
 };
 std::vector<std::string> brokenThresholds(const ValidationReport& report, const Thresholds& thresholds);
 
-/// A page of text for a terminal.
+/// "passed", "doubtful" or "failed".
+const char* nameOf(Verdict verdict);
+
+/// The verdict as a sentence.
+const char* sentenceOn(Verdict verdict);
+
+/// A page of text for a terminal. It ends with the verdict.
 std::string toText(const ValidationReport& report);
 
 /// The flat numbers of `summary.json` first, then the details. README.md lists the keys.

@@ -6,6 +6,9 @@
 #include <nav_msgs/Odometry.h>
 #include <online_controller/ControllerStatus.h>
 
+#include <functional>
+#include <map>
+
 namespace polyfly_ros {
 namespace {
 
@@ -65,25 +68,32 @@ online_controller::ControllerStatus statusOf(const FlightLog::Status& status) {
 }  // namespace
 
 void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::Bag* bag) {
-  const std::string prefix = options.name_space + "/";
+  // In the order of arrival, as a recorder writes.
+  std::multimap<ros::Time, std::function<void(const ros::Time&)>> arrivals;
+  const auto arrive = [&](const ros::Time& time, const std::string& topic, const auto& message) {
+    arrivals.emplace(time, [bag, name = options.name_space + "/" + topic,
+                            message](const ros::Time& received) { bag->write(name, received, message); });
+  };
   ros::Time now(log.odometry.empty() ? 1.0 : log.odometry.front().stamp);
   for (const FlightLog::Event& event : log.events) {
     if (event.kind == FlightLog::EventKind::kOdometry) {
       now = ros::Time(log.odometry[event.index].stamp);
-      if (options.odometry) bag->write(prefix + "odometry", now, odometryOf(log.odometry[event.index]));
+      if (options.odometry) arrive(now, "odometry", odometryOf(log.odometry[event.index]));
     } else if (event.kind == FlightLog::EventKind::kReference && options.references) {
-      bag->write(prefix + "command/pose", now, poseOf(log.references[event.index].trajectory));
+      arrive(now, "command/pose", poseOf(log.references[event.index].trajectory));
     }
   }
   const ros::Duration shift(options.arrival_shift);
   for (const FlightLog::Command& command : log.commands) {
     if (!options.commands) break;
-    bag->write(prefix + "command/roll_pitch_yawrate_thrust", ros::Time(command.stamp) + shift,
-               commandOf(command));
+    mav_msgs::RollPitchYawrateThrust message = commandOf(command);
+    const auto [from, by] = options.command_jump;
+    if (command.stamp >= from) message.header.stamp += ros::Duration(by);
+    arrive(ros::Time(command.stamp) + shift, "command/roll_pitch_yawrate_thrust", message);
   }
   for (const FlightLog::Status& status : log.statuses) {
     if (!options.statuses) break;
-    bag->write(prefix + "controller_status", ros::Time(status.stamp) + shift, statusOf(status));
+    arrive(ros::Time(status.stamp) + shift, "controller_status", statusOf(status));
   }
   for (const FlightLog::Disturbance& disturbance : log.disturbances) {
     geometry_msgs::Vector3Stamped message;
@@ -91,15 +101,15 @@ void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::
     message.vector.x = disturbance.acceleration.x();
     message.vector.y = disturbance.acceleration.y();
     message.vector.z = disturbance.acceleration.z();
-    bag->write(prefix + "ground_truth/disturbance", message.header.stamp, message);
+    arrive(message.header.stamp, "ground_truth/disturbance", message);
   }
+  for (const auto& [time, write] : arrivals) write(time);
 }
 
 void writeFlightBag(const FlightLog& log, const std::string& path, const FlightBagOptions& options) {
   rosbag::Bag bag(path, rosbag::bagmode::Write);
   bag.setCompression(options.compression);
   bag.setChunkThreshold(options.chunk_threshold);
-  bag.setChunkThreshold(20000);
   writeFlight(log, options, &bag);
   bag.close();
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "validation/flight_log.hpp"
 
@@ -15,8 +16,10 @@ struct FlightBagOptions {
   rosbag::CompressionType compression = rosbag::compression::Uncompressed;
   /// Delay of commands and status at the recorder, relative to odometry [s].
   double arrival_shift = 0.0;
+  /// From this stamp on the headers' clock of commands is ahead by the second number [s]; the recorder's is not.
+  std::pair<double, double> command_jump = {0.0, 0.0};
   /// Bytes after which a chunk ends.
-  std::uint32_t chunk_threshold = 768 * 1024;
+  std::uint32_t chunk_threshold = 20000;
   /// Whether to write odometry, references, commands and statuses.
   bool odometry = true;
   bool references = true;

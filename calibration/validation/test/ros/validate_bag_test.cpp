@@ -106,6 +106,17 @@ TEST_F(ValidateBag, writesWhatItIsAskedFor) {
   EXPECT_NE(contents(folder_ / "report/index.html").find("Flight report"), std::string::npos);
 }
 
+TEST_F(ValidateBag, writesPagesOfTheMapsAndLinksToThem) {
+  EXPECT_EQ(runWith({"--quiet", "--explore", folder_ / "report", "--report", folder_ / "report"}), kPassed)
+      << errors_;
+  for (const char* name : {"explore_longitudinal.html", "explore_lateral.html", "explore_vertical.html"}) {
+    EXPECT_NE(contents(folder_ / ("report/" + std::string(name))).find("\"source\":\"flight.bag\""),
+              std::string::npos);
+    EXPECT_NE(contents(folder_ / "report/index.html").find("<a href='" + std::string(name) + "'>"),
+              std::string::npos);
+  }
+}
+
 TEST_F(ValidateBag, failsWhenAThresholdIsBroken) {
   log_.commands[10].command.roll += 1e-3;
   writeFlightBag(log_, folder_ / "flight.bag");
@@ -141,6 +152,53 @@ TEST_F(ValidateBag, judgesInPiecesWhereTheClockWasSet) {
   EXPECT_LT(used.ru_maxrss, kMostMemory);
 }
 
+// Green means whole: the same flight, damaged in the ways of the field.
+TEST_F(ValidateBag, isNotGreenWhereTheRecordingIsNotWhole) {
+  const std::string good = contents(folder_ / "flight.bag");
+  const std::string mark = "op=\x05";
+  std::vector<std::size_t> chunks;
+  for (std::size_t at = good.find(mark); at != std::string::npos; at = good.find(mark, at + 1))
+    chunks.push_back(at);
+  ASSERT_GT(chunks.size(), 4u);
+  const auto change = [&good](std::size_t place, std::size_t count, char by) {
+    std::string bad = good;
+    for (std::size_t k = place; k < place + count; ++k) bad[k] = static_cast<char>(bad[k] ^ by);
+    return bad;
+  };
+  const std::map<std::string, std::string> damaged = {
+      {"cut", good.substr(0, good.size() / 2)},
+      {"end", good.substr(0, good.size() - 10)},
+      {"data", change(chunks[1] + 600, 400, 0x2a)},
+      {"header", change(chunks[2] - 10, 4, 0x2a)},
+  };
+  EXPECT_EQ(runWith({"--strict"}), kPassed) << output_;
+  EXPECT_NE(output_.find("Passed: "), std::string::npos);
+  EXPECT_NE(output_.find("read: 100 % of the messages"), std::string::npos) << output_;
+  for (const auto& [name, bytes] : damaged) {
+    std::ofstream(folder_ / "flight.bag", std::ios::binary) << bytes;
+    EXPECT_EQ(runWith({"--strict", "--report", folder_ / name}), kThresholdBroken) << name << output_;
+    EXPECT_EQ(output_.find("Passed"), std::string::npos) << name;
+    EXPECT_NE(output_.find("recording"), std::string::npos) << name << output_;
+    EXPECT_EQ(contents(folder_ / (name + "/index.html")).find("verdict good"), std::string::npos) << name;
+    const auto json = nlohmann::json::parse(contents(folder_ / (name + "/summary.json")));
+    EXPECT_NE(json["verdict"], "passed") << name;
+    EXPECT_EQ(json["recording"]["whole"], false) << name;
+  }
+}
+
+TEST_F(ValidateBag, tellsWhichClockJumped) {
+  polyfly::FlightLog log = log_;
+  const double middle = log.odometry[log.odometry.size() / 2].stamp;
+  FlightBagOptions options;
+  options.command_jump = {middle, 120.0};
+  writeFlightBag(log, folder_ / "flight.bag", options);
+  EXPECT_EQ(runWith({"--strict"}), kThresholdBroken) << output_;
+  EXPECT_NE(output_.find("command/roll_pitch_yawrate_thrust: the clock of the headers jumps by 120 s"),
+            std::string::npos)
+      << output_;
+  EXPECT_NE(output_.find("answer no recorded odometry"), std::string::npos) << output_;
+}
+
 TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
   std::ofstream(folder_ / "heavy.yaml") << "vehicle: {mass: 2.0}\n";
   EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);
@@ -170,7 +228,7 @@ TEST_F(ValidateBag, takesSeveralFlightsAndMaps) {
   content.laws.back() += 1e-3;
   polyfly::writeMap(content, folder_ / "other.map");
   EXPECT_EQ(runWith({"--bag", folder_ / "again.bag", "--map", folder_ / "other.map", "--json",
-                     folder_ / "all.json", "--report", folder_ / "all"}),
+                     folder_ / "all.json", "--report", folder_ / "all", "--explore", folder_ / "pages"}),
             kPassed)
       << errors_;
   const auto json = nlohmann::json::parse(contents(folder_ / "all.json"));
@@ -179,7 +237,8 @@ TEST_F(ValidateBag, takesSeveralFlightsAndMaps) {
   ASSERT_EQ(json["comparisons"].size(), 1u);
   EXPECT_NEAR(json["comparisons"][0]["difference"]["max"].get<double>(), 1e-3, 1e-9);
   EXPECT_NE(contents(folder_ / "all/index.html").find("flight_2/index.html"), std::string::npos);
-  EXPECT_NE(contents(folder_ / "all/flight_2/index.html").find("Flight report"), std::string::npos);
+  EXPECT_NE(contents(folder_ / "all/flight_2/index.html").find("../../pages/flight_2/explore_lateral.html"),
+            std::string::npos);
 }
 
 TEST_F(ValidateBag, proposesTheProblemThatWouldHaveCoveredTheFlight) {

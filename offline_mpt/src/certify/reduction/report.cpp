@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "offline_mpt/vector_text.hpp"
 #include "offline_mpt/verify_reduction.hpp"
+#include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {

@@ -15,16 +15,6 @@ namespace {
 
 using Cell = ExactCell;
 
-ExactRow wholeRow(const std::vector<Rational>& value) {
-  Integer denominator(1);
-  for (const Rational& entry : value)
-    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
-  ExactRow row;
-  for (const Rational& entry : value) row.value.emplace_back(Rational(entry * denominator).get_num());
-  finishRow(row);
-  return row;
-}
-
 bool isConstant(const ExactRow& row) {
   return std::all_of(row.value.begin(), row.value.end() - 1, [](const Integer& value) { return value == 0; });
 }
@@ -172,8 +162,23 @@ class Subtractor {
 
 }  // namespace
 
-ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other) : map_(map) {
-  for (const Signal& signal : map.parameters()) {
+ExactRow wholeRow(const std::vector<Rational>& value) {
+  Integer denominator(1);
+  for (const Rational& entry : value)
+    mpz_lcm(denominator.get_mpz_t(), denominator.get_mpz_t(), entry.get_den_mpz_t());
+  ExactRow row;
+  for (const Rational& entry : value) row.value.emplace_back(Rational(entry * denominator).get_num());
+  finishRow(row);
+  return row;
+}
+
+ExactMap::ExactMap(const RegionMap& map, double full_slack, const ExactMap* other)
+    : ExactMap(map, full_slack, map.parameters(), other) {}
+
+ExactMap::ExactMap(const RegionMap& map, double full_slack, const std::vector<Signal>& ranges,
+                   const ExactMap* other)
+    : map_(map) {
+  for (const Signal& signal : ranges) {
     const Rational lower(signal.lower), upper(signal.upper);
     centre_.push_back((lower + upper) / 2);
     half_.push_back((upper - lower) / 2);

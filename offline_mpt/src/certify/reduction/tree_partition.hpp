@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "exact_kkt/exact_region.hpp"
+#include "region_maps/signal.hpp"
 
 namespace polyfly {
 
@@ -25,9 +26,12 @@ enum class Slack : std::uint8_t {
 /// A map's half-spaces without rounding, in t, theta = centre + half .* t: row (t, 1) >= 0.
 class ExactMap {
  public:
-  /// The map must outlive the object. Planes that `other`, of the same slack and tolerance, has too become
+  /// The map must outlive the object. Planes that `other`, of the same slack, tolerance and ranges, has too become
   /// its rows, so that they are known to be the same.
   ExactMap(const RegionMap& map, double full_slack, const ExactMap* other = nullptr);
+
+  /// The same where t is [-1, 1] in other ranges than the map's: lower and upper of `ranges` count.
+  ExactMap(const RegionMap& map, double full_slack, const std::vector<Signal>& ranges, const ExactMap* other);
 
   const ExactRow& row(std::int32_t row) const { return at(row, kRow); }
   const ExactRow& relaxed(std::int32_t row, Slack slack) const {
@@ -54,6 +58,9 @@ class ExactMap {
   // Rows of each plane.
   std::vector<std::shared_ptr<const PlaneRows>> rows_;
 };
+
+/// The row value (t, 1) >= 0, in whole numbers.
+ExactRow wholeRow(const std::vector<Rational>& value);
 
 /// A polytope with a point strictly inside; or one that may have no interior, with a point that is off by
 /// rounding at most.

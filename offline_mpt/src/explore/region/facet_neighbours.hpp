@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "explore/region/region_builder.hpp"
+#include "lp/polytope.hpp"
 #include "mpc_core/dense_qp.hpp"
-#include "offline_mpt/polytope.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {

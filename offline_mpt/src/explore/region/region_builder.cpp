@@ -8,6 +8,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kConstantRow = 1e-11;  // relative slope below which a row does not depend on the parameters
+constexpr double kRounding = 1e-14;     // the same of slacks that are known to the last digit
 constexpr double kFlatness = 1e-8;      // how far rows overlap, or part, with nothing between them [scaled]
 constexpr double kOppositeProduct = 1e-6 - 1.0;  // product of unit rows below which they are opposite
 
@@ -114,28 +115,30 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   double squared = 0.0;
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
+  const bool is_slack = origin.kind == RowOrigin::Kind::kSlack;
+  const double flat = (is_accurate_ && is_slack ? kRounding : kConstantRow) * scale;
   if (is_accurate_) noise = 0.0;
   const double constant = affine[program_.p];
   const double blurred = kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
-  if (meets_box && noise > kConstantRow * scale && length <= blurred) doubtful_ = true;
-  if (length <= kConstantRow * scale) {
-    if (constant < -kConstantRow * scale) {
+  if (meets_box && noise > flat && length <= blurred) doubtful_ = true;
+  if (length <= flat) {
+    // Of a row that nearly repeats an active one, only accurate numbers tell where it is violated.
+    if (is_slack && std::max(length, -constant) > kRounding * scale && constant <= flat) doubtful_ = true;
+    if (constant < -flat) {
       status = BuildStatus::kEmptyInterior;
       return false;
     }
-    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= kConstantRow * scale) {
+    if (origin.kind == RowOrigin::Kind::kMultiplier && constant <= flat) {
       status = BuildStatus::kWeaklyActive;
       return false;
     }
-    if (origin.kind == RowOrigin::Kind::kSlack)
-      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
+    if (is_slack) nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
     return true;
   }
   if (!meets_box) {  // such a row bounds nothing, or all is beyond it; far planes would cost accuracy
     if (constant < 0.0) status = BuildStatus::kEmptyInterior;
-    if (origin.kind == RowOrigin::Kind::kSlack)
-      nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
+    if (is_slack) nearest_miss_ = std::min(nearest_miss_, constant - reach_ * length);
     return constant > 0.0;
   }
   const double inverse = 1.0 / length;
@@ -228,6 +231,7 @@ void RegionBuilder::slackRow(const ActiveSet& active, int row) {
 
 BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
+  const double flat = (is_accurate_ ? kRounding : kConstantRow) * scale;
   idle_.clear();
   for (const int row : active) is_active_[row] = 1;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
@@ -236,7 +240,7 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
     const std::size_t before = origins_.size();
     const double noise = (program_.semidefinite ? growth() : program_.rounding) * (D_size_[i] + size_);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
-    if (origins_.size() == before && scratch_[program_.p] <= kConstantRow * scale) {
+    if (origins_.size() == before && scratch_[program_.p] <= flat) {
       idle_.push_back(static_cast<std::uint16_t>(i));
     }
   }

@@ -7,7 +7,7 @@
 #include "explore/region/high_precision_region.hpp"
 #include "explore/region/shortest_optimum.hpp"
 #include "explore/sets/active_set_list.hpp"
-#include "offline_mpt/polytope.hpp"
+#include "lp/polytope.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {

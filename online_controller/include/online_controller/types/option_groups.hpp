@@ -13,7 +13,7 @@ constexpr std::array<const char*, 13> kOptionGroups{
     "maps",    "robust_maps", "problems",        "control_interface", "rc",
     "output",  "real_time",   "reference_limits"};
 
-/// Its options without a group.
-constexpr std::array<const char*, 3> kSingleOptions{"law", "odometry_frame", "use_rc_teleop"};
+/// Its options without a group; `provenance` is the text of `calibrate apply` on where numbers come from.
+constexpr std::array<const char*, 4> kSingleOptions{"law", "odometry_frame", "use_rc_teleop", "provenance"};
 
 }  // namespace polyfly

@@ -33,6 +33,8 @@ struct ParametricProgram {
   Eigen::VectorXd b;  ///< m
   Eigen::MatrixXd S;  ///< m x p
   std::vector<int> equalities;
+  /// What each of the m rows bounds, for people. Empty: not known.
+  std::vector<std::string> row_names;
 
   /// Sentences about what the author of the problem may not have meant.
   std::vector<std::string> remarks;

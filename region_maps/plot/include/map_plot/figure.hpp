@@ -38,7 +38,8 @@ struct Series {
   /// A NaN interrupts the line.
   std::vector<double> y;
   Style style = Style::kLine;
-  std::string color = palette::kBlue;  ///< #rrggbb
+  /// Red, green and blue as six hexadecimal digits after a hash, as palette::kBlue.
+  std::string color = palette::kBlue;
   /// Width of the line, or approximate diameter of a dot.
   double width = 1.8;  ///< [px]
 };
@@ -62,9 +63,9 @@ struct Band {
 struct Patches {
   /// Each a ring of (x, y), closed by the writer.
   std::vector<std::vector<std::pair<double, double>>> polygons;
-  /// Fill colour #rrggbb. Empty: outline only.
+  /// Fill colour, as that of a Series. Empty: outline only.
   std::string fill;
-  /// Border colour #rrggbb. Empty: none.
+  /// Border colour. Empty: none.
   std::string border;
   /// Width of the border.
   double width = 0.6;  ///< [px]

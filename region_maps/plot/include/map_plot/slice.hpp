@@ -52,6 +52,9 @@ Slice slice(const RegionMap& map, const SliceRequest& request);
 /// The slice as a panel: filled by the value of the first input, lines between regions.
 Panel slicePanel(const RegionMap& map, const Slice& cut);
 
+/// The picture of a slice. Throws Error.
+Figure sliceFigure(const RegionMap& map, const SliceRequest& request);
+
 /// Draws a slice into `file` (.svg or .png). Throws Error.
 void plotSlice(const RegionMap& map, const SliceRequest& request, const std::string& file);
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "mpc_core/parametric_program.hpp"
-#include "offline_mpt/interior_point_qp.hpp"
+#include "verify/interior_point_qp.hpp"
 
 namespace polyfly {
 

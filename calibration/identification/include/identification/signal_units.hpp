@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/flight_signals.hpp"
+
+namespace polyfly {
+
+/// Checks units and signs of the signals by physics, and converts where a factor is certain:
+///
+/// - what an angle changes by is the integral of its rate (roll with gyro_x, pitch with gyro_y, yaw with yaw_rate or
+///   gyro_z), and yaw_rate is gyro_z;
+/// - a command is as great as its response, if the response has passed its own check or the command is beyond pi;
+/// - the accelerometer shows gravity.
+///
+/// A factor is certain if the two signals correlate by 0.8 and differ by 57.3 (degrees), 5730 (hundredths of degrees)
+/// or 100, up to 30 %, and the size of one of them cannot be that of a flight. Returns a sentence for each signal that
+/// was converted or dropped, and for each sign that differs. Drops an accelerometer without gravity. Throws Error
+/// naming file, signal and factor where a factor is clear but not which of two signals is wrong, and where an angle is
+/// beyond pi again and again and no rate tells its unit.
+std::vector<std::string> settleUnits(FlightSignals* signals);
+
+}  // namespace polyfly

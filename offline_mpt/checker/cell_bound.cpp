@@ -1,0 +1,119 @@
+#include "cell_bound.hpp"
+
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "dual_simplex.hpp"
+
+namespace checker {
+namespace {
+
+// Of the method in doubles, in parameters scaled to [-1, 1]. Thin cells must not count as empty.
+constexpr double kFeasible = 1e-13;
+constexpr double kPivot = 1e-11;
+constexpr int kMostPivots = 100;
+// Of the method in rational numbers, which ends; cells have some 60 rows.
+constexpr int kMostExactPivots = 2000;
+// A sum of n terms has a relative error of n halves of this in each term; twice that is counted.
+constexpr double kUnit = std::numeric_limits<double>::epsilon();
+// More than all underflows of a sum together.
+constexpr double kUnderflow = 1e-290;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double asDouble(double value) { return value; }
+double asDouble(const mpq_class& value) { return value.get_d(); }
+
+template <class Number>
+typename DualSimplex<Number>::Rules rules() {
+  if constexpr (std::is_same_v<Number, double>) {
+    return {kFeasible, kPivot, false, kMostPivots};
+  } else {
+    return {Number(0), Number(0), true, kMostExactPivots};
+  }
+}
+
+}  // namespace
+
+double Box::greatest(std::size_t i) const { return std::max(std::abs(lower[i]), std::abs(upper[i])); }
+
+/// multipliers . limits + constant + the greatest of (function - multipliers . normals) . theta over the box, and
+/// more than what rounding takes from it.
+double Cell::weakDual(const std::vector<double>& function, double constant) const {
+  double sum = constant;
+  double size = std::abs(constant);
+  for (const auto& [row, multiplier] : multipliers_) {
+    sum += multiplier * half_spaces_[row].limit;
+    size += multiplier * std::abs(half_spaces_[row].limit);
+  }
+  for (std::size_t i = 0; i < box_->size(); ++i) {
+    double rest = function[i];
+    double rest_size = std::abs(function[i]);
+    for (const auto& [row, multiplier] : multipliers_) {
+      const double entry = half_spaces_[row].sign * half_spaces_[row].normal[i];
+      rest -= multiplier * entry;
+      rest_size += multiplier * std::abs(entry);
+    }
+    sum += std::max(rest * box_->lower[i], rest * box_->upper[i]);
+    size += rest_size * box_->greatest(i);
+  }
+  const auto terms = static_cast<double>(2 * multipliers_.size() + box_->size() + 8);
+  return sum + terms * kUnit * size + kUnderflow;
+}
+
+/// False where the method got stuck, or its proof of an empty cell fails.
+template <class Number>
+bool Cell::solve(const std::vector<double>& function, double constant, double& bound) {
+  const std::size_t p = box_->size();
+  std::vector<Number> centre(p), half(p), normals, limits, scaled(p);
+  for (std::size_t i = 0; i < p; ++i) {
+    centre[i] = (Number(box_->lower[i]) + Number(box_->upper[i])) / 2;
+    half[i] = (Number(box_->upper[i]) - Number(box_->lower[i])) / 2;
+    scaled[i] = Number(function[i]) * half[i];
+  }
+  for (const HalfSpace& half_space : half_spaces_) {
+    Number limit(half_space.limit);
+    for (std::size_t i = 0; i < p; ++i) {
+      const Number entry(half_space.sign * half_space.normal[i]);
+      normals.emplace_back(entry * half[i]);
+      limit -= entry * centre[i];
+    }
+    limits.push_back(limit);
+  }
+  DualSimplex<Number> simplex(std::move(normals), std::move(limits), p);
+  const SimplexOutcome outcome = simplex.solve(scaled, rules<Number>());
+  multipliers_.clear();
+  if (outcome == SimplexOutcome::kStopped) return false;
+  for (const auto& [row, multiplier] : simplex.multipliers(outcome))
+    multipliers_.emplace_back(row, asDouble(multiplier));
+  if (outcome == SimplexOutcome::kOptimal) {
+    bound = weakDual(function, constant);
+    return true;
+  }
+  // A contradiction bounds 0 by less than 0.
+  bound = -kInfinity;
+  return weakDual(std::vector<double>(p, 0.0), 0.0) < 0.0;
+}
+
+bool Cell::isEmpty() {
+  // Any function serves; one without symmetry keeps dual variables apart.
+  std::vector<double> function(box_->size());
+  for (std::size_t i = 0; i < function.size(); ++i) {
+    const double range = box_->upper[i] - box_->lower[i];
+    function[i] = range > 0.0 ? (1.0 + 0.37 * static_cast<double>(i)) / range : 0.0;
+  }
+  return upperBound(function, 0.0) == -kInfinity;
+}
+
+double Cell::upperBound(const std::vector<double>& function, double constant) {
+  double bound = 0.0;
+  if (solve<double>(function, constant, bound) || solve<mpq_class>(function, constant, bound)) return bound;
+  // The bound over the whole box.
+  multipliers_.clear();
+  return weakDual(function, constant);
+}
+
+}  // namespace checker

@@ -1,0 +1,262 @@
+#include "export_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace checker {
+namespace {
+
+// Of sums of differences in doubles, of parameters that are rounded into the box of floats.
+constexpr double kOwnRounding = 1.0 + 1e-6;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double roundedUp(double value) { return std::nextafter(value, kInfinity); }
+
+/// The box of the code, and all parameters that are rounded into it.
+Box widened(Box box) {
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const double rounding = roundedUp(2.0 * (box.greatest(i) * kFloats.unit + kFloats.smallest));
+    box.lower[i] -= rounding;
+    box.upper[i] += rounding;
+  }
+  return box;
+}
+
+}  // namespace
+
+ExportProof::ExportProof(const Map& map, const LookupTables& code)
+    : regions_(map), map_(lookupOf(map)), code_(code), cell_(map_.box) {
+  require(code_.p == map_.p && code_.q == map_.q,
+          "the code has other numbers of parameters or inputs than the map");
+  answers_.error.assign(map_.q, 0.0);
+}
+
+ExportedAnswers ExportProof::run() {
+  requireOrder(map_);
+  requireOrder(code_);
+  compareBoxes();
+  comparePlanes();
+  descend(code_.root(), map_.root());
+  const Box code_box = widened(code_.box);
+  cell_ = Cell(code_box);
+  findMargin(code_.root());
+  return answers_;
+}
+
+/// The choice of a candidate is proven for leaves that have fallback regions last.
+void ExportProof::requireOrder(const LookupTables& tables) const {
+  const auto is_ordinary = [](const Candidate& candidate) { return !candidate.is_fallback; };
+  for (const std::vector<Candidate>& leaf : tables.leaves)
+    require(std::is_partitioned(leaf.begin(), leaf.end(), is_ordinary),
+            "a leaf has fallback regions before others");
+}
+
+void ExportProof::compareBoxes() const {
+  for (std::size_t i = 0; i < map_.p; ++i) {
+    require(code_.box.lower[i] <= map_.box.lower[i] && code_.box.upper[i] >= map_.box.upper[i],
+            "the code's box does not hold the map's");
+  }
+}
+
+/// From here on the code's planes are the map's, and their difference counts as rounding. Half-spaces of both that are
+/// nearly but not quite parallel would make bases that are nearly singular.
+void ExportProof::comparePlanes() {
+  require(code_.planes.size() == map_.planes.size(), "the code has another number of planes than the map");
+  const std::size_t stride = map_.p + 1;
+  for (std::size_t at = 0; at < map_.planes.size(); at += stride) {
+    double difference = std::abs(code_.planes[at + map_.p] - map_.planes[at + map_.p]);
+    for (std::size_t i = 0; i < map_.p; ++i)
+      difference += std::abs(code_.planes[at + i] - map_.planes[at + i]) * code_.box.greatest(i);
+    code_.plane_error[at / stride] += difference * kOwnRounding;
+  }
+  code_.planes = map_.planes;
+}
+
+/// Where the computed value of a row is at most `limit`.
+void ExportProof::addRow(const LookupTables& tables, std::uint32_t row, double limit) {
+  const double* const plane = tables.planes.data() + std::size_t{row / 2} * (tables.p + 1);
+  const double sign = row % 2 == 0 ? 1.0 : -1.0;
+  const double error = tables.plane_error[row / 2];
+  cell_.add({plane, sign, roundedUp(roundedUp(sign * plane[tables.p] + limit) + error)});
+}
+
+/// Where the computed value of a row is at least `limit`.
+void ExportProof::addOutsideRow(const LookupTables& tables, std::uint32_t row, double limit) {
+  addRow(tables, row ^ 1u, -limit);
+}
+
+/// All pairs of leaves at which code and map arrive for one theta. `cell_` is where they do.
+void ExportProof::descend(std::uint32_t code_child, std::uint32_t map_child) {
+  const std::size_t size = cell_.size();
+  const bool code_descends = code_child < code_.node_plane.size();
+  const bool map_descends = map_child < map_.node_plane.size();
+  if (!code_descends && !map_descends) {
+    compare(static_cast<std::uint32_t>(code_child - code_.node_plane.size()),
+            static_cast<std::uint32_t>(map_child - map_.node_plane.size()));
+    return;
+  }
+  for (std::size_t code_side = 0; code_side < (code_descends ? 2 : 1); ++code_side) {
+    for (std::size_t map_side = 0; map_side < (map_descends ? 2 : 1); ++map_side) {
+      std::uint32_t next_code = code_child, next_map = map_child;
+      if (code_descends) {
+        addRow(code_, 2 * code_.node_plane[code_child] + static_cast<std::uint32_t>(code_side), 0.0);
+        next_code = code_.children[code_child][code_side];
+      }
+      if (map_descends) {
+        addRow(map_, 2 * map_.node_plane[map_child] + static_cast<std::uint32_t>(map_side), 0.0);
+        next_map = map_.children[map_child][map_side];
+      }
+      if (!cell_.isEmpty()) descend(next_code, next_map);
+      cell_.shrink(size);
+    }
+  }
+}
+
+/// Visits the parts of the cell in which no candidate [first, end) has only rows of a computed value at most `limit`.
+void ExportProof::withoutHeld(const LookupTables& tables, const std::vector<Candidate>& leaf,
+                              std::size_t first, std::size_t end, double limit,
+                              const std::function<void()>& visit) {
+  if (first == end) {
+    visit();
+    return;
+  }
+  const std::size_t size = cell_.size();
+  for (const std::uint32_t row : leaf[first].rows) {
+    addOutsideRow(tables, row, limit);
+    if (!cell_.isEmpty()) withoutHeld(tables, leaf, first + 1, end, limit, visit);
+    cell_.shrink(size);
+    // The other parts hold this row.
+    addRow(tables, row, limit);
+  }
+  cell_.shrink(size);
+}
+
+/// Visits the candidates of a leaf that a look-up may choose, with the part of the cell in which it may.
+void ExportProof::choices(const LookupTables& tables, const std::vector<Candidate>& leaf, bool visits_outside,
+                          const Visit& visit) {
+  const std::size_t size = cell_.size();
+  std::size_t ordinary = 0;
+  while (ordinary < leaf.size() && !leaf[ordinary].is_fallback) ++ordinary;
+  const auto within = [&](const Candidate& candidate) {
+    const std::size_t before = cell_.size();
+    for (const std::uint32_t row : candidate.rows) addRow(tables, row, tables.tolerance);
+    if (!cell_.isEmpty()) visit(&candidate);
+    cell_.shrink(before);
+  };
+  for (std::size_t i = 0; i < ordinary; ++i) within(leaf[i]);
+  // A fallback region counts its handicap at least, so an ordinary one whose violation is less comes before it.
+  const double limit = std::min(tables.handicap, tables.tolerance);
+  if (ordinary != leaf.size()) {
+    withoutHeld(tables, leaf, 0, ordinary, limit, [&] {
+      for (std::size_t i = ordinary; i < leaf.size(); ++i) within(leaf[i]);
+    });
+  }
+  if (visits_outside) withoutHeld(tables, leaf, 0, leaf.size(), tables.tolerance, [&] { visit(nullptr); });
+  cell_.shrink(size);
+}
+
+void ExportProof::compare(std::uint32_t code_leaf, std::uint32_t map_leaf) {
+  choices(map_, map_.leaves[map_leaf], false, [&](const Candidate* map_choice) {
+    choices(code_, code_.leaves[code_leaf], true, [&](const Candidate* code_choice) {
+      if (code_choice == nullptr) {
+        answers_.missing.emplace(code_leaf, map_choice->region);
+      } else {
+        boundLaws(*code_choice, *map_choice);
+      }
+    });
+  });
+}
+
+/// The greatest difference of two laws in the cell.
+void ExportProof::boundLaws(const Candidate& code, const Candidate& map) {
+  const std::size_t p = map_.p;
+  std::vector<double> difference(p);
+  for (std::size_t j = 0; j < map_.q; ++j) {
+    const std::size_t code_row = std::size_t{code.law} * map_.q + j,
+                      map_row = std::size_t{map.law} * map_.q + j;
+    const double* const a = code_.laws.data() + code_row * (p + 1);
+    const double* const b = map_.laws.data() + map_row * (p + 1);
+    // What rounding takes from the differences themselves.
+    double own = std::abs(a[p] - b[p]);
+    double anywhere = own;
+    for (std::size_t i = 0; i < p; ++i) {
+      own += std::abs(a[i] - b[i]) * map_.box.greatest(i);
+      anywhere = own;
+    }
+    own *= 4.0 * std::numeric_limits<double>::epsilon();
+    const double rounding = code_.law_error[code_row] + map_.law_error[map_row] + own;
+    // Less than what is stated already, all over the box.
+    if ((anywhere + rounding) * (1.0 + 1e-9) <= answers_.error[j]) continue;
+    for (const double sign : {1.0, -1.0}) {
+      for (std::size_t i = 0; i < p; ++i) difference[i] = sign * (a[i] - b[i]);
+      const double bound = cell_.upperBound(difference, sign * (a[p] - b[p]));
+      require(!std::isnan(bound), "the laws' difference has no bound");
+      answers_.error[j] = std::max(answers_.error[j], roundedUp(roundedUp(bound + rounding)));
+    }
+  }
+}
+
+/// All leaves of the code, with the cell of each.
+void ExportProof::findMargin(std::uint32_t child) {
+  const std::size_t size = cell_.size();
+  if (child < code_.node_plane.size()) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      addRow(code_, 2 * code_.node_plane[child] + static_cast<std::uint32_t>(side), 0.0);
+      if (!cell_.isEmpty()) findMargin(code_.children[child][side]);
+      cell_.shrink(size);
+    }
+    return;
+  }
+  for (const Candidate& candidate : code_.leaves[child - code_.node_plane.size()]) {
+    for (const std::uint32_t row : candidate.rows) addRow(code_, row, code_.tolerance);
+    boundRows(candidate);
+    cell_.shrink(size);
+  }
+}
+
+/// How far outside of its region the code may use the law of this candidate.
+void ExportProof::boundRows(const Candidate& candidate) {
+  const std::size_t p = map_.p;
+  require(candidate.region < regions_.regions.size(), "a candidate of the code is no region of the map");
+  const Map::Region& region = regions_.regions[candidate.region];
+  std::vector<double> normal(p);
+  for (std::uint32_t i = 0; i < region.row_count; ++i) {
+    const std::int32_t row = regions_.rows[region.first_row + i];
+    const double* const plane = map_.planes.data() + (std::size_t(std::abs(row)) - 1) * (p + 1);
+    const double sign = row < 0 ? -1.0 : 1.0;
+    for (std::size_t k = 0; k < p; ++k) normal[k] = sign * plane[k];
+    const double bound = cell_.upperBound(normal, -sign * plane[p]);
+    require(!std::isnan(bound), "a half-space's violation has no bound");
+    answers_.margin = std::max(answers_.margin, bound);
+  }
+}
+
+void requireSameTables(const Map& map, const LookupTables& code) {
+  const LookupTables same = lookupOf(map);
+  require(code.box.lower == same.box.lower && code.box.upper == same.box.upper,
+          "the code's box is not the map's");
+  require(code.planes == same.planes, "the code's planes are not the map's");
+  require(code.laws == same.laws && code.q == same.q, "the code's laws are not the map's");
+  require(code.tolerance == same.tolerance, "the code's tolerance is not the map's");
+  require(map.first_fallback == 0 || code.handicap == same.handicap, "the code's handicap is not the map's");
+  require(code.node_plane == same.node_plane && code.children == same.children && code.root() == same.root(),
+          "the code's search tree is not the map's");
+  require(code.leaves.size() == same.leaves.size(), "the code's leaves are not the map's");
+  const auto equal = [](const LookupTables::Candidate& a, const LookupTables::Candidate& b) {
+    return a.region == b.region && a.law == b.law && a.is_fallback == b.is_fallback && a.rows == b.rows;
+  };
+  for (std::size_t i = 0; i < code.leaves.size(); ++i) {
+    require(std::equal(code.leaves[i].begin(), code.leaves[i].end(), same.leaves[i].begin(),
+                       same.leaves[i].end(), equal),
+            "a leaf of the code is not the map's");
+  }
+}
+
+ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code) {
+  if (code.is_float) return ExportProof(map, code.tables).run();
+  requireSameTables(map, code.tables);
+  return {std::vector<double>(map.q, 0.0), {}, map.tolerance};
+}
+
+}  // namespace checker

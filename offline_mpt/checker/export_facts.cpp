@@ -1,0 +1,56 @@
+#include <cstdlib>
+
+#include "export_bound.hpp"
+
+namespace checker {
+namespace {
+
+/// Where the value of a key of NAME.json begins.
+std::size_t valueOf(const std::string& facts, const std::string& key) {
+  const std::string quoted = "\"" + key + "\": ";
+  const std::size_t found = facts.find(quoted);
+  require(found != std::string::npos && facts.find(quoted, found + 1) == std::string::npos,
+          "the facts must have '" + key + "' once");
+  return found + quoted.size();
+}
+
+double numberAt(const std::string& facts, std::size_t& place) {
+  const char* const begin = facts.c_str() + place;
+  char* end = nullptr;
+  const double value = std::strtod(begin, &end);
+  require(end != begin && value >= 0.0, "a bound of the facts is no number");
+  place += static_cast<std::size_t>(end - begin);
+  return value;
+}
+
+void requireWord(const std::string& facts, const std::string& key, const std::string& word) {
+  const std::string quoted = "\"" + word + "\"";
+  require(facts.compare(valueOf(facts, key), quoted.size(), quoted) == 0,
+          "the facts must have '" + key + "': " + word);
+}
+
+}  // namespace
+
+void confirmExport(const std::string& facts, const std::string& code, const Map& map) {
+  const ExportedCode exported = readCode(code);
+  requireWord(facts, "name", exported.name);
+  requireWord(facts, "type", exported.is_float ? "float" : "double");
+  requireWord(facts, "map", "xxh64:" + hexText(map.checksum));
+  requireWord(facts, "problem", "xxh64:" + hexText(xxh64(map.problem)));
+  const ExportedAnswers proven = exportedAnswers(map, exported);
+  require(proven.missing.empty(),
+          "the code may have no answer where the map has region " +
+              std::to_string(proven.missing.empty() ? 0 : proven.missing.begin()->second));
+  std::size_t place = valueOf(facts, "error_bound") + 1;
+  for (std::size_t j = 0; j < proven.error.size(); ++j) {
+    require(numberAt(facts, place) >= proven.error[j],
+            "the error of input " + std::to_string(j) + " may exceed its bound");
+    require(facts.compare(place, 1, j + 1 == proven.error.size() ? "]" : ",") == 0,
+            "the facts have another number of bounds than inputs");
+    ++place;
+  }
+  place = valueOf(facts, "margin");
+  require(numberAt(facts, place) >= proven.margin, "the margin may be exceeded");
+}
+
+}  // namespace checker

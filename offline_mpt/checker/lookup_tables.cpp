@@ -1,0 +1,99 @@
+#include "lookup_tables.hpp"
+
+#include <cmath>
+
+namespace checker {
+namespace {
+
+// The sums below are in doubles; this covers their rounding.
+constexpr double kOwnRounding = 1.0 + 1e-9;
+
+/// Bound of the error of sum a_i theta_i + constant, theta in the box.
+double errorOf(const double* entries, const LookupTables& tables, const Arithmetic& arithmetic) {
+  const std::size_t p = tables.p;
+  double size = std::abs(entries[p]);
+  double from_parameters = 0.0;
+  double underflow = static_cast<double>(2 * p + 2) * arithmetic.smallest;
+  for (std::size_t i = 0; i < p; ++i) {
+    const double greatest = tables.box.greatest(i);
+    const double rounding =
+        arithmetic.rounds_parameters ? greatest * arithmetic.unit + arithmetic.smallest : 0.0;
+    from_parameters += std::abs(entries[i]) * rounding;
+    size += std::abs(entries[i]) * (greatest + rounding);
+    // An entry may be flushed to zero too.
+    underflow += greatest * arithmetic.smallest;
+  }
+  // Each term passes one product and at most p + 1 additions.
+  const auto roundings = static_cast<double>(p + 2);
+  const double gamma = roundings * arithmetic.unit / (1.0 - roundings * arithmetic.unit);
+  require(2.0 * size < arithmetic.greatest, "a sum of the look-up may overflow");
+  return (from_parameters + gamma * size + underflow) * kOwnRounding;
+}
+
+std::uint32_t childOf(const Map& map, std::uint32_t child) {
+  const bool is_leaf = (child & Map::kLeaf) != 0;
+  return is_leaf ? static_cast<std::uint32_t>(map.nodes.size()) + (child & ~Map::kLeaf) : child;
+}
+
+bool isTested(const Map& map, std::size_t candidate, std::uint32_t row) {
+  if (map.tests.empty()) return true;
+  return (map.tests[candidate] >> (row < 31 ? row : 31) & 1u) != 0;
+}
+
+LookupTables::Candidate candidateOf(const Map& map, std::size_t number) {
+  LookupTables::Candidate candidate;
+  candidate.region = map.candidates[number];
+  const Map::Region& region = map.regions[candidate.region];
+  candidate.law = region.law;
+  candidate.is_fallback = map.first_fallback != 0 && candidate.region >= map.first_fallback;
+  for (std::uint32_t i = 0; i < region.row_count; ++i) {
+    const std::int32_t row = map.rows[region.first_row + i];
+    if (isTested(map, number, i))
+      candidate.rows.push_back(2 * static_cast<std::uint32_t>(std::abs(row) - 1) + (row < 0 ? 1 : 0));
+  }
+  return candidate;
+}
+
+}  // namespace
+
+void boundRounding(LookupTables& tables, const Arithmetic& arithmetic) {
+  const std::size_t stride = tables.p + 1;
+  tables.plane_error.clear();
+  tables.law_error.clear();
+  for (std::size_t at = 0; at < tables.planes.size(); at += stride)
+    tables.plane_error.push_back(errorOf(tables.planes.data() + at, tables, arithmetic));
+  for (std::size_t at = 0; at < tables.laws.size(); at += stride)
+    tables.law_error.push_back(errorOf(tables.laws.data() + at, tables, arithmetic));
+}
+
+LookupTables lookupOf(const Map& map) {
+  // Of the handicap of fallback regions, see region_maps/FORMAT.md.
+  constexpr double kHandicap = 1.0 / 128.0;
+  LookupTables tables;
+  tables.p = map.p;
+  tables.q = map.q;
+  for (std::size_t i = 0; i < tables.p; ++i) {
+    const double lower = map.bounds[2 * i], upper = map.bounds[2 * i + 1];
+    const double slack = map.tolerance * (0.5 * upper - 0.5 * lower);
+    tables.box.lower.push_back(lower - slack);
+    tables.box.upper.push_back(upper + slack);
+  }
+  tables.planes = map.planes;
+  tables.laws = map.laws;
+  tables.tolerance = map.tolerance;
+  tables.handicap = kHandicap * map.tolerance;
+  for (const Map::Node& node : map.nodes) {
+    tables.node_plane.push_back(node.plane);
+    tables.children.push_back({childOf(map, node.below), childOf(map, node.above)});
+  }
+  tables.root_leaf = map.root & ~Map::kLeaf;
+  for (const Map::Leaf& leaf : map.leaves) {
+    tables.leaves.emplace_back();
+    for (std::size_t i = leaf.first; i < std::size_t{leaf.first} + leaf.count; ++i)
+      tables.leaves.back().push_back(candidateOf(map, i));
+  }
+  boundRounding(tables, kDoubles);
+  return tables;
+}
+
+}  // namespace checker

@@ -1,0 +1,27 @@
+"""Explicit and online MPC: solve a problem for all parameters, look up, prove, reduce and draw the map.
+
+    import polyfly as pf
+    mpc = pf.MPC(A, B, Ts=0.1, horizon=20, C=C).cost(Q, R).bounds(u=(-0.4, 0.4))
+    law = mpc.explicit(parameters={"e_p": (-3, 3), "e_v": (-3, 3)})
+    u = law([0.5, -0.2])
+
+Names, units and files are those of the tools. A rule that input breaks raises Error with file, field and rule.
+"""
+from ._polyfly import (CertifyReport, Defect, DiscreteModel, Error, Map, MPLP, MPQP, OnlineProgram, OnlineRobust,
+                       OutsideError, Parameter, Picture, Problem, Program, Region, RobustProblem, RobustProof,
+                       RobustSampling, Signal, SteadyState, VerifyReport, load_problem, load_program,
+                       load_robust_problem, is_robust_file, open, parse_problem, parse_robust_problem)
+from .law import Law
+from .mpc import MPC
+
+__all__ = ["CertifyReport", "Defect", "DiscreteModel", "Error", "Law", "MPC", "MPLP", "MPQP", "Map", "OnlineProgram",
+           "OnlineRobust", "OutsideError", "Parameter", "Picture", "Problem", "Program", "Region", "RobustProblem",
+           "RobustProof", "RobustSampling", "Signal", "SteadyState", "VerifyReport", "is_robust_file", "load",
+           "load_problem", "load_program", "load_robust_problem", "open", "parse_problem", "parse_robust_problem"]
+
+
+def load(path):
+    """The problem of a file: Problem or RobustProblem of a .yaml or .yml file, Program of a .json file."""
+    if str(path).endswith(".json"):
+        return load_program(path)
+    return load_robust_problem(path) if is_robust_file(path) else load_problem(path)

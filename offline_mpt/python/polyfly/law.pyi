@@ -1,0 +1,13 @@
+from collections.abc import Callable
+
+from numpy.typing import ArrayLike
+
+from ._polyfly import Array, Map, Problem
+
+
+class Law:
+    problem: Problem
+    def __init__(self, source: Map | Problem, law: Callable[[Array], ArrayLike] | None = None) -> None: ...
+    def reset(self) -> None: ...
+    def theta(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> Array: ...
+    def step(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> Array: ...

@@ -1,0 +1,91 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "outside_error.hpp"
+#include "polyfly_base/read_text.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "robust_mpc/online_law.hpp"
+#include "robust_mpc/robust_problem.hpp"
+#include "solve.hpp"
+
+namespace polyfly::python {
+namespace {
+
+namespace py = pybind11;
+using Path = std::filesystem::path;
+
+/// The law of a robust problem by linear programs, with what its errors name.
+class OnlineRobust {
+ public:
+  explicit OnlineRobust(const RobustProblem& problem)
+      : name_(problem.name), size_(problem.parameters.size()), law_(problem) {}
+
+  double input(const Numbers& theta) {
+    const double* numbers = parameterOf(theta, size_, name_);
+    const std::optional<double> u = law_.input(numbers);
+    if (!u) throw OutsideError(name_ + ": theta: no plan meets all bounds");
+    return *u;
+  }
+
+ private:
+  std::string name_;
+  std::size_t size_;
+  OnlineRobustLaw law_;
+};
+
+std::vector<Signal> parameterSignals(const RobustProblem& problem) {
+  std::vector<Signal> signals;
+  for (const RobustProblem::Parameter& parameter : problem.parameters) signals.push_back(parameter.signal);
+  return signals;
+}
+
+}  // namespace
+
+void bindRobust(py::module_& module) {
+  py::class_<OnlineRobust>(module, "OnlineRobust",
+                           "A robust problem solved by linear programs at single parameters.")
+      .def("__call__", &OnlineRobust::input, py::arg("theta"),
+           "The first input. Raises OutsideError where no plan meets all bounds.");
+  py::class_<RobustProblem> type(
+      module, "RobustProblem",
+      "Minimum-peak robust MPC: the least guaranteed peak for all disturbances in a box.");
+  defineSolve(type, &solveRobust);
+  type.def_readonly("name", &RobustProblem::name)
+      .def_readonly("description", &RobustProblem::description)
+      .def_readonly("text", &RobustProblem::text, "Text of the problem file.")
+      .def_readonly("states", &RobustProblem::states)
+      .def_readonly("inputs", &RobustProblem::inputs)
+      .def_readonly("disturbances", &RobustProblem::disturbances)
+      .def_property_readonly("parameters", &parameterSignals)
+      .def_readonly("sampling_time", &RobustProblem::sampling_time, "[s]")
+      .def_readonly("horizon", &RobustProblem::horizon, "N")
+      .def(
+          "online", [](const RobustProblem& problem) { return std::make_unique<OnlineRobust>(problem); },
+          "The law by linear programs, for single parameters.")
+      .def(
+          "save",
+          [](const RobustProblem& problem, const Path& path) {
+            writeFileAtomically(path.string(), problem.text);
+          },
+          py::arg("path"), "Writes the problem file.");
+  module.def(
+      "load_robust_problem", [](const Path& path) { return loadRobustProblem(path.string()); },
+      py::arg("path"), "Robust problem of a .yaml file.");
+  module.def("parse_robust_problem", &parseRobustProblem, py::arg("text"), py::arg("source"),
+             "Robust problem of a YAML text; `source` is used in errors.");
+  module.def(
+      "is_robust_file",
+      [](const Path& path) { return isRobustProblem(readText(path.string()), path.string()); },
+      py::arg("path"), "Whether a .yaml file's type is robust_mpc.");
+}
+
+}  // namespace polyfly::python

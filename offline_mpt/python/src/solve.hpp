@@ -1,0 +1,58 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "loaded_map.hpp"
+#include "offline_mpt/search_tree.hpp"
+#include "robust_mpc/robust_problem.hpp"
+
+namespace polyfly::python {
+
+/// How a problem is solved; defaults and ranges are those of `offline_mpt solve`.
+struct SolveOptions {
+  int threads = 0;  ///< 0: all processors
+  std::string tree = "auto";
+  std::uint64_t region_limit = 10'000'000;
+  double time_limit = 0.0;         ///< [s] of the exploration, 0: none
+  std::uint64_t memory_limit = 0;  ///< [bytes], 0: none
+};
+
+/// The mode of that name. Throws Error unless it is fast, auto or small.
+TreeMode treeMode(const std::string& name);
+
+/// Explores a program and encodes its map. A map that a limit ended says so in its status. Throws Error where there is
+/// no region to keep.
+std::unique_ptr<LoadedMap> solveProgram(const ParametricProgram& program, const SolveOptions& options,
+                                        pybind11::object progress);
+
+/// The map of a minimum-peak robust problem. Its limits are of no effect.
+std::unique_ptr<LoadedMap> solveRobust(const RobustProblem& problem, const SolveOptions& options,
+                                       pybind11::object progress);
+
+/// Adds solve(...) to a type. `solver(object, options, progress)` returns the map.
+template <class Type, class Solver>
+void defineSolve(Type& type, const Solver& solver) {
+  namespace py = pybind11;
+  using Value = typename Type::type;
+  type.def(
+      "solve",
+      [solver](const Value& value, int threads, const std::string& tree, std::uint64_t region_limit,
+               double time_limit, std::uint64_t memory_limit, py::object progress) {
+        return solver(value, SolveOptions{threads, tree, region_limit, time_limit, memory_limit},
+                      std::move(progress));
+      },
+      py::kw_only(), py::arg("threads") = 0, py::arg("tree") = "auto",
+      py::arg("region_limit") = SolveOptions{}.region_limit, py::arg("time_limit") = 0.0,
+      py::arg("memory_limit") = 0, py::arg("progress") = py::none(),
+      "Solves for all parameters in the box; returns the Map. The result does not depend on threads (0: all "
+      "processors). "
+      "tree: fast, auto or small. time_limit [s], memory_limit [bytes]: 0 for none; a map that a limit ended "
+      "has the "
+      "status 'limited'. progress: True, or a function that takes a text.");
+}
+
+}  // namespace polyfly::python

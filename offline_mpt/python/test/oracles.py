@@ -1,0 +1,66 @@
+"""Small problems, and answers that share no code with the module: numpy alone."""
+import itertools
+import os
+import pathlib
+
+import numpy as np
+
+ROOT = pathlib.Path(os.environ["POLYFLY_ROOT"])
+LATERAL = ROOT / "region_maps/problems/reference/lateral_asl.yaml"
+
+# The double integrator of Bemporad, Morari, Dua and Pistikopoulos (2002), Sect. 7.1, as matrices.
+BEMPORAD = {
+    "H": np.array([[1.5064, 0.4838], [0.4838, 1.5258]]), "f": np.zeros(2),
+    "F": np.array([[9.6652, 5.2115], [7.0732, -7.0879]]),
+    "A": np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]), "b": np.full(4, 2.0), "B": np.zeros((4, 2)),
+    "lo": np.full(2, -1.5), "hi": np.full(2, 1.5)}
+
+# x' = A x + B u of a mass, and a tracking problem for it.
+MASS = {"A": [[0, 1], [0, 0]], "B": [[0], [1]], "C": [[1, 0]], "Ts": 0.1, "horizon": 8, "name": "mass"}
+MASS_WEIGHTS = {"Q": [10.0, 1.0], "R": [0.5]}
+MASS_BOX = {"e_p": (-3.0, 3.0), "e_v": (-2.0, 2.0)}
+
+
+def random_parameters(lower, upper, count, seed):
+    return np.random.default_rng(seed).uniform(lower, upper, (count, len(lower)))
+
+
+def minimiser(H, g, A, b, tolerance=1e-9):
+    """argmin 1/2 z'Hz + g'z s.t. A z <= b by trying every set of active rows; None where there is no solution."""
+    for size in range(min(len(b), len(g)) + 1):
+        for rows in itertools.combinations(range(len(b)), size):
+            active = A[list(rows)]
+            kkt = np.block([[H, active.T], [active, np.zeros((size, size))]])
+            if np.linalg.matrix_rank(kkt) < len(kkt):
+                continue
+            solution = np.linalg.solve(kkt, np.concatenate([-g, b[list(rows)]]))
+            z, multipliers = solution[:len(g)], solution[len(g):]
+            if np.all(multipliers >= -tolerance) and np.all(A @ z <= b + tolerance):
+                return z
+    return None
+
+
+def mass_input(error, weights, period, horizon, limit):
+    """First input of the mass's tracking problem, by coordinate descent in the inputs: the bounds are a box."""
+    A, B = np.array([[1.0, period], [0.0, 1.0]]), np.array([[period**2 / 2], [period]])
+    Q, R = np.diag(weights["Q"]), np.diag(weights["R"])
+    P = Q
+    for _ in range(2000):
+        P = A.T @ P @ A - A.T @ P @ B @ np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A) + Q
+    H, g = np.zeros((horizon, horizon)), np.zeros(horizon)
+    for step in range(1, horizon + 1):
+        gain = np.zeros((2, horizon))
+        for k in range(step):
+            gain[:, k] = (np.linalg.matrix_power(A, step - 1 - k) @ B)[:, 0]
+        weight = P if step == horizon else Q
+        H += gain.T @ weight @ gain
+        g += gain.T @ weight @ np.linalg.matrix_power(A, step) @ error
+    H += R[0, 0] * np.eye(horizon)
+    u = np.zeros(horizon)
+    for _ in range(20000):
+        before = u.copy()
+        for i in range(horizon):
+            u[i] = np.clip(u[i] - (H[i] @ u + g[i]) / H[i, i], -limit, limit)
+        if np.max(np.abs(u - before)) < 1e-13:
+            break
+    return u[0]

@@ -1,0 +1,227 @@
+#include "offline_mpt/diff.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "arithmetic/exact_numbers.hpp"
+#include "certify/farkas_proof.hpp"
+#include "diff/linear_maximum.hpp"
+#include "diff/map_cells.hpp"
+#include "region_maps/region_map.hpp"
+#include "support/in_parallel.hpp"
+
+namespace polyfly {
+namespace {
+
+/// What was found about one cell of the first map.
+struct CellDifferences {
+  // Regions of the second map that meet the cell's, ascending.
+  std::vector<std::uint32_t> met;
+  // The greatest difference of each input and each met region that is not zero.
+  std::vector<LawDifference> differences;
+};
+
+class MapComparison {
+ public:
+  MapComparison(const MapCells& first, const MapCells& second, const std::vector<Signal>& ranges)
+      : first_(first), second_(second), inputs_(first.exact().map().inputs().size()) {
+    for (const Signal& range : ranges) {
+      centre_.push_back((Rational(range.lower) + Rational(range.upper)) / 2);
+      half_.push_back((Rational(range.upper) - Rational(range.lower)) / 2);
+    }
+  }
+
+  CellDifferences compare(const MapCell& cell) const {
+    CellDifferences result;
+    for (const MapCell& other : second_.cells()) {
+      if (!boundsMeet(cell, other) || areOpposed(cell, other)) continue;
+      std::vector<const ExactRow*> rows = cell.cell.rows;
+      rows.insert(rows.end(), other.cell.rows.begin(), other.cell.rows.end());
+      if (!hasInterior(rows)) continue;
+      if (result.met.empty() || result.met.back() != other.region) result.met.push_back(other.region);
+      for (std::size_t input = 0; input < inputs_; ++input) {
+        LawDifference difference = greatest(rows, cell.region, other.region, input);
+        if (difference.size > 0.0) result.differences.push_back(std::move(difference));
+      }
+    }
+    return result;
+  }
+
+ private:
+  bool hasInterior(const std::vector<const ExactRow*>& rows) const {
+    const int p = first_.exact().p();
+    std::vector<Rational> point;
+    const FastInterior fast = findInteriorFast(rows, p, point);
+    if (fast != FastInterior::kUnknown) return fast == FastInterior::kExists;
+    return findInterior(rows, nullptr, p).exists;
+  }
+
+  /// Whether a plane that both maps have separates the regions: true of most neighbours, and found without a program.
+  bool areOpposed(const MapCell& cell, const MapCell& other) const {
+    const RegionView region = second_.exact().map().region(other.region);
+    return std::any_of(region.rows, region.rows + region.row_count, [&](std::int32_t row) {
+      const ExactRow* const opposite = &second_.exact().row(-row);
+      return std::find(cell.cell.rows.begin(), cell.cell.rows.end(), opposite) != cell.cell.rows.end();
+    });
+  }
+
+  /// Where |u - u'| of an input is greatest; size 0 and no theta where the laws are the same.
+  LawDifference greatest(const std::vector<const ExactRow*>& rows, std::uint32_t first, std::uint32_t second,
+                         std::size_t input) const {
+    LawDifference result;
+    result.input = static_cast<int>(input);
+    result.first_region = first;
+    result.second_region = second;
+    const std::size_t p = half_.size();
+    const RegionMap& map = first_.exact().map();
+    const RegionMap& other = second_.exact().map();
+    const double* const u = map.law(map.region(first).law) + input * (p + 1);
+    const double* const v = other.law(other.region(second).law) + input * (p + 1);
+    if (std::equal(u, u + p + 1, v)) return result;
+    std::vector<Rational> difference(p + 1), opposite;
+    difference[p] = Rational(u[p]) - Rational(v[p]);
+    for (std::size_t j = 0; j < p; ++j) {
+      const Rational gain = Rational(u[j]) - Rational(v[j]);
+      difference[j] = gain * half_[j];
+      difference[p] += gain * centre_[j];
+    }
+    for (const Rational& entry : difference) opposite.emplace_back(-entry);
+    LinearMaximum maximum = maximise(rows, difference);
+    LinearMaximum minimum = maximise(rows, opposite);
+    const LinearMaximum& worst = maximum.value >= minimum.value ? maximum : minimum;
+    result.size = above(worst.value);
+    result.theta = first_.exact().theta(worst.t);
+    return result;
+  }
+
+  const MapCells& first_;
+  const MapCells& second_;
+  std::size_t inputs_;
+  std::vector<Rational> centre_, half_;
+};
+
+/// Whether `map` answers wherever a region of another one does. `witness`: where it does not.
+class CoverCheck {
+ public:
+  explicit CoverCheck(const MapCells& map) : map_(map) {}
+
+  bool covers(const MapCell& region, std::vector<Rational>& witness) const {
+    ExactCell cell = region.cell;
+    for (const ExactRow& side : map_.sides()) {
+      std::vector<Rational> beyond;
+      for (const Integer& value : side.value) beyond.emplace_back(-value);
+      const ExactRow outside = wholeRow(beyond);
+      std::vector<const ExactRow*> rows = cell.rows;
+      rows.push_back(&outside);
+      Interior interior = findInterior(rows, nullptr, map_.exact().p());
+      if (interior.exists) {
+        witness = std::move(interior.point);
+        return false;
+      }
+    }
+    std::vector<std::uint32_t> near, all;
+    for (const MapCell& candidate : map_.regions()) {
+      all.push_back(candidate.region);
+      if (boundsMeet(candidate, region)) near.push_back(candidate.region);
+    }
+    // Regions that only touch, or lie within the tolerance, matter in slivers alone.
+    return isIn(cell, near, witness) || isIn(cell, all, witness);
+  }
+
+ private:
+  bool isIn(const ExactCell& cell, const std::vector<std::uint32_t>& regions,
+            std::vector<Rational>& witness) const {
+    ProofWriter log;
+    const auto visit = [&](const ExactCell& rest) {
+      ExactCell settled = rest;
+      if (!makeCertain(map_.exact(), settled)) return true;
+      witness = settled.point;
+      return false;
+    };
+    return subtract(map_.exact(), cell, regions, CutBy::kOriginal, visit, log);
+  }
+
+  const MapCells& map_;
+};
+
+/// Looks at all regions of `other`; false when stopped.
+bool findCover(const MapCells& map, const MapCells& other, const DiffOptions& options, MapCover& cover) {
+  const CoverCheck check(map);
+  std::vector<std::vector<Rational>> witnesses(other.regions().size());
+  const bool finished =
+      inParallel(witnesses.size(), options.threads, options.stop, options.progress,
+                 [&](std::size_t, std::uint64_t i) { check.covers(other.regions()[i], witnesses[i]); });
+  const auto open = std::find_if(witnesses.begin(), witnesses.end(),
+                                 [](const std::vector<Rational>& witness) { return !witness.empty(); });
+  if (!finished || open == witnesses.end()) return finished;
+  cover.covers = false;
+  cover.region = other.regions()[static_cast<std::size_t>(open - witnesses.begin())].region;
+  cover.witness = map.exact().theta(*open);
+  return true;
+}
+
+/// Of the parts of fallback regions, the greatest difference of each pair of regions and input stays.
+std::vector<LawDifference> greatestOfEach(std::vector<LawDifference> differences) {
+  const auto key = [](const LawDifference& difference) {
+    return std::make_tuple(difference.first_region, difference.second_region, difference.input);
+  };
+  std::stable_sort(differences.begin(), differences.end(),
+                   [&](const LawDifference& a, const LawDifference& b) {
+                     return key(a) != key(b) ? key(a) < key(b) : a.size > b.size;
+                   });
+  const auto end =
+      std::unique(differences.begin(), differences.end(),
+                  [&](const LawDifference& a, const LawDifference& b) { return key(a) == key(b); });
+  differences.erase(end, differences.end());
+  return differences;
+}
+
+void fillDifferences(std::vector<CellDifferences>& found, const MapCells& first, DiffReport& report) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::vector<LawDifference> all;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (const std::uint32_t met : found[i].met) pairs.emplace_back(first.cells()[i].region, met);
+    std::move(found[i].differences.begin(), found[i].differences.end(), std::back_inserter(all));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  report.pairs = static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
+  const LawDifference* last = nullptr;
+  for (LawDifference& difference : greatestOfEach(std::move(all))) {
+    LawDifference& greatest = report.greatest[static_cast<std::size_t>(difference.input)];
+    if (difference.size > greatest.size) greatest = difference;
+    if (!(difference.size > report.tolerance)) continue;
+    report.differences.push_back(std::move(difference));
+  }
+  for (const LawDifference& difference : report.differences) {
+    const bool is_new = last == nullptr || last->first_region != difference.first_region ||
+                        last->second_region != difference.second_region;
+    report.different_pairs += is_new ? 1 : 0;
+    last = &difference;
+  }
+}
+
+}  // namespace
+
+DiffReport diffMaps(const RegionMap& first, const RegionMap& second, const DiffOptions& options) {
+  const std::vector<Signal> ranges = commonRanges(first, second);
+  const MapCells cells(first, ranges, nullptr, options.threads);
+  const MapCells others(second, ranges, &cells, options.threads);
+  DiffReport report;
+  report.first_regions = first.regionCount();
+  report.second_regions = second.regionCount();
+  report.tolerance = options.tolerance;
+  report.greatest.resize(first.inputs().size());
+  for (std::size_t i = 0; i < report.greatest.size(); ++i) report.greatest[i].input = static_cast<int>(i);
+  const MapComparison comparison(cells, others, ranges);
+  std::vector<CellDifferences> found(cells.cells().size());
+  report.interrupted =
+      !inParallel(found.size(), options.threads, options.stop, options.progress,
+                  [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.cells()[i]); }) ||
+      !findCover(cells, others, options, report.first_covers_second) ||
+      !findCover(others, cells, options, report.second_covers_first);
+  fillDifferences(found, cells, report);
+  return report;
+}
+
+}  // namespace polyfly

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "certify/reduction/tree_partition.hpp"
+
+namespace polyfly {
+
+/// Part of a region, with a point strictly inside, and bounds of its coordinates, rounded outwards.
+struct MapCell {
+  std::uint32_t region = 0;
+  ExactCell cell;
+  std::vector<double> lower, upper;
+};
+
+/// Ranges that hold those of both maps. Throws Error when the maps do not have the same parameters and inputs, or a
+/// parameter has no range.
+std::vector<Signal> commonRanges(const RegionMap& first, const RegionMap& second);
+
+/// The regions of a map as cells in t, which is [-1, 1] in given ranges.
+class MapCells {
+ public:
+  /// `ranges` are those of commonRanges. Planes that `other` has too become its rows. Both maps must outlive the object.
+  MapCells(const RegionMap& map, const std::vector<Signal>& ranges, const MapCells* other, int threads);
+  MapCells(const MapCells&) = delete;
+  MapCells& operator=(const MapCells&) = delete;
+
+  const ExactMap& exact() const { return exact_; }
+
+  /// Cells by region. Of a fallback region, only the parts that no ordinary region holds.
+  const std::vector<MapCell>& cells() const { return cells_; }
+
+  /// Whole regions with interior, ascending.
+  const std::vector<MapCell>& regions() const { return regions_; }
+
+  /// Sides of the map's box that lie inside of the ranges.
+  const std::deque<ExactRow>& sides() const { return sides_; }
+
+ private:
+  void addSides(const std::vector<Signal>& ranges);
+  void addRegions(int threads);
+  void addCells();
+
+  const ExactMap exact_;
+  std::deque<ExactRow> sides_;
+  std::vector<MapCell> regions_;
+  std::vector<MapCell> cells_;
+};
+
+/// Whether the bounds of two cells have an interior in common.
+bool boundsMeet(const MapCell& first, const MapCell& second);
+
+}  // namespace polyfly

@@ -1,0 +1,261 @@
+#include "export_bound.hpp"
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "compiled_code.hpp"
+#include "map_export/export_map.hpp"
+#include "synthetic_map.hpp"
+#include "test_points.hpp"
+
+namespace polyfly {
+namespace {
+
+/// Four regions with the continuous law u = |x| + |y - x / 2|.
+MapContent kinkedMap() {
+  MapContent map;
+  map.name = "kinked";
+  map.problem_kind = "json";
+  map.solver_status = "complete";
+  map.tolerance = 1e-9;
+  map.parameters = {{"x", "", -2.0, 2.0}, {"y", "", -2.0, 2.0}};
+  map.inputs = {{"u", "", 0.0, 5.0}};
+  // Scaled: a . theta - c is a distance where the ranges are [-1, 1].
+  const double norm = std::hypot(2.0, 1.0);
+  map.planes = {0.5, 0.0, 0.0, -0.5 / norm, 1.0 / norm, 0.0};
+  for (const double first : {-1.0, 1.0}) {
+    for (const double second : {-1.0, 1.0}) {
+      MapContent::Region region;
+      region.first_row = static_cast<std::uint32_t>(map.rows.size());
+      region.row_count = 2;
+      region.law = static_cast<std::uint32_t>(map.regions.size());
+      map.rows.push_back(first < 0.0 ? 1 : -1);
+      map.rows.push_back(second < 0.0 ? 2 : -2);
+      map.laws.insert(map.laws.end(), {first - 0.5 * second, second, 0.0});
+      map.regions.push_back(region);
+    }
+  }
+  map.nodes = {{0, MapContent::kLeaf | 0u, MapContent::kLeaf | 1u}};
+  map.leaves = {{0, 2}, {2, 2}};
+  map.candidates = {0, 1, 2, 3};
+  // The node decides on the first plane; leaves test the second, so every row of the code counts.
+  map.tests = {2, 2, 2, 2};
+  return map;
+}
+
+ExportOptions floatOptions() {
+  ExportOptions options;
+  options.name = "code";
+  options.type = ExportType::kFloat;
+  return options;
+}
+
+checker::Map checkedMap(const MadeMap& made) {
+  MadeMap& mutable_made = const_cast<MadeMap&>(made);
+  return checker::Map(
+      std::string(reinterpret_cast<const char*>(mutable_made.bytes.data()), made.bytes.size()));
+}
+
+double greatestViolation(const RegionMap& map, std::uint32_t number, const std::vector<double>& theta) {
+  const RegionView region = map.region(number);
+  const std::size_t p = theta.size();
+  long double greatest = 0.0L;
+  for (std::uint32_t i = 0; i < region.row_count; ++i) {
+    const double* const plane = map.plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
+    long double distance = -static_cast<long double>(plane[p]);
+    for (std::size_t k = 0; k < p; ++k) distance += static_cast<long double>(plane[k]) * theta[k];
+    greatest = std::max(greatest, region.rows[i] < 0 ? -distance : distance);
+  }
+  return static_cast<double>(greatest);
+}
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const checker::Refused& refused) {
+    return refused.what();
+  }
+  return "confirmed";
+}
+
+class ExportBoundTest : public testing::Test {
+ protected:
+  ExportBoundTest()
+      : made(kinkedMap()),
+        map(checkedMap(made)),
+        code(exportSource(made.map, floatOptions())),
+        proven(checker::exportedAnswers(map, checker::readCode(code))),
+        facts(exportFacts(made.map, floatOptions(), {proven.error, proven.margin})) {}
+
+  /// The code with one part replaced, which must be there.
+  std::string with(const std::string& part, const std::string& other) const {
+    std::string text = code;
+    const std::size_t place = text.find(part);
+    EXPECT_NE(place, std::string::npos) << part;
+    return text.replace(place, part.size(), other);
+  }
+
+  std::string verdict(const std::string& changed) const {
+    return refusal([&] { checker::confirmExport(facts, changed, map); });
+  }
+
+  const MadeMap made;
+  const checker::Map map;
+  const std::string code;
+  const checker::ExportedAnswers proven;
+  const std::string facts;
+};
+
+TEST_F(ExportBoundTest, IsOfTheOrderOfRounding) {
+  EXPECT_TRUE(proven.missing.empty());
+  EXPECT_GT(proven.error[0], 1e-7);
+  EXPECT_LT(proven.error[0], 1e-4);
+  EXPECT_GT(proven.margin, 0.0);
+  EXPECT_LT(proven.margin, 1e-4);
+  EXPECT_EQ(verdict(code), "confirmed");
+}
+
+// The compiled code against the law itself, which the map does not know in closed form.
+TEST_F(ExportBoundTest, CompiledCodeStaysWithinIt) {
+  if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
+  const ScratchFolder folder;
+  saveText(folder, "code.c", code);
+  saveText(folder, "code.h", exportHeader(made.map, floatOptions(), {proven.error, proven.margin}));
+  const CompiledCode<float> compiled(folder, "code", "gcc -std=c99");
+  TestPoints points(made.map, 9);
+  double greatest = 0.0;
+  int inside = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const std::vector<double> theta = points.next();
+    const float rounded[2] = {static_cast<float>(theta[0]), static_cast<float>(theta[1])};
+    double expected = 0.0;
+    float u = 0.0f;
+    const LookupStatus status = made.map.evaluate(theta.data(), &expected).status;
+    const int found = compiled.evaluate(rounded, &u);
+    if (status == LookupStatus::kNotFinite) {
+      ASSERT_EQ(found, 2) << i;
+    }
+    if (status != LookupStatus::kInside) continue;
+    ++inside;
+    ASSERT_EQ(found, 0) << i;
+    const double law = std::abs(theta[0]) + std::abs(theta[1] - 0.5 * theta[0]);
+    greatest = std::max(greatest, std::abs(static_cast<double>(u) - law));
+  }
+  EXPECT_GT(inside, 50000);
+  EXPECT_LE(greatest, proven.error[0]);
+  EXPECT_GT(greatest, 1e-3 * proven.error[0]);
+}
+
+// Every number of every table, changed by more than the bound forgives.
+TEST_F(ExportBoundTest, ChangedTablesAreRefused) {
+  struct Change {
+    const char* table;
+    double factor, step;
+  };
+  for (const Change& change : {Change{"_plane[", 1.0, 0.01}, Change{"_law[", 1.0, 0.01},
+                               Change{"_box[", 0.5, 0.0}, Change{"_tolerance = ", 1000.0, 0.0},
+                               Change{"_row[", 1.0, 1.0}, Change{"_candidate_region[", 0.0, 3.0},
+                               Change{"_region_law[", 0.0, 3.0}, Change{"_node_child[", 0.0, 2.0},
+                               Change{"_leaf_first[", 0.0, 1.0}, Change{"_candidate_first[", 0.0, 1.0}}) {
+    int tried = 0;
+    const std::size_t table = code.find(std::string(" code") + change.table);
+    ASSERT_NE(table, std::string::npos) << change.table;
+    const bool is_scalar = std::string(change.table).find('=') != std::string::npos;
+    std::size_t place = code.find(is_scalar ? "= " : "= {", table) + 2;
+    const std::size_t end = code.find(';', table);
+    while ((place = code.find_first_of("-0123456789", place)) < end) {
+      char* rest = nullptr;
+      const double value = std::strtod(code.c_str() + place, &rest);
+      const std::size_t length = static_cast<std::size_t>(rest - code.c_str()) - place;
+      const bool is_real = *rest == 'f';
+      const double other = value * change.factor + change.step;
+      if (other != value) {
+        const std::string digits = is_real ? std::to_string(other) : std::to_string(static_cast<long>(other));
+        std::string text = code;
+        EXPECT_NE(verdict(text.replace(place, length, digits)), "confirmed") << change.table << " " << value;
+        ++tried;
+      }
+      place += length + 1;
+    }
+    EXPECT_GT(tried, 0) << change.table;
+  }
+}
+
+TEST_F(ExportBoundTest, AStatedBoundBelowTheProvenOneIsRefused) {
+  const ExportBound less = {{0.9 * proven.error[0]}, proven.margin};
+  const std::string claims = exportFacts(made.map, floatOptions(), less);
+  EXPECT_NE(refusal([&] { checker::confirmExport(claims, code, map); }).find("input 0"), std::string::npos);
+  const ExportBound narrow = {proven.error, 0.9 * proven.margin};
+  const std::string others = exportFacts(made.map, floatOptions(), narrow);
+  EXPECT_NE(refusal([&] { checker::confirmExport(others, code, map); }).find("margin"), std::string::npos);
+}
+
+TEST_F(ExportBoundTest, CodeOfAnotherMapIsRefused) {
+  MapContent content = kinkedMap();
+  content.laws[0] += 1e-3;
+  const MadeMap other(content);
+  EXPECT_NE(refusal([&] { checker::confirmExport(facts, code, checkedMap(other)); }), "confirmed");
+}
+
+// Doubles have the map's tables and answers; a change of the last bit is refused.
+TEST_F(ExportBoundTest, DoublesAreComparedNumberForNumber) {
+  ExportOptions options;
+  options.name = "code";
+  const std::string source = exportSource(made.map, options);
+  EXPECT_EQ(checker::exportedAnswers(map, checker::readCode(source)).error, std::vector<double>{0.0});
+  MapContent content = kinkedMap();
+  content.planes[0] = std::nextafter(content.planes[0], 1.0);
+  const std::string changed = exportSource(MadeMap(content).map, options);
+  EXPECT_NE(refusal([&] { checker::exportedAnswers(map, checker::readCode(changed)); }), "confirmed");
+}
+
+// Maps with jumps between regions and with holes: what is proven holds for the compiled code.
+TEST(ExportBoundOfRandomMaps, HoldsForCompiledCode) {
+  if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
+  for (std::uint32_t p = 1; p <= 4; ++p) {
+    TreeRecipe recipe;
+    recipe.parameters = p;
+    recipe.inputs = 1 + p % 2;
+    recipe.regions = 20;
+    recipe.leaf_regions = 3;
+    recipe.holes_one_in = 4;
+    recipe.seed = p;
+    const MadeMap made(makeTreeMap(recipe));
+    const checker::Map map = checkedMap(made);
+    ExportOptions options = floatOptions();
+    checker::ExportedAnswers proven =
+        checker::exportedAnswers(map, checker::readCode(exportSource(made.map, options)));
+    for (const auto& [leaf, region] : proven.missing) options.extra.push_back({leaf, region});
+    const std::string source = exportSource(made.map, options);
+    proven = checker::exportedAnswers(map, checker::readCode(source));
+    ASSERT_TRUE(proven.missing.empty()) << p;
+    const ScratchFolder folder;
+    saveText(folder, "code.c", source);
+    saveText(folder, "code.h", exportHeader(made.map, options, {proven.error, proven.margin}));
+    const CompiledCode<float> compiled(folder, "code", "gcc -std=c99");
+    TestPoints points(made.map, p);
+    for (int i = 0; i < 20000; ++i) {
+      const std::vector<double> theta = points.next();
+      const std::vector<float> rounded(theta.begin(), theta.end());
+      std::vector<double> expected(recipe.inputs, 0.0);
+      std::vector<float> u(recipe.inputs, 0.0f);
+      const int found = compiled.evaluate(rounded.data(), u.data());
+      if (found == 0) {
+        std::uint32_t region = 0;
+        ASSERT_EQ(compiled.locate(rounded.data(), &region), 0);
+        const std::vector<double> given(rounded.begin(), rounded.end());
+        ASSERT_LE(greatestViolation(made.map, region, given), proven.margin) << p << " " << i;
+      }
+      if (made.map.evaluate(theta.data(), expected.data()).status != LookupStatus::kInside) continue;
+      ASSERT_EQ(found, 0) << p << " " << i;
+      for (std::size_t j = 0; j < u.size(); ++j)
+        ASSERT_LE(std::abs(static_cast<double>(u[j]) - expected[j]), proven.error[j]) << p << " " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,138 @@
+// `offline_mpt export` and `check_certificate --export` as a user calls them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace polyfly {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+// min z^2/2 - (a + b) z, |z| <= 1: three regions
+const char* const kClip = R"({"name": "clip", "H": [[1.0]], "f": [0.0], "F": [[-1.0, -1.0]],
+    "A": [[1.0], [-1.0]], "b": [1.0, 1.0], "B": [[0.0, 0.0], [0.0, 0.0]], "eq_ids": [],
+    "lb": [-2.0, -2.0], "ub": [2.0, 2.0], "A_theta": [], "b_theta": [], "out": [0]})";
+
+class ExportCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directory(work_);
+    writeBytes(path("clip.json"), kClip);
+    ASSERT_EQ(run({OFFLINE_MPT_PROGRAM, "solve", path("clip.json"), "-o", map_}).exit_code, 0);
+  }
+
+  std::string path(const std::string& name) const { return work_ + "/" + name; }
+
+  Outcome run(Words words) const {
+    return waitForProgram(startProgram(std::move(words), folder_.path(".")), folder_.path("."));
+  }
+
+  Outcome exportMap(Words options) const {
+    options.insert(options.begin(), {OFFLINE_MPT_PROGRAM, "export", map_, "-o", path("code")});
+    return run(options);
+  }
+
+  Outcome confirm() const { return run({CHECK_CERTIFICATE, "--export", path("code"), "--map", map_}); }
+
+  ScratchFolder folder_;
+  const std::string work_ = folder_.path("work");
+  const std::string map_ = path("clip.map");
+};
+
+TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
+  for (const char* const type : {"double", "float"}) {
+    const Outcome result = exportMap({"--name", "clip", "--type", type});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})
+      EXPECT_TRUE(fs::is_regular_file(path("code") + "/" + name)) << name;
+    EXPECT_NE(readBytes(path("code/clip.json")).find(std::string("\"type\": \"") + type), std::string::npos);
+    const Outcome confirmed = confirm();
+    EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
+    EXPECT_NE(confirmed.out.find("confirmed: the code of 3 regions"), std::string::npos) << confirmed.out;
+  }
+}
+
+TEST_F(ExportCommand, TheSameMapGivesTheSameBytes) {
+  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
+  const std::string code = readBytes(path("code/clip.c")), facts = readBytes(path("code/clip.json"));
+  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
+  EXPECT_EQ(readBytes(path("code/clip.c")), code);
+  EXPECT_EQ(readBytes(path("code/clip.json")), facts);
+}
+
+TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
+  const auto bytes = [&](const char* type) {
+    EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);
+    const std::string facts = readBytes(path("code/clip.json"));
+    return std::stoi(facts.substr(facts.find("\"table_bytes\": ") + 15));
+  };
+  const int in_double = bytes("double");
+  const int in_float = bytes("float");
+  ASSERT_LT(in_float, in_double);
+  const auto typeWithin = [&](int limit) {
+    EXPECT_EQ(exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)}).exit_code, 0);
+    const std::string facts = readBytes(path("code/clip.json"));
+    return facts.find("\"type\": \"double\"") != std::string::npos ? "double" : "float";
+  };
+  EXPECT_STREQ(typeWithin(in_double), "double");
+  EXPECT_STREQ(typeWithin(in_double - 1), "float");
+  EXPECT_STREQ(typeWithin(in_float), "float");
+  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", std::to_string(in_float - 1)});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find(std::to_string(in_double) + " bytes in double, " + std::to_string(in_float) +
+                             " bytes in float"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(
+      exportMap({"--name", "clip", "--type", "double", "--flash-limit", std::to_string(in_float)}).exit_code,
+      2);
+}
+
+TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {
+  for (const Words& options : std::vector<Words>{
+           {"--name", "1clip"}, {"--name", "../clip"}, {"--name", "clip", "--type", "half"}, {}}) {
+    const Outcome result = exportMap(options);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path("code")));
+  }
+}
+
+TEST_F(ExportCommand, AnAlteredFolderIsRefused) {
+  ASSERT_EQ(exportMap({"--name", "clip", "--type", "float"}).exit_code, 0);
+  std::string code = readBytes(path("code/clip.c"));
+  const std::size_t law = code.find("{1.0f, 1.0f,");
+  ASSERT_NE(law, std::string::npos) << code;
+  writeBytes(path("code/clip.c"), code.replace(law + 1, 4, "1.1f"));
+  Outcome result = confirm();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("refused: the error of input 0 may exceed its bound"), std::string::npos)
+      << result.err;
+  // Cut off, empty, and none.
+  writeBytes(path("code/clip.c"), code.substr(0, code.size() / 3));
+  EXPECT_EQ(confirm().exit_code, 1);
+  writeBytes(path("code/other.json"), "{}");
+  result = confirm();
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("more than one file *.json"), std::string::npos) << result.err;
+  fs::remove_all(path("code"));
+  EXPECT_EQ(confirm().exit_code, 2);
+}
+
+TEST_F(ExportCommand, OptionsThatExcludeOneAnotherAreRefused) {
+  for (const Words& words :
+       std::vector<Words>{{CHECK_CERTIFICATE, "--export", path("code")},
+                          {CHECK_CERTIFICATE, "--export", path("code"), "--map", map_, map_},
+                          {CHECK_CERTIFICATE, "--export", path("code"), "--map", map_, "--problem", map_}}) {
+    EXPECT_EQ(run(words).exit_code, 2);
+  }
+}
+
+}  // namespace
+}  // namespace polyfly

@@ -1,0 +1,198 @@
+// Rows that repeat others but for noise: from rounding, by which they count as one, to what is a row of its own.
+#include <algorithm>
+#include <cmath>
+
+#include "made_program.hpp"
+#include "map_in_memory.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/count.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "polyfly_base/error.hpp"
+#include "random_program.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr ProgramSize kSizes[] = {{2, 8, 1}, {3, 8, 2}, {4, 10, 2}, {3, 9, 3}};
+
+/// Repeats `row` with noise in all its numbers.
+void repeat(ParametricProgram& program, int row, double noise, Random& random) {
+  const Eigen::VectorXd a =
+      program.A.row(row).transpose() + noise * random.matrix(program.variableCount(), 1);
+  const Eigen::VectorXd s =
+      program.S.row(row).transpose() + noise * random.matrix(program.parameterCount(), 1);
+  appendRow(program, a, program.b(row) + noise * random.uniform(-1.0, 1.0), s);
+}
+
+ParametricProgram repeatedInequalities(std::uint64_t seed, const ProgramSize& size, double noise) {
+  ParametricProgram program = madeProgram(seed, size);
+  Random random(seed + 1000);
+  for (int copy = 0; copy < 3; ++copy) repeat(program, random.below(size.rows), noise, random);
+  return program;
+}
+
+ParametricProgram repeatedEquality(std::uint64_t seed, const ProgramSize& size, double noise) {
+  ParametricProgram program = madeProgram(seed, size);
+  Random random(seed + 2000);
+  program.b(0) *= 0.1;
+  program.equalities = {0};
+  for (int copy = 0; copy < 3; ++copy) {
+    program.equalities.push_back(program.rowCount());
+    repeat(program, 0, noise, random);
+  }
+  return program;
+}
+
+CertifyReport certified(const ParametricProgram& program, const Partition& partition) {
+  return certify(MapInMemory(encode(program, partition)).map(), program);
+}
+
+TEST(RepeatedRows, MapsAreProvenWhateverTheNoise) {
+  std::size_t dropped = 0, kept = 0;
+  for (const double noise : {1e-13, 1e-12, 1e-11, 5e-11, 1e-10, 2e-10, 5e-10, 1e-9}) {
+    for (const ProgramSize& size : kSizes) {
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        SCOPED_TRACE(testing::Message()
+                     << noise << " " << size.variables << " " << size.parameters << " " << seed);
+        const ParametricProgram program = repeatedInequalities(seed, size, noise);
+        const Partition partition = explore(program);
+        ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+        const MapContent content = encode(program, partition);
+        const CertifyReport report = certify(MapInMemory(content).map(), program);
+        ASSERT_TRUE(report.passed()) << certifyText(report);
+        EXPECT_EQ(refusal(report.certificate, bytesOf(content)), "");
+        dropped += report.dropped_rows.size();
+        kept += report.dropped_rows.empty() ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(dropped, 100u);
+  EXPECT_GT(kept, 20u);
+}
+
+TEST(RepeatedRows, WrongMapsAreRefuted) {
+  for (const double noise : {1e-12, 1e-10, 1e-9}) {
+    const ParametricProgram program = repeatedInequalities(2, kSizes[1], noise);
+    const Partition whole = explore(program);
+    for (std::size_t r = 0; r < whole.regions.size(); ++r) {
+      Partition wrong = whole;
+      wrong.regions[r].k(0) += 1e-6;
+      EXPECT_FALSE(certified(program, wrong).passed()) << noise << ", law of region " << r;
+      if (whole.regions[r].radius < 1e-6) continue;
+      wrong = whole;
+      wrong.regions.erase(wrong.regions.begin() + static_cast<std::ptrdiff_t>(r));
+      EXPECT_FALSE(certified(program, wrong).passed()) << noise << ", without region " << r;
+    }
+  }
+}
+
+TEST(RepeatedRows, ARowThatSaysMoreThanAnotherIsNotDropped) {
+  for (const double distance : {1e-9, 1e-8, 1e-6}) {
+    ParametricProgram program = madeProgram(3, kSizes[1]);
+    const Partition partition = explore(program);
+    appendRow(program, program.A.row(0), program.b(0) - distance, program.S.row(0));
+    EXPECT_FALSE(certified(program, partition).passed()) << distance;
+    const CertifyReport report = certified(program, explore(program));
+    EXPECT_TRUE(report.passed()) << certifyText(report);
+    EXPECT_TRUE(report.dropped_rows.empty()) << distance;
+  }
+}
+
+TEST(RepeatedRows, ADefectTellsTheSlackThatIsViolated) {
+  ParametricProgram program = madeProgram(3, kSizes[1]);
+  const Partition partition = explore(program);
+  appendRow(program, program.A.row(0), program.b(0) - 1e-6, program.S.row(0));
+  const CertifyReport report = certified(program, partition);
+  EXPECT_TRUE(std::any_of(report.defects.begin(), report.defects.end(), [](const Defect& defect) {
+    return defect.text.find("the slack of row 8 is negative, down to -1e-06, ") != std::string::npos;
+  })) << certifyText(report);
+}
+
+std::string messageOf(const ParametricProgram& program) {
+  try {
+    explore(program);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RepeatedEqualities, OfWhichRoundingIsAllThatDiffersCountAsOne) {
+  for (const ProgramSize& size : kSizes) {
+    for (const double noise : {1e-16, 1e-15, 1e-14}) {
+      const ParametricProgram program = repeatedEquality(1, size, noise);
+      const Partition partition = explore(program);
+      EXPECT_EQ(partition.status, ExploreStatus::kComplete);
+      const CertifyReport report = certified(program, partition);
+      EXPECT_TRUE(report.passed()) << noise << "\n" << certifyText(report);
+    }
+  }
+}
+
+TEST(RepeatedEqualities, AreProvenOrRefusedNextToRounding) {
+  for (const ProgramSize& size : kSizes) {
+    for (const double noise : {1e-13, 2e-13, 4e-13, 1e-12}) {
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const ParametricProgram program = repeatedEquality(seed, size, noise);
+        if (!messageOf(program).empty()) continue;
+        const CertifyReport report = certified(program, explore(program));
+        EXPECT_TRUE(report.passed()) << noise << " " << seed << "\n" << certifyText(report);
+      }
+    }
+  }
+}
+
+TEST(RepeatedEqualities, ThatNearlyDependAreRefusedByRow) {
+  for (const ProgramSize& size : kSizes) {
+    for (const double noise : {1e-11, 1e-10, 1e-9, 1e-8, 1e-7}) {
+      for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        const std::string message = messageOf(repeatedEquality(seed, size, noise));
+        EXPECT_NE(message.find("eq_ids: row "), std::string::npos) << noise << " " << seed << ": " << message;
+      }
+    }
+  }
+}
+
+TEST(RepeatedEqualities, ThatContradictEachOtherAreRefusedByRow) {
+  for (const double distance : {1e-11, 1e-9, 1e-3}) {
+    ParametricProgram program = madeProgram(1, kSizes[1]);
+    appendRow(program, program.A.row(0), program.b(0) + distance, program.S.row(0));
+    program.equalities = {0, program.rowCount() - 1};
+    EXPECT_NE(messageOf(program).find("its right-hand side does not"), std::string::npos) << distance;
+    CountOptions options;
+    EXPECT_THROW(countRegions(program, options), Error) << distance;
+  }
+}
+
+TEST(ImpliedEqualities, ThatTieTheParametersAreNotBlamedOnTheEqualities) {
+  ParametricProgram program = madeProgram(1, kSizes[1]);
+  appendRow(program, program.A.row(0), 0.0, Eigen::Vector2d(1.0, 0.0));
+  appendRow(program, -program.A.row(0), 0.0, Eigen::Vector2d(-1.0, 0.0));
+  appendRow(program, program.A.row(0), 0.0, Eigen::Vector2d(0.0, 1.0));
+  appendRow(program, -program.A.row(0), 0.0, Eigen::Vector2d(0.0, -1.0));
+  const std::string message = messageOf(program);
+  EXPECT_EQ(message.find("eq_ids"), std::string::npos) << message;
+  EXPECT_NE(message.find(": row 8: can only hold with equality, on a lower-dimensional set"),
+            std::string::npos)
+      << message;
+}
+
+TEST(RepeatedEqualities, ThatAreClearlyIndependentAreSolved) {
+  for (const double distance : {1e-5, 1e-3}) {
+    ParametricProgram program = madeProgram(4, kSizes[2]);
+    Random random(4);
+    program.S.row(0).setZero();
+    program.b(0) = 0.0;
+    const Eigen::VectorXd direction = random.matrix(program.variableCount(), 1);
+    appendRow(program, program.A.row(0).transpose() + distance * direction, 0.0,
+              Eigen::VectorXd::Zero(program.parameterCount()));
+    program.equalities = {0, program.rowCount() - 1};
+    const CertifyReport report = certified(program, explore(program));
+    EXPECT_TRUE(report.passed()) << distance << "\n" << certifyText(report);
+  }
+}
+
+}  // namespace
+}  // namespace polyfly

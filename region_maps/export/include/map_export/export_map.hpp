@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "region_maps/region_map.hpp"
+
+/// C code of a region map, for processors that read no file (region_maps/export/README.md).
+namespace polyfly {
+
+/// Type of the numbers in the tables, of the parameters and of the inputs.
+enum class ExportType { kDouble, kFloat };
+
+/// A leaf of the map and a region.
+struct ExtraCandidate {
+  std::uint32_t leaf = 0;
+  std::uint32_t region = 0;
+};
+
+struct ExportOptions {
+  /// Prefix of all identifiers and of the files' names, see checkExportName.
+  std::string name;
+  ExportType type = ExportType::kDouble;
+  /// Of float, the tolerance of look-ups in greatest rounding errors of a half-space. Double has that of the map.
+  double tolerance = 64.0;
+  /// Candidates that leaves have besides those of the map, with all rows of their region. Rounding may lead a
+  /// parameter beside a leaf's cell into it, where none of the map's candidates holds the parameter.
+  std::vector<ExtraCandidate> extra;
+};
+
+/// What is proven of the exported code, to be stated in its header.
+struct ExportBound {
+  /// Greatest difference from the map's answer. Size m. [the input's unit]
+  std::vector<double> error;
+  /// Greatest violation of a half-space of the region whose law is used. [scaled]
+  double margin = 0.0;
+};
+
+/// Throws Error where `name` is no C identifier of 1 to 24 characters that begins with a letter.
+void checkExportName(const std::string& name);
+
+/// The text of NAME.c: tables and look-up. Throws Error where a number of the map does not fit the type, or the
+/// map has more tables than 32-bit indices reach. The same map and options give the same text.
+std::string exportSource(const RegionMap& map, const ExportOptions& options);
+
+/// Bytes of all constant tables of NAME.c.
+std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options);
+
+/// The text of NAME.h.
+std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
+
+/// The text of NAME_test.c: a program that returns 0 where the compiled code answers within the bound.
+std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
+
+/// The text of NAME.json: sizes of tables, greatest number of operations, bound, checksums.
+std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
+
+}  // namespace polyfly

@@ -1,0 +1,170 @@
+#include "code_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "polyfly_base/error.hpp"
+#include "region_maps/format.hpp"
+
+namespace polyfly {
+namespace {
+
+/// Share of the tolerance by which fallback regions stand behind ordinary ones, of a type whose rounding
+/// exceeds the map's own handicap.
+constexpr double kFloatHandicap = 0.5;
+
+double rounded(double value, ExportType type) {
+  if (type == ExportType::kDouble) return value;
+  const float number = static_cast<float>(value);
+  if (!std::isfinite(number)) throw Error("--type float: the map has a number that exceeds float");
+  return number;
+}
+
+std::vector<double> rounded(const double* values, std::size_t count, ExportType type) {
+  std::vector<double> result(count);
+  for (std::size_t i = 0; i < count; ++i) result[i] = rounded(values[i], type);
+  return result;
+}
+
+/// As RegionMap has it.
+std::vector<double> widenedBox(const RegionMap& map) {
+  std::vector<double> box;
+  for (const Signal& parameter : map.parameters()) {
+    const double slack = map.tolerance() * (0.5 * parameter.upper - 0.5 * parameter.lower);
+    box.push_back(parameter.lower - slack);
+    box.push_back(parameter.upper + slack);
+  }
+  return box;
+}
+
+/// Rounds each bound so that every number of the box, rounded to the type, lies within.
+std::vector<double> roundedBox(std::vector<double> box, ExportType type) {
+  if (type == ExportType::kDouble) return box;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const auto number = static_cast<float>(rounded(box[i], type));
+    const bool upper = i % 2 == 1;
+    const bool cut = upper ? number < box[i] : number > box[i];
+    box[i] = rounded(cut ? std::nextafter(number, upper ? kInfinity : -kInfinity) : number, type);
+  }
+  return box;
+}
+
+/// So many times the greatest rounding error of a plane's value. The proof says whether it suffices.
+double floatTolerance(const RegionMap& map, const CodeTables& tables, double errors) {
+  const std::size_t p = map.parameters().size();
+  constexpr double kUnit = 0.5 * std::numeric_limits<float>::epsilon();
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < map.planeCount(); ++i) {
+    const double* const plane = map.plane(i);
+    double sum = std::abs(plane[p]);
+    for (std::size_t k = 0; k < p; ++k)
+      sum += std::abs(plane[k]) * std::max(std::abs(tables.box[2 * k]), std::abs(tables.box[2 * k + 1]));
+    greatest = std::max(greatest, sum * kUnit);
+  }
+  return rounded(map.tolerance() + errors * greatest, ExportType::kFloat);
+}
+
+std::uint32_t exportedChild(std::uint32_t child, std::size_t nodes) {
+  const bool is_leaf = (child & MapContent::kLeaf) != 0;
+  return is_leaf ? static_cast<std::uint32_t>(nodes) + (child & ~MapContent::kLeaf) : child;
+}
+
+/// A region and the rows that a leaf tests of it, see MapContent::tests.
+struct Offer {
+  std::uint32_t region = 0;
+  std::uint32_t tests = MapContent::kAllRows;
+};
+
+std::vector<Offer> offersOf(const RegionMap& map, std::uint32_t number,
+                            const std::vector<ExtraCandidate>& extra) {
+  const LeafView leaf = map.leaf(number);
+  std::vector<Offer> offers;
+  for (std::uint32_t i = 0; i < leaf.count; ++i) offers.push_back({leaf.candidates[i], leaf.testsOf(i)});
+  for (const ExtraCandidate& candidate : extra) {
+    if (candidate.leaf == number) offers.push_back({candidate.region});
+  }
+  const auto is_ordinary = [&map](const Offer& offer) { return offer.region < map.firstFallback(); };
+  std::stable_partition(offers.begin(), offers.end(), is_ordinary);
+  return offers;
+}
+
+void addTree(const RegionMap& map, const std::vector<ExtraCandidate>& extra, CodeTables& tables) {
+  for (std::size_t i = 0; i < map.nodeCount(); ++i) {
+    const MapContent::Node& node = map.node(i);
+    tables.node_plane.push_back(node.plane);
+    tables.node_child.push_back(exportedChild(node.below, map.nodeCount()));
+    tables.node_child.push_back(exportedChild(node.above, map.nodeCount()));
+  }
+  for (std::uint32_t i = 0; i < map.leafCount(); ++i) {
+    tables.leaf_first.push_back(static_cast<std::uint32_t>(tables.candidate_region.size()));
+    for (const Offer& offer : offersOf(map, i, extra)) {
+      tables.candidate_region.push_back(offer.region);
+      tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
+      const RegionView region = map.region(offer.region);
+      for (std::uint32_t row = 0; row < region.row_count; ++row) {
+        if (isTested(offer.tests, row)) tables.rows.push_back(exportedRow(region.rows[row]));
+      }
+    }
+  }
+  tables.leaf_first.push_back(static_cast<std::uint32_t>(tables.candidate_region.size()));
+  tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
+}
+
+}  // namespace
+
+CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
+  const ExportType type = options.type;
+  const std::size_t p = map.parameters().size();
+  CodeTables tables;
+  tables.planes = rounded(map.plane(0), map.planeCount() * (p + 1), type);
+  tables.laws = rounded(map.law(0), map.lawCount() * map.inputs().size() * (p + 1), type);
+  tables.box = roundedBox(widenedBox(map), type);
+  if (type == ExportType::kDouble) {
+    tables.tolerance = map.tolerance();
+    tables.handicap = format::kHandicap * map.tolerance();
+  } else {
+    tables.tolerance = floatTolerance(map, tables, options.tolerance);
+    tables.handicap = rounded(kFloatHandicap * tables.tolerance, type);
+  }
+  addTree(map, options.extra, tables);
+  for (std::size_t i = 0; i < map.regionCount(); ++i) tables.region_law.push_back(map.region(i).law);
+  return tables;
+}
+
+CodeCost codeCost(const RegionMap& map, const CodeTables& tables) {
+  const std::size_t nodes = map.nodeCount();
+  // A child comes after its parent, so one pass finds the depth of each.
+  std::vector<std::uint32_t> depth(nodes + map.leafCount(), 0);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::uint32_t& below = depth[tables.node_child[2 * i + side]];
+      below = std::max(below, depth[i] + 1);
+    }
+  }
+  const std::uint64_t p = map.parameters().size();
+  CodeCost cost;
+  for (std::size_t i = 0; i < map.leafCount(); ++i) {
+    const std::uint32_t first = tables.leaf_first[i];
+    const std::uint32_t end = tables.leaf_first[i + 1];
+    const std::uint32_t rows = tables.candidate_first[end] - tables.candidate_first[first];
+    const std::uint32_t path = depth[nodes + i];
+    cost.nodes = std::max(cost.nodes, path);
+    cost.rows = std::max(cost.rows, rows);
+    cost.multiply_adds =
+        std::max(cost.multiply_adds, (std::uint64_t{path} + rows) * p + map.inputs().size() * p);
+    // Box: two for each parameter. Row: tolerance and greatest. Candidate: least, handicap, end of the search.
+    cost.comparisons =
+        std::max(cost.comparisons, 2 * p + path + 2 * std::uint64_t{rows} + 4 * std::uint64_t{end - first});
+  }
+  return cost;
+}
+
+std::uint32_t indexBytes(const std::vector<std::uint32_t>& values) {
+  const std::uint32_t greatest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+  if (greatest <= 0xffu) return 1;
+  return greatest <= 0xffffu ? 2 : 4;
+}
+
+}  // namespace polyfly

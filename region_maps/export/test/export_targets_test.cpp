@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "compiled_code.hpp"
+#include "map_export/export_map.hpp"
+#include "project_root.hpp"
+#include "synthetic_map.hpp"
+
+// Exported code on the processors that it is for, in emulators, and under a checker of coding rules.
+namespace polyfly {
+namespace {
+
+std::string file(const std::string& name) { return projectRoot() + "/region_maps/export/test/" + name; }
+
+MapContent content() {
+  TreeRecipe recipe;
+  recipe.parameters = 3;
+  recipe.inputs = 2;
+  recipe.regions = 40;
+  recipe.leaf_regions = 3;
+  recipe.holes_one_in = 4;
+  MapContent result = makeTreeMap(recipe);
+  // Fallback regions reach every line of the code.
+  result.first_fallback = static_cast<std::uint32_t>(result.regions.size() - 5);
+  return result;
+}
+
+/// As for a proof: far more than rounding, far less than a law's change below.
+constexpr double kBound = 1e-4;
+
+class ExportTargets : public testing::Test {
+ protected:
+  void save(ExportType type, const MapContent& map) const {
+    const MadeMap made(map);
+    ExportOptions options;
+    options.name = "code";
+    options.type = type;
+    const double error = type == ExportType::kFloat ? kBound : 0.0;
+    const ExportBound bound = {std::vector<double>(map.inputs.size(), error), error};
+    saveText(folder, "code.c", exportSource(made.map, options));
+    if (test_is_saved) return;
+    saveText(folder, "code.h", exportHeader(made.map, options, bound));
+    saveText(folder, "code_test.c", exportTest(made.map, options, bound));
+  }
+
+  /// The code of the map, then that of a changed law against the same test.
+  template <class Run>
+  void expectTestTells(ExportType type, const Run& run) {
+    MapContent map = content();
+    // One law for all regions: near a facet, float may take either side.
+    for (std::size_t i = 0; i < map.laws.size(); ++i) map.laws[i] = map.laws[i % (2 * 4)];
+    save(type, map);
+    EXPECT_EQ(run(), 0) << logOf(folder);
+    test_is_saved = true;
+    for (double& number : map.laws) number += 0.01;
+    save(type, map);
+    EXPECT_GT(run(), 0) << logOf(folder);
+  }
+
+  ScratchFolder folder;
+  bool test_is_saved = false;
+};
+
+class OnCortexM4 : public ExportTargets, public testing::WithParamInterface<ExportType> {};
+
+TEST_P(OnCortexM4, ItsOwnTestPassesAndSeesChangedLaws) {
+  if (!hasProgram("arm-none-eabi-gcc") || !hasProgram("qemu-system-arm"))
+    GTEST_SKIP() << "no arm-none-eabi-gcc or qemu-system-arm";
+  const std::string build = std::string(
+                                "arm-none-eabi-gcc -std=c99 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard "
+                                "-mfpu=fpv4-sp-d16 -DCODE_TEST_NO_MAIN -nostartfiles -T ") +
+                            file("cortex_m4.ld") + kStrict + "-fstack-usage " + file("cortex_m4_start.c") +
+                            " code.c code_test.c -o code.elf";
+  expectTestTells(GetParam(), [&] {
+    const int compiled = runCommand(folder, build);
+    EXPECT_EQ(compiled, 0) << logOf(folder);
+    return runCommand(folder,
+                      "timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config "
+                      "enable=on,target=native -kernel code.elf");
+  });
+  // Stack of a look-up: evaluate, which calls locate, which calls the deeper of the others.
+  ASSERT_EQ(runCommand(folder, "cat *code.su"), 0);
+  const std::string usage = logOf(folder);
+  const std::regex line(R"(code_(\w+)\s+(\d+)\s+static)");
+  std::map<std::string, int> bytes;
+  for (std::sregex_iterator at(usage.begin(), usage.end(), line), end; at != end; ++at)
+    bytes[(*at)[1]] = std::stoi((*at)[2]);
+  ASSERT_GT(bytes["evaluate"], 0) << usage;
+  const int stack =
+      bytes["evaluate"] + bytes["locate"] + bytes["violation"] + bytes["distance"] + bytes["test_box"];
+  EXPECT_LE(stack, GetParam() == ExportType::kFloat ? 128 : 256) << usage;
+}
+
+INSTANTIATE_TEST_SUITE_P(Types, OnCortexM4, testing::Values(ExportType::kDouble, ExportType::kFloat));
+
+TEST_F(ExportTargets, OnAtmega328pItsOwnTestPassesAndSeesChangedLaws) {
+  if (!hasProgram("avr-gcc") || !hasProgram("simavr")) GTEST_SKIP() << "no avr-gcc or simavr";
+  const std::string build = std::string("avr-gcc -std=c99 -mmcu=atmega328p -DCODE_TEST_NO_MAIN") + kStrict +
+                            file("atmega328p_start.c") + " code.c code_test.c -o code.elf";
+  expectTestTells(ExportType::kFloat, [&] {
+    EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
+    EXPECT_EQ(runCommand(folder, "timeout 60 simavr -m atmega328p -f 16000000 code.elf"), 0) << logOf(folder);
+    const std::string log = logOf(folder);
+    std::smatch letter;
+    const bool is_sent = std::regex_search(log, letter, std::regex("([A-Z])\\.\r?\n?"));
+    EXPECT_TRUE(is_sent) << log;
+    return is_sent ? letter.str(1)[0] - 'A' : -1;
+  });
+}
+
+// region_maps/export/README.md lists the deviations.
+TEST_F(ExportTargets, MisraDeviationsAreTheListedOnes) {
+  if (!hasProgram("cppcheck")) GTEST_SKIP() << "no cppcheck";
+  save(ExportType::kFloat, content());
+  // Cppcheck does not know the compiler's float.h, and would skip what #error guards.
+  ASSERT_EQ(
+      runCommand(
+          folder,
+          "cppcheck --addon=misra --std=c99 --platform=unix32 --enable=style --suppress=missingIncludeSystem "
+          "-DFLT_RADIX=2 -DFLT_EVAL_METHOD=0 -DFLT_MANT_DIG=24 -DFLT_MAX=3.402823466e+38F -U__AVR__ "
+          "-U__FAST_MATH__ code.c"),
+      0);
+  const std::string log = logOf(folder);
+  std::set<std::string> rules;
+  const std::regex rule(R"(\[misra-c2012-([0-9.]+)\])");
+  for (std::sregex_iterator at(log.begin(), log.end(), rule), end; at != end; ++at) rules.insert((*at)[1]);
+  // An empty list would mean that nothing was checked.
+  EXPECT_EQ(rules.count("8.9"), 1u) << log;
+  for (const std::string& found : rules)
+    EXPECT_TRUE((std::set<std::string>{"2.5", "8.7", "8.9"}.count(found)) != 0) << log;
+}
+
+}  // namespace
+}  // namespace polyfly
