@@ -53,9 +53,9 @@ sanitizeCommand() {
   own tsan
   step asan_build "building the tests with the address and undefined-behaviour sanitizers" buildSanitized asan all
   step tsan_build "building the threaded tests with the thread sanitizer" buildSanitized tsan threaded_tests
-  # not again under the sanitizer: the test of ./run, and the reference problems, whose subject is numbers
+  # not again under the sanitizer: the tests of ./run and of pages in a browser, and the reference problems, whose subject is numbers
   step asan_tests "running the tests under the address and undefined-behaviour sanitizers" \
-    runTests asan -E '^(run_test|reference_problems_test)$'
+    runTests asan -E '^(run_test|reference_problems_test|explorer_browser_test)$'
   step tsan_tests "running the threaded tests under the thread sanitizer" runTests tsan -L threads
   python3 catkin_ws/scripts/count_tests.py --ctest build/.run/results/asan/ctest.xml build/.run/results/asan/gtest \
     --ctest build/.run/results/tsan/ctest.xml build/.run/results/tsan/gtest

@@ -85,7 +85,7 @@ TEST_F(CountCommand, BadInputIsRefusedInOneLine) {
   std::ofstream(path("toy.json")) << text;
   const Outcome result = count({"--proof", path("toy.count")});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("toy: H: must be positive definite to count"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("toy.json: H: must be positive definite to count"), std::string::npos) << result.err;
   EXPECT_EQ(check({}).exit_code, 2) << "a proof was left behind";
 }
 

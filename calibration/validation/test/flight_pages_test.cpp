@@ -55,7 +55,7 @@ TEST_F(FlightPages, AreLinkedByTheReport) {
   writeFlightPages(samples_, maps_.axes(), "flight.bag", folder_ / "all pages");
   const std::vector<ReportLink> links =
       flightPageLinks(maps_.axes(), folder_ / "all pages", folder_ / "report");
-  writeReport({log_, samples_, maps_.axes(), MultirotorOptions(), validation, {}, links}, folder_ / "report");
+  writeReport({log_, samples_, maps_.axes(), MultirotorOptions(), validation, links}, folder_ / "report");
   const std::string report = textOf(folder_ / "report/index.html");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(links[axis].address, "../all%20pages/" + flightPageNames()[axis]);

@@ -6,10 +6,10 @@
 #include "browser_page.hpp"
 #include "explorer_fixture.hpp"
 #include "mpc_core/mpc_problem.hpp"
-#include "offline_mpt/program_oracle.hpp"
 #include "project_root.hpp"
 #include "random_program.hpp"
 #include "synthetic_map.hpp"
+#include "verify/program_oracle.hpp"
 
 namespace polyfly {
 namespace {

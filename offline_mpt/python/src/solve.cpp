@@ -4,9 +4,9 @@
 
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
-#include "offline_mpt/vector_text.hpp"
 #include "polyfly_base/error.hpp"
 #include "robust_mpc/robust_law.hpp"
+#include "support/vector_text.hpp"
 #include "watch.hpp"
 
 namespace polyfly::python {
