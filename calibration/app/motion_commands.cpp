@@ -6,6 +6,8 @@
 
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
+#include "identification/several_motions.hpp"
+#include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "read_log.hpp"
@@ -21,28 +23,86 @@ struct MotionArguments : LogArguments {
   std::string report;
 };
 
-using Find = std::function<void(const FlightSignals&, const MotionArguments&, MotionCalibration*)>;
+// The flights: all together on one clock, and each on its own with its windows.
+struct MotionFlights {
+  FlightSignals joint;
+  std::vector<TimeWindow> windows;
+  std::vector<FlightSignals> each;
+  std::vector<std::vector<TimeWindow>> each_windows;
+
+  bool several() const { return each.size() > 1; }
+};
+
+using Find = std::function<void(const MotionFlights&, const MotionArguments&, MotionCalibration*)>;
+
+// The windows of all flights on their common clock. A flight without one is used as a whole if another has one.
+std::vector<TimeWindow> jointWindows(const MotionFlights& flights, const JoinedFlights& joined) {
+  const auto& each = flights.each_windows;
+  if (std::all_of(each.begin(), each.end(), [](const auto& windows) { return windows.empty(); })) return {};
+  std::vector<TimeWindow> all;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (const TimeWindow& window : each[i])
+      all.push_back({window.from + joined.shifts[i], window.to + joined.shifts[i]});
+    if (!each[i].empty()) continue;
+    const std::vector<TimeWindow> flown = windowsWithout({joined.spans[i]}, joined.signals.not_flight);
+    all.insert(all.end(), flown.begin(), flown.end());
+  }
+  return all;
+}
+
+MotionFlights readMotion(const MotionArguments& arguments, MotionCalibration* calibration) {
+  MotionFlights flights;
+  std::vector<ReadFlight> read = readFlights(arguments, &calibration->remarks);
+  calibration->vehicle = vehicleOf(read);
+  for (ReadFlight& flight : read) {
+    flights.each.push_back(std::move(flight.signals));
+    calibration->data.push_back(flight.provenance);
+  }
+  flights.each_windows = flightWindows(arguments.windows, flights.each.size());
+  calibration->windows = flights.each_windows;
+  if (!flights.several()) {
+    flights.joint = flights.each.front();
+    flights.windows = flights.each_windows.front();
+    return flights;
+  }
+  JoinedFlights joined = joinFlights(flights.each);
+  flights.windows = jointWindows(flights, joined);
+  flights.joint = std::move(joined.signals);
+  return flights;
+}
+
+Motion jointMotion(const MotionFlights& flights, MotionOptions options) {
+  options.windows = flights.windows;
+  return motionOf(flights.joint, options);
+}
+
+std::vector<Motion> motions(const MotionFlights& flights, MotionOptions options) {
+  std::vector<Motion> all;
+  for (std::size_t i = 0; i < flights.each.size(); ++i) {
+    options.windows = flights.each_windows[i];
+    all.push_back(motionOf(flights.each[i], options));
+  }
+  return all;
+}
 
 int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   checkResults(arguments, arguments.report);
   MotionCalibration calibration;
   calibration.kind = kind;
   calibration.limits = arguments.limits;
-  calibration.windows = arguments.motion.windows = parseWindows(arguments.windows);
   for (std::size_t i = 0; i < arguments.drag.size(); ++i) {
     arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
   }
-  const FlightSignals signals =
-      readSignals(arguments.log, arguments, &calibration.data, &calibration.remarks);
-  calibration.vehicle = recogniseVehicle(signals);
+  const MotionFlights flights = readMotion(arguments, &calibration);
   const std::vector<std::string> velocities = kind == "wind"
                                                   ? std::vector<std::string>{"vn", "ve", "airspeed"}
                                                   : std::vector<std::string>{"vx", "vy", "vz"};
   for (const std::string& name : velocities) {
     CleaningCounts ignored;
-    if (signals.has(name)) calibration.record.emplace_back(name, cleaned(signals.at(name), &ignored));
+    if (flights.joint.has(name))
+      calibration.record.emplace_back(name, cleaned(flights.joint.at(name), &ignored));
   }
-  find(signals, arguments, &calibration);
+  find(flights, arguments, &calibration);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));
   if (!arguments.output.empty()) writeFileAtomically(arguments.output, toYaml(calibration));
   if (!arguments.report.empty()) writeReport(calibration, arguments.report);
@@ -59,19 +119,52 @@ void keep(MotionFit&& fit, MotionCalibration* calibration) {
   calibration->warnings = std::move(fit.warnings);
 }
 
-void bound(const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
-  const Motion motion = motionOf(signals, arguments.motion);
+// With the values of each flight.
+void keep(SeveralFit&& fit, MotionCalibration* calibration) {
+  calibration->flights = std::move(fit.flights);
+  keep(static_cast<MotionFit&&>(fit), calibration);
+}
+
+void bound(const MotionFlights& flights, const MotionArguments& arguments, MotionCalibration* calibration) {
+  const Motion motion = jointMotion(flights, arguments.motion);
   calibration->bounds = boundDisturbance(motion, arguments.motion, arguments.limits);
   calibration->traces = disturbanceTraces(motion, arguments.motion);
   calibration->warnings = checkMotion(motion);
 }
 
-void findWind(const FlightSignals& signals, const MotionArguments& arguments,
+void findDrag(const MotionFlights& flights, const MotionArguments& arguments,
               MotionCalibration* calibration) {
-  WindFit wind = fitWind(signals, arguments.motion.windows);
+  const Motion joint = jointMotion(flights, arguments.motion);
+  if (flights.several()) {
+    keep(fitDragOf(joint, motions(flights, arguments.motion)), calibration);
+  } else {
+    keep(fitDrag(joint), calibration);
+  }
+}
+
+void findMass(const MotionFlights& flights, const MotionArguments& arguments,
+              MotionCalibration* calibration) {
+  const Motion joint = jointMotion(flights, arguments.motion);
+  if (flights.several()) {
+    keep(fitMassOf(joint, motions(flights, arguments.motion), arguments.motion), calibration);
+  } else {
+    keep(fitMass(joint, arguments.motion), calibration);
+  }
+}
+
+void findWind(const MotionFlights& flights, const MotionArguments&, MotionCalibration* calibration) {
+  if (flights.several()) throw Error("wind: takes one log: each flight has a wind of its own");
+  WindFit wind = fitWind(flights.joint, flights.windows);
   calibration->north = std::move(wind.north);
   calibration->east = std::move(wind.east);
   keep(std::move(wind), calibration);
+}
+
+void findHeading(const MotionFlights& flights, const MotionArguments& arguments,
+                 MotionCalibration* calibration) {
+  if (flights.several())
+    throw Error("heading: takes one log: attitude and motion are aligned anew for each flight");
+  keep(fitHeading(jointMotion(flights, arguments.motion)), calibration);
 }
 
 void declareMotion(CLI::App& command, MotionArguments& arguments) {
@@ -132,33 +225,19 @@ void addMotionCommands(CLI::App& app, int* result) {
       ->capture_default_str();
 
   const auto drag = std::make_shared<MotionArguments>();
-  command = add(
-      app, "drag", "Identify the drag coefficients of the multirotor.", result,
-      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
-        keep(fitDrag(motionOf(signals, arguments.motion)), calibration);
-      },
-      drag);
+  command = add(app, "drag", "Identify the drag coefficients of the multirotor.", result, findDrag, drag);
   declareMotion(*command, *drag);
   declareMass(*command, *drag);
 
   const auto mass = std::make_shared<MotionArguments>();
-  command = add(
-      app, "mass", "Identify mass and hover thrust of the multirotor.", result,
-      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
-        keep(fitMass(motionOf(signals, arguments.motion), arguments.motion), calibration);
-      },
-      mass);
+  command = add(app, "mass", "Identify mass and hover thrust of the multirotor.", result, findMass, mass);
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
 
   const auto heading = std::make_shared<MotionArguments>();
-  command = add(
-      app, "heading", "Identify the angle between the motion and the heading of the attitude.", result,
-      [](const FlightSignals& signals, const MotionArguments& arguments, MotionCalibration* calibration) {
-        keep(fitHeading(motionOf(signals, arguments.motion)), calibration);
-      },
-      heading);
+  command = add(app, "heading", "Identify the angle between the motion and the heading of the attitude.",
+                result, findHeading, heading);
   declareMotion(*command, *heading);
   declareMass(*command, *heading);
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "autopilot/autopilot_signals.hpp"
@@ -40,24 +41,30 @@ bool isBag(const std::string& path) {
 
 void declareLog(CLI::App& command, LogArguments& arguments) {
   command
-      .add_option("log", arguments.log,
-                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file.")
+      .add_option("log", arguments.logs,
+                  "Recorded flight: a bag, a PX4 log (ULog), an ArduPilot dataflash log, or a CSV file. "
+                  "Several flights of one vehicle give one model.")
       ->required()
-      ->type_name("FILE");
+      ->type_name("FILE...");
   command
       .add_option("--window", arguments.windows,
                   "Interval to use, in seconds of the log. May be repeated. The tool chooses intervals if "
-                  "none is given.")
-      ->type_name("FROM:TO");
+                  "none is given. Of several logs it holds for all, or for the one of that NUMBER (from 1).")
+      ->type_name("[NUMBER:]FROM:TO");
   command
       .add_option("--signal", arguments.signals,
                   "Place of a signal: a column, TOPIC:FIELD of a bag, or TABLE:FIELD of an autopilot log. "
+                  "time=COLUMN or time=SECONDS,NANOSECONDS names the times of a CSV. "
                   "May be repeated. The tool finds signals by name and type if not given.")
       ->type_name("SIGNAL=PLACE");
   command
       .add_option("--topic", arguments.topics,
                   "Use only topics of the bag whose names end like this. May be repeated.")
       ->type_name("ENDING");
+  command
+      .add_option("--namespace", arguments.name_space,
+                  "Namespace of the vehicle, where a bag holds several: only its topics are used.")
+      ->type_name("NAME");
   command.add_option("--recorded", arguments.recorded,
                      "Date of the flight, for the provenance of the result.");
   command.add_option("-o,--output", arguments.output, "Write the results to this file as YAML.")
@@ -90,7 +97,38 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts) {
   return windows;
 }
 
+std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string>& texts,
+                                                   std::size_t flights) {
+  std::vector<std::vector<TimeWindow>> windows(flights);
+  for (const std::string& text : texts) {
+    const std::size_t colon = text.find(':');
+    if (std::count(text.begin(), text.end(), ':') < 2) {
+      const TimeWindow window = parseWindows({text}).front();
+      for (auto& own : windows) own.push_back(window);
+      continue;
+    }
+    std::size_t number = 0;
+    if (!CLI::detail::lexical_cast(text.substr(0, colon), number) || number < 1 || number > flights) {
+      throw Error("--window " + text + ": its first number must be that of a log, 1 to " +
+                  std::to_string(flights));
+    }
+    windows[number - 1].push_back(parseWindows({text.substr(colon + 1)}).front());
+  }
+  return windows;
+}
+
 namespace {
+
+// The date where the times count from 1970. Empty otherwise.
+std::string dateOf(const FlightSignals& signals) {
+  double first = std::numeric_limits<double>::infinity();
+  for (const auto& [name, series] : signals.series) {
+    const auto found =
+        std::find_if(series.time.begin(), series.time.end(), [](double time) { return std::isfinite(time); });
+    if (found != series.time.end()) first = std::min(first, *found);
+  }
+  return countsFromEpoch(first) ? isoTime(first) : std::string();
+}
 
 FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                          std::vector<std::string>* remarks) {
@@ -104,18 +142,23 @@ FlightSignals readAnyLog(const std::string& path, const LogArguments& arguments,
   }
   if (!isBag(path)) {
     FlightSignals signals = signalsFromCsv(readCsv(path), choice);
+    for (const std::string& remark : signals.remarks) remarks->push_back(path + ": " + remark);
     *provenance = provenanceOf(path);
-    provenance->recorded = arguments.recorded;
+    provenance->recorded = arguments.recorded.empty() ? dateOf(signals) : arguments.recorded;
     return signals;
   }
   BagSignalOptions options;
   options.choice = choice;
   options.topics = arguments.topics;
+  options.name_space = arguments.name_space;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) options.progress = showReadProgress;
   if (!arguments.quiet) options.ask = promptIfTerminal();
   BagSignals bag = signalsFromBag(path, options);
   *provenance = provenanceOf(path);
-  provenance->recorded = arguments.recorded.empty() ? isoTime(bag.health.first) : arguments.recorded;
+  provenance->recorded = arguments.recorded;
+  // A simulated clock begins in 1970: that is no date.
+  if (arguments.recorded.empty() && countsFromEpoch(bag.health.first))
+    provenance->recorded = isoTime(bag.health.first);
   for (const std::string& remark : bag.health.remarks) remarks->push_back(path + ": " + remark);
   return bag.signals;
 }
@@ -141,13 +184,47 @@ FlightSignals readSignals(const std::string& path, const LogArguments& arguments
   return signals;
 }
 
+std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks) {
+  std::vector<ReadFlight> flights;
+  for (const std::string& path : arguments.logs) {
+    ReadFlight flight;
+    flight.signals = readSignals(path, arguments, &flight.provenance, remarks);
+    for (const ReadFlight& other : flights) {
+      if (other.provenance.checksum == flight.provenance.checksum)
+        throw Error(path + ": is the same flight as " + other.signals.source);
+    }
+    flights.push_back(std::move(flight));
+  }
+  return flights;
+}
+
+RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights) {
+  RecognisedVehicle common;
+  std::string first;
+  for (const ReadFlight& flight : flights) {
+    const RecognisedVehicle own = recogniseVehicle(flight.signals);
+    if (own.kind == VehicleKind::kUnknown) continue;
+    if (common.kind == VehicleKind::kUnknown) {
+      common = own;
+      first = flight.signals.source;
+    } else if (own.kind != common.kind) {
+      throw Error(flight.signals.source + ": the vehicle is a " + nameOf(own.kind) + " (" + own.reason +
+                  ") and that of " + first + " a " + nameOf(common.kind) + " (" + common.reason +
+                  "); --vehicle states the kind");
+    }
+  }
+  return common;
+}
+
 void checkResults(const LogArguments& arguments, const std::string& report, const std::string& validation) {
   std::vector<Output> outputs = {{arguments.output}};
   if (!report.empty()) {
     for (const char* name : {"/index.html", "/calibration.yaml"})
       outputs.push_back({report + name, Output::Kind::kText, Output::Folder::kIsMade});
   }
-  checkOutputs(outputs, {arguments.log, validation});
+  std::vector<std::string> inputs = arguments.logs;
+  inputs.push_back(validation);
+  checkOutputs(outputs, inputs);
 }
 
 }  // namespace polyfly

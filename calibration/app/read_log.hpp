@@ -11,10 +11,12 @@ namespace polyfly {
 
 /// Options of every command that reads flights.
 struct LogArguments {
-  std::string log;
+  /// Flights of one vehicle, at least one.
+  std::vector<std::string> logs;
   std::vector<std::string> windows;
   std::vector<std::string> signals;
   std::vector<std::string> topics;
+  std::string name_space;
   std::string recorded;
   std::string vehicle;
   std::string output;
@@ -25,6 +27,11 @@ struct LogArguments {
 
 void declareLog(CLI::App& command, LogArguments& arguments);
 
+/// The windows of each flight: FROM:TO holds for all flights, NUMBER:FROM:TO for one of them, counted from 1.
+/// Throws Error.
+std::vector<std::vector<TimeWindow>> flightWindows(const std::vector<std::string>& texts,
+                                                   std::size_t flights);
+
 /// FROM:TO in seconds. Throws Error.
 std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 
@@ -32,6 +39,18 @@ std::vector<TimeWindow> parseWindows(const std::vector<std::string>& texts);
 /// wrong with it, where its times jump, and those stretches. Throws Error.
 FlightSignals readSignals(const std::string& path, const LogArguments& arguments, Provenance* provenance,
                           std::vector<std::string>* remarks);
+
+/// A flight as it was read.
+struct ReadFlight {
+  FlightSignals signals;
+  Provenance provenance;
+};
+
+/// All flights of the arguments. Throws Error; also where a flight is named twice.
+std::vector<ReadFlight> readFlights(const LogArguments& arguments, std::vector<std::string>* remarks);
+
+/// Kind of the vehicle, as the flights that tell it agree. Throws Error where they differ.
+RecognisedVehicle vehicleOf(const std::vector<ReadFlight>& flights);
 
 /// Before the work: throws Error where the result or its report cannot be written, or would take the place of
 /// one of the logs (empty names apart).

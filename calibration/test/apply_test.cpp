@@ -85,6 +85,29 @@ TEST(ApplyCalibration, putsTheLoopOfTheAxisIntoTheModel) {
   }
 }
 
+TEST(ApplyCalibration, provenanceListsAllFlights) {
+  const std::string one = "{file: \"a.bag\", checksum: \"xxh64:1\", recorded: \"2016-01-01T00:00:00Z\"}";
+  const std::string several =
+      "\n    - " + one + "\n    - {file: \"b.bag\", checksum: \"xxh64:3\", recorded: \"\"}";
+  const std::string applied =
+      applyCalibrations(problemText(1), "problem.yaml", {file(without(kAttitude, one, several))}).problem;
+  EXPECT_NE(
+      applied.find(
+          "data: [[\"a.bag\", \"xxh64:1\", \"2016-01-01T00:00:00Z\"], [\"b.bag\", \"xxh64:3\", \"\"]],"),
+      std::string::npos)
+      << applied;
+  EXPECT_NO_THROW(parseProblem(applied, "after"));
+  const std::string odd = "\n    - " + one + "\n    - {file: \"b.bag\", pilot: me}";
+  EXPECT_NE(errorOf(problemText(1), without(kAttitude, one, odd)).find("pilot"), std::string::npos);
+  const std::string drag =
+      "polyfly_calibration: 1\nkind: drag\ndata:\n  - {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\n"
+      "  - {file: \"c.bag\", checksum: \"y\", recorded: \"\"}\nparameters:\n  drag_y: {value: 0.4, "
+      "interval_95: [0.3, 0.5], supported: true}\n";
+  EXPECT_NE(applyCalibrations(problemText(1), "p", {file(drag)})
+                .problem.find("data: [[\"b.bag\", \"x\", \"\"], [\"c.bag\", \"y\", \"\"]],"),
+            std::string::npos);
+}
+
 TEST(ApplyCalibration, twiceIsTheSameNumbersAndBothFilesAreNamed) {
   const AppliedCalibration once = applyCalibrations(problemText(1), "problem.yaml", {file(kAttitude)});
   const AppliedCalibration twice = applyCalibrations(once.problem, "problem.yaml", {file(kAttitude)});

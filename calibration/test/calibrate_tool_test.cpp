@@ -55,6 +55,26 @@ class CalibrateTool : public testing::Test {
     }
   }
 
+  // The signals of a made flight with stretches.
+  void writeStretches(const FlightSignals& signals, const std::string& name) {
+    const std::pair<const char*, const char*> columns[] = {{"roll_cmd", "roll_cmd_rad"},
+                                                           {"pitch_cmd", "pitch_cmd_rad"},
+                                                           {"roll", "roll_rad"},
+                                                           {"pitch", "pitch_rad"},
+                                                           {"yaw", "yaw_rad"},
+                                                           {"vx", "vx_mps"},
+                                                           {"vy", "vy_mps"},
+                                                           {"vz", "vz_mps"},
+                                                           {"thrust_cmd", "thrust_cmd"}};
+    std::ofstream file(folder_ / name);
+    file << "t_s";
+    for (const auto& [signal, column] : columns) file << "," << column;
+    for (std::size_t i = 0; i < signals.at("roll").time.size(); ++i) {
+      file << "\n" << signals.at("roll").time[i];
+      for (const auto& [signal, column] : columns) file << "," << signals.at(signal).value[i];
+    }
+  }
+
   int run(const std::string& arguments, const std::string& before = "") {
     const std::string line = std::string("cd ") + folder_.string() + " && " + before + CALIBRATE_PROGRAM +
                              " " + arguments + " > out.txt 2> err.txt";
@@ -187,28 +207,26 @@ TEST_F(CalibrateTool, WritesParametersWithTheirProvenance) {
   EXPECT_NE(out().find("lag and delay"), std::string::npos);
 }
 
+TEST_F(CalibrateTool, ReadsMillisecondsWithDecimalCommas) {
+  writeFlight({}, 1, "flight_ms.csv", [](double time) { return std::round(1e3 * (1.6e9 + time)); });
+  std::string text = contents(folder_ / "flight_ms.csv").replace(0, 3, "stamp");
+  std::replace(text.begin(), text.end(), ',', ';');
+  std::replace(text.begin(), text.end(), '.', ',');
+  std::ofstream(folder_ / "epoch.csv") << "\xef\xbb\xbf" << text;
+  ASSERT_EQ(run("attitude epoch.csv -o roll.yaml --report report"), 0) << err();
+  EXPECT_NE(out().find("column stamp are taken as milliseconds"), std::string::npos) << out();
+  EXPECT_NE(out().find("decimal comma"), std::string::npos) << out();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
+  EXPECT_EQ(yaml["data"]["training"]["recorded"].as<std::string>(), "2020-09-13T12:26:40Z");
+  EXPECT_NEAR(yaml["axes"]["roll"]["model"]["gain"].as<double>(), 1.0, 0.03);
+  expectPage("report", {"time since 2020-09-13T12:26:40Z [s]", "supported</span>"});
+}
+
 // What is no flight stands in text, YAML and page, for every command that reads flights.
 TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
   test::MadeStretches made;
   made.tumbles = 4.0;
-  const FlightSignals signals = test::makeStretches(made, 1).signals;
-  std::ofstream file(folder_ / "tumble.csv");
-  const std::pair<const char*, const char*> columns[] = {{"roll_cmd", "roll_cmd_rad"},
-                                                         {"pitch_cmd", "pitch_cmd_rad"},
-                                                         {"roll", "roll_rad"},
-                                                         {"pitch", "pitch_rad"},
-                                                         {"yaw", "yaw_rad"},
-                                                         {"vx", "vx_mps"},
-                                                         {"vy", "vy_mps"},
-                                                         {"vz", "vz_mps"},
-                                                         {"thrust_cmd", "thrust_cmd"}};
-  file << "t_s";
-  for (const auto& [signal, column] : columns) file << "," << column;
-  for (std::size_t i = 0; i < signals.at("roll").time.size(); ++i) {
-    file << "\n" << signals.at("roll").time[i];
-    for (const auto& [signal, column] : columns) file << "," << signals.at(signal).value[i];
-  }
-  file.close();
+  writeStretches(test::makeStretches(made, 1).signals, "tumble.csv");
   for (const std::string command : {"attitude", "disturbance --mass 1.5", "drag", "mass"}) {
     ASSERT_EQ(run(command + " tumble.csv -o out.yaml --report page"), 0) << err();
     EXPECT_NE(out().find("s: upset, not commanded (tilt up to"), std::string::npos) << command << "\n"
@@ -218,6 +236,20 @@ TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
         << command;
     fs::remove_all(folder_ / "page");
   }
+  // So in one of several flights, whose others say nothing of it.
+  made.tumbles = 0.0;
+  writeStretches(test::makeStretches(made, 2).signals, "calm.csv");
+  ASSERT_EQ(run("attitude calm.csv tumble.csv --axis pitch -o out.yaml"), 0) << err();
+  EXPECT_NE(out().find("left out: tumble.csv: "), std::string::npos) << out();
+  const YAML::Node flights = YAML::LoadFile(folder_ / "out.yaml")["axes"]["pitch"]["flights"];
+  ASSERT_EQ(flights.size(), 2u);
+  const auto upset = [](const YAML::Node& flight) {
+    return std::any_of(flight["left_out"].begin(), flight["left_out"].end(), [](const YAML::Node& one) {
+      return one["reason"].as<std::string>().find("upset") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(upset(flights[1]));
+  EXPECT_FALSE(upset(flights[0]));
   ASSERT_EQ(run("attitude tumble.csv"), 0);
   EXPECT_NE(out().find("yaw_rate is not identified: the log has no yaw_rate_cmd and no yaw_rate"),
             std::string::npos)
@@ -281,26 +313,59 @@ TEST_F(CalibrateTool, HandsOutEq45OfAFixedWing) {
 
 // A flight of every kind: what the tool writes, apply reads without an unknown key.
 TEST_F(CalibrateTool, EveryKindThatIsWrittenIsRead) {
-  std::ofstream file(folder_ / "all.csv");
-  file << "t_s,vx_mps,vy_mps,vz_mps,vn_mps,ve_mps,tas_mps,roll_rad,pitch_rad,yaw_rad,thrust_cmd\n";
-  for (int i = 0; i < 1200; ++i) {
-    const double course = 0.01 * i;
-    file << 0.05 * i << "," << 15 * std::cos(course) << "," << 15 * std::sin(course) << ",0,"
-         << 15 * std::cos(course) << "," << 15 * std::sin(course) << "," << 15 + 0.1 * (i % 3)
-         << ",0.01,0.02," << course << ",14\n";
+  for (const int flight : {0, 1, 2}) {
+    std::ofstream file(folder_ / ("all" + std::to_string(flight) + ".csv"));
+    file << "t_s,vx_mps,vy_mps,vz_mps,vn_mps,ve_mps,tas_mps,roll_rad,pitch_rad,yaw_rad,thrust_cmd\n";
+    for (int i = 0; i < 1200; ++i) {
+      const double course = 0.01 * i + 0.1 * flight;
+      file << 0.05 * i << "," << 15 * std::cos(course) << "," << 15 * std::sin(course) << ",0,"
+           << 15 * std::cos(course) << "," << 15 * std::sin(course) << "," << 15 + 0.1 * (i % 3)
+           << ",0.01,0.02," << course << "," << 14 + 0.1 * flight << "\n";
+    }
   }
-  file.close();
-  for (const std::string kind : {"drag", "mass", "wind", "disturbance"}) {
-    ASSERT_EQ(run(kind + " all.csv -o " + kind + ".yaml --quiet"), 0) << err();
-    const std::string problem = std::string(SOURCE_FOLDER) + "/region_maps/problems/multirotor_lateral.yaml";
-    run("apply " + kind + ".yaml --problem " + problem + " -o out.yaml");
-    EXPECT_NE(err().find("vehicle.kind: must be multirotor"), std::string::npos) << kind << err();
+  writeFlight({}, 2, "b.csv");
+  writeFlight({}, 3, "c.csv");
+  const std::string source = SOURCE_FOLDER;
+  for (const std::string logs : {" all0.csv", " all0.csv all1.csv all2.csv"}) {
+    for (const std::string kind : {"drag", "mass", "wind", "heading", "disturbance"}) {
+      if (logs.size() > 10 && (kind == "wind" || kind == "heading")) continue;
+      ASSERT_EQ(run(kind + logs + " -o " + kind + ".yaml --quiet"), 0) << err();
+      run("apply " + kind + ".yaml --problem " + source +
+          "/region_maps/problems/multirotor_lateral.yaml -o out.yaml");
+      EXPECT_NE(err().find("vehicle.kind: must be multirotor"), std::string::npos) << kind << logs << err();
+    }
   }
-  ASSERT_EQ(run("attitude flight.csv -o attitude.yaml --validation flight.csv --quiet"), 0) << err();
-  EXPECT_EQ(run("apply attitude.yaml --options " + std::string(SOURCE_FOLDER) +
-                "/launch/config/firefly.yaml -o o.yaml"),
-            0)
-      << err();
+  for (const std::string logs : {" flight.csv --validation flight.csv", " flight.csv b.csv c.csv"}) {
+    ASSERT_EQ(run("attitude" + logs + " -o attitude.yaml --quiet"), 0) << err();
+    EXPECT_EQ(run("apply attitude.yaml --options " + source + "/launch/config/firefly.yaml -o o.yaml"), 0)
+        << logs << err();
+  }
+  EXPECT_NE(contents(folder_ / "o.yaml").find("b.csv"), std::string::npos);
+}
+
+// The wing of the flights above, and a flight that is slow.
+TEST_F(CalibrateTool, RefusesFlightsOfTwoKindsOfVehicle) {
+  for (const double speed : {2.0, 15.0}) {
+    std::ofstream file(folder_ / (speed < 10.0 ? "slow.csv" : "fast.csv"));
+    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
+    for (int i = 0; i < 1200; ++i) {
+      const double course = 0.01 * i;
+      file << 0.05 * i << "," << speed * std::cos(course) << "," << speed * std::sin(course)
+           << ",0,0.01,0.02," << course << "\n";
+    }
+  }
+  EXPECT_EQ(run("drag slow.csv fast.csv -o drag.yaml"), 2);
+  EXPECT_NE(err().find("fast.csv: the vehicle is a fixed_wing"), std::string::npos) << err();
+  EXPECT_NE(err().find("that of slow.csv a multirotor"), std::string::npos) << err();
+  ASSERT_EQ(run("drag slow.csv fast.csv --vehicle multirotor -o drag.yaml"), 0) << err();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "drag.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
+  // A flight that does not tell leaves it to the others.
+  ASSERT_EQ(run("attitude flight.csv slow.csv -o roll.yaml"), 0) << err();
+  EXPECT_NE(out().find("slow.csv: roll is not identified: the log has no roll_cmd"), std::string::npos)
+      << out();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
+  EXPECT_EQ(run("heading slow.csv fast.csv --vehicle multirotor"), 2);
+  EXPECT_NE(err().find("heading: takes one log"), std::string::npos) << err();
 }
 
 TEST_F(CalibrateTool, WritesAReport) {
@@ -316,6 +381,91 @@ TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
   EXPECT_EQ(yaml["data"]["validation"]["file"].as<std::string>(), "other.csv");
   EXPECT_FALSE(yaml["axes"]["roll"]["validation"]["by_halves"].as<bool>());
   EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
+}
+
+TEST_F(CalibrateTool, MakesOneModelOfSeveralFlights) {
+  test::MadeLoop made;
+  made.gain = 0.9;
+  writeFlight(made, 2, "b.csv");
+  made.gain = 1.1;
+  writeFlight(made, 3, "c.csv");
+  ASSERT_EQ(run("attitude flight.csv b.csv c.csv -o loops.yaml --report report"), 0) << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "loops.yaml");
+  ASSERT_EQ(yaml["data"]["training"].size(), 3u);
+  EXPECT_EQ(yaml["data"]["training"][1]["file"].as<std::string>(), "b.csv");
+  const YAML::Node roll = yaml["axes"]["roll"];
+  EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
+  ASSERT_EQ(roll["flights"].size(), 3u);
+  EXPECT_EQ(roll["flights"][2]["file"].as<std::string>(), "c.csv");
+  EXPECT_GT(roll["flights"][0]["validation_percent"].as<double>(), 80.0);
+  EXPECT_TRUE(roll["validation"]["by_flights"].as<bool>());
+  const YAML::Node gain = roll["with_delay"]["parameters"]["gain"];
+  EXPECT_NEAR(gain["value"].as<double>(), 1.0, 0.02);
+  EXPECT_NEAR(gain["between_flights"].as<double>(), 0.1, 0.02);
+  EXPECT_NEAR(gain["interval_95"][1].as<double>() - gain["value"].as<double>(), 4.3027 * 0.1 / std::sqrt(3.0),
+              0.05);
+  EXPECT_NE(out().find("the intervals hold the spread between 3 flights"), std::string::npos) << out();
+  expectPage("report", {"flight.csv", "c.csv", "What each flight says", "by the others' model"});
+  ASSERT_EQ(run("attitude flight.csv -o roll.yaml"), 0) << err();
+  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["interval_holds_for"].as<std::string>(),
+            "this flight alone");
+}
+
+TEST_F(CalibrateTool, FindsDragAndBoundsOfSeveralFlights) {
+  for (const int flight : {1, 2}) {
+    std::ofstream file(folder_ / ("fast" + std::to_string(flight) + ".csv"));
+    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
+    const double drag = 0.2 + 0.02 * flight;
+    double velocity = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      const double time = 0.02 * i;
+      const double pitch = 0.1 * std::sin(0.5 * time);
+      file << time << "," << velocity << "," << velocity << ",0," << -pitch << "," << pitch << ",0\n";
+      velocity += 0.02 * (9.8066 * std::tan(pitch) - drag * velocity);
+    }
+  }
+  ASSERT_EQ(run("drag fast1.csv fast2.csv --window 1:0:30 --window 2:30:60 -o drag.yaml --report drag"), 0)
+      << err();
+  const YAML::Node yaml = YAML::LoadFile(folder_ / "drag.yaml");
+  ASSERT_EQ(yaml["data"].size(), 2u);
+  EXPECT_EQ(yaml["data"][1]["file"].as<std::string>(), "fast2.csv");
+  EXPECT_EQ(yaml["windows"][1][0][1].as<double>(), 60.0);
+  ASSERT_EQ(yaml["flights"].size(), 2u);
+  EXPECT_NEAR(yaml["flights"][1]["drag_x"].as<double>(), 0.24, 0.01);
+  EXPECT_NEAR(yaml["parameters"]["drag_x"]["value"].as<double>(), 0.23, 0.01);
+  EXPECT_EQ(yaml["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
+  expectPage("drag", {"What each flight says", "fast2.csv"});
+  // A flight without a window of its own is used as a whole.
+  const auto mean = [this](const std::string& windows) {
+    EXPECT_EQ(run("disturbance fast1.csv fast2.csv --drag 0.22 0.22 0 -o one.yaml" + windows), 0) << err();
+    return YAML::LoadFile(folder_ / "one.yaml")["axes"]["x"]["mean"].as<double>();
+  };
+  EXPECT_DOUBLE_EQ(mean(" --window 1:0:30"), mean(" --window 1:0:30 --window 2:-1:100"));
+  EXPECT_NE(mean(" --window 1:0:30"), mean(" --window 1:0:30 --window 2:0:10"));
+  ASSERT_EQ(run("disturbance fast1.csv fast2.csv --drag 0.22 0.22 0 -o bound.yaml"), 0) << err();
+  EXPECT_EQ(YAML::LoadFile(folder_ / "bound.yaml")["data"].size(), 2u);
+}
+
+TEST_F(CalibrateTool, TellsWhatIsWrongWithSeveralFlights) {
+  std::ofstream(folder_ / "still.csv") << "t_s,roll_cmd_rad,roll_rad\n0,0,0\n0.02,0,0\n0.04,0,0\n";
+  fs::copy_file(folder_ / "flight.csv", folder_ / "copy.csv");
+  EXPECT_EQ(run("attitude flight.csv copy.csv"), 2);
+  EXPECT_NE(err().find("copy.csv: is the same flight as flight.csv"), std::string::npos) << err();
+  EXPECT_EQ(run("wind flight.csv still.csv"), 2);
+  EXPECT_NE(err().find("takes one log"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv still.csv --window 3:1:2"), 2);
+  EXPECT_NE(err().find("must be that of a log, 1 to 2"), std::string::npos) << err();
+  EXPECT_EQ(run("attitude flight.csv still.csv -o still.csv"), 2);
+  ASSERT_EQ(run("attitude flight.csv still.csv -o roll.yaml --strict"), 1) << err();
+  EXPECT_NE(out().find("Left out: still.csv: roll: "), std::string::npos) << out();
+  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
+  // Each flight with a window of its own.
+  writeFlight({}, 2, "b.csv");
+  ASSERT_EQ(run("attitude flight.csv b.csv --window 1:2:20 --window 2:5:28 -o roll.yaml"), 0) << err();
+  const YAML::Node flights = YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["flights"];
+  EXPECT_EQ(flights[0]["windows"][0][1].as<double>(), 20.0);
+  EXPECT_EQ(flights[1]["windows"][0][0].as<double>(), 5.0);
 }
 
 TEST_F(CalibrateTool, CutsAFlightWhereItsClockWasSet) {

@@ -101,7 +101,8 @@ TEST(DisturbanceRoundTrip, FromABagToAMap) {
   options.mass = figurePlant(AslquadFigure::kHelix, 1).mass;
   polyfly::MotionCalibration calibration;
   calibration.kind = "disturbance";
-  calibration.data = polyfly::provenanceOf(folder + "helix.bag");
+  calibration.data = {polyfly::provenanceOf(folder + "helix.bag")};
+  calibration.windows.emplace_back();
   // Half a minute tells as much as twenty independent samples: enough to bound two thirds of the time,
   // and what it does not support is refused.
   calibration.limits.share = 0.65;

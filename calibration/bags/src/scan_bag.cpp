@@ -249,6 +249,12 @@ BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::st
   return Scan(&source, name, visitor).run();
 }
 
+bool countsFromEpoch(double time) {
+  constexpr double kEarliest = 1e8;     // [s]
+  constexpr double kLatest = 4.1025e9;  // [s]
+  return time > kEarliest && time < kLatest;
+}
+
 std::string isoTime(double seconds_since_1970) {
   const auto whole = static_cast<std::time_t>(seconds_since_1970);
   std::tm parts{};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <sstream>
 
 #include "identification/flight_phases.hpp"
@@ -12,19 +13,63 @@ namespace {
 
 constexpr double kGravity = 9.8066;  // [m/s^2]
 
-void writeProvenance(const char* key, const Provenance& provenance, std::ostream& out) {
-  out << "  " << key << ": {file: " << yamlString(provenance.file)
-      << ", checksum: " << yamlString(provenance.checksum)
-      << ", recorded: " << yamlString(provenance.recorded) << "}\n";
+void writeWindows(const std::vector<TimeWindow>& windows, std::ostream& out) {
+  out << "[";
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    out << (i > 0 ? ", " : "") << "[" << yamlNumber(windows[i].from) << ", " << yamlNumber(windows[i].to)
+        << "]";
+  }
+  out << "]";
 }
 
-void writeFit(const char* key, const LoopFit& fit, std::ostream& out) {
+void writeLeftOut(const std::vector<RejectedWindow>& left_out, const std::string& indent, std::ostream& out) {
+  out << indent << "left_out:" << (left_out.empty() ? " []" : "") << "\n";
+  for (const RejectedWindow& one : left_out) {
+    out << indent << "  - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
+        << ", reason: " << yamlString(one.reason) << "}\n";
+  }
+}
+
+// One flight as a map, several as a list.
+void writeProvenance(const char* key, const std::vector<Provenance>& flights, std::ostream& out) {
+  out << "  " << key << ":";
+  for (const Provenance& flight : flights)
+    out << (flights.size() > 1 ? "\n    - " : " ") << provenanceMap(flight);
+  out << "\n";
+}
+
+// What each of several flights gave, and the model of the others on it.
+void writeFlights(const AxisModel& axis, std::ostream& out) {
+  out << "    interval_holds_for: "
+      << (axis.flights.empty() ? "this flight alone" : "the vehicle, between flights") << "\n";
+  if (axis.flights.empty()) return;
+  out << "    flights:\n";
+  for (const AxisFlight& flight : axis.flights) {
+    out << "      - file: " << yamlString(std::filesystem::path(flight.source).filename().string())
+        << "\n        windows: ";
+    writeWindows(flight.windows, out);
+    out << "\n";
+    writeLeftOut(flight.left_out, "        ", out);
+    out << "        fit_percent: " << yamlNumber(flight.fit_percent)
+        << "\n        validation_percent: " << yamlNumber(flight.validation_percent)
+        << "  # of the other flights' model\n        parameters:\n";
+    for (const FittedParameter& parameter : flight.parameters) {
+      out << "          " << parameter.name << ": {value: " << yamlNumber(parameter.value)
+          << ", interval_95: [" << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest())
+          << "]}\n";
+    }
+  }
+}
+
+void writeFit(const char* key, const AxisModel& axis, const LoopFit& fit, std::ostream& out) {
   out << "    " << key << ":\n      fit_percent: " << yamlNumber(fit.fit_percent)
       << "\n      residual_rms: " << yamlNumber(fit.residual_rms) << "\n      parameters:\n";
   for (const FittedParameter& parameter : fit.parameters) {
     out << "        " << parameter.name << ": {value: " << yamlNumber(parameter.value)
         << ", standard_error: " << yamlNumber(parameter.standard_error) << ", interval_95: ["
-        << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest()) << "]}\n";
+        << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest()) << "]";
+    if (!axis.flights.empty()) out << ", between_flights: " << yamlNumber(parameter.between_flights);
+    out << "}\n";
   }
   out << "      correlation:  # of the parameters in their order\n";
   for (Eigen::Index row = 0; row < fit.correlation.rows(); ++row) {
@@ -33,20 +78,6 @@ void writeFit(const char* key, const LoopFit& fit, std::ostream& out) {
       out << (column > 0 ? ", " : "") << yamlNumber(fit.correlation(row, column));
     }
     out << "]\n";
-  }
-}
-
-void writeWindows(const AxisModel& axis, std::ostream& out) {
-  out << "    windows: [";
-  for (std::size_t i = 0; i < axis.choice.windows.size(); ++i) {
-    const TimeWindow& window = axis.choice.windows[i];
-    out << (i > 0 ? ", " : "") << "[" << yamlNumber(window.from) << ", " << yamlNumber(window.to) << "]";
-  }
-  out << "]  # [s] in the file's own time\n    left_out:" << (axis.choice.rejected.empty() ? " []" : "")
-      << "\n";
-  for (const RejectedWindow& one : axis.choice.rejected) {
-    out << "      - {from: " << yamlNumber(one.window.from) << ", to: " << yamlNumber(one.window.to)
-        << ", reason: " << yamlString(one.reason) << "}\n";
   }
 }
 
@@ -99,16 +130,23 @@ void writeAxis(const AxisModel& axis, std::ostream& out) {
   out << "    supported: " << (axis.supported ? "true" : "false")
       << "  # that of the model which problem files take\n";
   writeModels(axis, out);
-  writeWindows(axis, out);
+  writeFlights(axis, out);
+  if (axis.flights.empty()) {
+    out << "    windows: ";
+    writeWindows(axis.choice.windows, out);
+    out << "  # [s] in the file's own time\n";
+    writeLeftOut(axis.choice.rejected, "    ", out);
+  }
   out << "    samples: " << axis.with_delay.samples << "\n";
   if (axis.validation) {
     out << "    validation: {training_percent: " << yamlNumber(axis.validation->training_percent)
         << ", validation_percent: " << yamlNumber(axis.validation->validation_percent)
-        << ", by_halves: " << (axis.validation->by_halves ? "true" : "false") << "}\n";
+        << ", by_halves: " << (axis.validation->by_halves ? "true" : "false")
+        << ", by_flights: " << (axis.validation->by_flights ? "true" : "false") << "}\n";
   }
-  writeFit("with_delay", axis.with_delay, out);
-  writeFit("without_delay", axis.without_delay, out);
-  if (axis.second_order) writeFit("second_order", *axis.second_order, out);
+  writeFit("with_delay", axis, axis.with_delay, out);
+  writeFit("without_delay", axis, axis.without_delay, out);
+  if (axis.second_order) writeFit("second_order", axis, *axis.second_order, out);
   out << "    warnings:" << (axis.warnings.empty() ? " []" : "") << "\n";
   for (const std::string& sentence : axis.warnings) out << "      - " << yamlString(sentence) << "\n";
 }
@@ -118,10 +156,37 @@ std::string row(const std::string& name, const LoopFit& fit) {
   std::snprintf(head, sizeof head, "  %-22s fit %6.1f %%  ", name.c_str(), fit.fit_percent);
   std::string line = head;
   for (const FittedParameter& parameter : fit.parameters) {
-    line += "  " + parameter.name + " " + valueText(parameter.value, parameter.half_width);
+    line += "  " + parameter.name + " ";
+    if (parameter.name == "delay" && std::isnan(parameter.half_width)) {
+      // The search has ended at its least delay.
+      line += "0 s (none is seen)";
+      continue;
+    }
+    line += valueText(parameter.value, parameter.half_width);
     if (!parameter.unit.empty() && parameter.unit != "1") line += " " + parameter.unit;
   }
   return line + "\n";
+}
+
+// How far the intervals reach: between flights, or for the only flight.
+void writeSpread(const AxisModel& axis, std::ostream& out) {
+  if (axis.flights.empty()) {
+    out << "  the intervals hold for this flight alone; several flights show what changes between them\n";
+    return;
+  }
+  out << "  the intervals hold the spread between " << axis.flights.size() << " flights:\n";
+  for (const AxisFlight& flight : axis.flights) {
+    char fits[80];
+    std::snprintf(fits, sizeof fits, "  fit %.1f %%, by the model of the others %.1f %%\n",
+                  flight.fit_percent, flight.validation_percent);
+    out << "    " << flight.source << " ";
+    for (const FittedParameter& parameter : flight.parameters) {
+      if (parameter.name == "offset") continue;
+      out << " " << parameter.name << " " << valueText(parameter.value, parameter.half_width)
+          << (parameter.unit == "s" ? " s" : "");
+    }
+    out << fits;
+  }
 }
 
 // A model with its own validation, and why it is refused.
@@ -141,13 +206,23 @@ std::string controllerRow(const ControllerModel& model) {
 
 }  // namespace
 
+std::vector<std::string> leftOutClauses(const AxisModel& axis) {
+  if (axis.flights.empty()) return clausesOn(axis.choice.rejected);
+  std::vector<std::string> clauses;
+  for (const AxisFlight& flight : axis.flights) {
+    const std::string file = std::filesystem::path(flight.source).filename().string();
+    for (const std::string& clause : clausesOn(flight.left_out)) clauses.push_back(file + ": " + clause);
+  }
+  return clauses;
+}
+
 std::string toYaml(const AttitudeCalibration& calibration) {
   std::ostringstream out;
   out << "# Inner loops as identified from flight; calibration/README.md explains every key.\n"
       << "polyfly_calibration: 1\nkind: attitude\ntool_version: " << yamlString(kIdentificationVersion)
       << "\ndata:\n";
   writeProvenance("training", calibration.training, out);
-  if (calibration.validation) writeProvenance("validation", *calibration.validation, out);
+  if (calibration.validation) writeProvenance("validation", {*calibration.validation}, out);
   out << vehicleLine(calibration.vehicle);
   if (!calibration.remarks.empty()) {
     out << "remarks:\n";
@@ -175,11 +250,14 @@ std::string toText(const AttitudeCalibration& calibration) {
       std::snprintf(text, sizeof text,
                     "  validation: %.1f %% on %s, %.1f %% on what the model was made from\n",
                     axis.validation->validation_percent,
-                    axis.validation->by_halves ? "the second half" : "the other flight",
+                    axis.validation->by_flights  ? "each flight by the model of the others"
+                    : axis.validation->by_halves ? "the second half"
+                                                 : "the other flight",
                     axis.validation->training_percent);
       out << text;
     }
-    for (const std::string& clause : clausesOn(axis.choice.rejected)) out << "  left out: " << clause << "\n";
+    writeSpread(axis, out);
+    for (const std::string& clause : leftOutClauses(axis)) out << "  left out: " << clause << "\n";
     for (const std::string& sentence : axis.warnings) out << "  warning: " << sentence << "\n";
   }
   for (const std::string& sentence : calibration.failed) out << "not identified: " << sentence << "\n";

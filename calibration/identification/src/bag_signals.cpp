@@ -151,14 +151,25 @@ Choice parseChoice(const std::string& signal, const std::string& text) {
   return choice;
 }
 
+// The namespace with a slash on both sides. Empty if none is given.
+std::string prefixOf(const std::string& name_space) {
+  const std::size_t first = name_space.find_first_not_of('/');
+  if (first == std::string::npos) return {};
+  return "/" + name_space.substr(first, name_space.find_last_not_of('/') - first + 1) + "/";
+}
+
 class Collector {
  public:
-  Collector(const std::string& path, const BagSignalOptions& options) : path_(path), options_(options) {
+  Collector(const std::string& path, const BagSignalOptions& options)
+      : path_(path), options_(options), prefix_(prefixOf(options.name_space)) {
     for (const auto& [signal, text] : options.choice) {
       if (std::find(signalNames().begin(), signalNames().end(), signal) == signalNames().end()) {
         throw Error("--signal " + signal + ": is no signal");
       }
       choices_.push_back(parseChoice(signal, text));
+      // As in validate_bag: a name without a leading slash is one of the namespace.
+      std::string& topic = choices_.back().topic;
+      if (!prefix_.empty() && topic.front() != '/') topic.insert(0, prefix_);
     }
   }
 
@@ -177,6 +188,7 @@ class Collector {
       for (const std::string& remark : result.health.remarks) remarks += "; " + remark;
       throw Error(path_ + ": holds no message" + remarks);
     }
+    checkNamespace();
     for (const Choice& choice : choices_) {
       if (topics_.count(choice.topic) == 0)
         throw Error(path_ + ": no topic " + choice.topic + "; there are " + topics());
@@ -203,6 +215,23 @@ class Collector {
 
   bool isChosen(const std::string& signal) const { return options_.choice.count(signal) > 0; }
 
+  // Whether the options admit a topic as a source of signals that they do not place.
+  bool isHeard(const std::string& topic) const {
+    if (topic.compare(0, prefix_.size(), prefix_) != 0) return false;
+    return options_.topics.empty() ||
+           std::any_of(options_.topics.begin(), options_.topics.end(),
+                       [&topic](const std::string& ending) { return endsWith(topic, ending); });
+  }
+
+  // Whether the bag has a topic in the namespace.
+  void checkNamespace() const {
+    const bool any = std::any_of(topics_.begin(), topics_.end(), [this](const std::string& topic) {
+      return topic.compare(0, prefix_.size(), prefix_) == 0;
+    });
+    if (!any)
+      throw Error(path_ + ": no topic in the namespace " + options_.name_space + "; there are " + topics());
+  }
+
   bool listen(const BagConnection& connection) {
     topics_.insert(connection.topic);
     // A second publisher of a topic brings messages of the same kind.
@@ -215,12 +244,8 @@ class Collector {
     }
     constexpr int kChosen = -1;
     if (!chosen.empty()) sources.push_back(source(connection, chosen, false, kChosen));
-    const bool heard = options_.topics.empty() || std::any_of(options_.topics.begin(), options_.topics.end(),
-                                                              [&](const std::string& ending) {
-                                                                return endsWith(connection.topic, ending);
-                                                              });
     for (const KnownType& known : knownTypes()) {
-      if (!heard || !isKnown(known, connection)) continue;
+      if (!isHeard(connection.topic) || !isKnown(known, connection)) continue;
       std::vector<FieldUse> uses;
       for (const FieldUse& use : known.uses) {
         if (!isChosen(use.signal)) uses.push_back(use);
@@ -345,13 +370,16 @@ class Collector {
     std::optional<std::size_t> answer;
     if (options_.ask) answer = options_.ask(question + ". Which?", {one, other});
     if (!answer) {
-      throw Error(question + ": choose with --topic, or with --signal " + signal + "=TOPIC:FIELD");
+      throw Error(question + ": choose with --namespace, with --topic, or with --signal " + signal +
+                  "=TOPIC:FIELD");
     }
     return answers_[pair] = *answer == 0 ? one : other;
   }
 
   std::string path_;
   const BagSignalOptions& options_;
+  // Beginning of the topics in the namespace, with slashes on both sides. Empty: all.
+  std::string prefix_;
   mutable std::map<std::pair<std::string, std::string>, std::string> answers_;
   std::vector<Choice> choices_;
   std::set<std::string> topics_;

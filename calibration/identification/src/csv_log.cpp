@@ -40,15 +40,33 @@ char separatorOf(const std::string& header) {
 }
 
 // A number, or NaN; `bad` counts what is neither a number nor empty.
-double valueOf(std::string_view text, std::size_t* bad) {
+double valueOf(std::string_view text, CsvLog* log) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   if (text.empty()) return kNan;
   if (text.front() == '+') text.remove_prefix(1);
+  std::string number(text);
+  // Only where another character separates the fields can a comma get here.
+  const std::size_t comma = number.find(',');
+  if (comma != std::string::npos) number[comma] = '.';
   double value = kNan;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure == std::errc() && end == text.data() + text.size()) return value;
-  ++*bad;
+  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (failure == std::errc() && end == number.data() + number.size()) {
+    log->decimal_comma = log->decimal_comma || comma != std::string::npos;
+    return value;
+  }
+  ++log->unreadable;
   return kNan;
+}
+
+// Passes the byte order mark that some programs write.
+void passMark(std::istream& file, const std::string& path) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  std::string start(kMark.size(), '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  file.clear();
+  const std::string_view pair = std::string_view(start).substr(0, 2);
+  if (pair == "\xff\xfe" || pair == "\xfe\xff") throw Error(path + ": is UTF-16; save it as UTF-8");
+  if (start != kMark) file.seekg(0);
 }
 
 bool nextLine(std::istream& file, std::string* line, const std::string& path) {
@@ -74,6 +92,7 @@ CsvLog readCsv(const std::string& path) {
   if (!std::filesystem::is_regular_file(path, failure)) throw Error(path + ": no such file");
   std::ifstream file(path);
   if (!file) throw Error(path + ": cannot be read");
+  passMark(file, path);
   std::string line;
   if (!nextLine(file, &line, path)) throw Error(path + ": is empty");
   CsvLog log;
@@ -88,13 +107,14 @@ CsvLog readCsv(const std::string& path) {
     const std::vector<std::string_view> row = fields(line, separator);
     if (row.size() > log.names.size()) {
       throw Error(path + ": row " + std::to_string(number) + ": has " + std::to_string(row.size()) +
-                  " fields, the header names " + std::to_string(log.names.size()));
+                  " fields, the header names " + std::to_string(log.names.size()) +
+                  (separator == ',' ? "; with decimal commas, separate the fields by semicolons" : ""));
     }
     if (row.size() < log.names.size()) {
       ++log.cut_rows;
       continue;
     }
-    for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(valueOf(row[i], &log.unreadable));
+    for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(valueOf(row[i], &log));
     ++log.rows;
   }
   for (std::size_t i = 0; i < log.names.size(); ++i) {

@@ -14,6 +14,8 @@ constexpr double kShares[] = {0.0, 0.005, 0.025, 0.25, 0.5, 0.75, 0.975, 0.995, 
 constexpr Eigen::Index kParts = 4;
 // Number of standard errors by which means may differ.
 constexpr double kSignificant = 3.0;
+// Acceleration that no wind gives a vehicle that flies on [m/s^2].
+constexpr double kAbsurdBound = 9.8066;
 // Factor by which deviations may differ.
 constexpr double kRestless = 2.0;
 
@@ -120,7 +122,14 @@ std::vector<DisturbanceBound> boundDisturbance(const Motion& motion, const Motio
                           "confidence of %.2g only. Fly longer.",
                           bound.independent_samples, bound.confidence));
     }
-    bound.supported = sound && bound.confidence >= limits.confidence;
+    const bool absurd = std::max(-bound.least, bound.greatest) > kAbsurdBound;
+    if (absurd) {
+      bound.warnings.push_back(disturbanceText(
+          "The bounds of %.3g and %.3g m/s^2 reach beyond gravity: an upset, an impact or a wrong "
+          "unit is in the data, no disturbance of a flight.",
+          bound.least, bound.greatest));
+    }
+    bound.supported = sound && !absurd && bound.confidence >= limits.confidence;
     checkStationarity(residual, &bound);
     bounds.push_back(bound);
   }

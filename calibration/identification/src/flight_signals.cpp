@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "csv_times.hpp"
 #include "interpolate.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -80,11 +81,26 @@ double unitOf(const std::string& column) {
 
 bool isCommand(const std::string& signal) { return signal.find("_cmd") != std::string::npos; }
 
-// Commands with times of their own are logged as they came; held onto other rows they repeat.
-TimeSeries seriesOf(const CsvLog& log, const std::string& signal, const std::string& column, double sign) {
-  const bool own_time = isCommand(signal) && log.has("cmd_t_s");
-  const std::vector<double>& times = log.column(own_time ? "cmd_t_s" : "t_s");
-  const std::vector<double>& values = log.column(column);
+// The columns of a table with their times. Commands with times of their own are logged as they came; held onto
+// other rows they repeat.
+class CsvColumns {
+ public:
+  CsvColumns(const CsvLog& log, const std::map<std::string, std::string>& choice)
+      : log_(log), times_(timesOf(log, choice)), command_times_(commandTimesOf(log, choice)) {}
+
+  TimeSeries series(const std::string& signal, const std::string& column, double sign) const;
+  std::vector<std::string> remarks() const;
+
+ private:
+  const CsvLog& log_;
+  CsvTimes times_;
+  CsvTimes command_times_;
+};
+
+TimeSeries CsvColumns::series(const std::string& signal, const std::string& column, double sign) const {
+  const bool own_time = isCommand(signal) && !command_times_.seconds.empty();
+  const std::vector<double>& times = (own_time ? command_times_ : times_).seconds;
+  const std::vector<double>& values = log_.column(column);
   TimeSeries series;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (own_time && !series.time.empty() && times[i] == series.time.back()) continue;
@@ -92,6 +108,19 @@ TimeSeries seriesOf(const CsvLog& log, const std::string& signal, const std::str
     series.value.push_back(sign * unitOf(column) * values[i]);
   }
   return series;
+}
+
+std::vector<std::string> CsvColumns::remarks() const {
+  std::vector<std::string> remarks;
+  for (const CsvTimes* times : {&times_, &command_times_}) {
+    if (!times->remark.empty()) remarks.push_back(times->remark);
+  }
+  if (log_.decimal_comma) remarks.emplace_back("its numbers have a decimal comma");
+  if (log_.unreadable > 0)
+    remarks.push_back(std::to_string(log_.unreadable) + " fields are neither a number nor empty");
+  if (log_.cut_rows > 0)
+    remarks.push_back(std::to_string(log_.cut_rows) + " rows have too few fields and were left out");
+  return remarks;
 }
 
 std::string findColumn(const CsvLog& log, const Pattern& pattern) {
@@ -178,12 +207,14 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals) {
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice) {
   FlightSignals signals;
   signals.source = log.path;
+  const CsvColumns columns(log, choice);
+  signals.remarks = columns.remarks();
   signals.places = log.names;
-  log.column("t_s");
   for (const auto& [signal, column] : choice) {
+    if (signal == "time" || signal == "cmd_time") continue;
     const auto& names = signalNames();
     if (std::find(names.begin(), names.end(), signal) == names.end()) {
-      std::string known;
+      std::string known = "time, cmd_time";
       for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
       throw Error("--signal " + signal + ": is none of " + known);
     }
@@ -194,14 +225,14 @@ FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std:
     const std::size_t from = turned ? 1 : 0;
     const std::string name = column.substr(from, column.size() - from - (degrees ? ending.size() : 0));
     const double factor = (turned ? -1.0 : 1.0) * (degrees ? kRadiansPerDegree / unitOf(name) : 1.0);
-    signals.series[signal] = seriesOf(log, signal, name, factor);
+    signals.series[signal] = columns.series(signal, name, factor);
     signals.origin[signal] = column;
   }
   for (const Pattern& pattern : patterns()) {
     if (signals.has(pattern.signal)) continue;
     const std::string column = findColumn(log, pattern);
     if (column.empty()) continue;
-    signals.series[pattern.signal] = seriesOf(log, pattern.signal, column, pattern.sign);
+    signals.series[pattern.signal] = columns.series(pattern.signal, column, pattern.sign);
     signals.origin[pattern.signal] = column;
   }
   return signals;

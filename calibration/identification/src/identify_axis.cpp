@@ -139,14 +139,6 @@ void fitAll(const FitOptions& options, bool second_order, AxisModel* model) {
     model->controller_models.push_back({kModels[i].key, kModels[i].title, std::move(fits[i]), {}, {}});
 }
 
-// Whether controllers may be given the models.
-void judgeModels(const FitOptions& bounds, AxisModel* model) {
-  for (ControllerModel& one : model->controller_models)
-    one.reasons = reasonsAgainst(one, model->axis, bounds);
-  const ControllerModel* handed_out = model->findModel("model_without_delay");
-  model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
-}
-
 double blockLength(const std::vector<LoopSegment>& segments) {
   double longest = 0.0;
   for (const LoopSegment& segment : segments) longest = std::max(longest, segment.duration());
@@ -172,6 +164,13 @@ const ControllerModel* AxisModel::findModel(const std::string& key) const {
     if (one.key == key) return &one;
   }
   return nullptr;
+}
+
+void judgeModels(const FitOptions& bounds, AxisModel* model) {
+  for (ControllerModel& one : model->controller_models)
+    one.reasons = reasonsAgainst(one, model->axis, bounds);
+  const ControllerModel* handed_out = model->findModel("model_without_delay");
+  model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
 }
 
 AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {

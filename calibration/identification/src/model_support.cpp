@@ -65,7 +65,12 @@ void addIntervalReasons(const ControllerModel& model, std::vector<std::string>* 
       continue;
     }
     const double allowed = one.name == "gain" ? kVagueModelGain : kVagueModelNumber;
-    if (!(one.standard_error <= allowed * one.value)) {
+    if (one.standard_error <= allowed * one.value) continue;
+    if (one.between_flights > allowed * one.value) {
+      reasons->push_back(
+          reason("The flights differ in %s: the standard error of %.2g is above %.0f %% of %.3g.",
+                 one.name.c_str(), one.standard_error, 100.0 * allowed, one.value));
+    } else {
       reasons->push_back(
           reason("Too little excitation for %s: the standard error of %.2g is above %.0f %% of "
                  "%.3g.",

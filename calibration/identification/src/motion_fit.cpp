@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "identification/motion.hpp"
+#include "motion_judgement.hpp"
 #include "polyfly_base/error.hpp"
 #include "regression.hpp"
 
@@ -126,6 +127,16 @@ void fitRotorDrag(const Motion& motion, bool sound, MotionFit* result) {
 
 }  // namespace
 
+void judgeDrag(FittedParameter& drag, std::vector<std::string>* warnings) { checkDrag(drag, warnings); }
+
+void judgeMass(std::vector<FittedParameter>* parameters, std::vector<std::string>* warnings) {
+  const FittedParameter& first = parameters->front();
+  if (first.half_width <= kVagueShare * std::abs(first.value) && first.least() > 0.0) return;
+  for (FittedParameter& parameter : *parameters) parameter.supported = false;
+  warnings->push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
+                               first.value, first.half_width));
+}
+
 std::vector<std::string> checkMotion(const Motion& motion) {
   std::vector<std::string> warnings;
   const double speed = std::sqrt(motion.velocity.rowwise().squaredNorm().mean());
@@ -238,13 +249,8 @@ MotionFit fitMass(const Motion& motion, const MotionOptions& options) {
     result.parameters = {parameterOf("mass", "kg", found, 0),
                          parameterOf("hover_thrust", unit, found, 0, options.gravity)};
   }
-  const FittedParameter& first = result.parameters.front();
-  const bool bounded = first.half_width <= kVagueShare * std::abs(first.value) && first.least() > 0.0;
-  for (FittedParameter& parameter : result.parameters) parameter.supported = sound && bounded;
-  if (!bounded) {
-    result.warnings.push_back(sentence("%s is not bounded by these data: %.2g +- %.2g.", first.name.c_str(),
-                                       first.value, first.half_width));
-  }
+  for (FittedParameter& parameter : result.parameters) parameter.supported = sound;
+  judgeMass(&result.parameters, &result.warnings);
   MotionTrace trace =
       traceOf(motion, "vertical part of the thrust command", unit, motion.lift, load * found.coefficients[0]);
   trace.against = "vertical acceleration with gravity and drag [m/s^2]";

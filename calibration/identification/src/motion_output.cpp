@@ -14,6 +14,15 @@ void writeSentences(const char* key, const char* indent, const std::vector<std::
   for (const std::string& sentence : sentences) out << indent << "  - " << yamlString(sentence) << "\n";
 }
 
+void writeWindowList(const std::vector<TimeWindow>& windows, std::ostream& out) {
+  out << "[";
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    out << (i > 0 ? ", " : "") << "[" << yamlNumber(windows[i].from) << ", " << yamlNumber(windows[i].to)
+        << "]";
+  }
+  out << "]";
+}
+
 void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   out << "share: " << yamlNumber(calibration.limits.share)
       << "  # of the time within the bounds\nconfidence: " << yamlNumber(calibration.limits.confidence)
@@ -43,17 +52,18 @@ void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
 
 std::string toYaml(const MotionCalibration& calibration) {
   std::ostringstream out;
-  const Provenance& data = calibration.data;
   out << "polyfly_calibration: 1\nkind: " << calibration.kind
-      << "\ntool_version: " << yamlString(kIdentificationVersion)
-      << "\ndata: {file: " << yamlString(data.file) << ", checksum: " << yamlString(data.checksum)
-      << ", recorded: " << yamlString(data.recorded) << "}\n"
-      << vehicleLine(calibration.vehicle) << "windows: [";
-  for (std::size_t i = 0; i < calibration.windows.size(); ++i) {
-    const TimeWindow& window = calibration.windows[i];
-    out << (i > 0 ? ", " : "") << "[" << yamlNumber(window.from) << ", " << yamlNumber(window.to) << "]";
+      << "\ntool_version: " << yamlString(kIdentificationVersion) << "\ndata:";
+  const bool several = calibration.data.size() > 1;
+  for (const Provenance& flight : calibration.data)
+    out << (several ? "\n  - " : " ") << provenanceMap(flight);
+  out << "\n" << vehicleLine(calibration.vehicle) << "windows:";
+  for (const std::vector<TimeWindow>& windows : calibration.windows) {
+    out << (several ? "\n  - " : " ");
+    writeWindowList(windows, out);
+    out << "  # [s] in the file's own time; empty: all of it";
   }
-  out << "]  # [s] in the file's own time; empty: all of it\n";
+  out << "\ninterval_holds_for: " << (several ? "the vehicle, between flights" : "this flight alone") << "\n";
   writeSentences("remarks", "", calibration.remarks, out);
   if (!calibration.bounds.empty()) writeBounds(calibration, out);
   if (!calibration.parameters.empty()) out << "parameters:\n";
@@ -62,7 +72,16 @@ std::string toYaml(const MotionCalibration& calibration) {
         << ", unit: " << yamlString(parameter.unit)
         << ", standard_error: " << yamlNumber(parameter.standard_error) << ", interval_95: ["
         << yamlNumber(parameter.least()) << ", " << yamlNumber(parameter.greatest())
-        << "], supported: " << (parameter.supported ? "true" : "false") << "}\n";
+        << "], supported: " << (parameter.supported ? "true" : "false");
+    if (several) out << ", between_flights: " << yamlNumber(parameter.between_flights);
+    out << "}\n";
+  }
+  if (!calibration.flights.empty()) out << "flights:  # values of each flight\n";
+  for (std::size_t i = 0; i < calibration.flights.size(); ++i) {
+    out << "  - {file: " << yamlString(calibration.data[i].file);
+    for (const FittedParameter& parameter : calibration.flights[i])
+      out << ", " << parameter.name << ": " << yamlNumber(parameter.value);
+    out << "}\n";
   }
   writeSentences("warnings", "", calibration.warnings, out);
   return out.str();
@@ -87,6 +106,10 @@ std::string toText(const MotionCalibration& calibration) {
                   parameter.unit == "1" ? "" : parameter.unit.c_str());
     out << text;
   }
+  out << (calibration.data.size() > 1 ? "the numbers hold the spread between "
+                                      : "the numbers hold for this flight alone");
+  if (calibration.data.size() > 1) out << calibration.data.size() << " flights";
+  out << "\n";
   for (const std::string& sentence : calibration.warnings) out << "warning: " << sentence << "\n";
   return out.str();
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "identification/provenance.hpp"
+
 namespace polyfly {
 
 std::string yamlNumber(double value) {
@@ -11,6 +13,11 @@ std::string yamlNumber(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
+}
+
+std::string provenanceMap(const Provenance& provenance) {
+  return "{file: " + yamlString(provenance.file) + ", checksum: " + yamlString(provenance.checksum) +
+         ", recorded: " + yamlString(provenance.recorded) + "}";
 }
 
 std::string vehicleLine(const RecognisedVehicle& vehicle) {

@@ -215,6 +215,25 @@ TEST_F(BagSignalsTest, AsksWhichOfTwoVehicles) {
   EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("roll"), "/two/odometry");
 }
 
+TEST_F(BagSignalsTest, UsesTheTopicsOfOneNamespace) {
+  writeFlight({"/alpha", "/bravo"});
+  for (const std::string name : {"bravo", "/bravo", "/bravo/"}) {
+    BagSignalOptions options;
+    options.name_space = name;
+    const BagSignals bag = signalsFromBag(path_, options);
+    EXPECT_EQ(bag.signals.origin.at("roll_cmd"), "/bravo/command/roll_pitch_yawrate_thrust");
+    EXPECT_EQ(bag.signals.origin.at("roll"), "/bravo/odometry");
+  }
+  // The beginning of a name is no namespace, and a chosen topic without a slash is one of the namespace.
+  BagSignalOptions options;
+  options.name_space = "brav";
+  EXPECT_NE(errorOf(options).find("no topic in the namespace brav; there are /alpha/"), std::string::npos);
+  options.name_space = "bravo";
+  options.choice = {{"yaw_rate", "odometry:twist.twist.angular.z"}};
+  EXPECT_EQ(signalsFromBag(path_, options).signals.origin.at("yaw_rate"), "/bravo/odometry");
+  EXPECT_NE(errorOf({}).find("choose with --namespace"), std::string::npos) << errorOf({});
+}
+
 TEST_F(BagSignalsTest, CountsMessagesInTwoTopicsOnce) {
   same_ = true;
   writeFlight({"", "/relay"});
@@ -243,7 +262,7 @@ TEST_F(BagSignalsTest, AsksOnceWhereSomebodyAnswers) {
   options.ask = [](const std::string&, const std::vector<std::string>&) {
     return std::optional<std::size_t>();
   };
-  EXPECT_NE(errorOf(options).find("choose with --topic"), std::string::npos);
+  EXPECT_NE(errorOf(options).find("choose with --namespace, with --topic"), std::string::npos);
 }
 
 // As mavros and motion capture record a flight.

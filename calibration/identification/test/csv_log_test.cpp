@@ -84,6 +84,71 @@ TEST_F(CsvFile, FindsSignalsAndTurnsDegrees) {
   EXPECT_THROW(signalsFromCsv(log, {{"pitch", "nonsense"}}), Error);
 }
 
+TEST_F(CsvFile, PassesAByteOrderMark) {
+  EXPECT_EQ(read("\xef\xbb\xbft_s,a\n1,2\n").names.front(), "t_s");
+  EXPECT_EQ(read("t_s,a\n1,2\n").names.front(), "t_s");
+  EXPECT_EQ(read("a\n1\n").names.front(), "a");
+  EXPECT_NE(errorOf(std::string("\xff\xfet\0_\0", 6)).find(": is UTF-16; save it as UTF-8"),
+            std::string::npos);
+}
+
+TEST_F(CsvFile, ReadsDecimalCommasBetweenOtherSeparators) {
+  const CsvLog log = read("t_s;roll_rad\n0,02;-1,5e-3\n0,04;2\n");
+  EXPECT_TRUE(log.decimal_comma);
+  EXPECT_DOUBLE_EQ(log.column("t_s")[0], 0.02);
+  EXPECT_DOUBLE_EQ(log.column("roll_rad")[0], -1.5e-3);
+  EXPECT_EQ(signalsFromCsv(log, {}).remarks, (std::vector<std::string>{"its numbers have a decimal comma"}));
+  // More than one comma is no number.
+  EXPECT_EQ(read("t_s;roll_rad\n0,02;1,234,5\n").unreadable, 1u);
+  EXPECT_FALSE(read("t_s;roll_rad\n0.02;1\n").decimal_comma);
+  EXPECT_NE(errorOf("t_s,roll_rad\n0,02,1,5\n").find("decimal commas"), std::string::npos);
+}
+
+TEST_F(CsvFile, BindsTheColumnOfTimes) {
+  const CsvLog log =
+      read("Stamp,secs,nsecs,roll_rad\n1000,7,250000000,1\n1020,7,270000000,2\n1040,7,290000000,3\n");
+  const FlightSignals milli = signalsFromCsv(log, {{"time", "Stamp"}});
+  EXPECT_DOUBLE_EQ(milli.at("roll").time[1], 1.02);
+  EXPECT_EQ(
+      milli.remarks,
+      (std::vector<std::string>{"the times of column Stamp are taken as milliseconds: 20 between rows"}));
+  const FlightSignals pair = signalsFromCsv(log, {{"time", "secs,nsecs"}});
+  EXPECT_NEAR(pair.at("roll").time[1], 7.27, 1e-12);
+  EXPECT_TRUE(pair.remarks.empty());
+  EXPECT_THROW(signalsFromCsv(log, {{"time", "secs,none"}}), Error);
+  EXPECT_THROW(signalsFromCsv(log, {{"time", "none"}}), Error);
+  try {
+    signalsFromCsv(log, {});
+    FAIL() << "no column of times was needed";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--signal time=COLUMN"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(CsvFile, FindsTimesByNameAndUnit) {
+  for (const auto& [name, units] : std::vector<std::pair<std::string, double>>{{"t_ms", 1e3},
+                                                                               {"time_us", 1e6},
+                                                                               {"timestamp_ns", 1e9},
+                                                                               {"time", 1e3},
+                                                                               {"timestamp", 1e6},
+                                                                               {"stamp", 1e9}}) {
+    std::string text = name + ",roll_rad\n";
+    for (int i = 0; i < 5; ++i) text += std::to_string(std::llround(units * (1000.0 + 0.02 * i))) + ",1\n";
+    const FlightSignals signals = signalsFromCsv(read(text), {});
+    EXPECT_NEAR(signals.at("roll").time[0], 1000.0, 1e-6) << name;
+    EXPECT_NEAR(signals.at("roll").time[1], 1000.02, 1e-6) << name;
+    EXPECT_EQ(signals.remarks.empty(), name.find('_') != std::string::npos) << name;
+  }
+  EXPECT_DOUBLE_EQ(signalsFromCsv(read("t,roll_rad\n5,1\n5.1,1\n"), {}).at("roll").time[1], 5.1);
+}
+
+TEST_F(CsvFile, BindsTheTimesOfCommands) {
+  const CsvLog log = read("t_s,sent_ms,roll_cmd_rad,roll_rad\n0,5,1,0\n0.02,25,2,0\n");
+  const FlightSignals signals = signalsFromCsv(log, {{"cmd_time", "sent_ms"}});
+  EXPECT_EQ(signals.at("roll_cmd").time, (std::vector<double>{0.005, 0.025}));
+  EXPECT_EQ(signals.at("roll").time, (std::vector<double>{0.0, 0.02}));
+}
+
 // xxh64 of the empty input and of "a", from the specification's reference programs.
 TEST_F(CsvFile, ChecksumIsThatOfTheBytes) {
   std::ofstream(path_, std::ios::binary) << "";

@@ -64,6 +64,38 @@ State advance(const MadeLoop& loop, const Amplitudes& amplitudes, const State& s
                kStep);
 }
 
+// Gain, lag and delay as they drift: each an Ornstein-Uhlenbeck process about its value.
+class DriftingLoop {
+ public:
+  DriftingLoop(const MadeLoop& loop, std::uint32_t seed) : mean_(loop), now_(loop), random_(seed) {
+    for (double& deviation : deviations_) deviation = loop.drift * normal_(random_);
+    apply();
+  }
+
+  const MadeLoop& now() const { return now_; }
+
+  void step() {
+    if (mean_.drift <= 0.0) return;
+    const double share = kStep / mean_.drift_memory;
+    for (double& deviation : deviations_)
+      deviation += -deviation * share + mean_.drift * std::sqrt(2.0 * share) * normal_(random_);
+    apply();
+  }
+
+ private:
+  void apply() {
+    now_.gain = mean_.gain * (1.0 + deviations_[0]);
+    now_.tau = mean_.tau * (1.0 + deviations_[1]);
+    now_.delay = mean_.delay * (1.0 + deviations_[2]);
+  }
+
+  MadeLoop mean_;
+  MadeLoop now_;
+  std::array<double, 3> deviations_{};
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+};
+
 }  // namespace
 
 LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
@@ -83,6 +115,7 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
     record.command.value.push_back(loop.quantum > 0.0 ? loop.quantum * std::round(command / loop.quantum)
                                                       : command);
   }
+  DriftingLoop drifting(loop, seed + 1);
   State state;
   double drift = 0.0;
   double next = 0.0;
@@ -93,11 +126,25 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
       record.response.value.push_back(state.value + loop.offset + loop.noise * normal(random) + drift);
       next = (++sample + uniform(random)) / loop.response_rate;
     }
-    state = advance(loop, amplitudes, state, time);
+    state = advance(drifting.now(), amplitudes, state, time);
+    drifting.step();
     drift +=
         -drift * kStep / kMemory + loop.coloured_noise * std::sqrt(2.0 * kStep / kMemory) * normal(random);
   }
   return record;
+}
+
+std::vector<LoopRecord> makeFlights(const MadeLoop& vehicle, double spread, int count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<LoopRecord> flights;
+  for (int i = 0; i < count; ++i) {
+    MadeLoop flown = vehicle;
+    for (double* one : {&flown.gain, &flown.tau, &flown.delay}) *one *= 1.0 + spread * normal(random);
+    flights.push_back(makeFlight(flown, random()));
+    flights.back().source = "flight " + std::to_string(i + 1);
+  }
+  return flights;
 }
 
 }  // namespace polyfly::test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "identification/loop_record.hpp"
 #include "identification/loop_response.hpp"
@@ -25,6 +26,10 @@ struct MadeLoop {
   double coloured_noise = 0.0;
   /// Quantum of the logged command. The loop gets the exact command.
   double quantum = 0.0;
+  /// Standard deviation of gain, lag and delay over the flight, relative to their values. They drift slowly.
+  double drift = 0.0;
+  /// Correlation time of this drift [s].
+  double drift_memory = 20.0;
   double duration = 30.0;  ///< [s]
   /// Rate of the response, with jittered times [Hz].
   double response_rate = 50.0;
@@ -34,5 +39,9 @@ struct MadeLoop {
 /// A flight of concatenated 2-1-1 manoeuvres of several amplitudes and both signs. Integrated by Runge-Kutta
 /// in small steps, so it shares nothing with the response of the library.
 LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed);
+
+/// Several flights of one vehicle whose gain, lag and delay differ from flight to flight by `spread` (standard
+/// deviation, relative to those of `vehicle`).
+std::vector<LoopRecord> makeFlights(const MadeLoop& vehicle, double spread, int count, std::uint32_t seed);
 
 }  // namespace polyfly::test

@@ -17,6 +17,11 @@ constexpr const char* kModelColors[] = {palette::kBlue, palette::kVermilion, pal
                                         palette::kPurple};
 constexpr double kLeastCoherence = 0.1;  // below, a measured point is noise and is not drawn
 
+// First time of the record, from which figures of a record since 1970 count [s].
+double startOf(const AxisModel& axis) {
+  return figureStart(std::min(axis.record.response.time.front(), axis.record.command.time.front()));
+}
+
 // Curves of all segments with a gap between them.
 Series ofSegments(const std::vector<LoopSegment>& segments, const std::string& label,
                   const std::string& color) {
@@ -46,10 +51,14 @@ Series ofPrediction(const std::vector<LoopSegment>& segments,
 
 ReportFigure selectionFigure(const AxisModel& axis) {
   ReportFigure result;
+  const double start = startOf(axis);
   result.heading = axis.axis + ": what was used";
   result.caption =
       "The whole record; shaded yellow: used; shaded red: left out, for the reasons listed above.";
+  if (!axis.flights.empty()) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", withUnit(axis.axis, axis.unit));
+  for (std::size_t i = 0; i < axis.flights.size(); ++i)
+    panel.marks.push_back({axis.flights[i].begins, "flight " + std::to_string(i + 1), palette::kGrey});
   for (const TimeWindow& window : axis.choice.windows) panel.bands.push_back({window.from, window.to});
   for (const RejectedWindow& rejected : axis.choice.rejected) {
     panel.bands.push_back({rejected.window.from, rejected.window.to, kRejectedColor});
@@ -59,7 +68,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   response.y = axis.record.response.value;
   response.label = "measured";
   response.color = kMeasuredColor;
-  panel.series = {thinned(response, kCurvePoints)};
+  panel.series = {thinned(withGaps(response), kCurvePoints)};
   if (axis.command_unit == axis.unit) {
     Series command;
     command.x = axis.record.command.time;
@@ -67,7 +76,7 @@ ReportFigure selectionFigure(const AxisModel& axis) {
     command.label = "command";
     command.color = palette::kVermilion;
     command.style = Style::kSteps;
-    panel.series.push_back(thinned(command, kCurvePoints));
+    panel.series.push_back(thinned(withGaps(command), kCurvePoints));
   }
   Panel activity = timePanel("", "activity [" + axis.command_unit + "]");
   Series curve;
@@ -75,11 +84,12 @@ ReportFigure selectionFigure(const AxisModel& axis) {
   curve.y = axis.choice.activity.value;
   curve.label = "deviation of the command over 2 s";
   if (!curve.x.empty()) {
-    activity.series = {thinned(curve, kCurvePoints)};
+    activity.series = {thinned(withGaps(curve), kCurvePoints)};
     activity.bounds = {{axis.choice.threshold, "threshold"}};
   }
   std::vector<Panel> panels = {panel};
   if (!activity.series.empty()) panels.push_back(activity);
+  countFrom(start, &panels);
   result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
@@ -104,7 +114,11 @@ ReportFigure comparisonFigure(
     panel.series.push_back(thinned(model, 2 * kCurvePoints));
     residuals.series.push_back(thinned(residual, 2 * kCurvePoints));
   }
-  result.figure = pageFigure({panel, residuals}, row_height::kPaired);
+  std::vector<Panel> panels = {panel, residuals};
+  // Another flight has a clock of its own.
+  const bool own = segments.empty() || segments.front().time.front() >= axis.record.response.time.front();
+  countFrom(own ? startOf(axis) : figureStart(segments.front().time.front()), &panels);
+  result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
 
@@ -184,7 +198,8 @@ std::vector<ReportFigure> identificationFigures(const AxisModel& axis) {
   if (axis.validation) {
     figures.push_back(comparisonFigure(
         axis.axis + ": validation",
-        axis.validation->by_halves
+        axis.validation->by_flights ? "Each flight with the models of the others, which have not seen it."
+        : axis.validation->by_halves
             ? "The models of the first half of the data on the second half, which they have not seen."
             : "The models on " + axis.validation->source + ", which they have not seen.",
         axis, axis.validation->segments, validated));

@@ -1,9 +1,10 @@
 #include "validation/identification_report.hpp"
 
+#include <filesystem>
 #include <sstream>
 
-#include "identification/flight_phases.hpp"
 #include "report_page.hpp"
+#include "report_parts.hpp"
 
 namespace polyfly {
 namespace {
@@ -22,13 +23,41 @@ std::vector<std::string> sentencesOf(const AttitudeCalibration& calibration) {
 void writeFit(const std::string& name, const LoopFit& fit, std::ostream& out) {
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const FittedParameter& parameter = fit.parameters[i];
-    out << "<tr><td>" << (i == 0 ? name : "") << "</td><td>"
+    out << (isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>") << (i == 0 ? name : "") << "</td><td>"
         << (i == 0 ? number(fit.fit_percent, 4) + " %" : "") << "</td><td>" << escaped(parameter.name)
         << "</td><td>" << number(parameter.value, 4) << " "
         << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
-        << number(parameter.standard_error, 2) << "</td><td>" << number(parameter.least(), 4) << " .. "
-        << number(parameter.greatest(), 4) << "</td></tr>\n";
+        << number(parameter.standard_error, 2) << "</td><td>" << intervalText(parameter) << "</td></tr>\n";
   }
+}
+
+// What each of several flights says, and how the model of the others does on it.
+void writeFlights(const AxisModel& axis, std::ostream& out) {
+  if (axis.flights.empty()) {
+    out << "<p>The intervals hold for this flight alone. Several flights in one run show what changes "
+           "between them.</p>";
+    return;
+  }
+  out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
+      << axis.flights.size() << " flights"
+      << (axis.flights.size() == 2 ? "; two say little of it, so they are wide" : "")
+      << ".</p><div class='scroll'><table class='numbers'><tr><th>flight</th><th>fit</th><th>by the others' "
+         "model</th>";
+  for (const FittedParameter& parameter : axis.with_delay.parameters)
+    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
+  out << "</tr>\n";
+  for (const AxisFlight& flight : axis.flights) {
+    out << "<tr><td>" << escaped(std::filesystem::path(flight.source).filename().string()) << "</td><td>"
+        << number(flight.fit_percent, 3) << " %</td><td>" << number(flight.validation_percent, 3)
+        << " %</td>";
+    for (const FittedParameter& parameter : flight.parameters)
+      out << "<td>" << valueWithin(parameter) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "<tr><td>spread between flights</td><td></td><td></td>";
+  for (const FittedParameter& parameter : axis.with_delay.parameters)
+    out << "<td>" << number(parameter.between_flights, 2) << "</td>";
+  out << "</tr></table></div>\n";
 }
 
 // What controllers can be given, each with its own evaluation.
@@ -63,16 +92,23 @@ void writeAdvice(const AxisModel& axis, std::ostream& out) {
 }
 
 void writeTable(const AxisModel& axis, std::ostream& out) {
-  out << "<section><h2>" << escaped(axis.axis) << ": parameters</h2><p>" << axis.with_delay.samples
-      << " samples in " << axis.segments.size() << (axis.segments.size() == 1 ? " stretch" : " stretches");
+  out << "<section><h2>" << escaped(axis.axis) << ": parameters" << supportMark(axis.supported) << "</h2><p>"
+      << axis.with_delay.samples << " samples in " << axis.segments.size()
+      << (axis.segments.size() == 1 ? " stretch" : " stretches");
   if (axis.validation) {
-    out << "; on " << (axis.validation->by_halves ? "the second half" : "the other flight") << " the model "
-        << (axis.validation->by_halves ? "of the first half " : "") << "reaches "
-        << number(axis.validation->validation_percent, 4) << " %, on its own data "
+    out << "; on "
+        << (axis.validation->by_flights  ? "each flight"
+            : axis.validation->by_halves ? "the second half"
+                                         : "the other flight")
+        << " the model "
+        << (axis.validation->by_flights  ? "of the others "
+            : axis.validation->by_halves ? "of the first half "
+                                         : "")
+        << "reaches " << number(axis.validation->validation_percent, 4) << " %, on its own data "
         << number(axis.validation->training_percent, 4) << " %";
   }
   out << ".</p>";
-  const std::vector<std::string> clauses = clausesOn(axis.choice.rejected);
+  const std::vector<std::string> clauses = leftOutClauses(axis);
   if (!clauses.empty()) out << "<p>Left out:</p><ul>";
   for (const std::string& clause : clauses) out << "<li>" << escaped(clause) << "</li>";
   if (!clauses.empty()) out << "</ul>\n";
@@ -83,7 +119,9 @@ void writeTable(const AxisModel& axis, std::ostream& out) {
          "error</th><th>95 % interval</th></tr>\n";
   writeFit("lag alone", axis.without_delay, out);
   for (const ControllerModel& model : axis.controller_models) writeFit(model.title, model.fit, out);
-  out << "</table></div></section>\n";
+  out << "</table></div>\n";
+  writeFlights(axis, out);
+  out << "</section>\n";
 }
 
 }  // namespace

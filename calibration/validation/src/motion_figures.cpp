@@ -43,8 +43,8 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
   ReportFigure result;
   result.heading = "What was used";
   result.caption =
-      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from. Times "
-      "in the log's own seconds.";
+      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
+  if (calibration.data.size() > 1) result.caption += " One flight after the other, with pauses between.";
   Panel panel = timePanel("", "velocity [m/s]");
   const MotionTrace& trace = calibration.traces.front();
   for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
@@ -57,9 +57,11 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
     series.y = calibration.record[i].second.value;
     series.label = calibration.record[i].first;
     series.color = kAxisColors[i % 3];
-    panel.series.push_back(thinned(series, kCurvePoints));
+    panel.series.push_back(thinned(withGaps(series), kCurvePoints));
   }
-  result.figure = pageFigure({panel}, row_height::kAlone);
+  std::vector<Panel> panels = {panel};
+  if (!trace.time.empty()) countFrom(figureStart(trace.time.front()), &panels);
+  result.figure = pageFigure(std::move(panels), row_height::kAlone);
   return result;
 }
 
@@ -78,7 +80,9 @@ ReportFigure timeFigure(const MotionTrace& trace, const DisturbanceBound* bound)
   Panel left = timePanel("", withUnit("measured − modelled", trace.unit));
   left.series = {curve(trace, residualOf(trace), "", palette::kBlue)};
   if (bound != nullptr) left.bounds = {{bound->least, "bound"}, {bound->greatest, "bound"}};
-  result.figure = pageFigure({panel, left}, row_height::kPaired);
+  std::vector<Panel> panels = {panel, left};
+  if (!trace.time.empty()) countFrom(figureStart(trace.time.front()), &panels);
+  result.figure = pageFigure(std::move(panels), row_height::kPaired);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "report_page.hpp"
+#include "report_parts.hpp"
 
 namespace polyfly {
 namespace {
@@ -16,39 +17,73 @@ std::vector<std::string> sentencesOf(const MotionCalibration& calibration) {
   return sentences;
 }
 
+// What each of several flights says.
+void writeFlights(const MotionCalibration& calibration, std::ostream& out) {
+  if (calibration.flights.empty()) {
+    out << "<p>The intervals hold for this flight alone.</p>";
+    return;
+  }
+  out << "<h3>What each flight says</h3><p>The intervals above hold the spread between "
+      << calibration.flights.size()
+      << " flights.</p><div class='scroll'><table class='numbers'><tr><th>flight</th>";
+  for (const FittedParameter& parameter : calibration.parameters)
+    out << "<th>" << escaped(withUnit(parameter.name, parameter.unit)) << "</th>";
+  out << "</tr>\n";
+  for (std::size_t i = 0; i < calibration.flights.size(); ++i) {
+    out << "<tr><td>" << escaped(calibration.data[i].file) << "</td>";
+    for (const FittedParameter& parameter : calibration.flights[i])
+      out << "<td>" << valueWithin(parameter) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div>";
+}
+
 void writeParameters(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>" << escaped(calibration.kind)
       << ": parameters</h2><div class='scroll'><table><tr><th>parameter</th><th>value</th><th>standard "
-         "error</th><th>95 % interval</th></tr>\n";
+         "error</th><th>95 % interval</th><th>supported</th></tr>\n";
   for (const FittedParameter& parameter : calibration.parameters) {
-    out << "<tr><td>" << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
+    out << (parameter.supported && isBounded(parameter) ? "<tr><td>" : "<tr class='bad'><td>")
+        << escaped(parameter.name) << "</td><td>" << number(parameter.value, 4) << " "
         << escaped(parameter.unit == "1" ? "" : parameter.unit) << "</td><td>"
-        << number(parameter.standard_error, 2) << "</td><td>" << number(parameter.least(), 4) << " .. "
-        << number(parameter.greatest(), 4) << "</td></tr>\n";
+        << number(parameter.standard_error, 2) << "</td><td>" << intervalText(parameter) << "</td><td>"
+        << (parameter.supported ? "yes" : "no") << "</td></tr>\n";
   }
-  out << "</table></div></section>\n";
+  out << "</table></div>";
+  writeFlights(calibration, out);
+  out << "</section>\n";
+}
+
+// How much of the time the disturbance lies below a value.
+void writeQuantiles(const MotionCalibration& calibration, std::ostream& out) {
+  out << "<h3>Quantiles</h3><div class='scroll'><table><tr><th>axis</th>";
+  for (const auto& [share, value] : calibration.bounds.front().quantiles)
+    out << "<th>" << number(100.0 * share) << " %</th>";
+  out << "</tr>\n";
+  for (const DisturbanceBound& bound : calibration.bounds) {
+    out << "<tr><td>" << escaped(bound.axis) << "</td>";
+    for (const auto& [share, value] : bound.quantiles) out << "<td>" << number(value) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div>";
 }
 
 void writeBounds(const MotionCalibration& calibration, std::ostream& out) {
   out << "<section><h2>disturbance: bounds</h2><p>" << number(100.0 * calibration.limits.share, 4)
       << " % of the time within, asked for with a confidence of " << number(calibration.limits.confidence)
-      << "; all in m/s². Quantiles are those of this flight.</p><div "
+      << "; all in m/s².</p><div "
          "class='scroll'><table><tr><th>axis</th><th>bound</th><th>confidence "
-         "reached</th><th>independent samples</th><th>mean</th><th>deviation</th>";
-  if (!calibration.bounds.empty()) {
-    for (const auto& [share, value] : calibration.bounds.front().quantiles)
-      out << "<th>" << number(100.0 * share) << " %</th>";
-  }
-  out << "</tr>\n";
+         "reached</th><th>independent samples</th><th>mean</th><th>deviation</th><th>supported</th></tr>\n";
   for (const DisturbanceBound& bound : calibration.bounds) {
-    out << (bound.confidence < calibration.limits.confidence ? "<tr class='bad'>" : "<tr>") << "<td>"
-        << escaped(bound.axis) << "</td><td>" << number(bound.least) << " .. " << number(bound.greatest)
-        << "</td><td>" << number(bound.confidence) << "</td><td>" << number(bound.independent_samples, 4)
-        << "</td><td>" << number(bound.mean) << "</td><td>" << number(bound.deviation) << "</td>";
-    for (const auto& [share, value] : bound.quantiles) out << "<td>" << number(value) << "</td>";
-    out << "</tr>\n";
+    out << (bound.supported ? "<tr>" : "<tr class='bad'>") << "<td>" << escaped(bound.axis) << "</td><td>"
+        << number(bound.least) << " .. " << number(bound.greatest) << "</td><td>" << number(bound.confidence)
+        << "</td><td>" << number(bound.independent_samples, 4) << "</td><td>" << number(bound.mean)
+        << "</td><td>" << number(bound.deviation) << "</td><td>" << (bound.supported ? "yes" : "no")
+        << "</td></tr>\n";
   }
-  out << "</table></div></section>\n";
+  out << "</table></div>";
+  writeQuantiles(calibration, out);
+  out << "</section>\n";
 }
 
 }  // namespace

@@ -45,6 +45,8 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: right; padding: 5px 10px; border-bottom: 1px solid var(--line); }
 th { font-weight: 600; color: var(--soft); }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
+.numbers td:not(:first-child) { white-space: nowrap; }
+.numbers td:first-child { overflow-wrap: anywhere; }
 tr.bad td { color: var(--bad); font-weight: 600; }
 .use { display: grid; grid-template-columns: 150px 90px 1fr 90px 130px; gap: 4px 12px; align-items: center; font-size: 14px;
        font-variant-numeric: tabular-nums; }
@@ -57,16 +59,23 @@ tr.bad td { color: var(--bad); font-weight: 600; }
 .track i { position: absolute; top: 0; bottom: 0; background: var(--blue); min-width: 2px; }
 .track i.bad { background: #d55e00; }
 .scroll { overflow-x: auto; }
+.mark { display: inline-block; padding: 1px 9px; border-radius: 9px; font-size: 13px; font-weight: 600; vertical-align: 2px; }
+.mark.good { background: #e0f2ec; color: var(--good); }
+.mark.bad { background: #fbe6da; color: var(--bad); }
+h3 { margin: 14px 0 2px; font-size: 16px; }
 )css";
 
-void writeCalibrationHead(const Provenance& data, const std::vector<std::string>& sentences,
+void writeCalibrationHead(const std::vector<Provenance>& flights, const std::vector<std::string>& sentences,
                           std::ostream& out) {
   out << "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
          "<meta name='viewport' content='width=device-width, initial-scale=1'><title>Calibration "
          "report</title><style>"
-      << kReportStyle << "</style></head><body><main>\n<h1>Calibration report</h1>\n<p class='source'>"
-      << escaped(data.file) << " · " << escaped(data.checksum);
-  if (!data.recorded.empty()) out << " · " << escaped(data.recorded);
+      << kReportStyle << "</style></head><body><main>\n<h1>Calibration report</h1>\n<p class='source'>";
+  for (const Provenance& flight : flights) {
+    if (&flight != &flights.front()) out << "<br>";
+    out << escaped(flight.file) << " · " << escaped(flight.checksum);
+    if (!flight.recorded.empty()) out << " · " << escaped(flight.recorded);
+  }
   out << "</p>\n";
   if (sentences.empty()) {
     out << "<div class='verdict good'>The data support these numbers</div>\n";
@@ -96,6 +105,38 @@ std::string number(double value, int digits) {
   if (decimals > 0) result.erase(result.find_last_not_of('0') + 1);
   if (result.back() == '.') result.pop_back();
   return result;
+}
+
+namespace {
+
+// The search has ended at the least delay: the data show none.
+bool isLeastDelay(const FittedParameter& parameter) {
+  return parameter.name == "delay" && std::isnan(parameter.half_width);
+}
+
+}  // namespace
+
+bool isBounded(const FittedParameter& parameter) {
+  if (isLeastDelay(parameter)) return true;
+  // Half width from which on the data say nothing, for any quantity here.
+  constexpr double kNoInterval = 1e4;
+  return std::abs(parameter.half_width) < kNoInterval;
+}
+
+std::string intervalText(const FittedParameter& parameter) {
+  if (isLeastDelay(parameter)) return "at its least: none is seen";
+  if (!isBounded(parameter)) return "not bounded by the data";
+  return number(parameter.least(), 4) + " .. " + number(parameter.greatest(), 4);
+}
+
+std::string valueWithin(const FittedParameter& parameter) {
+  if (isLeastDelay(parameter) || !isBounded(parameter)) return number(parameter.value);
+  return number(parameter.value) + " ± " + number(parameter.half_width, 2);
+}
+
+std::string supportMark(bool supported) {
+  return supported ? " <span class='mark good'>supported</span>"
+                   : " <span class='mark bad'>not supported</span>";
 }
 
 // Names of files and topics come from outside: a page is UTF-8 whatever they are.

@@ -56,6 +56,20 @@ constexpr int kView = 420;
 constexpr int kSquare = 620;
 }  // namespace row_height
 
+/// The curve with a gap where neighbouring samples are more than `gap` apart [s].
+Series withGaps(Series series, double gap);
+
+/// The curve with a gap wherever samples are missing: where they are farther apart than kGapPeriods of the
+/// typical period, at least 0.2 s.
+Series withGaps(const Series& series);
+
+/// Start from which a figure counts its times: that of the record where times count from 1970, which no axis
+/// can show. Otherwise 0 [s].
+double figureStart(double first);
+
+/// Lets panels over time count from `start`, which their axis names as a date. Does nothing if it is 0.
+void countFrom(double start, std::vector<Panel>* panels);
+
 /// A panel over time, empty.
 Panel timePanel(const std::string& title, const std::string& y_label);
 

@@ -29,8 +29,10 @@ std::string origin(const YamlField& file, const std::string& path, const std::st
   std::string remark = name + " of " + path;
   if (file.has("data")) {
     const YamlField data = file.at("data");
-    if (data.has("file")) remark += ", from " + data.at("file").text();
-    if (data.has("checksum")) remark += " " + data.at("checksum").text();
+    for (const YamlField& flight : data.isList() ? data.items() : std::vector<YamlField>{data}) {
+      if (flight.has("file")) remark += ", from " + flight.at("file").text();
+      if (flight.has("checksum")) remark += " " + flight.at("checksum").text();
+    }
   }
   for (const char* key : {"share", "confidence"}) {
     if (file.has(key)) remark += std::string(", ") + key + " " + file.at(key).text();

@@ -66,6 +66,14 @@ TEST_F(CitedRanges, LeaveATextThatNeedsNoOtherFileAndSaysWhereTheyAreFrom) {
             std::string::npos);
 }
 
+TEST_F(CitedRanges, NameAllFlights) {
+  write("data/bounds.yaml",
+        "kind: disturbance\ndata:\n  - {file: one.bag, checksum: x1}\n  - {file: two.bag, checksum: x2}\n"
+        "disturbances:\n  - {name: d_y, unit: m/s^2, range: [-0.35, 0.4]}\n");
+  EXPECT_NE(load("{from: data/bounds.yaml, name: d_y}").text.find("from one.bag x1, from two.bag x2"),
+            std::string::npos);
+}
+
 TEST_F(CitedRanges, SeveralChannelsEachHaveTheirOwn) {
   MadeRobust made;
   made.torque = true;

@@ -34,6 +34,25 @@ bool hasMember(const YamlField& field, const std::vector<std::string>& place, st
   return field.has(place[depth]) && hasMember(field.at(place[depth]), place, depth + 1);
 }
 
+// Empty if there is no such text: `recorded` is "" where the log has no date.
+std::string textAt(const YamlField& flight, const char* key) {
+  try {
+    return flight.has(key) ? flight.at(key).text() : "";
+  } catch (const Error&) {
+    return "";
+  }
+}
+
+// File, checksum and date of a flight, as a list; of several flights a list of such lists.
+std::string flightEntries(const std::vector<YamlField>& flights) {
+  std::string text;
+  for (const YamlField& flight : flights) {
+    text += (text.empty() ? "[" : ", [") + yamlString(textAt(flight, "file")) + ", " +
+            yamlString(textAt(flight, "checksum")) + ", " + yamlString(textAt(flight, "recorded")) + "]";
+  }
+  return flights.size() > 1 ? "[" + text + "]" : text;
+}
+
 }  // namespace
 
 CalibrationDocument::CalibrationDocument(const CalibrationFile& file)
@@ -113,18 +132,10 @@ std::vector<std::pair<std::string, std::pair<double, double>>> CalibrationDocume
   return bounds;
 }
 
-YamlField CalibrationDocument::data() const {
+std::vector<YamlField> CalibrationDocument::flights() const {
   const YamlField data = root_.at("data");
-  return data.has("training") ? data.at("training") : data;
-}
-
-std::string CalibrationDocument::dataText(const char* key) const {
-  const YamlField flight = data();
-  try {
-    return flight.has(key) ? flight.at(key).text() : "";
-  } catch (const Error&) {
-    return "";  // recorded: "" where the log has no date
-  }
+  const YamlField flights = data.isList() || !data.has("training") ? data : data.at("training");
+  return flights.isList() ? flights.items() : std::vector<YamlField>{flights};
 }
 
 std::string CalibrationDocument::provenanceEntry(const std::vector<std::string>& fields) const {
@@ -132,8 +143,7 @@ std::string CalibrationDocument::provenanceEntry(const std::vector<std::string>&
                      ", checksum: " + yamlString(file_.provenance.checksum) + ", kind: " + kind_ +
                      ",\n     tool_version: " +
                      yamlString(root_.has("tool_version") ? root_.at("tool_version").text() : "") +
-                     ", data: [" + yamlString(dataText("file")) + ", " + yamlString(dataText("checksum")) +
-                     ", " + yamlString(dataText("recorded")) + "],\n     fields: [";
+                     ", data: " + flightEntries(flights()) + ",\n     fields: [";
   for (std::size_t index = 0; index < fields.size(); ++index)
     text += (index > 0 ? ", " : "") + yamlString(fields[index]);
   return text + "]}\n";
@@ -142,8 +152,11 @@ std::string CalibrationDocument::provenanceEntry(const std::vector<std::string>&
 std::string CalibrationDocument::provenanceText(const std::vector<std::string>& fields) const {
   std::string text;
   for (const std::string& field : fields) text += (text.empty() ? "" : ", ") + field;
-  return text + " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of " +
-         dataText("file") + " (" + dataText("checksum") + ")";
+  text += " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of ";
+  const std::vector<YamlField> all = flights();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    text += (i > 0 ? ", " : "") + textAt(all[i], "file") + " (" + textAt(all[i], "checksum") + ")";
+  return text;
 }
 
 }  // namespace polyfly

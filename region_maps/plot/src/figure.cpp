@@ -68,7 +68,7 @@ class ScriptWriter {
 
   std::string write() {
     const int rows = rowCount();
-    out_ << "set encoding utf8\nset datafile missing 'NaN'\n";
+    out_ << "set encoding utf8\n";
     for (const Panel& panel : figure_.panels) {
       writeData(panel);
     }
@@ -122,7 +122,7 @@ class ScriptWriter {
   }
 
   void writePanel(const Panel& panel) {
-    out_ << "reset\nset encoding utf8\nset datafile missing 'NaN'\n"
+    out_ << "reset\nset encoding utf8\n"
          << "set border 3 lc rgb '#8a929c' lw 1\nset tics nomirror out scale 0.5 textcolor rgb '#22272e'\n"
          << "set grid back lc rgb '#dfe3e8' lw 0.7 dt solid\nset samples 2\n"
          << "set lmargin 11\nset tmargin " << (panel.subtitle.empty() ? 2.6 : 3.8) << "\nset rmargin "

@@ -24,21 +24,24 @@ ImageFormat formatOf(const std::string& path) {
   throw Error(path + ": ending: a picture is named .svg or .png");
 }
 
-// Appends every extreme of series[from, to) in order of x: first, least, greatest, last.
+// Appends every extreme of series[from, to) in order of x: first, least, greatest, last; and every gap with the
+// samples on both its sides, so that the curve ends where its data end.
 void appendExtremes(const Series& series, std::size_t from, std::size_t to, Series* out) {
   std::size_t least = from;
   std::size_t greatest = from;
-  std::size_t gap = to;
+  std::vector<std::size_t> kept = {from, to - 1};
   for (std::size_t index = from; index < to; ++index) {
     if (std::isnan(series.y[index])) {
-      gap = index;
+      if (index > from) kept.push_back(index - 1);
+      kept.push_back(index);
+      if (index + 1 < to) kept.push_back(index + 1);
       continue;
     }
     if (!(series.y[index] >= series.y[least])) least = index;
     if (!(series.y[index] <= series.y[greatest])) greatest = index;
   }
-  std::vector<std::size_t> kept = {from, least, greatest, to - 1};
-  if (gap != to) kept.push_back(gap);
+  kept.push_back(least);
+  kept.push_back(greatest);
   std::sort(kept.begin(), kept.end());
   kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
   for (const std::size_t index : kept) {

@@ -37,6 +37,19 @@ Figure smallFigure() {
   return figure;
 }
 
+// Straight pieces that a line of this colour is drawn from.
+long piecesOf(Series series) {
+  series.color = "#123456";
+  Figure figure;
+  figure.panels.emplace_back();
+  figure.panels.back().series = {series};
+  const std::string svg = renderFigure(figure, ImageFormat::kSvg);
+  const std::size_t from = svg.find("stroke='rgb( 18,  52,  86)'");
+  EXPECT_NE(from, std::string::npos);
+  const std::string path = svg.substr(from, svg.find("/>", from) - from);
+  return std::count(path.begin(), path.end(), 'L');
+}
+
 // Sets an environment variable for the life of the object.
 class Environment {
  public:
@@ -62,6 +75,15 @@ TEST(RenderFigure, svgHoldsTitleLabelsAndLegendAsText) {
   for (const char* text : {"<svg", "Speed", "time [s]", "v_x [m/s]", "speed", "bound", "here", "</svg>"}) {
     EXPECT_NE(svg.find(text), std::string::npos) << text;
   }
+}
+
+TEST(RenderFigure, nanInterruptsALine) {
+  Series line;
+  line.x = {0.0, 1.0, 2.0, 3.0, 4.0};
+  line.y = {0.0, 1.0, 1.5, 1.0, 2.0};
+  EXPECT_EQ(piecesOf(line), 4);
+  line.y[2] = kNaN;
+  EXPECT_EQ(piecesOf(line), 2);
 }
 
 TEST(RenderFigure, isTheSameEveryTime) {
@@ -182,6 +204,12 @@ TEST(Thinned, keepsPeaksAndGaps) {
   EXPECT_EQ(std::count(few.y.begin(), few.y.end(), -50.0), 1);
   EXPECT_EQ(std::count_if(few.y.begin(), few.y.end(), [](double y) { return std::isnan(y); }), 1);
   EXPECT_EQ(thinned(few, 1000).x, few.x);
+  // Both samples beside a gap stay, so that the curve ends there.
+  for (const double beside : {99.0, 101.0})
+    EXPECT_EQ(std::count(few.x.begin(), few.x.end(), beside), 1) << beside;
+  series.y[105] = kNaN;
+  const Series gaps = thinned(series, 400);
+  EXPECT_EQ(std::count_if(gaps.y.begin(), gaps.y.end(), [](double y) { return std::isnan(y); }), 2);
 }
 
 }  // namespace

@@ -99,4 +99,7 @@ BagHealth scanBagBytes(const std::uint8_t* data, std::size_t size, const std::st
 /// Time of a bag's first message as date and time of day (UTC, ISO 8601).
 std::string isoTime(double seconds_since_1970);
 
+/// Whether a time counts from 1970 rather than from a start of its own: it lies between 1973 and 2100 [s].
+bool countsFromEpoch(double time);
+
 }  // namespace polyfly

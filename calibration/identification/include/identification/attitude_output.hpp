@@ -12,7 +12,8 @@ namespace polyfly {
 
 /// What one run of `calibrate attitude` found.
 struct AttitudeCalibration {
-  Provenance training;
+  /// The flights, one or several of one vehicle.
+  std::vector<Provenance> training;
   std::optional<Provenance> validation;
   RecognisedVehicle vehicle;
   std::vector<AxisModel> axes;
@@ -25,5 +26,8 @@ std::string toYaml(const AttitudeCalibration& calibration);
 
 /// The numbers for people, with the warnings.
 std::string toText(const AttitudeCalibration& calibration);
+
+/// What was left out of the axis, a clause for each reason; of several flights with the file.
+std::vector<std::string> leftOutClauses(const AxisModel& axis);
 
 }  // namespace polyfly

@@ -14,6 +14,7 @@ namespace polyfly {
 /// Which topics of a bag to listen to.
 struct BagSignalOptions {
   std::vector<std::string> topics;  ///< only these, and only names that end in one of them; all if empty
+  std::string name_space;           ///< only topics in it, if not empty; with or without slashes around it
   /// Signal to `topic:path.of.a.number`, or `topic:path.of.a.quaternion.roll` (or pitch, yaw).
   /// `:deg` after a number makes radians of degrees.
   std::map<std::string, std::string> choice;

@@ -39,6 +39,8 @@ struct FlightSignals {
   std::map<std::string, std::string> origin;
   /// True: thrust_cmd is known to be a share of full thrust.
   bool thrust_is_share = false;
+  /// Sentences on how the file was read.
+  std::vector<std::string> remarks;
   /// Stretches in which the vehicle does not fly, see findNonFlight. A reader leaves them empty.
   std::vector<RejectedWindow> not_flight;
   /// Columns, topics or tables of the file, whatever they hold.
@@ -59,8 +61,9 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals);
 
 /// Finds the signals among the columns by their names (`roll_cmd_rad`, `wz_radps`, `vd_mps` ...; FORMAT in
 /// README.md). `choice` names the column of a signal outright, with the unit in its name; a minus before it
-/// turns the sign, `:deg` after it makes radians of degrees whatever the name says. Throws Error when a chosen column is not there, a name is not one of the above, or there
-/// is no column of times (`t_s`).
+/// turns the sign, `:deg` after it makes radians of degrees whatever the name says. It binds times as `time`
+/// (`COLUMN`, or `SECONDS,NANOSECONDS`), and those of the commands as `cmd_time`. Throws Error when a chosen
+/// column is not there, a name is not one of the above, or there is no column of times.
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
 /// Whether the signal only serves to check others.

@@ -41,6 +41,23 @@ struct IdentifyOptions {
   bool second_order = false;
 };
 
+/// What one of several flights says of an axis.
+struct AxisFlight {
+  std::string source;
+  /// Where its record begins on the clock of all flights [s].
+  double begins = 0.0;
+  /// Windows that were used, in the flight's own time [s].
+  std::vector<TimeWindow> windows;
+  /// What was not used, in the flight's own time.
+  std::vector<RejectedWindow> left_out;
+  /// Parameters of the flight's own model with delay.
+  std::vector<FittedParameter> parameters;
+  /// Fit of the flight's own model [%].
+  double fit_percent = 0.0;
+  /// Fit of the other flights' model on this flight [%].
+  double validation_percent = 0.0;
+};
+
 struct AxisModel {
   std::string axis;
   std::string unit;
@@ -51,6 +68,8 @@ struct AxisModel {
   ExcitationChoice choice;
   LoopRecord record;
   std::vector<LoopSegment> segments;
+  /// The flights, if there are several. Empty: the intervals hold for the only flight.
+  std::vector<AxisFlight> flights;
   /// First-order model of Eq. 37 with a delay.
   LoopFit with_delay;
   /// First-order model of Eq. 37 without a delay.

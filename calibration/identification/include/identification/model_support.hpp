@@ -15,6 +15,8 @@ struct AxisValidationFit {
   double validation_percent = 0.0;
   /// True: the model of the first half of the data is validated on the second half.
   bool by_halves = false;
+  /// True: each of several flights is validated with the model of the others.
+  bool by_flights = false;
   std::vector<LoopSegment> segments;
   /// Predicted response of each segment.
   std::vector<std::vector<double>> prediction;

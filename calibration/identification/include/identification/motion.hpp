@@ -88,7 +88,7 @@ struct DisturbanceBound {
   std::vector<std::pair<double, double>> quantiles;
   /// Warnings as sentences.
   std::vector<std::string> warnings;
-  /// True: the confidence is reached, and checkMotion finds the motion sound.
+  /// True: the confidence is reached, checkMotion finds the motion sound, and no bound exceeds gravity.
   bool supported = true;
 };
 

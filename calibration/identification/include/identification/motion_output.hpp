@@ -13,15 +13,18 @@ namespace polyfly {
 /// others.
 struct MotionCalibration {
   std::string kind;
-  Provenance data;
+  /// The flights, one or several of one vehicle.
+  std::vector<Provenance> data;
   RecognisedVehicle vehicle;
   /// Sentences on what was wrong with the file.
   std::vector<std::string> remarks;
-  /// Windows that were used. Empty: the whole record.
-  std::vector<TimeWindow> windows;
+  /// Windows that were used, one list for each flight. Empty: the whole record.
+  std::vector<std::vector<TimeWindow>> windows;
   BoundOptions limits;
   std::vector<DisturbanceBound> bounds;
   std::vector<FittedParameter> parameters;
+  /// Parameters of each flight, if there are several.
+  std::vector<std::vector<FittedParameter>> flights;
   /// Warnings as sentences.
   std::vector<std::string> warnings;
 

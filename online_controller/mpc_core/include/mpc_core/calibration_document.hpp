@@ -59,8 +59,8 @@ class CalibrationDocument {
   std::string provenanceText(const std::vector<std::string>& fields) const;
 
  private:
-  YamlField data() const;
-  std::string dataText(const char* key) const;
+  // The flights that the numbers are from.
+  std::vector<YamlField> flights() const;
 
   CalibrationFile file_;
   YamlField root_;
