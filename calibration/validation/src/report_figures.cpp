@@ -18,20 +18,40 @@ constexpr const char* kReferenceColor = "#b9c1c9";
 // Line width [px]. It is wider than the flown curve, so that both are seen.
 constexpr double kReferenceWidth = 5.0;
 
+// Positions by their times.
+struct PathOverTime {
+  Series x;
+  Series y;
+
+  void add(double time, const Eigen::Vector3d& position) {
+    x.x.push_back(time);
+    x.y.push_back(position.x());
+    y.x.push_back(time);
+    y.y.push_back(position.y());
+  }
+
+  // y against x, with gaps where samples are missing.
+  Series seenFromAbove() const {
+    Series path;
+    path.x = withGaps(x).y;
+    path.y = withGaps(y).y;
+    return path;
+  }
+};
+
 Panel topView(const ReportContent& content) {
   Panel panel;
   panel.x_label = "x [m]";
   panel.y_label = "y [m]";
   panel.equal_axes = true;
-  Series flown;
-  Series reference;
+  PathOverTime flown_path;
+  PathOverTime reference_path;
   for (const ReplaySample& sample : content.samples) {
-    flown.x.push_back(sample.state.position.x());
-    flown.y.push_back(sample.state.position.y());
-    if (!sample.has_reference) continue;
-    reference.x.push_back(sample.reference.position.x());
-    reference.y.push_back(sample.reference.position.y());
+    flown_path.add(sample.state.stamp, sample.state.position);
+    if (sample.has_reference) reference_path.add(sample.state.stamp, sample.reference.position);
   }
+  Series flown = flown_path.seenFromAbove();
+  Series reference = reference_path.seenFromAbove();
   reference.label = "reference";
   reference.color = kReferenceColor;
   reference.width = kReferenceWidth;

@@ -26,8 +26,15 @@ inline std::string withUnit(const std::string& name, const std::string& unit) {
   return unit == "1" || unit.empty() ? name : name + " [" + unit + "]";
 }
 
-/// A curve over the samples, against seconds since the first; `value` gives kNothing where there is nothing
-/// to draw.
+/// The curve with a gap where neighbouring samples are more than `gap` apart [s].
+Series withGaps(Series series, double gap);
+
+/// The curve with a gap wherever samples are missing: where they are farther apart than kGapPeriods of the
+/// typical period, at least 0.2 s.
+Series withGaps(const Series& series);
+
+/// A curve over the samples, against seconds since the first, with gaps where samples are missing; `value` gives
+/// kNothing where there is nothing to draw.
 template <class Value>
 Series overTime(const ReportContent& content, const std::string& label, const std::string& color,
                 Value value) {
@@ -39,7 +46,7 @@ Series overTime(const ReportContent& content, const std::string& label, const st
     series.x.push_back(sample.state.stamp - start);
     series.y.push_back(value(sample));
   }
-  return thinned(series, kCurvePoints);
+  return thinned(withGaps(series), kCurvePoints);
 }
 
 /// Heights of a row of panels [px].
@@ -55,13 +62,6 @@ constexpr int kView = 420;
 /// Height with equal axes over the whole width.
 constexpr int kSquare = 620;
 }  // namespace row_height
-
-/// The curve with a gap where neighbouring samples are more than `gap` apart [s].
-Series withGaps(Series series, double gap);
-
-/// The curve with a gap wherever samples are missing: where they are farther apart than kGapPeriods of the
-/// typical period, at least 0.2 s.
-Series withGaps(const Series& series);
 
 /// Start from which a figure counts its times: that of the record where times count from 1970, which no axis
 /// can show. Otherwise 0 [s].
