@@ -2,9 +2,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
@@ -214,6 +214,16 @@ TEST(ApplyCalibration, refusesKeysThatItDoesNotKnow) {
   }
 }
 
+// Whether a number below 1 is named. Gains, lags and drags of the problems are such numbers.
+bool hasFraction(const std::string& text) {
+  for (std::size_t at = text.find("0."); at != std::string::npos; at = text.find("0.", at + 1)) {
+    const bool is_start = at == 0 || std::isdigit(static_cast<unsigned char>(text[at - 1])) == 0;
+    if (is_start && at + 2 < text.size() && std::isdigit(static_cast<unsigned char>(text[at + 2])) != 0)
+      return true;
+  }
+  return false;
+}
+
 // What a comment says of a model is wrong as soon as another one is applied.
 TEST(ApplyCalibration, headersOfProblemsNameNoIdentifiedNumber) {
   for (const std::string name :
@@ -221,8 +231,7 @@ TEST(ApplyCalibration, headersOfProblemsNameNoIdentifiedNumber) {
         "robust/aslquad_longitudinal", "robust/aslquad_vertical"}) {
     const std::string text = readText(std::string(PROBLEMS_FOLDER) + "/" + name + ".yaml");
     const std::string header = text.substr(0, text.find("polyfly_problem:"));
-    const std::regex stated("(K|tau|A_[xyz]) *=? *-?[0-9]|[-+] 0[.][0-9]+ v|[(]0[.][0-9]+ (phi|theta)");
-    EXPECT_FALSE(std::regex_search(header, stated)) << name << ": " << header;
+    EXPECT_FALSE(hasFraction(header)) << name << ": " << header;
   }
 }
 
