@@ -104,7 +104,7 @@ def loops(folder, calibration):
 def draw_loops(folder, rows):
     """Each parameter: the flights, all together, the vehicle."""
     lines = ["set multiplot layout 1,4", "set key off", 'set xtics ("morning" 1, "noon" 2, "evening" 3, "all" 4) rotate by 30 right',
-             "set xrange [0.5:4.5]", 'set ytics format "%.3f"']
+             "set xrange [0.5:4.5]", 'set ytics format "%.4f"']
     for axis, name, _, true, value, interval, flights in rows:
         points = [(i + 1, f["value"], *f["interval_95"]) for i, f in enumerate(flights)] + [(4, value, *interval)]
         path = write_rows(os.path.join(folder, "%s_%s.csv" % (axis, name)), points)
