@@ -98,9 +98,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
                                                   ? std::vector<std::string>{"vn", "ve", "airspeed"}
                                                   : std::vector<std::string>{"vx", "vy", "vz"};
   for (const std::string& name : velocities) {
-    CleaningCounts ignored;
-    if (flights.joint.has(name))
-      calibration.record.emplace_back(name, cleaned(flights.joint.at(name), &ignored));
+    if (flights.joint.has(name)) calibration.record.emplace_back(name, cleaned(flights.joint.at(name)));
   }
   find(flights, arguments, &calibration);
   if (!arguments.quiet) std::cout << visibleLines(toText(calibration));

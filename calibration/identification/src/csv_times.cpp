@@ -52,8 +52,7 @@ CsvTimes ofColumn(const CsvLog& log, const std::string& column) {
   times.seconds = log.column(column);
   const TimeUnit* unit = namedUnit(column);
   if (unit == nullptr) {
-    CleaningCounts ignored;
-    const TimeSeries clean = cleaned({times.seconds, times.seconds}, &ignored);
+    const TimeSeries clean = cleaned({times.seconds, times.seconds});
     const double period = typicalPeriod(clean);
     unit = likelyUnit(period);
     char text[160];

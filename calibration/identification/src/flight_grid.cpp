@@ -13,11 +13,6 @@ constexpr double kStale = 1.0;
 constexpr double kSlowest = 0.5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
-  CleaningCounts ignored;
-  return signals.has(name) ? cleaned(signals.at(name), &ignored) : TimeSeries{};
-}
-
 std::vector<double> at(const TimeSeries& series, const FlightGrid& grid, double stale) {
   if (series.time.empty()) return {};
   std::vector<double> values(grid.size, kUnknown);

@@ -185,6 +185,10 @@ const std::vector<std::string>& signalNames() {
   return kNames;
 }
 
+TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
+  return signals.has(name) ? cleaned(signals.at(name)) : TimeSeries{};
+}
+
 std::vector<std::string> clockRemarks(const FlightSignals& signals) {
   std::vector<std::pair<std::vector<std::string>, std::string>> told;  // sentences, names
   for (const auto& [name, series] : signals.series) {
@@ -285,17 +289,13 @@ AxisRecords axisRecords(const FlightSignals& signals, const std::string& axis) {
     records.training.response = signals.has("specific_force_z")
                                     ? smoothed(signals.at("specific_force_z"), &records.cleaning)
                                     : thrustFromVelocity(signals, &records.cleaning);
-    CleaningCounts ignored;
-    if (signals.has("vz")) records.vertical_velocity = cleaned(signals.at("vz"), &ignored);
+    if (signals.has("vz")) records.vertical_velocity = cleaned(signals.at("vz"));
     return records;
   }
   records.unit = records.command_unit = axis == "yaw_rate" ? "rad/s" : "rad";
   records.training.response = signals.at(axis);
   const std::string other = axis == "roll" ? "pitch_cmd" : "roll_cmd";
-  if (axis != "yaw_rate" && signals.has(other)) {
-    CleaningCounts ignored;
-    records.other_command = cleaned(signals.at(other), &ignored);
-  }
+  if (axis != "yaw_rate" && signals.has(other)) records.other_command = cleaned(signals.at(other));
   return records;
 }
 

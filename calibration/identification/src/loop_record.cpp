@@ -132,8 +132,7 @@ std::vector<std::string> sentencesOn(const std::vector<FarStep>& steps) {
 }
 
 std::string whyUnusable(const TimeSeries& series) {
-  CleaningCounts ignored;
-  const double period = typicalPeriod(cleaned(series, &ignored));
+  const double period = typicalPeriod(cleaned(series));
   if (!(period <= kLongestPeriod)) {
     char text[120];
     std::snprintf(text, sizeof text, "; its samples are %.6g s apart: are the times in seconds?", period);
@@ -176,6 +175,11 @@ std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
     left = rest;
   }
   return left;
+}
+
+TimeSeries cleaned(const TimeSeries& series) {
+  CleaningCounts ignored;
+  return cleaned(series, &ignored);
 }
 
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts) {

@@ -15,8 +15,7 @@ namespace {
 constexpr double kLeastStretch = 1.0;  // [s]
 
 TimeSeries clean(const FlightSignals& signals, const std::string& name) {
-  CleaningCounts ignored;
-  TimeSeries series = cleaned(signals.at(name), &ignored);
+  TimeSeries series = cleaned(signals.at(name));
   if (series.time.empty()) throw Error(signals.source + ": " + name + ": no sample");
   return series;
 }

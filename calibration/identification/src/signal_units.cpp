@@ -38,11 +38,6 @@ constexpr double kForceMargin = 1.5;
 constexpr double kGravityShown = 9.80665;  // [m/s^2]
 constexpr double kLongestLag = 1.0;        // [s]
 
-TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name) {
-  CleaningCounts ignored;
-  return signals.has(name) ? cleaned(signals.at(name), &ignored) : TimeSeries{};
-}
-
 std::string unitText(const char* format, double value) {
   char buffer[200];
   std::snprintf(buffer, sizeof buffer, format, value);

@@ -22,13 +22,8 @@ constexpr double kForward = 0.7;
 // Least share of the time in which a fixed wing flies forward.
 constexpr double kForwardShare = 0.9;
 
-TimeSeries cleanSeries(const FlightSignals& signals, const char* name) {
-  CleaningCounts ignored;
-  return cleaned(signals.at(name), &ignored);
-}
-
 bool hasSamples(const FlightSignals& signals, const char* name) {
-  return signals.has(name) && !cleanSeries(signals, name).time.empty();
+  return !cleanSignal(signals, name).time.empty();
 }
 
 // Size of the vector of two signals, at the times of the first.
@@ -42,9 +37,9 @@ TimeSeries sizeOf(const TimeSeries& one, const TimeSeries& other) {
 // Share of the fast samples in which the velocity points along the heading; 1 if that is not known.
 double forwardShare(const FlightSignals& signals) {
   if (!hasSamples(signals, "vx") || !hasSamples(signals, "vy") || !hasSamples(signals, "yaw")) return 1.0;
-  const TimeSeries vx = cleanSeries(signals, "vx");
-  const TimeSeries vy = cleanSeries(signals, "vy");
-  TimeSeries sine = cleanSeries(signals, "yaw");
+  const TimeSeries vx = cleanSignal(signals, "vx");
+  const TimeSeries vy = cleanSignal(signals, "vy");
+  TimeSeries sine = cleanSignal(signals, "yaw");
   TimeSeries cosine = sine;
   for (double& value : sine.value) value = std::sin(value);
   for (double& value : cosine.value) value = std::cos(value);
@@ -120,12 +115,12 @@ RecognisedVehicle recogniseVehicle(const FlightSignals& signals) {
   if (signals.vehicle.kind != VehicleKind::kUnknown) return signals.vehicle;
   if (hasSamples(signals, "airspeed")) {
     const RecognisedVehicle vehicle =
-        bySpeed(cleanSeries(signals, "airspeed"), "airspeed", forwardShare(signals));
+        bySpeed(cleanSignal(signals, "airspeed"), "airspeed", forwardShare(signals));
     if (vehicle.kind != VehicleKind::kUnknown) return vehicle;
   }
   for (const auto& [one, other] : {std::pair<const char*, const char*>{"vx", "vy"}, {"vn", "ve"}}) {
     if (!hasSamples(signals, one) || !hasSamples(signals, other)) continue;
-    return bySpeed(sizeOf(cleanSeries(signals, one), cleanSeries(signals, other)), "ground speed",
+    return bySpeed(sizeOf(cleanSignal(signals, one), cleanSignal(signals, other)), "ground speed",
                    forwardShare(signals));
   }
   return {};

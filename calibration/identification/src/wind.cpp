@@ -33,10 +33,9 @@ struct Samples {
 };
 
 Samples collect(const FlightSignals& signals, const std::vector<TimeWindow>& wanted) {
-  CleaningCounts ignored;
-  const TimeSeries north = cleaned(signals.at("vn"), &ignored);
-  const TimeSeries east = cleaned(signals.at("ve"), &ignored);
-  const TimeSeries airspeed = cleaned(signals.at("airspeed"), &ignored);
+  const TimeSeries north = cleaned(signals.at("vn"));
+  const TimeSeries east = cleaned(signals.at("ve"));
+  const TimeSeries airspeed = cleaned(signals.at("airspeed"));
   Samples samples;
   std::vector<double> rows[3];
   std::vector<TimeWindow> windows = wanted;

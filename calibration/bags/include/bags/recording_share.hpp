@@ -34,7 +34,7 @@ struct RecordingShare {
 /// Of a bag that was read. Messages are those of the given topics, or all if there are none.
 RecordingShare recordingShare(const BagHealth& health, const std::set<std::string>& topics = {});
 
-/// "21.5 % of the messages (645 of 3001), 22 % of the bytes (...) and 21.6 % of the seconds (...)". The share is never
+/// "21.5 % of the messages (645 of 3001); 22 % of the bytes (...); 21.6 % of the seconds (...)". The share is never
 /// rounded up to 100.
 std::string describe(const RecordingShare& share);
 

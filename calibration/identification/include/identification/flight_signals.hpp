@@ -56,6 +56,9 @@ struct FlightSignals {
 /// All names that FlightSignals knows.
 const std::vector<std::string>& signalNames();
 
+/// The signal without samples that cannot be used (see cleaned). Empty if there is none.
+TimeSeries cleanSignal(const FlightSignals& signals, const std::string& name);
+
 /// Sentences on where the times of the signals jump far, in the order of the record, and of which signals.
 std::vector<std::string> clockRemarks(const FlightSignals& signals);
 

@@ -85,6 +85,9 @@ std::vector<TimeWindow> windowsWithout(const std::vector<TimeWindow>& windows,
 /// Throws Error when times and values differ in number.
 TimeSeries cleaned(const TimeSeries& series, CleaningCounts* counts);
 
+/// The same, where nobody asks what was taken out.
+TimeSeries cleaned(const TimeSeries& series);
+
 /// Seconds between neighbouring samples, the median of those up to `longest`; 0 if there are none.
 double typicalPeriod(const TimeSeries& series, double longest = std::numeric_limits<double>::infinity());
 
