@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <new>
 
-#include "certificate_input.hpp"
+#include "files.hpp"
 
 namespace checker {
 namespace {

@@ -6,8 +6,9 @@
 #include <system_error>
 
 #include "arguments.hpp"
-#include "certificate.hpp"
 #include "export_bound.hpp"
+#include "extensions/read_certificate.hpp"
+#include "files.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "reduction.hpp"
@@ -69,10 +70,10 @@ void confirm(const checker::Arguments& arguments) {
   const checker::Map map(readFile(map_file));
   std::string conditions;
   if (original_file.empty()) {
-    const checker::Certificate proof(readFile(certificate), map);
-    if (!problem.empty()) proof.compareProblem(readFile(problem));
-    proof.check();
-    conditions = proof.conditions();
+    const auto proof = checker::readCertificate(readFile(certificate), map);
+    if (!problem.empty()) proof->compareProblem(readFile(problem));
+    proof->check();
+    conditions = proof->conditions();
   } else {
     const checker::Map original(readFile(original_file));
     const checker::Reduction proof(readFile(certificate), map, original);

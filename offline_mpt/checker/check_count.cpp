@@ -5,6 +5,7 @@
 
 #include "arguments.hpp"
 #include "count_proof.hpp"
+#include "files.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <thread>
 
+#include "files.hpp"
+
 namespace checker {
 namespace {
 
@@ -103,8 +105,7 @@ void CountProof::compareProblem(const std::string& problem) const {
           "the problem file is not the one that was counted");
   const std::size_t first = problem.find_first_not_of(" \t\r\n");
   if (first == std::string::npos || problem[first] != '{') return;
-  compareNumbers(
-      problem, [this](const std::string& name) -> const Matrix& { return data(name); }, equalities_);
+  compareNumbers(problem, data_, equalities_);
 }
 
 // gram = A H^-1 A', D = (b + S theta) + A H^-1 (f + F theta) as functions of (t, 1), by H = L diag L'; all

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bounded.hpp"
-#include "program.hpp"
+#include "core/program.hpp"
 
 namespace checker {
 
@@ -70,7 +70,7 @@ class CountProof {
 
   std::string path_;
   std::ifstream file_;
-  std::map<std::string, Matrix> data_;
+  Matrices data_;
   std::set<std::size_t> equalities_;
   /// Checksum and size of the problem text.
   std::string problem_;

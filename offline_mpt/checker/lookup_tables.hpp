@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cell_bound.hpp"
-#include "certificate_input.hpp"
+#include "core/map.hpp"
 
 /// Look-ups as tables, of a map (region_maps/FORMAT.md) or of exported code (region_maps/export/README.md), with bounds
 /// of the rounding of each sum.

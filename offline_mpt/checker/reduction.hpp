@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "rows.hpp"
+#include "core/rows.hpp"
 
 namespace checker {
 

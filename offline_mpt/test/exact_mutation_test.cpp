@@ -84,7 +84,7 @@ TEST_F(Mutation, ADroppedRegionIsCaught) {
   EXPECT_NE(refusalOfMap(changed), "");
   // Also where the certificate agrees that it never existed: a facet then has no region behind it.
   std::string shorter = certificate_;
-  const std::size_t last = shorter.rfind("\nR ");
+  const std::size_t last = shorter.rfind("\nregion ");
   shorter.erase(last + 1, shorter.rfind("\nend ") - last);
   const std::size_t count = shorter.find("\nregions ") + 9;
   shorter.replace(count, shorter.find('\n', count) - count, std::to_string(changed.regions.size()));
@@ -102,7 +102,7 @@ TEST_F(Mutation, ARemovedFacetIsCaught) {
   int tried = 0;
   std::vector<std::string> lines = linesOf(certificate_);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    if (lines[k].compare(0, 2, "L ") != 0 || k % 3 != 0) continue;
+    if (lines[k].compare(0, 6, "facet ") != 0 || k % 3 != 0) continue;
     std::vector<std::string> fewer = lines;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
     EXPECT_NE(refusal(sealed(joined(fewer, "\n") + "\n", map_), map_), "") << lines[k];
@@ -115,7 +115,7 @@ TEST_F(Mutation, ANeighbourIsChecked) {
   int tried = 0;
   const std::size_t count = content_.regions.size();
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   if (words[3] != "next") return false;
                   words[5] = std::to_string((std::stoul(words[5]) + 1) % count);
@@ -129,7 +129,7 @@ TEST_F(Mutation, ANeighbourIsChecked) {
 TEST_F(Mutation, AnOriginIsChecked) {
   int tried = 0;
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   const int row = std::stoi(words[2].substr(1));
                   words[2] = words[2][0] + std::to_string(words[2][0] == 'b' ? row ^ 1 : row + 1);
@@ -143,7 +143,7 @@ TEST_F(Mutation, AnOriginIsChecked) {
 TEST_F(Mutation, AnInnerFacetIsNoEdgeOfTheDomain) {
   int tried = 0;
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   if (words[3] == "domain") return false;
                   words.resize(5);
@@ -160,7 +160,7 @@ TEST_F(Mutation, WeightsOfAnEdgeAreChecked) {
   for (const bool negate : {true, false}) {
     int tried = 0;
     EXPECT_NE(refusalOfLines(
-                  "L ",
+                  "facet ",
                   [&](std::vector<std::string>& words) {
                     if (words[3] != "edge") return false;
                     words.back() = negate ? "-" + words.back() : words.back() + "0";
@@ -189,17 +189,17 @@ TEST_F(Mutation, FarkasMultipliersAreChecked) {
   const Change misplace = setting(4, "99");
   const Change unscale = setting(2, "0");
   int tried = 0;
-  EXPECT_NE(refusalOfLines("I ", negate, tried), "");
+  EXPECT_NE(refusalOfLines("follows ", negate, tried), "");
   EXPECT_GT(tried, 20);
-  EXPECT_NE(refusalOfLines("I ", enlarge, tried), "");
-  EXPECT_NE(refusalOfLines("I ", remove, tried), "");
-  EXPECT_NE(refusalOfLines("I ", misplace, tried), "");
-  EXPECT_NE(refusalOfLines("I ", unscale, tried), "");
+  EXPECT_NE(refusalOfLines("follows ", enlarge, tried), "");
+  EXPECT_NE(refusalOfLines("follows ", remove, tried), "");
+  EXPECT_NE(refusalOfLines("follows ", misplace, tried), "");
+  EXPECT_NE(refusalOfLines("follows ", unscale, tried), "");
 }
 
 TEST_F(Mutation, AnInnerPointIsChecked) {
   int tried = 0;
-  EXPECT_NE(refusalOfLines("P ", setting(1, "2"), tried), "");
+  EXPECT_NE(refusalOfLines("inside ", setting(1, "2"), tried), "");
   EXPECT_EQ(tried, static_cast<int>(content_.regions.size()));
 }
 
@@ -256,7 +256,7 @@ TEST_F(CoverMutation, CoversAreChecked) {
     return words.size() > 5 && words[3] == "cover";
   };
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   if (!is_cover(words) || words[4] != "N") return false;
                   words[5] = std::to_string((std::stoul(words[5]) + 1) % count);
@@ -266,7 +266,7 @@ TEST_F(CoverMutation, CoversAreChecked) {
             "");
   EXPECT_GT(tried, 0);
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   if (!is_cover(words)) return false;
                   words.pop_back();
@@ -275,7 +275,7 @@ TEST_F(CoverMutation, CoversAreChecked) {
                 tried),
             "");
   EXPECT_NE(refusalOfLines(
-                "L ",
+                "facet ",
                 [&](std::vector<std::string>& words) {
                   if (!is_cover(words)) return false;
                   words = {words[0], words[1], words[2], "cover",

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <random>
 
-#include "certificate.hpp"
+#include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "mutation.hpp"
 #include "offline_mpt/certify.hpp"

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <utility>
 
-#include "certificate.hpp"
+#include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
@@ -32,9 +32,9 @@ std::string bytesOf(const MapContent& content) {
 std::string refusal(const std::string& certificate, const std::string& map, const std::string& problem) {
   try {
     const checker::Map content(map);
-    const checker::Certificate proof(certificate, content);
-    if (!problem.empty()) proof.compareProblem(problem);
-    proof.check();
+    const auto proof = checker::readCertificate(certificate, content);
+    if (!problem.empty()) proof->compareProblem(problem);
+    proof->check();
   } catch (const checker::Refused& error) {
     return error.what();
   }

@@ -2,7 +2,7 @@
 // ones are refuted as ever.
 #include <gtest/gtest.h>
 
-#include "certificate.hpp"
+#include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
@@ -46,9 +46,9 @@ TEST(WidenedCoverage, ProvesWhatRoundingHides) {
   ASSERT_TRUE(report.widened) << "no program needed it";
   const MapInMemory map(content);
   const checker::Map read(map.bytes());
-  const checker::Certificate certificate(report.certificate, read);
-  EXPECT_NO_THROW(certificate.check());
-  EXPECT_NE(certificate.conditions().find("moved outwards"), std::string::npos);
+  const auto certificate = checker::readCertificate(report.certificate, read);
+  EXPECT_NO_THROW(certificate->check());
+  EXPECT_NE(certificate->conditions().find("moved outwards"), std::string::npos);
   EXPECT_NE(certifyText(report).find("moved outwards"), std::string::npos);
 }
 
@@ -94,14 +94,14 @@ TEST(WidenedCoverage, ACertificateThatClaimsLessIsRefused) {
   ASSERT_TRUE(report.widened);
   const MapInMemory map(content);
   const checker::Map read(map.bytes());
-  EXPECT_THROW(checker::Certificate(report.certificate.substr(0, report.certificate.size() / 2), read),
+  EXPECT_THROW(checker::readCertificate(report.certificate.substr(0, report.certificate.size() / 2), read),
                checker::Refused);
   std::string exact = report.certificate;
   exact.replace(exact.find("coverage widened"), 16, "coverage exact");
   exact.resize(exact.rfind("end "));
   char seal[32];
   std::snprintf(seal, sizeof seal, "end %s\n", checker::hexText(checker::xxh64(exact)).c_str());
-  EXPECT_THROW(checker::Certificate(exact + seal, read).check(), checker::Refused);
+  EXPECT_THROW(checker::readCertificate(exact + seal, read)->check(), checker::Refused);
 }
 
 }  // namespace

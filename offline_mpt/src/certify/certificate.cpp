@@ -35,7 +35,7 @@ void writeProof(const std::string& certificate, const char* what, const std::str
 std::string certificateHead(const RegionMap& map, const ParametricProgram& program,
                             const ProgramPerturbation& adjustment, bool widened,
                             const CertifyOptions& options) {
-  std::string text = "polyfly certificate 4\n";
+  std::string text = "polyfly certificate 5\n";
   text += mapLine("map", map);
   text += problemLine(map.problemText());
   text += "tolerances " + hex(options.law_tolerance) + " " + hex(options.plane_tolerance) + "\n";
@@ -46,10 +46,11 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
     for (const auto& [row, weight] : proof) text += " " + std::to_string(row) + " " + weight.get_str(16);
     text += "\n";
   }
-  appendList("dropped", adjustment.dropped, text);
-  appendList("relaxed", adjustment.relaxed, text);
-  text += std::string("convexity ") + (adjustment.singular ? "singular " : "definite ") +
-          hex(adjustment.penalty) + "\n";
+  if (!adjustment.dropped.empty()) appendList("dropped", adjustment.dropped, text);
+  if (!adjustment.relaxed.empty()) appendList("relaxed", adjustment.relaxed, text);
+  const char* const convexity =
+      adjustment.singular ? "singular" : program.H.isZero(0.0) ? "linear" : "definite";
+  text += std::string("convexity ") + convexity + " " + hex(adjustment.penalty) + "\n";
   text += std::string("coverage ") + (widened ? "widened" : "exact") + "\n";
   for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
   for (const auto& [row, value] : adjustment.bounds)

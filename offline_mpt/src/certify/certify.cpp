@@ -235,7 +235,7 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   }
   report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);
   for (std::size_t r = 0; r < checks.size(); ++r) {
-    if (r < report.regions) report.certificate += "R " + std::to_string(r) + "\n";
+    if (r < report.regions) report.certificate += "region " + std::to_string(r) + "\n";
     report.certificate += checks[r].text + closed[r].text;
     checks[r].text.clear();
   }

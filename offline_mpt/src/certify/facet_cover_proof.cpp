@@ -300,7 +300,7 @@ FacetBehind FacetCoverProof::close(std::uint32_t region, std::uint32_t row, std:
   const CheckedFacet& facet = check.facets[row];
   std::vector<ExactOrigin> origins{facet.origin};
   origins.insert(origins.end(), facet.same.begin(), facet.same.end());
-  std::string line = "L " + std::to_string(row) + " " + originText(facet.origin);
+  std::string line = "facet " + std::to_string(row) + " " + originText(facet.origin);
   for (const ExactOrigin& origin : origins) {
     if (origin.kind != ExactOrigin::Kind::kDomain && origin.kind != ExactOrigin::Kind::kBox) continue;
     text += line + " domain " + originText(origin) + "\n";

@@ -14,6 +14,9 @@
 namespace polyfly {
 namespace {
 
+// Keys of lines of the certificate.
+constexpr char kFollows[] = "follows";
+constexpr char kLeftOut[] = "left_out";
 constexpr std::size_t kMostKept = 30000;  // regions up to which exact rows are kept: some kB for each
 
 /// Greatest difference in the box between the map's row and a multiple of the exact one, and between the
@@ -125,15 +128,15 @@ std::string describeUnlisted(const ExactProgram& program, const RegionCheck& che
   return text + ", up to a distance of " + shortText(outside) + " (scaled) from its half-space";
 }
 
-/// Whether the listed rows imply `row`, with the line of the certificate that says so; `letter` starts it.
+/// Whether the listed rows imply `row`, with the line of the certificate that says so; `key` starts it.
+/// A row that holds in the whole box needs no line, but one that is left out is named.
 Implication proveRow(const std::vector<ExactRow>& listed, std::size_t count, const ExactRow& row,
-                     const char* letter, FloatLp& solver, std::string& text) {
+                     const std::string& key, FloatLp& solver, std::string& text) {
   std::vector<const ExactRow*> known;
   for (std::size_t k = 0; k < count; ++k) known.push_back(&listed[k]);
   Implication result = implies(known, row, solver);
-  if (!result.holds || result.proof.weights.empty()) return result;
-  text += letter;
-  text += " " + originText(row.origin) + " " + result.proof.scale.get_str(16);
+  if (!result.holds || (result.proof.weights.empty() && key != kLeftOut)) return result;
+  text += key + " " + originText(row.origin) + " " + result.proof.scale.get_str(16);
   appendWeights(result.proof, text);
   text += "\n";
   return result;
@@ -145,25 +148,25 @@ void proveRows(const CheckContext& context, std::uint32_t index, const ExactRegi
                RegionCheck& check) {
   const std::size_t own = check.listed.size();
   FloatLp solver(context.program.p);
-  const auto prove = [&](const ExactRow& row, const char* letter) {
+  const auto prove = [&](const ExactRow& row, const std::string& key) {
     const auto is_row = [&](const ExactRow& other) { return other.origin == row.origin; };
     if (std::any_of(check.listed.begin(), check.listed.end(), is_row)) return;
-    const Implication result = proveRow(check.listed, check.listed.size(), row, letter, solver, check.text);
+    const Implication result = proveRow(check.listed, check.listed.size(), row, key, solver, check.text);
     if (result.holds) {
       ++check.implied;
       return;
     }
     const ExactRow relaxed = relaxedRow(row, Rational(context.options.plane_tolerance));
-    if (*letter == 'I' && !check.is_sliver &&
-        proveRow(check.listed, own, relaxed, "X", solver, check.text).holds) {
+    if (key == kFollows && !check.is_sliver &&
+        proveRow(check.listed, own, relaxed, kLeftOut, solver, check.text).holds) {
       check.listed.push_back(row);
       ++check.left_out;
       return;
     }
     for (const ExactRow& forgiven : exact.forgiven) {
-      if (!(forgiven.origin == row.origin) || *letter != 'I') continue;
-      const std::string marked = "Y " + originText(row.origin) + "\n";
-      if (!proveRow(check.listed, own, forgiven, "W", solver, check.text).holds) break;
+      if (!(forgiven.origin == row.origin) || key != kFollows) continue;
+      const std::string marked = "tolerated " + originText(row.origin) + "\n";
+      if (!proveRow(check.listed, own, forgiven, "tolerated_follows", solver, check.text).holds) break;
       check.text += marked;
       ++check.forgiven;
       return;
@@ -178,8 +181,8 @@ void proveRows(const CheckContext& context, std::uint32_t index, const ExactRegi
     defect.witness = toTheta(context.program, result.witness);
     check.defects.push_back(std::move(defect));
   };
-  for (const ExactRow& row : exact.rows) prove(row, "I");
-  for (const ExactRow& row : exact.dropped) prove(row, "D");
+  for (const ExactRow& row : exact.rows) prove(row, kFollows);
+  for (const ExactRow& row : exact.dropped) prove(row, "dropped_follows");
 }
 
 void findFacets(const ExactRegion& exact, RegionCheck& check) {
@@ -210,7 +213,7 @@ void findPoint(const CheckContext& context, std::uint32_t index, RegionCheck& ch
     return;
   }
   check.point = std::move(interior.point);
-  check.text += "P";
+  check.text += "inside";
   for (const Rational& value : check.point) check.text += " " + value.get_str(16);
   check.text += "\n";
 }

@@ -56,7 +56,7 @@ bool coverSliver(const CheckContext& context, const std::vector<RegionCheck>& ch
     FacetCover cover(nullptr, context.program.p, candidates, context.options.stop);
     std::string proof;
     if (cover.cover(sliver.listed, proof)) {
-      sliver.text += "V" + proof + "\n";
+      sliver.text += "sliver_cover" + proof + "\n";
       sliver.covered_by.insert(cover.used().begin(), cover.used().end());
       return true;
     }
@@ -169,7 +169,7 @@ bool checkSliver(const CheckContext& context, const std::vector<RegionCheck>& ch
   sliver.described = true;
   sliver.rows = exact.rows.size();
   sliver.listed = boundingRows(exact, context.program.p);
-  sliver.text = "G " + std::to_string(sliver.active.size());
+  sliver.text = "sliver_region " + std::to_string(sliver.active.size());
   for (const int row : sliver.active) sliver.text += " " + std::to_string(row);
   sliver.text += "\n";
   finishCheck(context, static_cast<std::uint32_t>(checks.size()), exact, sliver);

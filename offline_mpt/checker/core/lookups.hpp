@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <set>
@@ -7,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rows.hpp"
+#include "core/rows.hpp"
 
 /// What look-ups answer: "Look-ups" in offline_mpt/CERTIFICATE.md.
 namespace checker {
@@ -24,23 +25,43 @@ struct ProvenRegion {
   std::vector<FacetBehind> facets;
   /// Greatest difference of a plane from its condition.
   Fraction plane_error;
-  /// Regions of the map that cover a sliver, moved outwards.
+  /// Of a sliver (an extension): the regions of the map that cover it, moved outwards.
   std::set<std::size_t> covered_by;
-  /// All conditions hold in it, and not only up to rounding.
-  bool is_exact = true;
 };
 
-/// Lines of a certificate about look-ups, checked against the map. Everything throws Refused.
+using RowsOfRegion = std::function<std::vector<Row>(std::size_t)>;
+
+/// Lines of a certificate about look-ups, checked against the map: lookup_answers.cpp and lookup_coverage.cpp.
+/// Everything throws Refused.
 class Lookups {
  public:
-  /// `rows` gives the half-spaces of a region that count in the proof of coverage, `moved_rows` those that count in
-  /// covers of slivers, and `conditions` those that are listed.
+  /// `rows` gives the half-spaces of a region that count in the proof of coverage.
   Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
-          std::function<std::vector<Row>(std::size_t)> rows,
-          std::function<std::vector<Row>(std::size_t)> moved_rows,
-          std::function<std::vector<Row>(std::size_t)> conditions, bool moved);
+          RowsOfRegion rows);
+  virtual ~Lookups() = default;
 
   void check(const std::vector<std::string>& lines);
+
+ protected:
+  virtual void beginWalk() {}
+  /// Reads a line of an extension after `leaf walk`. False: it is none.
+  virtual bool readFurther(Line&) { return false; }
+  /// The half-spaces in which a candidate has its solution.
+  virtual std::vector<Row> conditions(std::size_t candidate) const { return rows_(candidate); }
+  /// Whether the constants of dropped rows show that a facet does not reach into a leaf.
+  virtual bool dropsShowOutside() const { return true; }
+
+  bool isCandidate(std::size_t region) const;
+  /// The part of the leaf with path rows >= mu, and these rows.
+  std::vector<const Row*> cellWith(const std::vector<Row>& rows) const;
+
+  const Map& map_;
+  const std::vector<ProvenRegion>& regions_;
+  const RowsOfRegion rows_;
+  /// Candidates of the leaf at hand, and regions that are proven not to be missed.
+  std::set<std::size_t> known_;
+  /// Regions of known_ whose facets count, besides candidates.
+  std::vector<std::size_t> near_;
 
  private:
   /// A node or leaf, in the order of descents, and the row that leads there.
@@ -71,30 +92,25 @@ class Lookups {
   Fraction leastInWideBox(const Vector& row) const;
   std::int32_t rowOf(std::size_t region, std::size_t row) const;
 
+  // What is answered: lookup_answers.cpp.
   void readDrop(Line& line);
-  void checkLeaf(std::size_t visit, const std::vector<std::string>& lines, std::size_t& next);
+  void readCandidates(std::size_t visit);
   void checkBounds(std::size_t region, std::uint32_t tests) const;
   std::vector<const Drop*> dropsOf(std::size_t region) const;
 
+  // What is not missed: lookup_coverage.cpp.
+  void checkCoverage(const std::vector<std::string>& lines, std::size_t& next);
+  void checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const;
   void checkWalk(Line& line, const std::vector<std::string>& lines, std::size_t& next);
+  bool readWalk(Line& line);
   void checkStart(Line& line);
   void checkBehind(std::size_t region, bool is_candidate) const;
   bool isOutside(std::size_t region, std::size_t facet) const;
   void readOutside(Line& line);
   void readNear(Line& line);
-  void readBeyond(Line& line);
-  void readSliver(Line& line);
-  std::vector<const Row*> cellWith(const std::vector<Row>& rows) const;
 
-  void checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const;
-
-  const Map& map_;
   const Scaling scaling_;
   const Fraction tolerance_, plane_tolerance_;
-  const std::vector<ProvenRegion>& regions_;
-  const std::function<std::vector<Row>(std::size_t)> rows_, moved_rows_, conditions_;
-  /// Coverage is that of regions moved outwards.
-  const bool moved_;
   /// Greatest rounding error of a distance in a look-up.
   Fraction rounding_;
   std::vector<Visit> visits_;
@@ -103,18 +119,28 @@ class Lookups {
 
   // The leaf at hand.
   std::size_t visit_ = 0;
-  Map::Leaf leaf_ = {};
   std::vector<std::int32_t> path_;
   std::vector<std::size_t> candidates_;
+  /// Which rows of each candidate a look-up tests.
   std::vector<std::uint32_t> tests_;
+  /// mu
   Fraction depth_;
   std::vector<Row> path_inside_;
-  /// Candidates, and regions that are proven not to be missed.
-  std::set<std::size_t> known_;
-  /// Regions that do not reach into the leaf even if they are moved outwards.
-  std::set<std::size_t> beyond_;
-  /// Regions of known_ whose facets count, besides candidates.
-  std::vector<std::size_t> near_;
 };
+
+inline Fraction powerOfTwo(int exponent) {
+  return exponent >= 0 ? Fraction(Integer(1) << static_cast<unsigned long>(exponent))
+                       : Fraction(1) / Fraction(Integer(1) << static_cast<unsigned long>(-exponent));
+}
+
+/// Whether a look-up tests a row; bit 31 stands for all rows from 31 on.
+inline bool isTested(std::uint32_t bits, std::size_t row) {
+  return (bits >> std::min<std::size_t>(row, 31) & 1u) != 0;
+}
+
+template <class List, class Value>
+bool contains(const List& list, const Value& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
 
 }  // namespace checker

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "certificate_input.hpp"
+#include "core/map.hpp"
 
 /// Half-spaces in whole numbers, and what both kinds of certificates say of them.
 namespace checker {
@@ -20,9 +20,16 @@ using Weights = std::vector<std::pair<std::size_t, Integer>>;
 
 constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
 
+/// The greatest tolerances that a certificate may state: with any, anything could be confirmed.
+constexpr double kMostLawTolerance = 1e-6;    ///< relative, what is promised of u
+constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
+
 /// The same half-space in whole numbers without a common factor.
 Row primitive(const Vector& values);
 Row primitive(const Row& values);
+
+/// The other side of a half-space.
+Row negated(const Row& row);
 
 bool proportional(const Row& a, const Row& b);  ///< with any sign; b is not zero
 bool sameHalfSpace(const Row& a, const Row& b);
@@ -46,8 +53,5 @@ struct Scaling {
 
   Vector centre, half;
 };
-
-/// The lines of a certificate before the last, which seals them.
-std::string unsealed(const std::string& text);
 
 }  // namespace checker

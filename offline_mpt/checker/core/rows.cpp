@@ -1,4 +1,4 @@
-#include "rows.hpp"
+#include "core/rows.hpp"
 
 #include <algorithm>
 
@@ -19,6 +19,12 @@ Row primitive(const Vector& values) {
 }
 
 Row primitive(const Row& values) { return primitive(Vector(values.begin(), values.end())); }
+
+Row negated(const Row& row) {
+  Row result = row;
+  for (Integer& value : result) value = -value;
+  return result;
+}
 
 bool proportional(const Row& a, const Row& b) {
   std::size_t k = 0;
@@ -112,14 +118,6 @@ Vector Scaling::inBox(const double* entries, int sign, const Fraction& constant)
   }
   result.push_back(sum);
   return result;
-}
-
-std::string unsealed(const std::string& text) {
-  const std::size_t end = text.rfind("\nend ");
-  require(end != std::string::npos, "the certificate is cut off");
-  require(text.substr(end + 1) == "end " + hexText(xxh64(text.substr(0, end + 1))) + "\n",
-          "the certificate is damaged: its checksum does not match");
-  return text.substr(0, end);
 }
 
 }  // namespace checker

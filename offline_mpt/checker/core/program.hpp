@@ -1,11 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "rows.hpp"
+#include "core/rows.hpp"
 
 /// The program that a proof is about, as its lines give it.
 namespace checker {
@@ -16,15 +16,20 @@ struct Matrix {
   const Fraction& at(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
 };
 
+/// box, H, f, F, A, b, S, A_theta, b_theta, E, C, c (offline_mpt/CERTIFICATE.md).
+using Matrices = std::map<std::string, Matrix>;
+
 /// The rest of a line: rows, columns, entries.
 Matrix readMatrix(Line& line, const std::string& key);
 
 /// There are the matrices of a program of n variables, m rows, p parameters and q outputs, and no others.
-void requireSizes(const std::map<std::string, Matrix>& data, std::size_t n, std::size_t m, std::size_t p,
-                  std::size_t q);
+void requireSizes(const Matrices& data, std::size_t n, std::size_t m, std::size_t p, std::size_t q);
+
+/// All numbers behind a key of the outermost object, in order; none where it is missing.
+std::vector<double> jsonNumbers(const std::string& text, const std::string& key);
 
 /// Compares every number with those of a JSON problem.
-void compareNumbers(const std::string& problem, const std::function<const Matrix&(const std::string&)>& given,
+void compareNumbers(const std::string& problem, const Matrices& program,
                     const std::set<std::size_t>& equalities);
 
 }  // namespace checker

@@ -1,0 +1,21 @@
+// Statement 3: the laws of the map are the exact ones.
+#include <algorithm>
+
+#include "core/certificate.hpp"
+
+namespace checker {
+
+void Certificate::checkLaw(std::size_t index, const Region& region) const {
+  for (std::size_t i = 0; i < q_; ++i) {
+    const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
+    const Vector mapped = scaling_.inBox(row, 1, Fraction(row[p_]));
+    Fraction difference, sum;
+    for (std::size_t j = 0; j <= p_; ++j) {
+      difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
+      sum += abs(mapped[j]);
+    }
+    require(difference <= law_tolerance_ * std::max(Fraction(1), sum), "the map's law is not the exact one");
+  }
+}
+
+}  // namespace checker

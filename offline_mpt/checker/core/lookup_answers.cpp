@@ -1,0 +1,212 @@
+// Statement 6, first half: no answer violates a half-space of its region by more than 8 tolerances.
+#include <algorithm>
+
+#include "core/lookups.hpp"
+
+namespace checker {
+namespace {
+
+constexpr int kReach = 8;       // tolerances by which a row that is not tested may be violated
+constexpr int kWideBits = 26;   // look-ups accept no more than |t_j| <= 1 + 2^-26
+constexpr int kUnitBits = 120;  // the rounding error is rounded up to a multiple of 2^-120
+constexpr double kMostTolerance = 1e-8;
+constexpr std::size_t kStatus = 3;  // place among the strings of a map
+
+}  // namespace
+
+Lookups::Lookups(const Map& map, const Fraction& plane_tolerance, const std::vector<ProvenRegion>& regions,
+                 RowsOfRegion rows)
+    : map_(map),
+      regions_(regions),
+      rows_(std::move(rows)),
+      scaling_(map),
+      tolerance_(map.tolerance),
+      plane_tolerance_(plane_tolerance),
+      drops_(map.regions.size()) {
+  requirePlainMap();
+  findRounding();
+  walkTree();
+}
+
+void Lookups::requirePlainMap() const {
+  require(map_.reduced_from == 0 && map_.first_fallback == 0, "the map was reduced");
+  require(map_.words[kStatus] == "complete", "the map's status is not complete");
+  require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
+}
+
+/// Of the sum of p products and a constant, in any order, with or without fused operations.
+void Lookups::findRounding() {
+  Fraction greatest;
+  for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1) {
+    Fraction size = abs(Fraction(map_.planes[k + map_.p]));
+    for (std::size_t j = 0; j < map_.p; ++j)
+      size += abs(Fraction(map_.planes[k + j])) *
+              (abs(scaling_.centre[j]) + scaling_.half[j] * (1 + powerOfTwo(-kWideBits)));
+    greatest = std::max(greatest, size);
+  }
+  const Fraction whole =
+      ((map_.p + 3) * greatest * powerOfTwo(-53) + powerOfTwo(-1000)) * powerOfTwo(kUnitBits);
+  Integer up;
+  mpz_cdiv_q(up.get_mpz_t(), whole.get_num_mpz_t(), whole.get_den_mpz_t());
+  rounding_ = up * powerOfTwo(-kUnitBits);
+  require(4 * rounding_ <= tolerance_, "distances from planes are not computed precisely enough");
+}
+
+void Lookups::walkTree() {
+  std::vector<Visit> open{{map_.root, 0, 0}};
+  while (!open.empty()) {
+    require(visits_.size() <= 2 * map_.nodes.size(), "a node has two parents");
+    visits_.push_back(open.back());
+    open.pop_back();
+    const std::uint32_t child = visits_.back().child;
+    if ((child & Map::kLeaf) != 0) continue;
+    const Map::Node& node = map_.nodes[child];
+    const auto row = static_cast<std::int32_t>(node.plane) + 1;
+    open.push_back({node.above, visits_.size() - 1, -row});
+    open.push_back({node.below, visits_.size() - 1, row});
+  }
+}
+
+std::vector<std::int32_t> Lookups::pathTo(std::size_t visit) const {
+  std::vector<std::int32_t> path;
+  for (; visit != 0; visit = visits_[visit].parent) path.push_back(visits_[visit].row);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+/// The inner side of a signed row: row (t, 1) >= 0.
+Vector Lookups::mapRow(std::int32_t row) const {
+  const double* plane = map_.planes.data() + (static_cast<std::size_t>(std::abs(row)) - 1) * (map_.p + 1);
+  const int sign = row > 0 ? -1 : 1;
+  return scaling_.inBox(plane, sign, -sign * Fraction(plane[map_.p]));
+}
+
+Row Lookups::movedRow(std::int32_t row, const Fraction& outwards) const {
+  Vector values = mapRow(row);
+  values.back() += outwards;
+  return primitive(values);
+}
+
+Fraction Lookups::leastInWideBox(const Vector& row) const {
+  Fraction sides;
+  for (std::size_t j = 0; j < map_.p; ++j) sides += abs(row[j]);
+  return row.back() - sides * (1 + powerOfTwo(-kWideBits));
+}
+
+std::int32_t Lookups::rowOf(std::size_t region, std::size_t row) const {
+  require(row < map_.regions[region].row_count, "a proof names a row that is not there");
+  return map_.rows[map_.regions[region].first_row + row];
+}
+
+void Lookups::check(const std::vector<std::string>& lines) {
+  std::size_t next = 0;
+  for (; next < lines.size(); ++next) {
+    Line line(lines[next]);
+    if (!line.next("drop")) break;
+    readDrop(line);
+    line.end();
+  }
+  for (std::size_t visit = 0; visit < visits_.size(); ++visit) {
+    if ((visits_[visit].child & Map::kLeaf) == 0) continue;
+    try {
+      readCandidates(visit);
+      checkCoverage(lines, next);
+    } catch (const Refused& error) {
+      throw Refused("leaf " + std::to_string(visits_[visit].child & ~Map::kLeaf) + ": " + error.what());
+    }
+  }
+  require(next == lines.size(), "there are more proofs of look-ups than leaves");
+}
+
+/// row = sum of weights times rows on the path and rows of the region + rest, and rest >= constant.
+void Lookups::readDrop(Line& line) {
+  const std::size_t region = line.count(map_.regions.size() - 1);
+  Drop drop;
+  drop.visit = line.count(visits_.size() - 1);
+  drop.row = line.count(kMany);
+  require(drops_[region].empty() || drops_[region].back().visit <= drop.visit,
+          "dropped rows are out of order");
+  const Integer scale = line.integer();
+  require(scale > 0, "a proof has a scale that is not positive");
+  Vector rest = mapRow(rowOf(region, drop.row));
+  const std::vector<std::int32_t> path = pathTo(drop.visit);
+  for (const auto& [place, whole] : readWeights(line)) {
+    require(whole >= 0, "a proof has a negative weight");
+    Fraction weight(whole, scale);
+    weight.canonicalize();
+    const bool on_path = place < path.size();
+    const Vector row = mapRow(on_path ? path[place] : rowOf(region, place - path.size()));
+    for (std::size_t j = 0; j <= map_.p; ++j) rest[j] -= weight * row[j];
+    (on_path ? drop.path_weight : drop.row_weight) += weight;
+    if (!on_path) drop.rows.emplace_back(place - path.size(), weight);
+  }
+  drop.constant = leastInWideBox(rest);
+  drops_[region].push_back(std::move(drop));
+}
+
+/// Dropped rows of a region on the way to the leaf, the last first.
+std::vector<const Lookups::Drop*> Lookups::dropsOf(std::size_t region) const {
+  std::vector<const Drop*> result;
+  const std::vector<Drop>& all = drops_[region];
+  for (std::size_t visit = visit_;; visit = visits_[visit].parent) {
+    auto at = std::upper_bound(all.begin(), all.end(), visit,
+                               [](std::size_t place, const Drop& drop) { return place < drop.visit; });
+    while (at != all.begin() && (--at)->visit == visit) result.push_back(&*at);
+    if (visit == 0) return result;
+  }
+}
+
+/// No row of a candidate is violated by more than kReach tolerances where the look-up accepts it.
+void Lookups::checkBounds(std::size_t region, std::uint32_t bits) const {
+  const std::size_t count = map_.regions[region].row_count;
+  const Fraction most = kReach * tolerance_;
+  Vector bound(count, most);
+  std::vector<char> known(count, 0);
+  const auto improve = [&](std::size_t row, const Fraction& value) {
+    if (value <= most && (known[row] == 0 || value < bound[row])) {
+      known[row] = 1;
+      bound[row] = std::max(Fraction(0), value);
+    }
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t row = rowOf(region, i);
+    if (isTested(bits, i))
+      improve(i, tolerance_ + rounding_);
+    else if (contains(path_, row))
+      improve(i, rounding_);
+    else
+      improve(i, -leastInWideBox(mapRow(row)));
+  }
+  for (const Drop* drop : dropsOf(region)) {
+    Fraction value = drop->path_weight * rounding_ - drop->constant;
+    bool all_known = true;
+    for (const auto& [row, weight] : drop->rows) {
+      all_known = all_known && known[row] != 0;
+      value += weight * bound[row];
+    }
+    if (all_known) improve(drop->row, value);
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    require(known[i] != 0, "row " + std::to_string(i) + " of region " + std::to_string(region) +
+                               " is not tested, and does not follow from those that are");
+}
+
+/// Reads the leaf that a visit leads to, and shows that its answers are right.
+void Lookups::readCandidates(std::size_t visit) {
+  visit_ = visit;
+  path_ = pathTo(visit);
+  candidates_.clear();
+  known_.clear();
+  tests_.clear();
+  const Map::Leaf& leaf = map_.leaves[visits_[visit].child & ~Map::kLeaf];
+  for (std::size_t k = leaf.first; k < std::size_t{leaf.first} + leaf.count; ++k) {
+    candidates_.push_back(map_.candidates[k]);
+    require(known_.insert(candidates_.back()).second, "a region is a candidate twice");
+    tests_.push_back(map_.tests.empty() ? 0xffffffffu : map_.tests[k]);
+    checkBounds(candidates_.back(), tests_.back());
+  }
+}
+
+bool Lookups::isCandidate(std::size_t region) const { return contains(candidates_, region); }
+
+}  // namespace checker

@@ -1,0 +1,156 @@
+// Statement 6, second half: a look-up misses no parameter with a solution, but next to the boundary.
+#include <algorithm>
+
+#include "core/lookups.hpp"
+
+namespace checker {
+
+void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& next) {
+  require(next < lines.size(), "a leaf has no proof");
+  Line line(lines[next++]);
+  require(line.word() == "leaf", "a leaf has no proof");
+  if (line.next("walk")) return checkWalk(line, lines, next);
+  require(line.next("cover"), "a leaf has a proof of another kind");
+  std::vector<Row> path;
+  for (const std::int32_t row : path_) path.push_back(movedRow(row, rounding_));
+  std::vector<const Row*> cell;
+  for (const Row& row : path) cell.push_back(&row);
+  checkCover(line, cell, {tolerance_ - 2 * rounding_, true});
+  line.end();
+}
+
+/// The cell is empty, or cut by the rows that are tested in a candidate: what lies outside of each is covered. Or it is
+/// cut by a boundary row, moved inwards by the tolerance.
+void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const {
+  const std::string kind = line.word();
+  if (kind == "e") return requireEmpty(line, cell, nullptr);
+  if (kind == "b" && by.boundary) {
+    const std::size_t region = line.count(map_.regions.size() - 1), facet = line.count(kMany);
+    const std::int32_t signed_row = rowOf(region, facet);
+    require(regions_[region].facets[facet].is_boundary, "a cut by what is no boundary");
+    const Row row = movedRow(signed_row, -tolerance_);
+    cell.push_back(&row);
+    return checkCover(line, cell, by);
+  }
+  require(kind == "N", kind + " covers nothing");
+  const std::size_t place = line.count(kMany);
+  require(place < candidates_.size(), "a part is left to what is no candidate");
+  const std::size_t region = candidates_[place];
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < map_.regions[region].row_count; ++i) {
+    if (isTested(tests_[place], i)) rows.push_back(movedRow(rowOf(region, i), by.reach));
+  }
+  for (const Row& row : rows) {
+    const Row other_side = negated(row);
+    std::vector<const Row*> outside = cell;
+    outside.push_back(&other_side);
+    checkCover(line, outside, by);
+    cell.push_back(&row);
+  }
+}
+
+void Lookups::checkWalk(Line& line, const std::vector<std::string>& lines, std::size_t& next) {
+  checkStart(line);
+  line.end();
+  path_inside_.clear();
+  for (const std::int32_t row : path_) path_inside_.push_back(movedRow(row, -depth_));
+  near_.clear();
+  beginWalk();
+  for (; next < lines.size(); ++next) {
+    Line proof(lines[next]);
+    if (!readWalk(proof) && !readFurther(proof)) break;
+    proof.end();
+  }
+  for (const std::size_t region : candidates_) checkBehind(region, true);
+  for (const std::size_t region : near_) checkBehind(region, false);
+}
+
+bool Lookups::readWalk(Line& line) {
+  const bool is_outside = line.next("outside");
+  if (is_outside) readOutside(line);
+  const bool is_near = !is_outside && line.next("near");
+  if (is_near) readNear(line);
+  return is_outside || is_near;
+}
+
+/// A point inside of a candidate, so deep in the leaf that what arrives there can be moved towards it.
+void Lookups::checkStart(Line& line) {
+  const std::size_t place = line.count(kMany);
+  require(place < candidates_.size(), "a walk starts in what is no candidate");
+  depth_ = powerOfTwo(-static_cast<int>(line.count(1000)));
+  Vector point;
+  while (!line.done()) point.push_back(line.fraction());
+  require(point.size() == map_.p, "the starting point is missing");
+  for (const Fraction& value : point) require(abs(value) < 1, "the starting point lies outside of the box");
+  for (const Row& row : conditions(candidates_[place]))
+    require(valueAt(row, point) > 0, "the starting point does not lie inside");
+  const auto at_point = [&](std::int32_t row) {
+    const Vector values = mapRow(row);
+    Fraction value = values.back();
+    for (std::size_t j = 0; j < map_.p; ++j) value += values[j] * point[j];
+    return value;
+  };
+  Fraction deep(1), greatest, error;
+  for (const std::int32_t row : path_) deep = std::min(deep, at_point(row));
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const std::size_t region = candidates_[k];
+    error = std::max(error, regions_[region].plane_error);
+    for (std::size_t i = 0; i < map_.regions[region].row_count; ++i) {
+      if (isTested(tests_[k], i)) greatest = std::max(greatest, Fraction(abs(at_point(rowOf(region, i)))));
+    }
+  }
+  const Fraction room = tolerance_ - 2 * rounding_ - plane_tolerance_ - error;
+  require(deep > 0 && (depth_ + rounding_) * (greatest + tolerance_) <= room * (deep + rounding_),
+          "the starting point is not deep enough");
+}
+
+std::vector<const Row*> Lookups::cellWith(const std::vector<Row>& rows) const {
+  std::vector<const Row*> cell;
+  for (const Row& row : path_inside_) cell.push_back(&row);
+  for (const Row& row : rows) cell.push_back(&row);
+  return cell;
+}
+
+void Lookups::readOutside(Line& line) {
+  const std::size_t region = line.count(regions_.size() - 1);
+  const std::vector<Row> rows = rows_(region);
+  requireEmpty(line, cellWith(rows), nullptr);
+  known_.insert(region);
+}
+
+/// The region, where it reaches into the leaf, lies within the plane tolerance of candidates' tested rows.
+void Lookups::readNear(Line& line) {
+  const std::size_t region = line.count(regions_.size() - 1);
+  const std::vector<Row> rows = rows_(region);
+  checkCover(line, cellWith(rows), {plane_tolerance_, false});
+  known_.insert(region);
+  near_.push_back(region);
+}
+
+/// Behind each facet lie candidates, or nothing that matters at the leaf.
+void Lookups::checkBehind(std::size_t region, bool is_candidate) const {
+  const std::vector<FacetBehind>& facets = regions_[region].facets;
+  for (std::size_t facet = 0; facet < facets.size(); ++facet) {
+    const auto is_known = [&](std::size_t other) { return known_.count(other) > 0; };
+    const std::vector<std::size_t>& behind = facets[facet].regions;
+    require(facets[facet].is_boundary || std::all_of(behind.begin(), behind.end(), is_known) ||
+                (is_candidate && isOutside(region, facet)),
+            "region " + std::to_string(region) + ": what lies behind facet " + std::to_string(facet) +
+                " is no candidate");
+  }
+}
+
+/// Whether the facet has no point in the part of the leaf.
+bool Lookups::isOutside(std::size_t region, std::size_t facet) const {
+  if (facet >= map_.regions[region].row_count) return false;
+  const Fraction& error = regions_[region].plane_error;
+  if (contains(path_, rowOf(region, facet))) return depth_ >= error;
+  if (!dropsShowOutside()) return false;
+  const std::vector<const Drop*> drops = dropsOf(region);
+  return std::any_of(drops.begin(), drops.end(), [&](const Drop* drop) {
+    return drop->row == facet &&
+           drop->constant + depth_ * drop->path_weight >= error * (1 + drop->row_weight);
+  });
+}
+
+}  // namespace checker

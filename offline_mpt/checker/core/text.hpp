@@ -1,0 +1,47 @@
+#pragma once
+
+#include <gmpxx.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+/// Lines and words of certificates, and their checksums.
+namespace checker {
+
+/// The rule that a file breaks.
+struct Refused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+inline void require(bool condition, const std::string& rule) {
+  if (!condition) throw Refused(rule);
+}
+
+std::uint64_t xxh64(const std::string& bytes);  ///< seed 0
+std::string hexText(std::uint64_t value);       ///< 16 digits
+
+/// The lines of a certificate before the last, which seals them.
+std::string unsealed(const std::string& text);
+
+/// Words of one line.
+class Line {
+ public:
+  explicit Line(const std::string& text) : words_(text) {}
+  std::string word();
+  bool done() { return (words_ >> std::ws).eof(); }
+  std::size_t count(std::size_t limit);    ///< whole, at most `limit`
+  mpz_class integer();                     ///< base 16
+  mpq_class fraction();                    ///< base 16, as numerator/denominator
+  mpq_class real();                        ///< a double as printf's %a writes it, at its exact value
+  bool next(const std::string& expected);  ///< takes the next word if it is this one
+  std::string rest();                      ///< all words that are left
+  void end() { require(done(), "a line is longer than its rule"); }
+
+ private:
+  std::istringstream words_;
+};
+
+}  // namespace checker
