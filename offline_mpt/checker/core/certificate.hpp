@@ -66,6 +66,9 @@ class Certificate {
   void compareProblem(const std::string& problem) const;
   /// The statements, region by region, then of look-ups.
   void check() const;
+  /// The numbers of the program, and its equalities.
+  const Matrices& program() const { return originalData(); }
+  const std::set<std::size_t>& equalities() const { return equalities_; }
   /// What a reader must know besides "confirmed".
   virtual std::string conditions() const;
 

@@ -1,0 +1,50 @@
+// check_problem CERTIFICATE --map MAP [--problem FILE]: confirms that the program of a certificate is the discretised,
+// condensed problem of its map. GMP and yaml-cpp only; shares no code with the solver.
+#include <cstdio>
+
+#include "arguments.hpp"
+#include "extensions/read_certificate.hpp"
+#include "files.hpp"
+#include "polyfly_base/out_of_memory.hpp"
+#include "polyfly_base/version.hpp"
+#include "problem/program_match.hpp"
+
+namespace {
+
+constexpr char kUsage[] =
+    R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
+Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
+discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
+check_certificate confirms. Problems are YAML files of type tracking_mpc.
+With --problem, MAP must carry the text of that file.
+Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
+)";
+
+const mpq_class kTolerance(mpz_class(1), mpz_class(1000000000000));
+
+void confirm(const checker::Arguments& arguments) {
+  const auto map_file = arguments.find("--map"), problem_file = arguments.find("--problem");
+  if (map_file == arguments.end()) throw checker::BadUsage("--map is missing");
+  const checker::Map map(checker::readFile(map_file->second));
+  if (problem_file != arguments.end())
+    checker::require(checker::readFile(problem_file->second) == map.problem,
+                     "the problem file is not the one that the map was made from");
+  const auto certificate = checker::readCertificate(checker::readFile(arguments.at("")), map);
+  checker::require(certificate->program().at("A").rows > 0 && certificate->equalities().empty(),
+                   "a tracking problem has no equalities");
+  const checker::TrackingProblem problem = checker::readTrackingProblem(map.problem);
+  const checker::ExpectedProgram expected = checker::expectedProgram(problem);
+  const mpq_class difference = checker::matchProgram(certificate->program(), problem, expected, kTolerance);
+  std::printf(
+      "confirmed: the program is that of the problem, within %.3g of the greatest entry of each row\n"
+      "the Riccati equation of the terminal weight holds within %.3g\n",
+      difference.get_d(), expected.riccati_residual.get_d());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  polyfly::installOutOfMemoryHandler("check_problem");
+  return checker::run({"check_problem", polyfly::kVersion, kUsage, {"--map", "--problem"}}, argc, argv,
+                      confirm);
+}

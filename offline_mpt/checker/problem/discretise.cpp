@@ -1,0 +1,54 @@
+#include "core/text.hpp"
+#include "problem/optimal_control.hpp"
+
+namespace checker {
+namespace {
+
+/// exp(M), by a Taylor series of M / 2^k whose rest is bounded, and k squarings.
+BallMatrix exponential(const BallMatrix& M) {
+  constexpr int kMostSquarings = 64;
+  constexpr unsigned kTerms = 120;
+  int squarings = 0;
+  mpq_class scale(1);
+  for (; M.norm() * scale > mpq_class(1, 2); ++squarings) {
+    require(squarings < kMostSquarings, "the model is too fast for the sampling time");
+    scale /= 2;
+  }
+  const std::size_t size = M.rows();
+  BallMatrix scaled = M;
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) scaled.at(i, j) = scaled.at(i, j) * Ball(scale);
+  }
+  BallMatrix result = BallMatrix::identity(size), power = result;
+  // The next term's norm is at most 2^-k / k!; all that follow add up to less than as much again.
+  mpq_class rest(1);
+  for (unsigned k = 1; k <= kTerms; ++k) {
+    power = power * scaled;
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t j = 0; j < size; ++j) power.at(i, j) = power.at(i, j) / Ball(mpq_class(k));
+    }
+    result = result + power;
+    rest /= 2 * k;
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) result.at(i, j) = result.at(i, j).widened(rest);
+  }
+  for (; squarings > 0; --squarings) result = result * result;
+  return result;
+}
+
+}  // namespace
+
+DiscreteSystem discretised(const TrackingProblem& problem) {
+  const std::size_t nx = problem.A.rows(), nu = problem.B.columns();
+  BallMatrix M(nx + nu, nx + nu);
+  M.setBlock(0, 0, problem.A);
+  M.setBlock(0, nx, problem.B);
+  for (std::size_t i = 0; i < nx; ++i) {
+    for (std::size_t j = 0; j < nx + nu; ++j) M.at(i, j) = M.at(i, j) * Ball(problem.sampling_time);
+  }
+  const BallMatrix map = exponential(M);
+  return {map.block(0, 0, nx, nx), map.block(0, nx, nx, nu)};
+}
+
+}  // namespace checker

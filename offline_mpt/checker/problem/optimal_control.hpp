@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "problem/ball.hpp"
+#include "problem/tracking_problem.hpp"
+
+namespace checker {
+
+/// x+ = A x + B u over one period, by the matrix exponential.
+struct DiscreteSystem {
+  BallMatrix A, B;
+};
+DiscreteSystem discretised(const TrackingProblem& problem);
+
+/// P of the Riccati equation, to about 100 digits; it has no error of its own.
+struct TerminalWeight {
+  BallMatrix P;
+  /// The greatest entry of A'PA - A'PB (R + B'PB)^-1 B'PA + Q - P is at most this.
+  mpq_class residual;
+};
+/// Throws Refused where no P is found whose closed loop is stable.
+TerminalWeight terminalWeight(const DiscreteSystem& system, const BallMatrix& Q, const BallMatrix& R);
+
+/// on_z z <= bound + on_theta theta. Without z it bounds theta.
+struct ExpectedRow {
+  std::vector<Ball> on_z, on_theta;
+  Ball bound;
+};
+
+/// Eq. 4 and 38 as a program in z = (u~_0 .. u~_{N-1}) and theta; u = z_0 + C theta.
+struct ExpectedProgram {
+  BallMatrix H, F, C;
+  std::vector<ExpectedRow> rows;
+  mpq_class riccati_residual;
+};
+ExpectedProgram expectedProgram(const TrackingProblem& problem);
+
+}  // namespace checker

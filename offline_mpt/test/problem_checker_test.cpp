@@ -1,0 +1,209 @@
+// check_problem: the program of a certificate against the problem file, by arithmetic of its own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include "mpc_core/mpc_problem.hpp"
+#include "problem/program_match.hpp"
+
+namespace polyfly {
+namespace {
+
+using checker::Ball;
+using checker::BallMatrix;
+
+const mpq_class kTolerance(1, 1000000000000);
+
+checker::Matrix matrixOf(const Eigen::MatrixXd& values) {
+  checker::Matrix result;
+  result.rows = static_cast<std::size_t>(values.rows());
+  result.columns = static_cast<std::size_t>(values.cols());
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    for (Eigen::Index j = 0; j < values.cols(); ++j) result.entries.emplace_back(values(i, j));
+  }
+  return result;
+}
+
+checker::Matrices matricesOf(const ParametricProgram& program) {
+  Eigen::MatrixXd box(program.parameterCount(), 2);
+  for (int j = 0; j < program.parameterCount(); ++j) {
+    const Signal& parameter = program.parameters[static_cast<std::size_t>(j)];
+    box.row(j) << parameter.lower, parameter.upper;
+  }
+  return {{"box", matrixOf(box)},
+          {"H", matrixOf(program.H)},
+          {"f", matrixOf(program.f)},
+          {"F", matrixOf(program.F)},
+          {"A", matrixOf(program.A)},
+          {"b", matrixOf(program.b)},
+          {"S", matrixOf(program.S)},
+          {"A_theta", matrixOf(program.A_theta)},
+          {"b_theta", matrixOf(program.b_theta)},
+          {"E", matrixOf(program.E)},
+          {"C", matrixOf(program.C)},
+          {"c", matrixOf(program.c)}};
+}
+
+/// Empty: the program is that of the problem. Else why it is not.
+std::string refusal(const checker::Matrices& program, const std::string& problem_text) {
+  try {
+    const checker::TrackingProblem problem = checker::readTrackingProblem(problem_text);
+    checker::matchProgram(program, problem, checker::expectedProgram(problem), kTolerance);
+  } catch (const checker::Refused& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// A problem of two inputs and three states, with numbers that depend on the seed; every key of the schema occurs.
+std::string madeProblem(unsigned seed, int horizon = 4) {
+  std::mt19937 random(seed);
+  const auto number = [&](double lower, double upper) {
+    return std::uniform_real_distribution<double>(lower, upper)(random);
+  };
+  const auto row = [&](double a, double b, double c) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "[" << a << ", " << b << ", " << c << "]";
+    return text.str();
+  };
+  std::ostringstream text;
+  text.precision(17);
+  text << "polyfly_problem: 1\nname: made\ntype: tracking_mpc\nmodel:\n"
+       << "  states:\n    - {name: x1, unit: m, range: [-4, 3]}\n    - {name: x2, unit: m/s}\n"
+       << "    - {name: x3, unit: rad, range: [-1, 1]}\n"
+       << "  inputs:\n    - {name: u1, unit: rad, range: [-0.5, 0.4]}\n    - {name: u2, unit: N, range: [-2, "
+          "2]}\n"
+       << "  A:\n    - " << row(0, 1, number(-0.3, 0.3)) << "\n    - "
+       << row(0, number(-1, 0.2), number(-9, 9)) << "\n    - " << row(number(-0.2, 0.2), 0, number(-5, -1))
+       << "\n"
+       << "  B:\n    - [0, " << number(0.5, 1) << "]\n    - [" << number(-0.2, 0.2) << ", " << number(0.1, 1)
+       << "]\n    - [" << number(2, 5) << ", 0]\n"
+       << "  C:\n    - [1, 0, 0]\n    - [0, 1, 0]\n"
+       << "sampling_time: " << number(0.05, 0.3) << "\nhorizon: " << horizon << "\nweights:\n"
+       << "  Q: [" << number(1, 50) << ", " << number(1, 20) << ", " << number(0.1, 5) << "]\n"
+       << "  R:\n    - [" << number(5, 9) << ", 0.5]\n    - [0.5, " << number(1, 4) << "]\n"
+       << "  R_delta: [" << number(0, 1) << ", 0.3]\n"
+       << "parameters:\n"
+       << "  - {name: e1, role: error, of: x1, unit: m, range: [-3, 3]}\n"
+       << "  - {name: r1, role: input_reference, of: u1, unit: rad, range: [-0.2, 0.25]}\n"
+       << "  - {name: e2, role: error, of: x2, unit: m/s, range: [-3, 3]}\n"
+       << "  - {name: e3, role: error, of: x3, unit: rad, range: [-0.5, 0.6]}\n"
+       << "  - {name: before2, role: previous_input, of: u2, unit: N, range: [-2, 2]}\n";
+  return text.str();
+}
+
+TEST(ProblemChecker, ConfirmsWhatCondenseMakes) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const std::string text = madeProblem(seed, 1 + static_cast<int>(seed) % 6);
+    EXPECT_EQ(refusal(matricesOf(condense(parseProblem(text, "made"))), text), "") << seed;
+  }
+}
+
+/// Each nonzero number of the program matters, and so does each of the first rows.
+TEST(ProblemChecker, RefusesAChangedProgram) {
+  const std::string text = madeProblem(7, 2);
+  const checker::Matrices right = matricesOf(condense(parseProblem(text, "made")));
+  ASSERT_EQ(refusal(right, text), "");
+  for (const auto& [name, matrix] : right) {
+    for (std::size_t k = 0; k < matrix.entries.size(); ++k) {
+      checker::Matrices changed = right;
+      mpq_class& entry = changed.at(name).entries[k];
+      // 1e-9 of the greatest entry of the matrix.
+      mpq_class size;
+      for (const mpq_class& other : matrix.entries) size = std::max(size, mpq_class(abs(other)));
+      entry += (size == 0 ? mpq_class(1) : size) / 1000000000;
+      EXPECT_NE(refusal(changed, text), "") << name << " " << k;
+    }
+  }
+  checker::Matrices shorter = right;
+  for (const char* name : {"A", "S", "b"}) {
+    checker::Matrix& matrix = shorter.at(name);
+    --matrix.rows;
+    matrix.entries.resize(matrix.rows * matrix.columns);
+  }
+  EXPECT_NE(refusal(shorter, text), "");
+}
+
+TEST(ProblemChecker, RefusesAnotherProblem) {
+  const std::string text = madeProblem(3);
+  const checker::Matrices program = matricesOf(condense(parseProblem(text, "made")));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return changed.replace(at, from.size(), to);
+  };
+  EXPECT_EQ(refusal(program, text), "");
+  EXPECT_NE(refusal(program, with("range: [-4, 3]", "range: [-4, 3.000001]")), "");
+  EXPECT_NE(refusal(program, with("range: [-0.5, 0.4]", "range: [-0.5, 0.41]")), "");
+  EXPECT_NE(refusal(program, with("horizon: 4", "horizon: 5")), "");
+  EXPECT_NE(refusal(program, with("0.5]\n    - [0.5", "0.50001]\n    - [0.50001")), "");
+  EXPECT_NE(refusal(program, with("0.3]\nparameters", "0.31]\nparameters")), "");
+  EXPECT_NE(refusal(program, with("range: [-0.2, 0.25]", "range: [-0.2, 0.2]")), "");
+  EXPECT_NE(refusal(program, with("role: previous_input, of: u2", "role: previous_input, of: u1")), "");
+  EXPECT_NE(refusal(program, with("horizon", "look_ahead: 1\nhorizon")).find("look_ahead"),
+            std::string::npos);
+  EXPECT_NE(refusal(program, R"({"H": [[1]]})").find("JSON"), std::string::npos);
+  EXPECT_NE(refusal(program, "- 1").find("keys"), std::string::npos);
+  EXPECT_NE(refusal(program, with("  Q: [", "  Q: [[")).find("problem"), std::string::npos);
+}
+
+/// exp of a nilpotent matrix is a polynomial.
+TEST(ProblemChecker, DiscretisesADoubleIntegratorExactly) {
+  checker::TrackingProblem problem;
+  problem.A = BallMatrix(2, 2);
+  problem.A.at(0, 1) = Ball(1);
+  problem.B = BallMatrix(2, 1);
+  problem.B.at(1, 0) = Ball(3);
+  problem.sampling_time = mpq_class(1, 10);
+  const checker::DiscreteSystem system = checker::discretised(problem);
+  const mpq_class tiny(mpz_class(1), mpz_class(1) << 400);
+  EXPECT_LT(system.A.at(0, 1).distance(mpq_class(1, 10)), tiny);
+  EXPECT_LT(system.A.at(0, 0).distance(1), tiny);
+  EXPECT_LT(system.B.at(0, 0).distance(mpq_class(3, 200)), tiny);
+  EXPECT_LT(system.B.at(1, 0).distance(mpq_class(3, 10)), tiny);
+}
+
+/// P = q + a^2 P - (a b P)^2 / (r + b^2 P) is quadratic in P.
+TEST(ProblemChecker, SolvesAScalarRiccatiEquation) {
+  for (const double a : {0.3, 1.0, 1.7}) {
+    const double b = 0.4, q = 2.0, r = 0.7;
+    BallMatrix A(1, 1), B(1, 1), Q(1, 1), R(1, 1);
+    A.at(0, 0) = Ball(mpq_class(a));
+    B.at(0, 0) = Ball(mpq_class(b));
+    Q.at(0, 0) = Ball(mpq_class(q));
+    R.at(0, 0) = Ball(mpq_class(r));
+    const checker::TerminalWeight terminal = checker::terminalWeight({A, B}, Q, R);
+    const double half = (r - a * a * r - q * b * b) / (2.0 * b * b);
+    const double P = -half + std::sqrt(half * half + q * r / (b * b));
+    EXPECT_NEAR(terminal.P.greatest().get_d(), P, 1e-13 * P);
+    EXPECT_LT(terminal.residual, mpq_class(mpz_class(1), mpz_class(1) << 300));
+  }
+}
+
+/// Sums, products and quotients of random fractions lie within their bounds.
+TEST(ProblemChecker, BallsHoldTheExactNumber) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<long> whole(-1000000, 1000000);
+  for (int k = 0; k < 200; ++k) {
+    mpq_class exact(whole(random), 1 + std::abs(whole(random)));
+    exact.canonicalize();
+    Ball ball(exact);
+    for (int step = 0; step < 6; ++step) {
+      mpq_class other(1 + std::abs(whole(random)), 1 + std::abs(whole(random)));
+      other.canonicalize();
+      exact = (exact + other) * other / (other + 1) - exact;
+      ball = (ball + Ball(other)) * Ball(other) / Ball(other + 1) - ball;
+    }
+    // The distance of a ball that holds the number is at most twice its radius, which stays tiny.
+    EXPECT_LT(ball.distance(exact), mpq_class(mpz_class(1), mpz_class(1) << 400));
+    EXPECT_GE((ball - ball.middle()).greatest() * 2, ball.distance(exact));
+  }
+  EXPECT_THROW(Ball(1) / (Ball(1) - Ball(1)), checker::Refused);
+}
+
+}  // namespace
+}  // namespace polyfly
