@@ -102,6 +102,84 @@ TEST(ProblemChecker, ConfirmsWhatCondenseMakes) {
   }
 }
 
+/// The same with what a problem file may state besides.
+std::string fullProblem(unsigned seed) {
+  std::string text = madeProblem(seed, 5);
+  const auto change = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  const bool discrete = seed % 2 == 1;
+  change("model:\n", discrete ? "model:\n  time: discrete\n" : "model:\n");
+  change("range: [-2, 2]}\n", "range: [-2, 2], change: [-0.7, 0.9]}\n");
+  change("  A:\n",
+         "  disturbances:\n    - {name: d1, unit: m}\n  B_d:\n    - [0.1]\n    - [1]\n    - [-0.3]\n  A:\n");
+  change("horizon: 5\n",
+         seed % 3 == 0 ? "horizon: 5\nmoves: [1, 2, 2]\n" : "horizon: 5\ncontrol_horizon: 3\n");
+  change("parameters:\n", R"(  terminal:
+    - [30, 1, 0]
+    - [1, 20, 0.5]
+    - [0, 0.5, 9]
+terminal_set:
+  T:
+    - [1, 0.5, 0]
+    - [-1, 0, 0.25]
+  t: [2, 1.5]
+constraints:
+  - {of: x2, range: [-2.5, 2], soft: {linear: 40, quadratic: 3}}
+  - {of: x3, upper: 0.8, soft: {quadratic: 3, slack: horizon}, measured_from: reference}
+  - {name: sum, of: {u1: 1, x2: -0.05}, unit: rad, range: [-0.6, 0.45], soft: {linear: 2, quadratic: 1, slack: horizon}}
+  - {name: hard, of: {u2: 1, u1: 0.5}, unit: N, lower: -2.2, measured_from: reference}
+parameters:
+)");
+  if (seed % 4 < 2) {
+    text += R"(  - {name: x1_ref, role: state_reference, of: x1, unit: m, value: 0.5}
+  - {name: x2_ref, role: state_reference, of: x2, unit: m/s, range: [-1, 1]}
+  - {name: x3_ref, role: state_reference, of: x3, unit: rad, value: 0}
+  - {name: d, role: disturbance, of: d1, unit: m, range: [-0.1, 0.2]}
+)";
+    return text;
+  }
+  for (const char* state : {"x1", "x2", "x3"})
+    change(std::string("role: error, of: ") + state, std::string("role: state, of: ") + state);
+  change("  - {name: r1, role: input_reference, of: u1, unit: rad, range: [-0.2, 0.25]}\n", "");
+  return text + R"(  - {name: r_x1, role: reference, of: x1, unit: m, range: [-1, 1]}
+  - {name: r_x2, role: reference, of: x2, unit: m/s, value: 0.3}
+  - {name: d, role: disturbance, of: d1, unit: m, value: 0.05}
+)";
+}
+
+TEST(ProblemChecker, ConfirmsConstraintsAndRoles) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const std::string text = fullProblem(seed);
+    EXPECT_EQ(refusal(matricesOf(condense(parseProblem(text, "made"))), text), "") << seed;
+  }
+}
+
+TEST(ProblemChecker, RefusesOtherConstraints) {
+  const std::string text = fullProblem(2);
+  const checker::Matrices program = matricesOf(condense(parseProblem(text, "made")));
+  ASSERT_EQ(refusal(program, text), "");
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"linear: 40", "linear: 41"},
+                                                        {"quadratic: 3}", "quadratic: 3.1}"},
+                                                        {"slack: horizon", "slack: stage"},
+                                                        {"upper: 0.8", "lower: -0.8"},
+                                                        {"-0.7, 0.9", "-0.7, 0.91"},
+                                                        {"x2: -0.05", "x2: 0.05"},
+                                                        {"t: [2, 1.5]", "t: [2, 1.6]"},
+                                                        {"[30, 1, 0]", "[31, 1, 0]"},
+                                                        {"value: 0.05", "value: 0.06"},
+                                                        {", measured_from: reference", ""},
+                                                        {"control_horizon: 3", "control_horizon: 4"}}) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    EXPECT_NE(refusal(program, changed.replace(at, from.size(), to)), "") << from;
+  }
+}
+
 /// Each nonzero number of the program matters, and so does each of the first rows.
 TEST(ProblemChecker, RefusesAChangedProgram) {
   const std::string text = madeProblem(7, 2);
@@ -158,6 +236,7 @@ TEST(ProblemChecker, DiscretisesADoubleIntegratorExactly) {
   problem.A.at(0, 1) = Ball(1);
   problem.B = BallMatrix(2, 1);
   problem.B.at(1, 0) = Ball(3);
+  problem.B_d = BallMatrix(2, 0);
   problem.sampling_time = mpq_class(1, 10);
   const checker::DiscreteSystem system = checker::discretised(problem);
   const mpq_class tiny(mpz_class(1), mpz_class(1) << 400);
@@ -176,7 +255,7 @@ TEST(ProblemChecker, SolvesAScalarRiccatiEquation) {
     B.at(0, 0) = Ball(mpq_class(b));
     Q.at(0, 0) = Ball(mpq_class(q));
     R.at(0, 0) = Ball(mpq_class(r));
-    const checker::TerminalWeight terminal = checker::terminalWeight({A, B}, Q, R);
+    const checker::TerminalWeight terminal = checker::terminalWeight({A, B, BallMatrix(1, 0)}, Q, R);
     const double half = (r - a * a * r - q * b * b) / (2.0 * b * b);
     const double P = -half + std::sqrt(half * half + q * r / (b * b));
     EXPECT_NEAR(terminal.P.greatest().get_d(), P, 1e-13 * P);

@@ -40,15 +40,17 @@ BallMatrix exponential(const BallMatrix& M) {
 }  // namespace
 
 DiscreteSystem discretised(const TrackingProblem& problem) {
-  const std::size_t nx = problem.A.rows(), nu = problem.B.columns();
-  BallMatrix M(nx + nu, nx + nu);
+  if (problem.is_discrete) return {problem.A, problem.B, problem.B_d};
+  const std::size_t nx = problem.A.rows(), nu = problem.B.columns(), nd = problem.B_d.columns();
+  BallMatrix M(nx + nu + nd, nx + nu + nd);
   M.setBlock(0, 0, problem.A);
   M.setBlock(0, nx, problem.B);
+  M.setBlock(0, nx + nu, problem.B_d);
   for (std::size_t i = 0; i < nx; ++i) {
-    for (std::size_t j = 0; j < nx + nu; ++j) M.at(i, j) = M.at(i, j) * Ball(problem.sampling_time);
+    for (std::size_t j = 0; j < M.columns(); ++j) M.at(i, j) = M.at(i, j) * Ball(problem.sampling_time);
   }
   const BallMatrix map = exponential(M);
-  return {map.block(0, 0, nx, nx), map.block(0, nx, nx, nu)};
+  return {map.block(0, 0, nx, nx), map.block(0, nx, nx, nu), map.block(0, nx + nu, nx, nd)};
 }
 
 }  // namespace checker

@@ -7,9 +7,9 @@
 
 namespace checker {
 
-/// x+ = A x + B u over one period, by the matrix exponential.
+/// x_{k+1} = A x_k + B u_k + B_d d_k, by the matrix exponential.
 struct DiscreteSystem {
-  BallMatrix A, B;
+  BallMatrix A, B, B_d;
 };
 DiscreteSystem discretised(const TrackingProblem& problem);
 
@@ -28,10 +28,12 @@ struct ExpectedRow {
   Ball bound;
 };
 
-/// Eq. 4 and 38 as a program in z = (u~_0 .. u~_{N-1}) and theta; u = z_0 + C theta.
+/// Eq. 4 and 38 as a program in z = (u~ of each block, slacks) and theta. F and C have the constant part, f and c, as
+/// their last column; u = z_0 + C (theta, 1).
 struct ExpectedProgram {
   BallMatrix H, F, C;
   std::vector<ExpectedRow> rows;
+  /// 0 where P is given.
   mpq_class riccati_residual;
 };
 ExpectedProgram expectedProgram(const TrackingProblem& problem);

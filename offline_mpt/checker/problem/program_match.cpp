@@ -25,16 +25,26 @@ class Match {
  public:
   Match(const Matrices& program, const Fraction& tolerance) : program_(program), tolerance_(tolerance) {}
 
-  void matrix(const std::string& name, const BallMatrix& expected) {
-    const Matrix& actual = program_.at(name);
-    require(actual.rows == expected.rows() && actual.columns == expected.columns(),
+  /// `names` are matrices side by side.
+  void matrix(const std::vector<std::string>& names, const BallMatrix& expected) {
+    std::string name;
+    std::size_t columns = 0;
+    for (const std::string& part : names) {
+      name += (name.empty() ? "" : " ") + part;
+      columns += program_.at(part).columns;
+    }
+    const std::size_t rows = program_.at(names.front()).rows;
+    require(rows == expected.rows() && columns == expected.columns(),
             name + ": has another size than the problem");
-    for (std::size_t i = 0; i < actual.rows; ++i) {
+    for (std::size_t i = 0; i < rows; ++i) {
       Vector entries;
       std::vector<Ball> balls;
-      for (std::size_t j = 0; j < actual.columns; ++j) {
-        entries.push_back(actual.at(i, j));
-        balls.push_back(expected.at(i, j));
+      for (const std::string& part : names) {
+        const Matrix& actual = program_.at(part);
+        for (std::size_t j = 0; j < actual.columns; ++j) {
+          balls.push_back(expected.at(i, entries.size()));
+          entries.push_back(actual.at(i, j));
+        }
       }
       requireSmall(difference(entries, balls), name + ": row " + std::to_string(i));
     }
@@ -102,23 +112,24 @@ class Match {
 
 mpq_class matchProgram(const Matrices& program, const TrackingProblem& problem,
                        const ExpectedProgram& expected, const mpq_class& tolerance) {
-  const std::size_t n = expected.H.rows(), p = problem.parameters.size(), q = expected.C.rows();
-  requireSizes(program, n, program.at("A").rows, p, q);
-  for (std::size_t j = 0; j < p; ++j) {
-    const TrackingProblem::Range& range = problem.parameters[j].range;
-    require(program.at("box").at(j, 0) == range.lower && program.at("box").at(j, 1) == range.upper,
+  const std::size_t n = expected.H.rows(), q = expected.C.rows();
+  requireSizes(program, n, program.at("A").rows, problem.freeCount(), q);
+  std::size_t j = 0;
+  for (const TrackingProblem::Parameter& parameter : problem.parameters) {
+    if (parameter.fixed) continue;
+    require(program.at("box").at(j, 0) == parameter.range.lower &&
+                program.at("box").at(j, 1) == parameter.range.upper,
             "the range of parameter " + std::to_string(j) + " is not that of the problem");
+    ++j;
   }
   Match match(program, tolerance);
-  match.matrix("H", expected.H);
-  match.matrix("F", expected.F);
-  match.matrix("f", BallMatrix(n, 1));
+  match.matrix({"H"}, expected.H);
+  match.matrix({"F", "f"}, expected.F);
   match.rows(expected.rows);
   BallMatrix first(q, n);
   first.setBlock(0, 0, BallMatrix::identity(q));
-  match.matrix("E", first);
-  match.matrix("C", expected.C);
-  match.matrix("c", BallMatrix(q, 1));
+  match.matrix({"E"}, first);
+  match.matrix({"C", "c"}, expected.C);
   return match.greatest();
 }
 

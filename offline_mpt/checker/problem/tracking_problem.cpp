@@ -3,7 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -12,9 +11,12 @@
 namespace checker {
 namespace {
 
+using Role = TrackingProblem::Role;
+
 constexpr std::size_t kMostSteps = 200;
 
 void requireKeys(const YAML::Node& node, const std::set<std::string>& known) {
+  require(node.IsMap(), "problem: an entry has no keys");
   for (const auto& entry : node) {
     const auto key = entry.first.as<std::string>();
     require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
@@ -27,6 +29,8 @@ double numberOf(const YAML::Node& node) {
   return value;
 }
 
+Ball ballOf(const YAML::Node& node) { return Ball(mpq_class(numberOf(node))); }
+
 TrackingProblem::Range rangeOf(const YAML::Node& node) {
   require(node.IsSequence() && node.size() == 2, "problem: a range has two numbers");
   return {numberOf(node[0]), numberOf(node[1])};
@@ -37,7 +41,7 @@ BallMatrix matrixOf(const YAML::Node& node, std::size_t rows, std::size_t column
   BallMatrix result(rows, columns);
   for (std::size_t i = 0; i < rows; ++i) {
     require(node[i].IsSequence() && node[i].size() == columns, "problem: a matrix has another size");
-    for (std::size_t j = 0; j < columns; ++j) result.at(i, j) = Ball(mpq_class(numberOf(node[i][j])));
+    for (std::size_t j = 0; j < columns; ++j) result.at(i, j) = ballOf(node[i][j]);
   }
   return result;
 }
@@ -47,82 +51,211 @@ BallMatrix weightOf(const YAML::Node& node, std::size_t size) {
   require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
   if (node[0].IsSequence()) return matrixOf(node, size, size);
   BallMatrix result(size, size);
-  for (std::size_t i = 0; i < size; ++i) result.at(i, i) = Ball(mpq_class(numberOf(node[i])));
+  for (std::size_t i = 0; i < size; ++i) result.at(i, i) = ballOf(node[i]);
   return result;
 }
 
-/// Numbers of the names of a list of signals.
-using Numbers = std::map<std::string, std::size_t>;
-
-Numbers readModel(const YAML::Node& model, TrackingProblem& problem) {
-  requireKeys(model, {"states", "inputs", "disturbances", "A", "B", "B_d", "C"});
-  Numbers numbers;
-  for (const auto& state : model["states"]) {
-    requireKeys(state, {"name", "unit", "range"});
-    numbers["x " + state["name"].as<std::string>()] = problem.states.size();
-    problem.states.emplace_back();
-    if (state["range"]) problem.states.back() = rangeOf(state["range"]);
-  }
-  for (const auto& input : model["inputs"]) {
-    requireKeys(input, {"name", "unit", "range"});
-    numbers["u " + input["name"].as<std::string>()] = problem.inputs.size();
-    problem.inputs.push_back(rangeOf(input["range"]));
-  }
-  const std::size_t nx = problem.states.size(), nu = problem.inputs.size();
-  require(nx > 0 && nu > 0, "problem: there are no states or inputs");
-  problem.A = matrixOf(model["A"], nx, nx);
-  problem.B = matrixOf(model["B"], nx, nu);
-  return numbers;
+/// One of several words; the first where there is none.
+std::size_t choiceOf(const YAML::Node& node, const std::vector<std::string>& words) {
+  if (!node) return 0;
+  const auto at = std::find(words.begin(), words.end(), node.as<std::string>());
+  require(at != words.end(), "problem: " + node.as<std::string>() + " is not known to this checker");
+  return static_cast<std::size_t>(at - words.begin());
 }
 
-void readWeights(const YAML::Node& weights, TrackingProblem& problem) {
-  requireKeys(weights, {"Q", "R", "R_delta", "terminal"});
-  const std::size_t nx = problem.states.size(), nu = problem.inputs.size();
-  problem.Q = weightOf(weights["Q"], nx);
-  problem.R = weightOf(weights["R"], nu);
-  problem.R_delta = weights["R_delta"] ? weightOf(weights["R_delta"], nu) : BallMatrix(nu, nu);
-  require(!weights["terminal"] || weights["terminal"].as<std::string>() == "riccati",
-          "problem: weights.terminal is not known to this checker");
-}
+class Reader {
+ public:
+  explicit Reader(const YAML::Node& root) : root_(root) {}
 
-void readParameters(const YAML::Node& parameters, const Numbers& numbers, TrackingProblem& problem) {
-  using Role = TrackingProblem::Role;
-  const std::map<std::string, Role> roles = {{"error", Role::kError},
-                                             {"previous_input", Role::kPreviousInput},
-                                             {"input_reference", Role::kInputReference}};
-  for (const auto& node : parameters) {
-    requireKeys(node, {"name", "role", "of", "unit", "range"});
+  TrackingProblem read() {
+    require(root_.IsMap(), "problem: no map of keys");
+    require(!root_["H"], "problem: is a program in JSON, whose numbers check_certificate --problem compares");
+    requireKeys(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
+                        "sampling_time", "horizon", "moves", "control_horizon", "weights", "terminal_set",
+                        "constraints", "parameters"});
+    require(root_["type"].as<std::string>() == "tracking_mpc", "problem: is of no type tracking_mpc");
+    readSignals(root_["model"]);
+    readModel(root_["model"]);
+    problem_.sampling_time = numberOf(root_["sampling_time"]);
+    require(problem_.sampling_time > 0, "problem: sampling_time is out of range");
+    readBlocks();
+    readWeights(root_["weights"]);
+    if (root_["terminal_set"]) readTerminalSet(root_["terminal_set"]);
+    for (const auto& node : root_["constraints"]) readConstraint(node);
+    for (const auto& node : root_["parameters"]) readParameter(node);
+    return problem_;
+  }
+
+ private:
+  /// Place of a name among signals of one kind: x, u, y or d.
+  std::size_t placeOf(char kind, const std::string& name) const {
+    const auto at = places_.find(kind + (" " + name));
+    require(at != places_.end(), "problem: " + name + " is not known to this checker");
+    return at->second;
+  }
+  bool isKnown(char kind, const std::string& name) const { return places_.count(kind + (" " + name)) > 0; }
+  void addName(char kind, const YAML::Node& node, std::size_t place) {
+    places_[kind + (" " + node["name"].as<std::string>())] = place;
+  }
+
+  void readSignals(const YAML::Node& model) {
+    requireKeys(model, {"time", "states", "inputs", "disturbances", "outputs", "A", "B", "B_d", "C"});
+    for (const auto& state : model["states"]) {
+      requireKeys(state, {"name", "unit", "range"});
+      addName('x', state, problem_.states.size());
+      problem_.states.push_back(state["range"] ? rangeOf(state["range"]) : TrackingProblem::Range());
+    }
+    for (const auto& input : model["inputs"]) {
+      requireKeys(input, {"name", "unit", "range", "change"});
+      addName('u', input, problem_.inputs.size());
+      problem_.inputs.push_back(rangeOf(input["range"]));
+      problem_.changes.push_back(input["change"] ? rangeOf(input["change"]) : TrackingProblem::Range());
+    }
+    for (const auto& disturbance : model["disturbances"]) addName('d', disturbance, disturbance_count_++);
+    std::size_t output_count = 0;
+    for (const auto& output : model["outputs"]) addName('y', output, output_count++);
+    require(!problem_.states.empty() && !problem_.inputs.empty(), "problem: there are no states or inputs");
+  }
+
+  void readModel(const YAML::Node& model) {
+    const std::size_t nx = problem_.states.size(), nu = problem_.inputs.size();
+    problem_.is_discrete = choiceOf(model["time"], {"continuous", "discrete"}) == 1;
+    problem_.A = matrixOf(model["A"], nx, nx);
+    problem_.B = matrixOf(model["B"], nx, nu);
+    problem_.C = matrixOf(model["C"], nu, nx);
+    problem_.B_d = model["B_d"] ? matrixOf(model["B_d"], nx, disturbance_count_) : BallMatrix(nx, 0);
+    if (model["outputs"]) return;
+    // An output without a name of its own has that of the state which it is.
+    for (const auto& state : model["states"]) {
+      const std::size_t place = placeOf('x', state["name"].as<std::string>());
+      for (std::size_t i = 0; i < nu; ++i) {
+        if (isUnit(problem_.C, i, place)) addName('y', state, i);
+      }
+    }
+  }
+
+  static bool isUnit(const BallMatrix& matrix, std::size_t row, std::size_t place) {
+    for (std::size_t j = 0; j < matrix.columns(); ++j) {
+      if (matrix.at(row, j).distance(j == place ? 1 : 0) != 0) return false;
+    }
+    return true;
+  }
+
+  void readBlocks() {
+    const auto horizon = root_["horizon"].as<std::size_t>();
+    require(horizon >= 1 && horizon <= kMostSteps, "problem: horizon is out of range");
+    if (root_["moves"]) {
+      problem_.blocks = root_["moves"].as<std::vector<std::size_t>>();
+    } else {
+      const std::size_t count =
+          root_["control_horizon"] ? root_["control_horizon"].as<std::size_t>() : horizon;
+      require(count >= 1 && count <= horizon, "problem: control_horizon is out of range");
+      problem_.blocks.assign(count, 1);
+      problem_.blocks.back() += horizon - count;
+    }
+    std::size_t sum = 0;
+    for (const std::size_t length : problem_.blocks) {
+      require(length >= 1 && length <= horizon, "problem: moves: a block is out of range");
+      sum += length;
+    }
+    require(sum == horizon, "problem: moves do not add up to the horizon");
+  }
+
+  void readWeights(const YAML::Node& weights) {
+    requireKeys(weights, {"Q", "R", "R_delta", "terminal"});
+    const std::size_t nx = problem_.states.size(), nu = problem_.inputs.size();
+    problem_.Q = weightOf(weights["Q"], nx);
+    problem_.R = weightOf(weights["R"], nu);
+    problem_.R_delta = weights["R_delta"] ? weightOf(weights["R_delta"], nu) : BallMatrix(nu, nu);
+    const YAML::Node terminal = weights["terminal"];
+    if (terminal && terminal.IsSequence())
+      problem_.P = weightOf(terminal, nx);
+    else
+      choiceOf(terminal, {"riccati"});
+  }
+
+  void readTerminalSet(const YAML::Node& node) {
+    requireKeys(node, {"T", "t"});
+    const std::size_t rows = node["T"].size();
+    problem_.T = matrixOf(node["T"], rows, problem_.states.size());
+    require(node["t"].IsSequence() && node["t"].size() == rows, "problem: terminal_set has another size");
+    problem_.t = BallMatrix(rows, 1);
+    for (std::size_t i = 0; i < rows; ++i) problem_.t.at(i, 0) = ballOf(node["t"][i]);
+  }
+
+  void readConstraint(const YAML::Node& node) {
+    requireKeys(node, {"of", "name", "unit", "range", "lower", "upper", "measured_from", "soft"});
+    TrackingProblem::Constraint constraint;
+    constraint.on_x = BallMatrix(1, problem_.states.size());
+    constraint.on_u = BallMatrix(1, problem_.inputs.size());
+    if (node["of"].IsMap()) {
+      for (const auto& term : node["of"])
+        addTerm(term.first.as<std::string>(), ballOf(term.second), constraint);
+    } else {
+      addTerm(node["of"].as<std::string>(), Ball(1), constraint);
+    }
+    if (node["range"]) constraint.range = rangeOf(node["range"]);
+    if (node["lower"]) constraint.range.lower = numberOf(node["lower"]);
+    if (node["upper"]) constraint.range.upper = numberOf(node["upper"]);
+    constraint.is_absolute = choiceOf(node["measured_from"], {"zero", "reference"}) == 0;
+    if (node["soft"]) readSoft(node["soft"], constraint);
+    problem_.constraints.push_back(constraint);
+  }
+
+  void addTerm(const std::string& name, const Ball& coefficient,
+               TrackingProblem::Constraint& constraint) const {
+    const bool is_state = isKnown('x', name);
+    BallMatrix& on = is_state ? constraint.on_x : constraint.on_u;
+    on.at(0, placeOf(is_state ? 'x' : 'u', name)) += coefficient;
+    constraint.has_input = constraint.has_input || !is_state;
+  }
+
+  static void readSoft(const YAML::Node& soft, TrackingProblem::Constraint& constraint) {
+    requireKeys(soft, {"linear", "quadratic", "slack"});
+    constraint.is_soft = true;
+    if (soft["linear"]) constraint.linear = numberOf(soft["linear"]);
+    constraint.quadratic = numberOf(soft["quadratic"]);
+    constraint.shares_slack = choiceOf(soft["slack"], {"stage", "horizon"}) == 1;
+  }
+
+  void readParameter(const YAML::Node& node) {
+    requireKeys(node, {"name", "role", "of", "unit", "range", "value"});
+    const std::map<std::string, std::pair<Role, char>> roles = {
+        {"error", {Role::kError, 'x'}},
+        {"previous_input", {Role::kPreviousInput, 'u'}},
+        {"input_reference", {Role::kInputReference, 'u'}},
+        {"state_reference", {Role::kStateReference, 'x'}},
+        {"state", {Role::kState, 'x'}},
+        {"reference", {Role::kReference, 'y'}},
+        {"disturbance", {Role::kDisturbance, 'd'}}};
     const auto role = roles.find(node["role"].as<std::string>());
     require(role != roles.end(), "problem: a role is not known to this checker");
-    const char* const kind = role->second == Role::kError ? "x " : "u ";
-    const auto number = numbers.find(kind + node["of"].as<std::string>());
-    require(number != numbers.end(), "problem: a parameter is of no state or input");
-    problem.parameters.push_back({role->second, number->second, rangeOf(node["range"])});
+    TrackingProblem::Parameter parameter;
+    parameter.role = role->second.first;
+    parameter.index = placeOf(role->second.second, node["of"].as<std::string>());
+    if (node["value"])
+      parameter.fixed = numberOf(node["value"]);
+    else
+      parameter.range = rangeOf(node["range"]);
+    problem_.parameters.push_back(parameter);
   }
-}
 
-TrackingProblem read(const YAML::Node& root) {
-  require(root.IsMap(), "problem: no map of keys");
-  require(!root["H"], "problem: is a program in JSON, whose numbers check_certificate --problem compares");
-  requireKeys(root, {"polyfly_problem", "name", "type", "description", "provenance", "model", "sampling_time",
-                     "horizon", "weights", "parameters"});
-  require(root["type"].as<std::string>() == "tracking_mpc", "problem: is of no type tracking_mpc");
-  TrackingProblem problem;
-  const Numbers numbers = readModel(root["model"], problem);
-  problem.sampling_time = numberOf(root["sampling_time"]);
-  problem.horizon = root["horizon"].as<std::size_t>();
-  require(problem.sampling_time > 0 && problem.horizon >= 1 && problem.horizon <= kMostSteps,
-          "problem: sampling_time or horizon is out of range");
-  readWeights(root["weights"], problem);
-  readParameters(root["parameters"], numbers, problem);
-  return problem;
-}
+  const YAML::Node root_;
+  std::map<std::string, std::size_t> places_;
+  std::size_t disturbance_count_ = 0;
+  TrackingProblem problem_;
+};
 
 }  // namespace
 
+std::size_t TrackingProblem::freeCount() const {
+  return static_cast<std::size_t>(std::count_if(parameters.begin(), parameters.end(),
+                                                [](const Parameter& parameter) { return !parameter.fixed; }));
+}
+
 TrackingProblem readTrackingProblem(const std::string& text) {
   try {
-    return read(YAML::Load(text));
+    return Reader(YAML::Load(text)).read();
   } catch (const YAML::Exception& error) {
     throw Refused(std::string("problem: ") + error.what());
   }

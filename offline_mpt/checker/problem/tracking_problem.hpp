@@ -2,6 +2,7 @@
 
 #include <gmpxx.h>
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,26 +13,56 @@ namespace checker {
 
 /// A problem file of type tracking_mpc (region_maps/problems/README.md); numbers are doubles at their exact values.
 struct TrackingProblem {
+  /// Infinite where there is no bound.
   struct Range {
-    double lower = 0.0, upper = 0.0;
+    double lower = -HUGE_VAL, upper = HUGE_VAL;
   };
-  enum class Role { kError, kPreviousInput, kInputReference };
+  enum class Role {
+    kError,
+    kPreviousInput,
+    kInputReference,
+    kStateReference,
+    kState,
+    kReference,
+    kDisturbance,
+  };
   struct Parameter {
     Role role = Role::kError;
-    /// Of the state or input.
+    /// Of the state, input, output or disturbance.
     std::size_t index = 0;
     Range range;
+    /// The value of a parameter that is no entry of theta.
+    std::optional<double> fixed;
+  };
+  /// range holds on_x x_k + on_u u_k, or the same of the errors.
+  struct Constraint {
+    BallMatrix on_x, on_u;
+    bool has_input = false;
+    bool is_absolute = true;
+    Range range;
+    bool is_soft = false;
+    double linear = 0.0, quadratic = 0.0;
+    /// One slack for all stages.
+    bool shares_slack = false;
   };
 
-  /// x' = A x + B u
-  BallMatrix A, B;
+  bool is_discrete = false;
+  /// x' or x_{k+1} = A x + B u + B_d d, y = C x
+  BallMatrix A, B, B_d, C;
   BallMatrix Q, R, R_delta;
+  /// None: that of the Riccati equation.
+  std::optional<BallMatrix> P;
+  /// T e_N <= t
+  BallMatrix T, t;
   mpq_class sampling_time;
-  std::size_t horizon = 0;
-  /// None: unbounded.
-  std::vector<std::optional<Range>> states;
-  std::vector<Range> inputs;
+  /// Lengths of the blocks over which u is held.
+  std::vector<std::size_t> blocks;
+  std::vector<Range> states, inputs, changes;
+  std::vector<Constraint> constraints;
   std::vector<Parameter> parameters;
+
+  /// Number of parameters that are entries of theta.
+  std::size_t freeCount() const;
 };
 
 /// Throws Refused, also for keys that this checker does not know.
