@@ -10,8 +10,6 @@ namespace polyfly {
 /// other types, which hold.
 struct SafetyVerdict {
   bool holds = true;
-  /// Whether an admissible wish comes back bit for bit.
-  bool passes_wishes = false;
   std::string text;
   std::string json;  ///< one object
 
@@ -19,7 +17,7 @@ struct SafetyVerdict {
   std::string addTo(const std::string& report) const;
 };
 
-/// Proves the safe set in the program's text, and that the map passes wishes unchanged. Throws Error.
+/// Proves the safe set in the program's text, and what the map answers in it. Throws Error.
 SafetyVerdict verifySafety(const ParametricProgram& program, const std::string& map);
 
 }  // namespace polyfly

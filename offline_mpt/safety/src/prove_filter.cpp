@@ -5,7 +5,6 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/exact_polytope.hpp"
-#include "region_maps/region_map.hpp"
 #include "safety_filter/uncertain_model.hpp"
 
 namespace polyfly {
@@ -15,17 +14,6 @@ Rational product(const Eigen::MatrixXd& matrix, Eigen::Index row, const Rational
   Rational sum = 0;
   for (std::size_t j = 0; j < x.size(); ++j) sum += Rational(matrix(row, static_cast<Eigen::Index>(j))) * x[j];
   return sum;
-}
-
-ExactPolytope setOf(const SafeSet& set) {
-  ExactPolytope result;
-  result.dimension = static_cast<int>(set.H.cols());
-  for (Eigen::Index i = 0; i < set.H.rows(); ++i) {
-    ExactHalfSpace row{{}, Rational(set.k[i])};
-    for (Eigen::Index j = 0; j < set.H.cols(); ++j) row.a.emplace_back(set.H(i, j));
-    result.rows.push_back(std::move(row));
-  }
-  return result;
 }
 
 std::string pointText(const RationalVector& point) {
@@ -63,7 +51,7 @@ bool staysBehind(const UncertainModel& model, const SafeSet& set, Eigen::Index r
   Rational successor = Rational(set.b[row]) + dot(h, model.c);
   for (std::size_t j = 0; j < p.size(); ++j) {
     const Rational rest = p[j] + Rational(set.M(row, static_cast<Eigen::Index>(j)));
-    successor += greatestProduct(rest, model.lower[j], model.upper[j]) + abs(h[j]) * model.W[j];
+    successor += greatestProduct(rest, model.lower[j], model.upper[j]) + abs(h[j]) * (model.W[j] + model.slack[j]);
   }
   for (std::size_t j = 0; j < q.size(); ++j) {
     const Rational rest = q[j] - Rational(set.G(row, static_cast<Eigen::Index>(j)));
@@ -107,6 +95,17 @@ bool proveAnswered(const UncertainModel& model, const SafeSet& set,
 
 }  // namespace
 
+ExactPolytope exactSet(const SafeSet& set) {
+  ExactPolytope result;
+  result.dimension = static_cast<int>(set.H.cols());
+  for (Eigen::Index i = 0; i < set.H.rows(); ++i) {
+    ExactHalfSpace row{{}, Rational(set.k[i])};
+    for (Eigen::Index j = 0; j < set.H.cols(); ++j) row.a.emplace_back(set.H(i, j));
+    result.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
 FilterProof proveFilter(const SafetyFilterProblem& problem) {
   if (!problem.safe_set) throw Error(problem.source + ": safe_set: missing");
   const SafeSet& set = *problem.safe_set;
@@ -114,7 +113,7 @@ FilterProof proveFilter(const SafetyFilterProblem& problem) {
   FilterProof proof;
   proof.facets = static_cast<std::size_t>(set.H.rows());
   proof.admissible_rows = static_cast<std::size_t>(set.G.rows());
-  const ExactPolytope exact = setOf(set);
+  const ExactPolytope exact = exactSet(set);
   const Generators corners = generators(exact);
   proof.vertices = corners.vertices.size();
   proof.bounded = proof.vertices > 0 && corners.rays.empty() && corners.lines.empty();
@@ -164,24 +163,6 @@ std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProo
                               {"excursion", model.excursion[i].get_d()}});
   }
   return json.dump(2) + "\n";
-}
-
-bool passesWishes(const RegionMap& map, const SafetyFilterProblem& problem) {
-  bool found = false;
-  const std::size_t n = static_cast<std::size_t>(problem.augmentedCount()), nu = problem.inputs.size();
-  const std::size_t columns = n + nu + 1;
-  for (std::size_t i = 0; i < map.regionCount(); ++i) {
-    const RegionView region = map.region(i);
-    if (region.active_count > 0) continue;
-    found = true;
-    const double* law = map.law(region.law);
-    for (std::size_t row = 0; row < nu; ++row) {
-      for (std::size_t j = 0; j < columns; ++j) {
-        if (law[row * columns + j] != (j == n + row ? 1.0 : 0.0)) return false;
-      }
-    }
-  }
-  return found;
 }
 
 }  // namespace polyfly

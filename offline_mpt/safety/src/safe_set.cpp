@@ -28,7 +28,8 @@ RationalVector halfRanges(const UncertainModel& model) {
   return half;
 }
 
-/// The model in coordinates of half ranges, so that one tolerance serves all. W grows by the margin.
+/// The model in coordinates of half ranges, so that one tolerance serves all. W grows by two margins: one is left
+/// free by admissible inputs, one is for the recursion in floating point. The ranges shrink by one.
 SetModel scaledModel(const SafetyFilterProblem& problem, const UncertainModel& model) {
   const int n = model.stateCount(), nu = model.inputCount();
   const RationalVector half = halfRanges(model);
@@ -39,15 +40,16 @@ SetModel scaledModel(const SafetyFilterProblem& problem, const UncertainModel& m
   scaled.B = RationalMatrix(n, nu);
   scaled.E = RationalMatrix::identity(n);
   scaled.A_p = RationalMatrix(n, 0);
+  const Rational margin(problem.margin);
   RationalVector lower, upper, w_lower, w_upper;
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(i);
     for (int j = 0; j < n; ++j) scaled.A(i, j) = model.A(i, j) * scale(j) / scale(i);
     for (int j = 0; j < nu; ++j) scaled.B(i, j) = model.B(i, j) / scale(i);
     scaled.c.push_back(model.c[at] / half[at]);
-    lower.push_back(model.lower[at] / half[at]);
-    upper.push_back(model.upper[at] / half[at]);
-    w_upper.push_back(model.W[at] / half[at] + Rational(problem.margin));
+    lower.push_back(model.lower[at] / half[at] + margin);
+    upper.push_back(model.upper[at] / half[at] - margin);
+    w_upper.push_back(model.W[at] / half[at] + 2 * margin);
     w_lower.push_back(-w_upper.back());
   }
   scaled.X = ExactPolytope::box(lower, upper);
@@ -73,14 +75,14 @@ Rational greatestMagnitude(const Rational& lower, const Rational& upper) {
   return std::max<Rational>(abs(lower), abs(upper));
 }
 
-// H (A xi + B u + c) + |H| W <= k as G u <= b + M xi in doubles, never weaker.
+// H (A xi + B u + c) + |H| (W + slack) <= k as G u <= b + M xi in doubles, never weaker.
 void addAdmissibleRow(const UncertainModel& model, Eigen::Index row, SafeSet& set) {
   const int n = model.stateCount(), nu = model.inputCount();
   RationalVector h;
   for (int j = 0; j < n; ++j) h.emplace_back(set.H(row, j));
   const RationalVector on_state = applyTransposed(model.A, h), on_input = applyTransposed(model.B, h);
   Rational bound = Rational(set.k[row]) - dot(h, model.c);
-  for (std::size_t j = 0; j < h.size(); ++j) bound -= abs(h[j]) * model.W[j];
+  for (std::size_t j = 0; j < h.size(); ++j) bound -= abs(h[j]) * (model.W[j] + model.slack[j]);
   double greatest = 0.0;
   for (int j = 0; j < n; ++j) {
     const auto at = static_cast<std::size_t>(j);

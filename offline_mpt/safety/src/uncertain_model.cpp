@@ -98,6 +98,7 @@ Bounded exponential(const RationalMatrix& A, const Rational& t) {
   Rational factor = 1;
   for (int k = 1; k < kTerms; ++k) {
     power = product(power, A);
+    if (greatestEntry(power) == 0) return {std::move(result.value), 0};
     factor = factor * t / k;
     for (int i = 0; i < A.rows(); ++i) {
       for (int j = 0; j < A.columns(); ++j) result.value(i, j) += factor * power(i, j);
@@ -309,6 +310,8 @@ UncertainModel uncertainModel(const SafetyFilterProblem& problem) {
     model.lower[row] = range.lower;
     model.upper[row] = range.upper;
   }
+  for (std::size_t i = 0; i < size; ++i)
+    model.slack.push_back(Rational(problem.margin) * (model.upper[i] - model.lower[i]) / 2);
   return model;
 }
 

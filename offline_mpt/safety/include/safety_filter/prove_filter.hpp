@@ -5,7 +5,7 @@
 #include <string>
 
 #include "mpc_core/safety_filter.hpp"
-#include "polytope_sets/rational.hpp"
+#include "polytope_sets/exact_polytope.hpp"
 
 namespace polyfly {
 
@@ -22,7 +22,7 @@ struct FilterProof {
   /// 2. S lies within the ranges, less measurement error and excursion between samples.
   bool inside = false;
   /// 3. For every state within the ranges and every admissible input, xi+ is in S for each corner of the
-  /// uncertainty: one half-space at a time.
+  /// uncertainty, with the slack left: one half-space at a time.
   bool stays = false;
   std::size_t admissible_rows = 0;
   /// 4. At each vertex of S, and so in all of S, some input is admissible.
@@ -35,6 +35,9 @@ struct FilterProof {
   bool holds() const { return bounded && inside && stays && answered; }
 };
 
+/// S, in exactly the doubles of H and k.
+ExactPolytope exactSet(const SafeSet& set);
+
 /// Throws Error when the problem has no safe set, or its model cannot be sampled.
 FilterProof proveFilter(const SafetyFilterProblem& problem);
 
@@ -42,9 +45,22 @@ FilterProof proveFilter(const SafetyFilterProblem& problem);
 std::string filterProofText(const SafetyFilterProblem& problem, const FilterProof& proof);
 std::string filterProofJson(const SafetyFilterProblem& problem, const FilterProof& proof);
 
-/// Whether the map answers with the wish itself, bit for bit, where no bound is active: the law of each region
-/// with an empty active set is the wish, and there is one. Which states and wishes these are, is what
-/// `certify` proves.
-bool passesWishes(const RegionMap& map, const SafetyFilterProblem& problem);
+/// What holds of a map's answers in S.
+struct FilterAnswers {
+  /// The law of each region with an empty active set is the wish itself, bit for bit, and there is such a
+  /// region. Which states and wishes it holds, is what `certify` proves.
+  bool passes_wishes = false;
+  /// An answer of a look-up, limited to the range of the input, breaks no row by more than the slack, so the
+  /// next state is in S. Counted: the tolerance of look-ups at half-spaces, and rounding of doubles.
+  bool within_slack = false;
+  /// The greatest part of the slack that an answer needs, rounded.
+  double used = 0.0;
+
+  bool hold() const { return passes_wishes && within_slack; }
+};
+
+/// Exact, over the vertices of each region moved outwards. The map must be of this problem, and its look-ups
+/// proven (`certify`).
+FilterAnswers proveAnswers(const RegionMap& map, const SafetyFilterProblem& problem);
 
 }  // namespace polyfly

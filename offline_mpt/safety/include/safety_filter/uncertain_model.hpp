@@ -22,6 +22,8 @@ struct UncertainModel {
   RationalVector u_lower;   ///< nu
   RationalVector u_upper;   ///< nu
   RationalVector excursion; ///< n, how far a state bends out of the chord between two samples
+  /// n, margin times half of upper - lower. Admissible inputs leave it free, for the answers of a map.
+  RationalVector slack;
 
   int stateCount() const { return A.rows(); }
   int inputCount() const { return B.columns(); }
