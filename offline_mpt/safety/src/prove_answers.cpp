@@ -47,7 +47,8 @@ ExactPolytope reach(const RegionMap& map, const ExactPolytope& set, std::size_t 
   for (std::uint32_t i = 0; i < region.row_count; ++i) {
     const double* plane = map.plane(static_cast<std::size_t>(std::abs(region.rows[i])) - 1);
     const double sign = region.rows[i] > 0 ? 1.0 : -1.0;
-    ExactHalfSpace row{{}, Rational(sign * plane[lower.size()]) + kLookupTolerances * Rational(map.tolerance())};
+    ExactHalfSpace row{{},
+                       Rational(sign * plane[lower.size()]) + kLookupTolerances * Rational(map.tolerance())};
     for (std::size_t j = 0; j < lower.size(); ++j) row.a.emplace_back(sign * plane[j]);
     result.rows.push_back(std::move(row));
   }
@@ -118,8 +119,8 @@ FilterAnswers proveAnswers(const RegionMap& map, const SafetyFilterProblem& prob
   Rational part = 0;
   for (std::size_t i = 0; i < map.regionCount(); ++i) {
     for (const RationalVector& theta : vertices(reach(map, set, i)))
-      part = std::max(part,
-                      neededPart(model, *problem.safe_set, theta, answerOf(map.law(map.region(i).law), nu, theta)));
+      part = std::max(
+          part, neededPart(model, *problem.safe_set, theta, answerOf(map.law(map.region(i).law), nu, theta)));
   }
   answers.used = part.get_d();
   answers.within_slack = part <= 1;

@@ -12,7 +12,8 @@ namespace {
 
 Rational product(const Eigen::MatrixXd& matrix, Eigen::Index row, const RationalVector& x) {
   Rational sum = 0;
-  for (std::size_t j = 0; j < x.size(); ++j) sum += Rational(matrix(row, static_cast<Eigen::Index>(j))) * x[j];
+  for (std::size_t j = 0; j < x.size(); ++j)
+    sum += Rational(matrix(row, static_cast<Eigen::Index>(j))) * x[j];
   return sum;
 }
 
@@ -51,7 +52,8 @@ bool staysBehind(const UncertainModel& model, const SafeSet& set, Eigen::Index r
   Rational successor = Rational(set.b[row]) + dot(h, model.c);
   for (std::size_t j = 0; j < p.size(); ++j) {
     const Rational rest = p[j] + Rational(set.M(row, static_cast<Eigen::Index>(j)));
-    successor += greatestProduct(rest, model.lower[j], model.upper[j]) + abs(h[j]) * (model.W[j] + model.slack[j]);
+    successor +=
+        greatestProduct(rest, model.lower[j], model.upper[j]) + abs(h[j]) * (model.W[j] + model.slack[j]);
   }
   for (std::size_t j = 0; j < q.size(); ++j) {
     const Rational rest = q[j] - Rational(set.G(row, static_cast<Eigen::Index>(j)));

@@ -111,8 +111,7 @@ Bounded exponential(const RationalMatrix& A, const Rational& t) {
 /// the integral of |exp(A s) B|, which divided by t grows with t.
 Bounded integral(const RationalMatrix& A, const RationalMatrix& B, const Rational& t, bool absolute) {
   RationalMatrix power = B;
-  Bounded result{RationalMatrix(B.rows(), B.columns()),
-                 t * truncation(A, t) * greatestEntry(B)};
+  Bounded result{RationalMatrix(B.rows(), B.columns()), t * truncation(A, t) * greatestEntry(B)};
   Rational factor = 1;
   for (int k = 1; k <= kTerms; ++k) {
     factor = factor * t / k;
@@ -123,6 +122,7 @@ Bounded integral(const RationalMatrix& A, const RationalMatrix& B, const Rationa
       }
     }
     power = product(A, power);
+    if (greatestEntry(power) == 0) return {std::move(result.value), 0};
   }
   return result;
 }
@@ -283,7 +283,8 @@ UncertainModel uncertainModel(const SafetyFilterProblem& problem) {
   const Given given(problem);
   const Rational exponent = norm(given.A) * given.period;
   if (exponent > kGreatestExponent) {
-    throw Error(problem.source + ": sampling_time: the greatest row sum of |A| times the period must be at most " +
+    throw Error(problem.source +
+                ": sampling_time: the greatest row sum of |A| times the period must be at most " +
                 std::to_string(kGreatestExponent) + ", is " + std::to_string(exponent.get_d()));
   }
   const Sampled sampled = sample(given);

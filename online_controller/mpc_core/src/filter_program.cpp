@@ -92,7 +92,9 @@ ParametricProgram filterProgram(const SafetyFilterProblem& problem) {
 std::string withSafeSet(const SafetyFilterProblem& problem, const SafeSet& set) {
   std::string text = problem.text;
   if (!text.empty() && text.back() != '\n') text += '\n';
-  text += "\n# Computed by `offline_mpt solve`: {xi : H xi <= k}; u is admissible if G u <= b + M xi.\nsafe_set:\n";
+  text +=
+      "\n# Computed by `offline_mpt solve`: {xi : H xi <= k}; u is admissible if G u <= b + M "
+      "xi.\nsafe_set:\n";
   text += rowsText("H", set.H) + "  k: " + listText(set.k) + "\n" + rowsText("G", set.G) +
           "  b: " + listText(set.b) + "\n" + rowsText("M", set.M);
   return text;

@@ -13,15 +13,15 @@ namespace polyfly {
 /// [lower, upper] at the samples, and in one convex set with all its successors, the true state is in the
 /// ranges of the problem at all times.
 struct UncertainModel {
-  RationalMatrix A;         ///< n x n
-  RationalMatrix B;         ///< n x nu
-  RationalVector c;         ///< n
-  RationalVector W;         ///< n
-  RationalVector lower;     ///< n, the ranges of the states less measurement error and excursion
-  RationalVector upper;     ///< n
-  RationalVector u_lower;   ///< nu
-  RationalVector u_upper;   ///< nu
-  RationalVector excursion; ///< n, how far a state bends out of the chord between two samples
+  RationalMatrix A;          ///< n x n
+  RationalMatrix B;          ///< n x nu
+  RationalVector c;          ///< n
+  RationalVector W;          ///< n
+  RationalVector lower;      ///< n, the ranges of the states less measurement error and excursion
+  RationalVector upper;      ///< n
+  RationalVector u_lower;    ///< nu
+  RationalVector u_upper;    ///< nu
+  RationalVector excursion;  ///< n, how far a state bends out of the chord between two samples
   /// n, margin times half of upper - lower. Admissible inputs leave it free, for the answers of a map.
   RationalVector slack;
 
