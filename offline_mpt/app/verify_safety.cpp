@@ -12,7 +12,7 @@ namespace {
 
 std::string filterAnswersText(const FilterAnswers& answers) {
   char line[160];
-  std::snprintf(line, sizeof line, "  %san answer of the map needs at most %.3g of the margin\n",
+  std::snprintf(line, sizeof line, "  %san answer of the map needs at most %.3g of the margin (1: all)\n",
                 answers.within_slack ? "" : "NOT PROVEN: ", answers.used);
   return std::string(answers.passes_wishes ? "  an admissible wish comes back unchanged\n"
                                            : "  NOT PROVEN: an admissible wish may come back changed\n") +

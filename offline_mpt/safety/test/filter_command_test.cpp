@@ -34,7 +34,7 @@ TEST_F(FilterCommand, EveryCommandTakesItsMap) {
   MadeFilter made;
   made.period = 0.2;
   made.delay = 0.05;
-  made.margin = 1e-6;
+  made.margin = 1e-5;
   made.disturbance = 0.1;
   const std::string problem = write("made.yaml", made.text());
   const Outcome solved = run({"solve", problem, "-o", path("made.map"), "--stats", path("stats.json")});

@@ -22,7 +22,7 @@ namespace {
 
 MadeFilter disturbed() {
   MadeFilter made;
-  made.margin = 1e-6;
+  made.margin = 1e-5;
   made.disturbance = 0.3;
   made.input_error = 1e-6;
   made.error = 1e-3;

@@ -8,7 +8,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kDefaultInputError = 1e-6;
-constexpr double kDefaultMargin = 1e-6;
+constexpr double kDefaultMargin = 1e-4;
 constexpr double kLeastMargin = 1e-9;
 constexpr double kGreatestMargin = 0.1;
 constexpr std::size_t kMaxStates = 6;
