@@ -109,17 +109,19 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
                                  options.map + ": problem text")
                   : loadCompleteProgram(options.problem);
   }
-  CertifyReport report = certifyFile(options, options.map, program);
+  std::string examined = options.map;
+  CertifyReport report = certifyFile(options, examined, program);
   if (!report.passed() && !report.interrupted && !options.output.empty()) {
     if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
     bool interrupted = false;
     if (!writeRepaired(options, program, interrupted))
       return interrupted ? ExitCode::kStopped : ExitCode::kFailed;
-    report = certifyFile(options, options.output, program);
+    examined = options.output;
+    report = certifyFile(options, examined, program);
   } else if (report.passed() && !options.output.empty() && !options.quiet) {
     std::printf("repair: nothing to do, %s was not written\n", options.output.c_str());
   }
-  const SafetyVerdict safety = verifySafety(program, options.output.empty() ? options.map : options.output);
+  const SafetyVerdict safety = verifySafety(program, examined);
   if (!options.json.empty()) writeText(options.json, safety.addTo(certifyJson(report)));
   if (!options.quiet) std::fputs((certifyText(report) + safety.text).c_str(), stdout);
   if (report.interrupted) {

@@ -55,6 +55,9 @@ TEST_F(FilterCommand, EveryCommandTakesItsMap) {
   EXPECT_EQ(start({CHECK_CERTIFICATE, path("made.cert"), "--map", path("made.map")}).exit_code, 0);
   EXPECT_EQ(run({"verify", path("made.map"), "--problem", problem, "--samples", "300"}).exit_code, 0);
 
+  // Nothing is to be repaired, so no new map is written.
+  EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--repair", "-o", path("repaired.map")}).exit_code, 0);
+
   EXPECT_EQ(run({"info", path("made.map")}).exit_code, 0);
   write("thetas.csv", "0,0,0,1\n1.4,1.4,0,5\n");
   EXPECT_EQ(run({"eval", path("made.map"), "--csv", path("thetas.csv")}).exit_code, 0);
