@@ -1,6 +1,7 @@
 #include "safety_filter/prove_filter.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "polyfly_base/error.hpp"

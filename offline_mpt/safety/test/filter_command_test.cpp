@@ -56,7 +56,8 @@ TEST_F(FilterCommand, EveryCommandTakesItsMap) {
   EXPECT_EQ(run({"verify", path("made.map"), "--problem", problem, "--samples", "300"}).exit_code, 0);
 
   // Nothing is to be repaired, so no new map is written.
-  EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--repair", "-o", path("repaired.map")}).exit_code, 0);
+  EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--repair", "-o", path("repaired.map")}).exit_code,
+            0);
 
   EXPECT_EQ(run({"info", path("made.map")}).exit_code, 0);
   write("thetas.csv", "0,0,0,1\n1.4,1.4,0,5\n");
@@ -100,6 +101,10 @@ TEST_F(FilterCommand, BadProblemsAreTold) {
       "  G: [[0], [0], [0.05], [-0.05]]\n  b: [1, 1, 1, 1]\n"
       "  M: [[-1, -0.05], [1, 0.05], [0, -1], [0, 1]]\n";
   has(complaint(made, "name: made\n", "name: made\n" + box), "safe_set: not proven: ");
+  const std::string short_set = "safe_set: {H: [[1, 0]], k: [1], G: [[0], [1]], b: [1], M: [[0, 0]]}\n";
+  has(complaint(made, "name: made\n", "name: made\n" + short_set), "safe_set.G: must have 1 rows");
+  const std::string no_row = "safe_set: {H: [[0, 0]], k: [1], G: [[0]], b: [1], M: [[0, 0]]}\n";
+  has(complaint(made, "name: made\n", "name: made\n" + no_row), "safe_set.H: row 0 must not be 0");
 }
 
 // The whole way of a user: problem file, map, C code, compiler. ./run bench safety takes 1e9 steps.

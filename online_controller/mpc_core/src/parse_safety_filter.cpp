@@ -106,12 +106,15 @@ SafeSet readSafeSet(const YamlField& field, const SafetyFilterProblem& problem) 
   SafeSet set;
   const int n = problem.augmentedCount();
   const int facets = static_cast<int>(field.at("H").items().size());
-  const int rows = static_cast<int>(field.at("G").items().size());
+  if (facets < 1) field.at("H").fail("must have at least one row");
   set.H = field.at("H").matrix(facets, n);
+  for (int i = 0; i < facets; ++i) {
+    if (set.H.row(i).isZero(0.0)) field.at("H").fail("row " + std::to_string(i) + " must not be 0");
+  }
   set.k = numbersOf(field.at("k"), facets);
-  set.G = field.at("G").matrix(rows, problem.inputCount());
-  set.b = numbersOf(field.at("b"), rows);
-  set.M = field.at("M").matrix(rows, n);
+  set.G = field.at("G").matrix(facets, problem.inputCount());
+  set.b = numbersOf(field.at("b"), facets);
+  set.M = field.at("M").matrix(facets, n);
   return set;
 }
 

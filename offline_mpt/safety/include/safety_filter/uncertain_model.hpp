@@ -13,27 +13,29 @@ namespace polyfly {
 /// [lower, upper] at the samples, and in one convex set with all its successors, the true state is in the
 /// ranges of the problem at all times.
 struct UncertainModel {
-  RationalMatrix A;          ///< n x n
-  RationalMatrix B;          ///< n x nu
-  RationalVector c;          ///< n
-  RationalVector W;          ///< n
-  RationalVector lower;      ///< n, the ranges of the states less measurement error and excursion
-  RationalVector upper;      ///< n
-  RationalVector u_lower;    ///< nu
-  RationalVector u_upper;    ///< nu
-  RationalVector excursion;  ///< n, how far a state bends out of the chord between two samples
-  /// n, margin times half of upper - lower. Admissible inputs leave it free, for the answers of a map.
-  RationalVector slack;
+  RationalMatrix A;  ///< n x n
+  RationalMatrix B;  ///< n x nu
+  RationalVector c;  ///< n
+  RationalVector W;  ///< n
+  /// The ranges of the states, less measurement error and excursion.
+  RationalVector lower;    ///< n
+  RationalVector upper;    ///< n
+  RationalVector u_lower;  ///< nu
+  RationalVector u_upper;  ///< nu
+  /// How far a state bends out of the chord between two samples.
+  RationalVector excursion;  ///< n
+  /// Margin times half of upper - lower. Admissible inputs leave it free, for the answers of a map.
+  RationalVector slack;  ///< n
 
   int stateCount() const { return A.rows(); }
   int inputCount() const { return B.columns(); }
 };
 
-/// Samples the model of a problem. W bounds, entry by entry, the sum of: disturbances that vary in any way within the period;
-/// errors of measurement at both samples; the error of the applied input; what the series of the matrix
-/// exponential leaves out, and its rounding. Numbers of the problem count as the doubles that they are. Throws
-/// Error when the period is too long for the model's fastest mode, or when a range vanishes under errors and
-/// excursion.
+/// Samples the model of a problem. W bounds, entry by entry, the sum of: disturbances that vary in any way
+/// within the period; errors of measurement at both samples; the error of the applied input; what the series
+/// of the matrix exponential leaves out, and its rounding. Numbers of the problem count as the doubles that
+/// they are. Throws Error when the period is too long for the model's fastest mode, or when a range vanishes
+/// under errors and excursion.
 UncertainModel uncertainModel(const SafetyFilterProblem& problem);
 
 }  // namespace polyfly

@@ -16,11 +16,16 @@ namespace polyfly {
 
 /// What the filter did. Worse ones have greater numbers; a step reports the worst of its axes.
 enum class FilterStatus : std::uint8_t {
-  kPassed = 0,   ///< the wish is safe, and was sent as it came
-  kChanged = 1,  ///< the nearest safe command was sent
-  kNoWish = 2,   ///< there is no finite wish: a level attitude with hover thrust was filtered in its place
-  kOutside = 3,  ///< no command keeps the state in the safe set: the one of least violation was sent
-  kNoState = 4,  ///< no finite state: the failsafe policy decided, and nothing was filtered
+  /// The wish is safe, and was sent as it came.
+  kPassed = 0,
+  /// The nearest safe command was sent.
+  kChanged = 1,
+  /// There is no finite wish: a level attitude with hover thrust was filtered in its place.
+  kNoWish = 2,
+  /// No command keeps the state in the safe set: the one of least violation was sent.
+  kOutside = 3,
+  /// There is no finite state: the failsafe policy decided, and nothing was filtered.
+  kNoState = 4,
 };
 
 struct FilterAxisReport {
@@ -64,10 +69,12 @@ class CommandFilter {
  private:
   /// The map of one axis, with what its problem says.
   struct Axis {
-    int map = -1;  ///< index of the map, -1: none
+    /// Index of the map; -1: none.
+    int map = -1;
     bool delayed = false;
     SafetyFilterProblem problem;
-    double before = 0.0;  ///< [m/s^2], the input of the last step
+    /// The input of the last step.
+    double before = 0.0;  ///< [m/s^2]
   };
 
   void bind(int map);
