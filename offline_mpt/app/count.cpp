@@ -9,6 +9,7 @@
 #include "mpc_core/read_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "progress.hpp"
+#include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "support/vector_text.hpp"
 
@@ -111,7 +112,7 @@ std::string text(const ParametricProgram& program, const CountArguments& options
 ExitCode count(const CountArguments& options) {
   checkOutputs({{options.stats}, {options.count.proof, Output::Kind::kFile}},
                filesOfProblem(options.problem));
-  const ParametricProgram program = loadProgram(options.problem);
+  const ParametricProgram program = loadCompleteProgram(options.problem);
   printRemarks(options.problem, program);
   const CountResult result =
       inFile(options.problem, program, [&] { return countWithProgress(program, options); });

@@ -18,6 +18,7 @@
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "solve_robust.hpp"
 #include "stopwatch.hpp"
@@ -27,9 +28,10 @@ namespace polyfly {
 namespace {
 
 const char kSolveFooter[] =
-    R"(The problem is a tracking problem of one axis or a minimum-peak robust MPC (.yaml, .yml), or a parametric
-program in the generic form (.json). A robust MPC has no checkpoint, and no limit but --time-limit. The
-same problem gives the same bytes for any number of threads.
+    R"(The problem is a tracking problem of one axis, a minimum-peak robust MPC or a safety filter (.yaml, .yml), or
+a parametric program in the generic form (.json). A robust MPC has no checkpoint, and no limit but
+--time-limit. Of a safety filter, the safe set is computed and proven first; the map carries it. The same
+problem gives the same bytes for any number of threads.
 
 Ctrl-C, SIGTERM, SIGHUP or a limit stops the run. It then writes MAP.checkpoint. --resume continues from
 there to the same bytes as an uninterrupted run. The checkpoint is also written every --checkpoint-period,
@@ -309,7 +311,7 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   }
   Stopwatch watch;
   Seconds seconds;
-  const ParametricProgram program = loadProgram(options.problem);
+  const ParametricProgram program = loadCompleteProgram(options.problem);
   if (!options.quiet) printRemarks(options.problem, program);
   seconds.load = watch.lap();
   const Partition partition = inFile(options.problem, program,
@@ -357,7 +359,7 @@ ExitCode assist(const SolveArguments& options, MpiGroup& group) {
   ParametricProgram program;
   try {
     if (isRobustFile(options.problem)) return ExitCode::kDone;  // process 0 solves it alone
-    program = loadProgram(options.problem);
+    program = loadCompleteProgram(options.problem);
   } catch (const Error& error) {
     reportFailure(error.what(), group);
     return ExitCode::kBadInput;

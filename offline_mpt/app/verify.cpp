@@ -8,6 +8,7 @@
 #include "mpc_core/read_problem.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
+#include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "verify_exact.hpp"
 #include "verify_reduction.hpp"
@@ -62,7 +63,7 @@ ExitCode verifyMap(const VerifyArguments& options) {
   const ParametricProgram program =
       options.problem.empty() ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
                                              options.map + ": problem text")
-                              : loadProgram(options.problem);
+                              : loadCompleteProgram(options.problem);
   VerifyOptions verify_options = options.verify;
   verify_options.stop = &stopOnSignal();
   VerifyReport report;

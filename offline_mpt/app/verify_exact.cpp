@@ -12,8 +12,10 @@
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "verify_robust.hpp"
+#include "verify_safety.hpp"
 
 namespace polyfly {
 namespace {
@@ -105,26 +107,29 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
     program = options.problem.empty()
                   ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
                                  options.map + ": problem text")
-                  : loadProgram(options.problem);
+                  : loadCompleteProgram(options.problem);
   }
-  CertifyReport report = certifyFile(options, options.map, program);
+  std::string examined = options.map;
+  CertifyReport report = certifyFile(options, examined, program);
   if (!report.passed() && !report.interrupted && !options.output.empty()) {
     if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
     bool interrupted = false;
     if (!writeRepaired(options, program, interrupted))
       return interrupted ? ExitCode::kStopped : ExitCode::kFailed;
-    report = certifyFile(options, options.output, program);
+    examined = options.output;
+    report = certifyFile(options, examined, program);
   } else if (report.passed() && !options.output.empty() && !options.quiet) {
     std::printf("repair: nothing to do, %s was not written\n", options.output.c_str());
   }
-  if (!options.json.empty()) writeText(options.json, certifyJson(report));
-  if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
+  const SafetyVerdict safety = verifySafety(program, examined);
+  if (!options.json.empty()) writeText(options.json, safety.addTo(certifyJson(report)));
+  if (!options.quiet) std::fputs((certifyText(report) + safety.text).c_str(), stdout);
   if (report.interrupted) {
     std::fprintf(stderr, "offline_mpt: %s: interrupted: not every region was looked at\n",
                  options.map.c_str());
     return ExitCode::kStopped;
   }
-  if (!report.passed()) return ExitCode::kFailed;
+  if (!report.passed() || !safety.holds) return ExitCode::kFailed;
   if (!options.certificate.empty()) writeCertificate(report, options.certificate);
   return ExitCode::kDone;
 }

@@ -6,9 +6,11 @@
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/safety_filter.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/robust_problem.hpp"
+#include "safety_filter/uncertain_model.hpp"
 
 namespace polyfly {
 namespace {
@@ -140,6 +142,29 @@ void addRobust(const RegionMap& map, const std::string& text, const std::string&
     content->constraints.push_back("facet " + std::to_string(facet) + " of the feasible set");
 }
 
+/// The wish is a parameter, constant over a flight. What the input does after its delay counts from the sample.
+void addFilter(const RegionMap& map, const std::string& text, const std::string& source,
+               ExplorerContent* content) {
+  const SafetyFilterProblem problem = parseSafetyFilter(text, source);
+  const ParametricProgram program = filterProgram(problem);
+  checkSignals(map, program.parameters, program.inputs);
+  const UncertainModel sampled = uncertainModel(problem);
+  ExplorerModel model;
+  model.period = problem.sampling_time;
+  model.input_count = problem.inputs.size();
+  model.A = rowMajor(toDouble(sampled.A));
+  model.B = rowMajor(toDouble(sampled.B));
+  for (std::size_t j = 0; j < static_cast<std::size_t>(sampled.stateCount()); ++j) model.errors.push_back(j);
+  model.U = rowMajor(Eigen::MatrixXd::Zero(problem.inputCount(), program.parameterCount()));
+  content->model = model;
+  // (u - wish)' W (u - wish) / 2 without its part in u.
+  const Eigen::Index p = program.parameterCount(), nu = problem.inputCount();
+  Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(p + 1, p + 1);
+  rest.block(p - nu, p - nu, nu, nu) = 0.5 * program.H;
+  content->program = explorerProgram(program, rest);
+  content->constraints = program.row_names;
+}
+
 /// The cost of a generic program; it has no model.
 void addGeneric(const RegionMap& map, const std::string& text, const std::string& source,
                 ExplorerContent* content) {
@@ -158,6 +183,8 @@ void addProblem(const RegionMap& map, ExplorerContent* content) {
   if (text.empty()) throw Error("it is empty");
   if (map.problemKind() == "json") {
     addGeneric(map, text, source, content);
+  } else if (isSafetyFilter(text, source)) {
+    addFilter(map, text, source, content);
   } else if (isRobustProblem(text, source)) {
     addRobust(map, text, source, content);
   } else {

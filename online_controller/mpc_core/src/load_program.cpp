@@ -2,6 +2,7 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
+#include "mpc_core/safety_filter.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
@@ -13,6 +14,7 @@ ParametricProgram loadProgram(const std::string& path) {
 }
 
 ParametricProgram parseProgram(const std::string& text, const std::string& kind, const std::string& source) {
+  if (kind == "yaml" && isSafetyFilter(text, source)) return filterProgram(parseSafetyFilter(text, source));
   if (kind == "yaml") return condense(parseProblem(text, source));
   if (kind == "json") return parseProgramJson(text, source);
   throw Error(source + ": text_kind: must be yaml or json, got '" + kind + "'");

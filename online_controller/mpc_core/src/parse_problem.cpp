@@ -221,8 +221,9 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   if (root.has("description")) problem.description = root.at("description").text();
   const std::string type = root.at("type").text();
   if (type != "tracking_mpc") {
+    const bool known = type == "robust_mpc" || type == "safety_filter";
     const char* allowed =
-        type == "robust_mpc" ? "must be tracking_mpc here" : "must be tracking_mpc or robust_mpc";
+        known ? "must be tracking_mpc here" : "must be tracking_mpc, robust_mpc or safety_filter";
     root.at("type").fail(std::string(allowed) + ", got '" + type + "'");
   }
   readModel(root.at("model"), &problem);

@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"horizon: 5", "? [1, 2]\n: 5", "[1, 2]", "file", "plain names"},
         BadCase{"horizon: 5", "horizon:", "horizon:", "horizon", "must be a number"},
         BadCase{"type: tracking_mpc", "type: robust", "robust", "type",
-                "must be tracking_mpc or robust_mpc, got 'robust'"},
+                "must be tracking_mpc, robust_mpc or safety_filter, got 'robust'"},
         BadCase{"type: tracking_mpc", "type: robust_mpc", "robust_mpc", "type",
                 "must be tracking_mpc here, got 'robust_mpc'"},
         BadCase{"sampling_time: 0.1\n", "sampling_time: 0.1\ncalibration: a.yaml\n", "calibration",

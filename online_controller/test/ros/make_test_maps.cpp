@@ -1,13 +1,45 @@
-// make_test_maps FOLDER: writes small maps for the rostests: those of the three axes, one region each, and
-// damaged ones.
+// make_test_maps FOLDER: writes small maps for the rostests: those of the three axes, one region each, damaged
+// ones, and a safety filter that passes every wish in its box.
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <vector>
 
 #include "../online_support.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/write_map.hpp"
+
+namespace {
+
+// The filter of the tests of messages: no set that is proven, and no map that is solved.
+const char kFence[] = R"(polyfly_problem: 1
+name: fence_x
+type: safety_filter
+sampling_time: 0.1
+model:
+  states:
+    - {name: p_x, unit: m, range: [-2, 2]}
+    - {name: v_x, unit: m/s, range: [-2, 2]}
+  inputs:
+    - {name: a_x, unit: m/s^2, range: [-2, 2]}
+  A: [[0, 1], [0, 0]]
+  B: [[0], [1]]
+safe_set: {H: [[1, 0.25]], k: [2], G: [[0.1]], b: [2], M: [[-1, -0.3]]}
+)";
+
+polyfly::MapContent fenceContent() {
+  polyfly::MapContent content = polyfly_test::axisContent(1);
+  const polyfly::ParametricProgram program = polyfly::parseProgram(kFence, "yaml", "fence");
+  content.problem_text = kFence;
+  content.period = program.period;
+  content.parameters = program.parameters;
+  content.inputs = program.inputs;
+  content.laws = {0.0, 0.0, 1.0, 0.0};
+  return content;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) try {
   if (argc != 2) {
@@ -19,6 +51,8 @@ int main(int argc, char** argv) try {
   for (std::size_t i = 0; i < names.size(); ++i) {
     polyfly::writeMap(polyfly_test::axisContent(i), folder + names[i] + ".map");
   }
+
+  polyfly::writeMap(fenceContent(), folder + "fence.map");
 
   polyfly::MapContent limited = polyfly_test::axisContent(1);
   limited.solver_status = "limited";
