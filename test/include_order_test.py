@@ -50,7 +50,7 @@ PACKAGES = {
     "offline_mpt/robust": {"polyfly_base", "region_maps", "mpc_core", "offline_mpt", "polytope_sets", "robust_mpc"},
     "offline_mpt/explorer": {"polyfly_base", "region_maps", "map_explorer", "mpc_core", "robust_mpc",
                              "explorer_content"},
-    "offline_mpt/export": {"polyfly_base", "region_maps", "map_export", "export_proven"},
+    "offline_mpt/export": {"polyfly_base", "region_maps", "map_export", "mpc_core", "export_proven"},
     "fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
     "fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
     "calibration/bags": {"polyfly_base", "bags"},
