@@ -233,6 +233,20 @@ TEST(OnlineCode, NumbersThatAreNotFiniteAndLimitsLeaveTheInputsAlone) {
   EXPECT_GT(reached, 0u);
 }
 
+TEST(OnlineCode, TheWorkspaceHasTheStatedSize) {
+  const ScratchFolder folder;
+  const ParametricProgram program = vehicle("multirotor_lateral");
+  for (const ExportType type : {ExportType::kDouble, ExportType::kFloat}) {
+    const OnlineCode code = tryOnline(program, named(type), uniformIn(program, 10, 1));
+    save(folder, code);
+    // An array of a negative size does not compile.
+    saveText(folder, "size.c",
+             "#include \"code.h\"\nextern char size[sizeof(code_workspace) == " +
+                 std::to_string(workspaceBytes(code)) + "u ? 1 : -1];\n");
+    EXPECT_EQ(runCommand(folder, "gcc -std=c99 -c size.c"), 0) << logOf(folder);
+  }
+}
+
 TEST(OnlineCode, RefusesWhatItCannotSolve) {
   ParametricProgram singular = withEquality();
   singular.H(1, 1) = 0.0;
