@@ -51,7 +51,7 @@ PACKAGES = {
     "offline_mpt/safety": {"polyfly_base", "region_maps", "mpc_core", "polytope_sets", "offline_mpt", "safety_filter"},
     "offline_mpt/explorer": {"polyfly_base", "region_maps", "map_explorer", "mpc_core", "robust_mpc",
                              "safety_filter", "explorer_content"},
-    "offline_mpt/export": {"polyfly_base", "region_maps", "map_export", "export_proven"},
+    "offline_mpt/export": {"polyfly_base", "region_maps", "map_export", "mpc_core", "export_proven"},
     "fixedwing_lateral": {"polyfly_base", "command_line", "fixedwing_lateral", "fixedwing_plant"},
     "fixedwing_lateral/ros": {"polyfly_base", "polyfly_ros", "fixedwing_lateral", "fixedwing_lateral_ros"},
     "calibration/bags": {"polyfly_base", "bags"},

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "export_online.hpp"
 #include "export_proven/export_proven.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -22,9 +23,13 @@ const char kExportFooter[] =
 --type double answers as the map does, bit for bit. --type float answers within a bound that the command
 proves. Where it cannot, nothing is written. region_maps/export/README.md says what is proven.
 
+--online writes code that solves the problem for each parameter instead: small where the map does not fit, but
+slower, and without a proof. MAP may be a problem file then.
+
 Examples:
   offline_mpt export lateral.map -o code --name lateral
   offline_mpt export lateral.map -o code --name lateral --type float
+  offline_mpt export lateral.map -o code --name lateral --online --type float
   check_certificate --export code --map lateral.map
   cc -std=c99 -ffp-contract=off code/lateral.c code/lateral_test.c -o lateral_test && ./lateral_test)";
 
@@ -35,6 +40,9 @@ struct ExportArguments {
   /// 0: none. [bytes]
   std::uint64_t flash_limit = 0;
   bool chooses_type = false;
+  bool is_online = false;
+  /// 0: the solver's default.
+  std::uint32_t iteration_limit = 0;
 };
 
 /// The asked type, or else the first of double and float whose tables fit the limit.
@@ -56,6 +64,14 @@ ProvenExport fittingExport(const RegionMap& map, const ExportArguments& argument
 }
 
 ExitCode exportMap(const ExportArguments& arguments) {
+  if (arguments.is_online) {
+    if (arguments.flash_limit != 0) throw Error("--flash-limit: is of maps, not of --online");
+    exportOnline({arguments.map,
+                  arguments.folder,
+                  {arguments.options.name, arguments.options.type, arguments.iteration_limit}});
+    return ExitCode::kDone;
+  }
+  if (arguments.iteration_limit != 0) throw Error("--iteration-limit: needs --online");
   checkExportOutputs(arguments.folder, arguments.options.name, {arguments.map});
   const RegionMap map = RegionMap::open(arguments.map);
   writeExport(map, fittingExport(map, arguments), arguments.folder);
@@ -87,6 +103,13 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
           "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Without --type, "
           "double is taken where it fits, else float.")
       ->transform(byteCount(1));
+  command->add_flag("--online", arguments->is_online, "Write a solver instead of the map's look-up.");
+  command
+      ->add_option("--iteration-limit", arguments->iteration_limit,
+                   "Changes of the active set that one solution may make, 1 .. 65535 (default: 10 for each "
+                   "variable and "
+                   "row, and 30).")
+      ->check(wholeNumber(1, 65535));
   command->callback([arguments, type, &exit_code] {
     arguments->chooses_type = arguments->flash_limit != 0 && type->count() == 0;
     exit_code = exportMap(*arguments);

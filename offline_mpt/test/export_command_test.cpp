@@ -66,6 +66,24 @@ TEST_F(ExportCommand, TheSameMapGivesTheSameBytes) {
   EXPECT_EQ(readBytes(path("code/clip.json")), facts);
 }
 
+TEST_F(ExportCommand, OnlineWritesASolverOfAMapOrAProblem) {
+  for (const std::string& source : {map_, path("clip.json")}) {
+    const Outcome result = run({OFFLINE_MPT_PROGRAM, "export", source, "-o", path("online"), "--name", "clip",
+                                "--online", "--iteration-limit", "7"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find("0 at the iteration limit"), std::string::npos) << result.out;
+    for (const char* const name : {"clip.c", "clip.h", "clip_test.c"})
+      EXPECT_TRUE(fs::is_regular_file(path("online") + "/" + name)) << name;
+    const std::string facts = readBytes(path("online/clip.json"));
+    EXPECT_NE(facts.find("\"iterations\": 7"), std::string::npos) << facts;
+    // One of the two bounds is active at most.
+    EXPECT_NE(facts.find("\"iterations\": 1,"), std::string::npos) << facts;
+  }
+  EXPECT_EQ(exportMap({"--name", "clip", "--online", "--flash-limit", "1k"}).exit_code, 2);
+  EXPECT_EQ(exportMap({"--name", "clip", "--iteration-limit", "7"}).exit_code, 2);
+  EXPECT_EQ(exportMap({"--name", "clip", "--online", "--iteration-limit", "0"}).exit_code, 2);
+}
+
 TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
   const auto bytes = [&](const char* type) {
     EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "compiled_code.hpp"
+#include "export_proven/online_code.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "project_root.hpp"
+
+// The generated solver on a Cortex-M4 in an emulator, and under a checker of coding rules.
+namespace polyfly {
+namespace {
+
+std::string harness(const std::string& name) { return projectRoot() + "/region_maps/export/test/" + name; }
+
+OnlineCode solverCode(ExportType type) {
+  const ParametricProgram program =
+      loadProgram(projectRoot() + "/region_maps/problems/multirotor_vertical.yaml");
+  OnlineOptions options;
+  options.name = "code";
+  options.type = type;
+  std::vector<std::vector<double>> parameters;
+  for (int i = 0; i < 200; ++i) {
+    std::vector<double> theta;
+    for (std::size_t k = 0; k < program.parameters.size(); ++k) {
+      const Signal& signal = program.parameters[k];
+      const double share = static_cast<double>((i * (3 + 4 * k) + 7 * k) % 101) / 100.0;
+      theta.push_back(signal.lower + share * (signal.upper - signal.lower));
+    }
+    parameters.push_back(theta);
+  }
+  return tryOnline(program, options, parameters);
+}
+
+class OnlineOnCortexM4 : public testing::TestWithParam<ExportType> {};
+
+TEST_P(OnlineOnCortexM4, ItsOwnTestPassesAndSeesChangedLimits) {
+  if (!hasProgram("arm-none-eabi-gcc") || !hasProgram("qemu-system-arm"))
+    GTEST_SKIP() << "no arm-none-eabi-gcc or qemu-system-arm";
+  const ScratchFolder folder;
+  OnlineCode code = solverCode(GetParam());
+  writeOnline(code, folder.file("."));
+  const auto run = [&] {
+    const std::string build =
+        std::string(
+            "arm-none-eabi-gcc -std=c99 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 "
+            "-DCODE_TEST_NO_MAIN -nostartfiles -T ") +
+        harness("cortex_m4.ld") + kStrict + harness("cortex_m4_start.c") + " code.c code_test.c -o code.elf";
+    EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
+    return runCommand(folder,
+                      "timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config "
+                      "enable=on,target=native -kernel code.elf");
+  };
+  EXPECT_EQ(run(), 0) << logOf(folder);
+  for (double& limit : code.tables.limits) limit *= 1.01;
+  saveText(folder, "code.c", onlineSource(code.tables, code.options));
+  EXPECT_GT(run(), 0) << logOf(folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Types, OnlineOnCortexM4, testing::Values(ExportType::kDouble, ExportType::kFloat));
+
+// region_maps/export/README.md lists the deviations.
+TEST(OnlineTargets, MisraDeviationsAreTheListedOnes) {
+  if (!hasProgram("cppcheck")) GTEST_SKIP() << "no cppcheck";
+  const ScratchFolder folder;
+  writeOnline(solverCode(ExportType::kFloat), folder.file("."));
+  // Cppcheck does not know the compiler's float.h, and would skip what #error guards.
+  ASSERT_EQ(
+      runCommand(
+          folder,
+          "cppcheck --addon=misra --std=c99 --platform=unix32 --enable=style --suppress=missingIncludeSystem "
+          "-DFLT_RADIX=2 -DFLT_EVAL_METHOD=0 -DFLT_MANT_DIG=24 -DFLT_MAX=3.402823466e+38F -U__FAST_MATH__ "
+          "code.c"),
+      0);
+  const std::string log = logOf(folder);
+  std::set<std::string> rules;
+  const std::string mark = "[misra-c2012-";
+  for (std::size_t at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) {
+    const std::size_t begin = at + mark.size();
+    rules.insert(log.substr(begin, log.find(']', begin) - begin));
+  }
+  // An empty list would mean that nothing was checked.
+  EXPECT_EQ(rules.count("8.9"), 1u) << log;
+  for (const std::string& found : rules)
+    EXPECT_TRUE((std::set<std::string>{"2.5", "8.7", "8.9"}.count(found)) != 0) << log;
+}
+
+}  // namespace
+}  // namespace polyfly

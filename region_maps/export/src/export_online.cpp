@@ -1,0 +1,234 @@
+#include "map_export/export_online.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "code_tables.hpp"
+#include "map_facts.hpp"
+#include "online_header_template.hpp"
+#include "online_source_template.hpp"
+#include "online_test_template.hpp"
+#include "polyfly_base/error.hpp"
+#include "polyfly_base/version.hpp"
+
+// Compiles XXH64 into this file; nothing to link.
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace polyfly {
+namespace {
+
+// Shares of the terms of a limit: some of their rounding errors.
+constexpr double kFeasibleDouble = 0x1p-44;
+constexpr double kFeasibleFloat = 0x1p-20;
+// A row counts as dependent where its pivot is down to some rounding errors of a sum of products.
+constexpr double kDependentDouble = 0x1p-33;
+constexpr double kDependentFloat = 0x1p-17;
+constexpr double kRateDouble = 0x1p-40;
+constexpr double kRateFloat = 0x1p-18;
+
+// Active sides are solved for, with the condition of their Gram matrix.
+constexpr double kActiveSlack = 16.0;
+
+constexpr std::uint32_t kIterationsPerRow = 10;
+constexpr std::uint32_t kLeastIterations = 30;
+
+bool isDouble(const OnlineOptions& options) { return options.type == ExportType::kDouble; }
+
+/// Sum of the terms of each side's limit, each at its greatest over the ranges of the parameters.
+std::vector<double> greatestTerms(const OnlineTables& tables) {
+  const std::size_t p = tables.parameters.size();
+  std::vector<double> result;
+  for (std::size_t i = 0; i < tables.limits.size(); i += p + 1) {
+    double sum = std::abs(tables.limits[i + p]);
+    for (std::size_t k = 0; k < p; ++k) {
+      const Signal& signal = tables.parameters[k];
+      sum += std::abs(tables.limits[i + k]) * std::max(std::abs(signal.lower), std::abs(signal.upper));
+    }
+    result.push_back(sum);
+  }
+  return result;
+}
+
+void check(const OnlineTables& tables, const OnlineOptions& options) {
+  checkExportName(options.name);
+  if (options.type != ExportType::kDouble && options.type != ExportType::kFloat)
+    throw Error("--type: the online solver needs double or float");
+  if (options.iteration_limit < 1 || options.iteration_limit > std::numeric_limits<std::uint16_t>::max())
+    throw Error("--iteration-limit: must be 1 to 65535, got " + std::to_string(options.iteration_limit));
+  // Products of indices of packed triangles must fit 16 bits, the least size of unsigned int.
+  constexpr std::uint32_t kMaxVariables = 250;
+  if (tables.variables > kMaxVariables || tables.sideCount() > std::numeric_limits<std::uint16_t>::max())
+    throw Error(tables.program_name + ": the online solver takes at most 250 variables and 65535 sides");
+  if (isDouble(options)) return;
+  for (const std::vector<double>* table :
+       {&tables.rows, &tables.limits, &tables.conditions, &tables.law, &tables.effect}) {
+    for (const double value : *table) {
+      if (!std::isfinite(static_cast<float>(value)))
+        throw Error("--type float: " + tables.program_name + " has a number that exceeds float");
+    }
+  }
+}
+
+std::string signalLines(const char* kind, const std::vector<Signal>& signals) {
+  std::string text;
+  char range[80];
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    std::snprintf(range, sizeof range, "%.6g .. %.6g ", signals[i].lower, signals[i].upper);
+    text += std::string(" * ") + kind + "[" + std::to_string(i) + "]: " + commentText(signals[i].name) +
+            ", " + range + commentText(signals[i].unit) + "\n";
+  }
+  return text;
+}
+
+std::size_t factorSize(const OnlineTables& tables) {
+  return std::size_t{tables.activeLimit()} * (tables.activeLimit() + 1) / 2;
+}
+
+Replacements onlineKeys(const OnlineTables& tables, const OnlineOptions& options) {
+  const auto number = [](std::size_t value) { return std::to_string(value); };
+  return {{"name", options.name},
+          {"NAME", upperCase(options.name)},
+          {"version", kVersion},
+          {"problem_hash", checksumText(XXH64(tables.problem_text.data(), tables.problem_text.size(), 0))},
+          {"program_name", commentText(tables.program_name)},
+          {"p", number(tables.parameters.size())},
+          {"m", number(tables.inputs.size())},
+          {"n", number(tables.variables)},
+          {"rows", number(tables.rowCount())},
+          {"sides", number(tables.sideCount())},
+          {"active", number(tables.activeLimit())},
+          {"active1", number(tables.activeLimit() + 1)},
+          {"active_type", tables.sideCount() <= 256 ? "uint8_t" : "uint16_t"},
+          {"factor_size", number(factorSize(tables))},
+          {"limit", number(options.iteration_limit)},
+          {"real", isDouble(options) ? "double" : "float"},
+          {"prefix", isDouble(options) ? "DBL" : "FLT"},
+          {"digits", isDouble(options) ? "53" : "24"},
+          {"zero", constant(0.0, options.type)},
+          {"one", constant(1.0, options.type)}};
+}
+
+/// Bytes of the constant tables.
+std::size_t tableBytes(const OnlineTables& tables, const OnlineOptions& options) {
+  constexpr std::size_t kTolerances = 3;
+  const std::size_t reals = tables.rows.size() + tables.limits.size() + tables.conditions.size() +
+                            tables.law.size() + tables.effect.size() + tables.sideCount() + kTolerances;
+  return reals * (isDouble(options) ? sizeof(double) : sizeof(float)) +
+         indexBytes(tables.sides) * tables.sides.size();
+}
+
+/// Bytes of the workspace where unsigned int has 4, as the compilers of 32-bit processors lay it out.
+std::size_t workspaceBytes(const OnlineTables& tables, const OnlineOptions& options) {
+  const std::size_t real = isDouble(options) ? sizeof(double) : sizeof(float);
+  const std::size_t active = tables.activeLimit() + 1;
+  std::size_t bytes =
+      real * (tables.sideCount() + 2 * std::size_t{tables.variables} + 3 * active + factorSize(tables));
+  bytes += active * (tables.sideCount() <= 256 ? sizeof(std::uint8_t) : sizeof(std::uint16_t));
+  const auto aligned = [](std::size_t value, std::size_t unit) { return (value + unit - 1) / unit * unit; };
+  return aligned(aligned(bytes, sizeof(std::uint32_t)) + 2 * sizeof(std::uint32_t), real);
+}
+
+}  // namespace
+
+OnlineTolerances onlineTolerances(const OnlineTables& tables, ExportType type) {
+  const bool is_double = type == ExportType::kDouble;
+  OnlineTolerances tolerances = {greatestTerms(tables), kActiveSlack,
+                                 is_double ? kDependentDouble : kDependentFloat,
+                                 is_double ? kRateDouble : kRateFloat};
+  for (double& value : tolerances.feasible) value *= is_double ? kFeasibleDouble : kFeasibleFloat;
+  return tolerances;
+}
+
+std::uint32_t defaultIterationLimit(const OnlineTables& tables) {
+  return kIterationsPerRow * (tables.variables + tables.rowCount()) + kLeastIterations;
+}
+
+std::string onlineSource(const OnlineTables& tables, const OnlineOptions& options) {
+  check(tables, options);
+  const OnlineTolerances tolerances = onlineTolerances(tables, options.type);
+  const std::size_t p1 = tables.parameters.size() + 1;
+  Replacements keys = onlineKeys(tables, options);
+  keys["active_slack"] = constant(tolerances.active_slack, options.type);
+  keys["dependent"] = constant(tolerances.dependent, options.type);
+  keys["rate_zero"] = constant(tolerances.rate, options.type);
+  keys["row_table"] = initialiser(tables.rows, tables.variables, options.type);
+  keys["side_type"] = "uint" + std::to_string(8 * indexBytes(tables.sides)) + "_t";
+  keys["side_table"] = initialiser(tables.sides, 0);
+  keys["limit_table"] = initialiser(tables.limits, p1, options.type);
+  keys["feasible_table"] = initialiser(tolerances.feasible, 0, options.type);
+  keys["law_table"] = initialiser(tables.law, p1, options.type);
+  keys["effect_table"] = initialiser(tables.effect, tables.variables, options.type);
+  keys["conditions"] = std::to_string(tables.conditionCount());
+  keys["condition_numbers"] = initialiser(tables.conditions, p1, options.type);
+  const bool has_conditions = tables.conditionCount() > 0;
+  keys["condition_table"] = has_conditions ? replaced(kOnlineConditionTable, keys) : "";
+  keys["condition_test"] = has_conditions ? replaced(kOnlineConditionTest, keys) : "";
+  return replaced(kOnlineSourceTemplate, keys);
+}
+
+std::string onlineHeader(const OnlineTables& tables, const OnlineOptions& options) {
+  check(tables, options);
+  Replacements keys = onlineKeys(tables, options);
+  keys["signals"] = signalLines("theta", tables.parameters) + signalLines("u", tables.inputs);
+  return replaced(kOnlineHeaderTemplate, keys);
+}
+
+std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options,
+                       const OnlineVectors& vectors) {
+  check(tables, options);
+  assert(!vectors.status.empty());
+  Replacements keys = onlineKeys(tables, options);
+  keys["vectors"] = std::to_string(vectors.status.size());
+  keys["theta"] = initialiser(vectors.theta, tables.parameters.size(), options.type);
+  keys["status"] = initialiser(vectors.status, 0);
+  keys["u"] = initialiser(vectors.u, tables.inputs.size(), options.type);
+  keys["tolerance"] = initialiser(vectors.tolerance, 0, options.type);
+  return replaced(kOnlineTestTemplate, keys);
+}
+
+std::uint64_t onlineMultiplyAdds(const OnlineTables& tables, std::uint32_t iterations) {
+  const std::uint64_t p = tables.parameters.size();
+  const std::uint64_t m = tables.inputs.size();
+  const std::uint64_t n = tables.variables;
+  const std::uint64_t k = tables.activeLimit();
+  const std::uint64_t scan = tables.rowCount() * n;
+  const std::uint64_t triangle = k * (k + 1) / 2;
+  // All rows of the factor but the first: Gram entries, substitution, division and pivot.
+  std::uint64_t factor = 0;
+  for (std::uint64_t row = 1; row <= k; ++row) factor += row * n + row * (row - 1) / 2 + 2 * row;
+  // One iteration factorises the entering row and, where it drops a side, at most all rows after it.
+  const std::uint64_t admission = factor + triangle + (k + 1) * n + k + 1 + k + 2 * n;
+  const std::uint64_t refreshed = 2 * (2 * triangle + k + 2 * k * n);
+  const std::uint64_t once =
+      (tables.sideCount() + tables.conditionCount()) * p + 2 * m * (p + n) + scan + refreshed;
+  return once + iterations * (admission + 2 * scan + refreshed);
+}
+
+std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options,
+                        const OnlineRecord& record) {
+  check(tables, options);
+  const Replacements keys = onlineKeys(tables, options);
+  const auto number = [](std::uint64_t value) { return std::to_string(value); };
+  std::string errors;
+  for (const double error : record.error) errors += (errors.empty() ? "" : ", ") + roundedUp(error);
+  return "{\n  \"name\": \"" + options.name + "\",\n  \"kind\": \"online\",\n  \"type\": \"" +
+         keys.at("real") + "\",\n  \"version\": \"" + keys.at("version") + "\",\n  \"problem\": \"" +
+         keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
+         ",\n  \"inputs\": " + keys.at("m") + ",\n  \"variables\": " + keys.at("n") +
+         ",\n  \"rows\": " + keys.at("rows") + ",\n  \"sides\": " + keys.at("sides") +
+         ",\n  \"table_bytes\": " + number(tableBytes(tables, options)) +
+         ",\n  \"workspace_bytes\": " + number(workspaceBytes(tables, options)) +
+         ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"iterations\": " + keys.at("limit") +
+         ", \"multiply_adds\": " + number(onlineMultiplyAdds(tables, options.iteration_limit)) +
+         "},\n  \"met\": {\"parameters\": " + number(record.parameters) +
+         ", \"solved\": " + number(record.solved) + ", \"infeasible\": " + number(record.infeasible) +
+         ", \"stopped\": " + number(record.stopped) + ", \"confirmed\": " + number(record.confirmed) +
+         ", \"iterations\": " + number(record.iterations) +
+         ", \"multiply_adds\": " + number(record.multiply_adds) + ", \"error\": [" + errors + "]}\n}\n";
+}
+
+}  // namespace polyfly

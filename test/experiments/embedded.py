@@ -1,0 +1,178 @@
+"""Page and summary of TinyMPC's microcontroller benchmark; fails where map and online solver answer differently.
+
+usage: embedded.py FOLDER, after embedded.sh exported map and solvers there.
+"""
+
+import ctypes
+import json
+import math
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+
+import embedded_program as benchmark
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+# Folder, title, type, call, and whether a workspace is needed.
+VARIANTS = (
+    ("map_double", "map, double", "double", "filter_evaluate(theta, u)", False),
+    ("online_double", "online solver, double", "double", "filter_solve(&workspace, theta, u)", True),
+    ("online_float", "online solver, float", "float", "filter_solve(&workspace, theta, u)", True),
+)
+FLAGS = ["-std=c99", "-O2", "-ffp-contract=off"]
+TARGET = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
+FLASH = 1 << 20  # of the board that the benchmark ran on [bytes]
+TOLERANCE = {"double": 1e-7, "float": 2e-2}  # [m/s^2]
+# Recorded in the benchmark's repository, folder Results, for 2 states and horizon 10.
+PUBLISHED = (("TinyMPC", "57.0 ms", "57.1 ms", "206,032 B", "13,156 B"), ("OSQP", "4.6 ms", "172 ms", "213,352 B", "21,212 B"),
+             ("TinyMPC, 32 states", "1.74 s", "1.74 s", "255,904 B", "46,772 B"), ("OSQP, 32 states", "does not fit", "", "", ""))
+STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:1080px;margin:2em auto;padding:0 1em;color:#22272e}
+h2{margin:1.6em 0 .2em}svg{display:block;width:100%;height:auto}table{border-collapse:collapse}
+td,th{padding:4px 12px;text-align:right;border-bottom:1px solid #dfe3e8}td:first-child,th:first-child{text-align:left}"""
+
+
+def run(command, folder=None):
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+
+
+def fly_map(folder):
+    """Rows (theta, u, wish, whether the map has an answer), and the last state. From rest at 0. Without an answer the
+    greatest input towards the middle is applied."""
+    run(["cc", *FLAGS, "-shared", "-fPIC", "filter.c", "-o", "filter.so"], os.path.join(folder, "map_double"))
+    library = ctypes.CDLL(os.path.abspath(os.path.join(folder, "map_double", "filter.so")))
+    x = v = 0.0
+    rows = []
+    for t in range(benchmark.STEPS):
+        theta = (x, v, math.sin(benchmark.STEP * t), math.cos(benchmark.STEP * t))
+        found = ctypes.c_double(0.0)
+        has_answer = library.filter_evaluate((ctypes.c_double * 4)(*theta), ctypes.byref(found)) == 0
+        u = found.value if has_answer else math.copysign(benchmark.INPUT_LIMIT, -x)
+        rows.append((theta, u, benchmark.wishes(theta)[0], has_answer))
+        x, v = benchmark.advance(x, v, u)
+    return rows, (x, v)
+
+
+def is_outside(x, v):
+    return max(abs(x), abs(v)) > benchmark.STATE_LIMIT + 1e-9
+
+
+def count(folder, variant, rows):
+    """(bytes of flash, bytes of RAM, rows (status, instructions, u)) on the emulated processor."""
+    name, _, real, call, has_workspace = variant
+    place = os.path.join(folder, name)
+    with open(os.path.join(place, "embedded_inputs.h"), "w") as file:
+        numbers = ",\n".join("{%s}" % ", ".join("(REAL)%r" % value for value in theta) for theta, _, _, _ in rows)
+        file.write("#define REAL %s\n#define INPUT_COUNT %du\nstatic const REAL inputs[INPUT_COUNT][4] = {%s};\n" % (real, len(rows), numbers))
+    with open(os.path.join(place, "answer.c"), "w") as file:
+        file.write('#include "filter.h"\n%s\nint embeddedAnswer(const %s theta[4], %s u[1]);\n'
+                   "int embeddedAnswer(const %s theta[4], %s u[1]) { return (int)%s; }\n"
+                   % ("static filter_workspace workspace;" if has_workspace else "", real, real, real, real, call))
+    for file in ("embedded_count.c", "embedded_memory.ld"):
+        shutil.copy(os.path.join(HERE, file), place)
+    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-c", "filter.c", "-o", "filter.o"], place)
+    flash = int(run(["arm-none-eabi-size", "filter.o"], place).stdout.splitlines()[1].split()[0])
+    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-nostartfiles", "-T", "embedded_memory.ld", "embedded_count.c", "answer.c", "filter.c",
+         "-o", "count.elf"], place)
+    told = run(["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-icount", "shift=10", "-semihosting-config", "enable=on,target=native",
+                "-kernel", "count.elf"], place)
+    answers = []
+    for line in (told.stdout + told.stderr).splitlines():
+        status, instructions, u = (int(word, 16) for word in line.split())
+        answers.append((status, instructions, (u - (1 << 32) if u >> 31 else u) * 1e-9))
+    with open(os.path.join(place, "filter.json")) as file:
+        ram = json.load(file).get("workspace_bytes", 0)
+    return flash, ram, answers
+
+
+def differences(answers, rows, real):
+    """Where the map has an answer: how many differ in status, or in u by more than rounding."""
+    return sum(status != 0 or abs(u - expected) > TOLERANCE[real]
+               for (status, _, u), (_, expected, _, has_answer) in zip(answers, rows) if has_answer)
+
+
+def gnuplot(lines):
+    script = 'set terminal svg size 1040,300 font "sans,12" background "white"\nset grid lc rgb "#dddddd"\nset xlabel "time [s]"\n'
+    svg = subprocess.run(["gnuplot"], input=script + "\n".join(lines), capture_output=True, text=True, check=True).stdout
+    return svg[svg.index("<svg"):]
+
+
+def draw(folder, rows):
+    path = os.path.join(folder, "flight.csv")
+    with open(path, "w") as file:
+        file.writelines("%.6g %.6g %.6g %.6g %.6g %d\n" % (benchmark.STEP * t, theta[0], theta[1], u, wish, has_answer)
+                        for t, (theta, u, wish, has_answer) in enumerate(rows))
+    curve = '"%s" using 1:%s with %s lc rgb "%s" title "%s"'
+    limits = '%g lc rgb "#22272e" dt 2 title "limits", %g lc rgb "#22272e" dt 2 notitle'
+    state = limits % (benchmark.STATE_LIMIT, -benchmark.STATE_LIMIT)
+    inputs = limits % (benchmark.INPUT_LIMIT, -benchmark.INPUT_LIMIT)
+    missing = curve % (path, "($6 == 0 ? $2 : 1/0)", "points pt 7 ps 0.4", "#d55e00", "no solution")
+    return gnuplot(['set ylabel "x [m], v [m/s]"', "plot " + ", ".join(
+        [curve % (path, "2", "lines lw 2", "#0072b2", "x"), curve % (path, "3", "lines lw 2", "#56b4e9", "v"), missing, state])]) + gnuplot(
+        ['set ylabel "u [m/s^2]"', "set yrange [-6:6]", "plot " + ", ".join(
+            [curve % (path, "5", "lines", "#9aa4ae", "wish"), curve % (path, "4", "lines lw 2", "#0072b2", "u"), inputs])])
+
+
+def table(head, rows):
+    text = "<table><tr>" + "".join("<th>%s</th>" % cell for cell in head) + "</tr>"
+    return text + "".join("<tr>" + "".join("<td>%s</td>" % cell for cell in row) + "</tr>" for row in rows) + "</table>"
+
+
+def page(summary, measured, pictures):
+    rows = [(title, "{:,} B".format(flash), "yes" if flash <= FLASH else "no", "%d B" % ram, "{:,.0f}".format(median), "{:,}".format(worst))
+            for title, flash, ram, median, worst in measured]
+    return "\n".join([
+        "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>A published embedded benchmark</title><style>%s</style></head><body>" % STYLE,
+        "<h1>A published embedded benchmark, answered</h1>",
+        "<p>TinyMPC's safety filter on a double integrator (RoboticExplorationLab/mcu-solver-benchmarks): 10 states, 9 inputs, "
+        "sampled at 0.05 s. For one axis this is a program of 4 parameters, x, v, and sine and cosine of the reference's phase.</p>",
+        "<h2>The same program, in one emulator, on the same %d inputs</h2>" % benchmark.STEPS,
+        table(("", "flash (code and tables)", "fits 1 MB", "RAM without stack", "instructions, median", "greatest"), rows),
+        "<p>Counted by qemu on a Cortex-M4F with 4 MB of memory for code. These are instructions, not cycles. On that processor "
+        "double is computed in software. The map counts states beyond the limits as outside; the solver's program does not bound the first "
+        "state. An axis is solved alone: "
+        "32 states are 16 axes, 16 times the instructions, with the same flash and RAM.</p>",
+        "<h2>Published by others, on a board of 168 MHz</h2>",
+        table(("", "time of a step, median", "greatest", "flash of the sketch", "RAM of the sketch"), PUBLISHED),
+        "<h2>What is fair, and what is not</h2><ul>"
+        "<li>A map is for one model and one family of references. Theirs takes any reference.</li>"
+        "<li>Their flash and RAM are those of whole Arduino sketches, with the runtime library. Ours are of the solver alone.</li>"
+        "<li>In the median step, TinyMPC stopped at its limit of 500 iterations.</li>"
+        "<li>Their solvers stopped at a tolerance of 1e-2. Map and solver here are exact up to rounding.</li>"
+        "<li>Instructions of an emulator are not milliseconds of a board: memory and caches are not in them.</li>"
+        "<li>The online solver's greatest number is of these inputs. Its iteration limit bounds all others.</li>"
+        "<li>Binaries of TinyMPC and OSQP were not run in the emulator.</li></ul>",
+        "<h2>What the filter does</h2><p>Flown by the map. The program has no solution in %d of %d steps; there the greatest input towards "
+        "the middle is applied. %d states leave the limits: the horizon has no terminal set.</p>"
+        % (summary["without_solution"], benchmark.STEPS, summary["states_outside"]),
+        pictures,
+        "<h2>On a board of your own</h2><p>Compile <code>filter_test.c</code> with <code>FILTER_TEST_NO_MAIN</code>, define "
+        "<code>FILTER_TEST_BEGIN()</code> and <code>FILTER_TEST_END()</code> to read a cycle counter, for example DWT_CYCCNT, and call "
+        "<code>filter_test()</code>. Its last vector is the one with the most operations that was met.</p></body></html>", ""])
+
+
+def main(folder):
+    rows, last = fly_map(folder)
+    states = [theta[:2] for theta, _, _, _ in rows[1:]] + [last]
+    summary = {"without_solution": sum(not row[3] for row in rows), "states_outside": sum(is_outside(x, v) for x, v in states), "variants": {}}
+    measured, wrong = [], 0
+    for variant in VARIANTS:
+        flash, ram, answers = count(folder, variant, rows)
+        instructions = [answer[1] for answer in answers]
+        different = differences(answers, rows, variant[2]) if len(answers) == len(rows) else len(rows)
+        wrong += different
+        measured.append((variant[1], flash, ram, statistics.median(instructions), max(instructions)))
+        summary["variants"][variant[0]] = {"flash_bytes": flash, "ram_bytes": ram, "instructions_median": measured[-1][3],
+                                           "instructions_greatest": measured[-1][4], "different_answers": different}
+    summary["headline"] = [[title + ": instructions, greatest", worst, ""] for title, _, _, _, worst in measured]
+    summary["headline"] += [["steps without a solution", summary["without_solution"], ""], ["states outside", summary["states_outside"], ""]]
+    with open(os.path.join(folder, "summary.json"), "w") as file:
+        json.dump(summary, file, indent=2)
+    with open(os.path.join(folder, "report", "index.html"), "w") as file:
+        file.write(page(summary, measured, draw(folder, rows)))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
