@@ -25,7 +25,7 @@ constexpr double kVagueHeading = 0.05;
 // Misalignment of the heading from which on commands go astray: 2 degrees [rad].
 constexpr double kGreatestMisalignment = 0.035;
 // Greatest difference of the misalignments of the two halves of a flight, beyond their intervals [rad].
-constexpr double kHeadingDrift = 0.05;
+constexpr double kHeadingDrift = 0.02;
 // Acceleration by what the tilt makes expect: beyond these, the two are not of one vehicle.
 constexpr double kLeastHeadingScale = 0.5, kGreatestHeadingScale = 2.0;
 // Greatest half width of a confidence interval, relative to the value.

@@ -156,9 +156,11 @@ std::pair<CurveShape, ThrustModel> chooseCurve(const ThrustSamples& samples, int
   const Eigen::VectorXd modelled = regressOnCommand(samples).modelled;
   const double least = quantileOf(modelled, kBeyondEnd);
   const double greatest = quantileOf(modelled, 1.0 - kBeyondEnd);
+  const double middle = 0.5 * (least + greatest);
+  const double farthest = (modelled.array() - middle).abs().maxCoeff();
   if (!(least < greatest)) throw Error("thrust_cmd does not move the thrust");
   for (int degree = asked == 0 ? kGreatestDegree : asked;; --degree) {
-    const CurveShape shape(degree, least, greatest);
+    const CurveShape shape(degree, least, greatest, farthest);
     ThrustModel model = fitThrustModel(shape, samples);
     findCovariance(shape, samples, &model);
     if (degree == asked || degree == 1) return {shape, model};

@@ -14,8 +14,8 @@
 namespace polyfly {
 namespace {
 
-// Where the straight lines begin, in halves of the range of thrusts.
-constexpr double kCurveEnd = 1.1;
+// Where the straight lines begin, in halves of the range of thrusts: at the last sample, within these.
+constexpr double kNearestEnd = 1.1, kFarthestEnd = 1.8;
 // Least slope, as a share of the mean slope.
 constexpr double kLeastSlopeShare = 0.02;
 constexpr int kSlopeProbes = 40;
@@ -130,8 +130,10 @@ struct StepSearch {
 
 }  // namespace
 
-CurveShape::CurveShape(int degree, double least, double greatest)
-    : middle_(0.5 * (least + greatest)), half_(0.5 * (greatest - least)) {
+CurveShape::CurveShape(int degree, double least, double greatest, double farthest)
+    : middle_(0.5 * (least + greatest)),
+      half_(0.5 * (greatest - least)),
+      end_(std::clamp(farthest / half_, kNearestEnd, kFarthestEnd)) {
   const Eigen::Index count = degree + 1;
   Eigen::MatrixXd values(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -143,12 +145,12 @@ CurveShape::CurveShape(int degree, double least, double greatest)
 
 Eigen::RowVectorXd CurveShape::valueRow(double thrust) const {
   const double x = scaled(thrust);
-  const double inside = std::clamp(x, -kCurveEnd, kCurveEnd);
+  const double inside = std::clamp(x, -end_, end_);
   return (powersOf(inside, powers_.rows()) + (x - inside) * slopesOf(inside, powers_.rows())) * powers_;
 }
 
 Eigen::RowVectorXd CurveShape::slopeRow(double thrust) const {
-  return slopesOf(std::clamp(scaled(thrust), -kCurveEnd, kCurveEnd), powers_.rows()) * powers_ / half_;
+  return slopesOf(std::clamp(scaled(thrust), -end_, end_), powers_.rows()) * powers_ / half_;
 }
 
 Eigen::RowVectorXd CurveShape::highestRow() const { return powers_.bottomRows(1); }
@@ -158,7 +160,7 @@ bool CurveShape::rises(const Eigen::VectorXd& values) const {
   const double mean = 0.5 * (values[values.size() - 1] - values[0]);
   if (!(mean > 0.0)) return false;
   for (int i = 0; i <= kSlopeProbes; ++i) {
-    const double x = kCurveEnd * (2.0 * i / kSlopeProbes - 1.0);
+    const double x = end_ * (2.0 * i / kSlopeProbes - 1.0);
     if (!(slopesOf(x, powers_.rows()).dot(factors) > kLeastSlopeShare * mean)) return false;
   }
   return true;
@@ -180,13 +182,13 @@ double CurveShape::thrustOf(double command, const Eigen::VectorXd& values) const
     return sum;
   };
   double x = 0.0;
-  if (command <= at(-kCurveEnd)) {
-    x = -kCurveEnd + (command - at(-kCurveEnd)) / slope(-kCurveEnd);
-  } else if (command >= at(kCurveEnd)) {
-    x = kCurveEnd + (command - at(kCurveEnd)) / slope(kCurveEnd);
+  if (command <= at(-end_)) {
+    x = -end_ + (command - at(-end_)) / slope(-end_);
+  } else if (command >= at(end_)) {
+    x = end_ + (command - at(end_)) / slope(end_);
   } else {
-    double from = -kCurveEnd;
-    double to = kCurveEnd;
+    double from = -end_;
+    double to = end_;
     for (int round = 0; round < kThrustRounds; ++round) {
       const double excess = at(x) - command;
       if (std::abs(excess) < kCommandFound) break;

@@ -7,11 +7,12 @@
 
 namespace polyfly {
 
-/// Polynomial command over thrust, given by its values at evenly spaced thrusts. Close behind the first and the last it
-/// goes on as a straight line.
+/// Polynomial command over thrust, given by its values at evenly spaced thrusts. Behind the samples it goes on as a
+/// straight line.
 class CurveShape {
  public:
-  CurveShape(int degree, double least, double greatest);
+  /// The first and the last thrust, and how far a sample lies from the middle between them at most.
+  CurveShape(int degree, double least, double greatest, double farthest);
 
   int degree() const { return static_cast<int>(thrusts_.size()) - 1; }
   double least() const { return thrusts_.front(); }
@@ -37,6 +38,8 @@ class CurveShape {
   std::vector<double> thrusts_;
   double middle_;
   double half_;
+  // Where the straight lines begin, as scaled thrust.
+  double end_;
   // From the values to the coefficients of powers of the scaled thrust.
   Eigen::MatrixXd powers_;
 };

@@ -133,7 +133,7 @@ TEST(Motion, TooLittleTiltTellsNoHeading) {
 TEST(Motion, AHeadingThatDriftsOrAScaleThatIsOffIsNotSupported) {
   FlightSignals signals = makeMotion({}, 1);
   TimeSeries& yaw = signals.series["yaw"];
-  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.0025 * yaw.time[i];
+  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.003 * yaw.time[i];
   MotionFit fit = fitHeading(motionOf(signals, {}));
   EXPECT_FALSE(fit.parameters.front().supported);
   EXPECT_NE(fit.warnings.at(0).find("a heading drifts"), std::string::npos);
