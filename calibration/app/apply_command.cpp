@@ -59,7 +59,7 @@ void addApplyCommand(CLI::App& app, int* result) {
       "apply", "Write calibrations into a problem file or a node's options, with their provenance.");
   command
       ->add_option("calibrations", arguments->calibrations,
-                   "Output files (-o) of attitude, drag, disturbance and mass.")
+                   "Output files (-o) of attitude, drag, disturbance, mass, thrust and heading.")
       ->required()
       ->type_name("FILE...");
   command->add_option("--problem", arguments->problem, "Problem file to calibrate.")->type_name("FILE");

@@ -86,13 +86,14 @@ void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   times.step = clock.lap();
   // A yaw that was refused must not reach the autopilot either: then the last one stays.
+  // The heading stays as the odometry has it: the autopilot's own is taken to be that.
   const bool accepted = flight_.lastRefusal() == polyfly::ControlReason::kNone;
   if (flight_.sends()) output_.publish(report.command, message.header, accepted ? yawOf(state) : kNan);
   times.output = clock.lap();
 
   Answered& answered = record(message.header, times);
   answered.by_odometry = true;
-  answered.state = state;
+  answered.state = polyfly::aligned(state, laws_.laws().options().heading_misalignment);
   answered.accepted = accepted;
   answered.restarted = flight_.restarted();
 }

@@ -130,6 +130,22 @@ TEST(Motion, TooLittleTiltTellsNoHeading) {
   EXPECT_FALSE(fit.warnings.empty());
 }
 
+TEST(Motion, AHeadingThatDriftsOrAScaleThatIsOffIsNotSupported) {
+  FlightSignals signals = makeMotion({}, 1);
+  TimeSeries& yaw = signals.series["yaw"];
+  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.003 * yaw.time[i];
+  MotionFit fit = fitHeading(motionOf(signals, {}));
+  EXPECT_FALSE(fit.parameters.front().supported);
+  EXPECT_NE(fit.warnings.at(0).find("a heading drifts"), std::string::npos);
+  signals = makeMotion({}, 1);
+  for (const char* name : {"vx", "vy"}) {
+    for (double& value : signals.series[name].value) value *= 3.28;
+  }
+  fit = fitHeading(motionOf(signals, {}));
+  EXPECT_FALSE(fit.parameters.front().supported);
+  EXPECT_NE(fit.warnings.at(0).find("of another unit"), std::string::npos);
+}
+
 // Without drag, about half of the estimates are negative, and none may be handed out.
 TEST(Motion, ADragThatIsNotAboveZeroIsNotSupported) {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
