@@ -3,8 +3,10 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "compiled_code.hpp"
 #include "map_export/export_map.hpp"
@@ -210,6 +212,75 @@ TEST_F(ExportBoundTest, DoublesAreComparedNumberForNumber) {
   content.planes[0] = std::nextafter(content.planes[0], 1.0);
   const std::string changed = exportSource(MadeMap(content).map, options);
   EXPECT_NE(refusal([&] { checker::exportedAnswers(map, checker::readCode(changed)); }), "confirmed");
+}
+
+/// u = x clipped to [-1, 1]: two ordinary regions that meet at the node's plane x = 1 / 4, and two fallback regions
+/// that reach under them. All have the sides of the box among their rows.
+MapContent clippedMap() {
+  MapContent map = kinkedMap();
+  map.name = "clipped";
+  map.tolerance = 1e-8;
+  map.inputs = {{"u", "", -1.0, 1.0}};
+  // x <= 1/4, x <= -1, x <= 0, x <= 1, and the sides of the box.
+  map.planes = {0.5, 0.0, 0.125, 0.5, 0.0, -0.5, 0.5, 0.0, 0.0, 0.5, 0.0, 0.5,
+                0.5, 0.0, 1.0,   0.5, 0.0, -1.0, 0.0, 0.5, 1.0, 0.0, 0.5, -1.0};
+  map.laws = {1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0};
+  map.rows = {1, -2, 5, -6, 7, -8, -1, 4, 5, -6, 7, -8, 3, 5, -6, 7, -8, -3, 5, -6, 7, -8};
+  map.regions.clear();
+  const std::vector<std::array<std::uint32_t, 3>> regions = {{0, 6, 0}, {6, 6, 0}, {12, 5, 1}, {17, 5, 2}};
+  for (const auto& [first, count, law] : regions) {
+    map.regions.emplace_back();
+    map.regions.back().first_row = first;
+    map.regions.back().row_count = count;
+    map.regions.back().law = law;
+  }
+  map.first_fallback = 2;
+  map.nodes = {{0, MapContent::kLeaf | 0u, MapContent::kLeaf | 1u}};
+  map.leaves = {{0, 3}, {3, 3}};
+  map.candidates = {0, 2, 3, 1, 2, 3};
+  map.tests.clear();
+  return map;
+}
+
+double clippedLaw(double x) { return std::min(std::max(x, -1.0), 1.0); }
+
+TEST(ExportBoundOfFallbackRegions, IsOfTheOrderOfRoundingAndHolds) {
+  if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
+  const MadeMap made(clippedMap());
+  const std::string code = exportSource(made.map, floatOptions());
+  const checker::ExportedAnswers proven = checker::exportedAnswers(checkedMap(made), checker::readCode(code));
+  EXPECT_TRUE(proven.missing.empty());
+  EXPECT_TRUE(proven.jumps.empty());
+  EXPECT_LT(proven.error[0], 1e-4);
+  const ScratchFolder folder;
+  saveText(folder, "code.c", code);
+  saveText(folder, "code.h", exportHeader(made.map, floatOptions(), {proven.error, proven.margin}));
+  const CompiledCode<float> compiled(folder, "code", "gcc -std=c99");
+  TestPoints points(made.map, 3);
+  int inside = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const std::vector<double> theta = points.next();
+    if (!(std::abs(theta[0]) <= 2.0 && std::abs(theta[1]) <= 2.0)) continue;
+    const float rounded[2] = {static_cast<float>(theta[0]), static_cast<float>(theta[1])};
+    float u = 0.0f;
+    ASSERT_EQ(compiled.evaluate(rounded, &u), 0) << i;
+    ASSERT_LE(std::abs(static_cast<double>(u) - clippedLaw(theta[0])), proven.error[0]) << i;
+    ++inside;
+  }
+  EXPECT_GT(inside, 10000);
+}
+
+// A leaf that lacks its ordinary region answers with the fallback region beneath.
+TEST(ExportBoundOfFallbackRegions, PlacesWhereAFallbackRegionAnswersInsteadAreNamed) {
+  const MadeMap made(clippedMap());
+  std::string code = exportSource(made.map, floatOptions());
+  const std::size_t place = code.find("0u, 2u, 3u, 1u, 2u, 3u");
+  ASSERT_NE(place, std::string::npos) << code;
+  code.replace(place, 22, "0u, 2u, 3u, 3u, 2u, 3u");
+  const checker::ExportedAnswers proven = checker::exportedAnswers(checkedMap(made), checker::readCode(code));
+  const std::set<checker::LeafRegion> expected = {{1, 0}, {1, 1}};
+  EXPECT_EQ(proven.jumps, expected);
+  EXPECT_GT(proven.error[0], 0.7);
 }
 
 // Maps with jumps between regions and with holes: what is proven holds for the compiled code.

@@ -1,5 +1,9 @@
 #include "export_proven/export_proven.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "export_bound.hpp"
@@ -10,6 +14,39 @@
 
 namespace polyfly {
 
+namespace {
+
+/// Adds pairs to the candidates. False where all were there.
+bool addCandidates(const std::set<checker::LeafRegion>& places, std::vector<ExtraCandidate>& extra) {
+  const std::size_t before = extra.size();
+  for (const auto& [leaf, region] : places) {
+    const auto is_same = [leaf = leaf, region = region](const ExtraCandidate& candidate) {
+      return candidate.leaf == leaf && candidate.region == region;
+    };
+    if (std::none_of(extra.begin(), extra.end(), is_same)) extra.push_back({leaf, region});
+  }
+  return extra.size() != before;
+}
+
+/// Proves code with one tolerance. Leaves get the candidates that they lack. Nothing where the code may have no answer
+/// though the map has one.
+std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Map& checked,
+                                         ExportOptions& options) {
+  constexpr int kMostRepairs = 4;
+  options.extra.clear();
+  for (int repairs = 0;; ++repairs) {
+    const checker::ExportedAnswers proven =
+        checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
+    const bool has_more = repairs < kMostRepairs;
+    const bool lacks = has_more && (addCandidates(proven.missing, options.extra) |
+                                    addCandidates(proven.jumps, options.extra));
+    if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin};
+    if (!lacks) return std::nullopt;
+  }
+}
+
+}  // namespace
+
 // The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
 // have no answer though the map has one, its leaves get more candidates; failing that, it gets a greater tolerance.
 ProvenExport proveExport(const RegionMap& map, ExportOptions options) {
@@ -18,14 +55,8 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options) {
   try {
     const checker::Map checked{std::string(map.file())};
     for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
-      options.extra.clear();
-      for (const bool is_repaired : {false, true}) {
-        const checker::ExportedAnswers proven =
-            checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
-        if (proven.missing.empty()) return {std::move(options), {proven.error, proven.margin}};
-        if (is_repaired) break;
-        for (const auto& [leaf, region] : proven.missing) options.extra.push_back({leaf, region});
-      }
+      const std::optional<ExportBound> bound = proveRepaired(map, checked, options);
+      if (bound) return {std::move(options), *bound};
     }
   } catch (const checker::Refused& refused) {
     throw Error(map.path() + ": its code could not be proven: " + refused.what());
