@@ -14,9 +14,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 double roundedUp(double value) { return std::nextafter(value, kInfinity); }
 
 /// The box of the code, and all parameters that are rounded into it.
-Box widened(Box box) {
+Box widened(const LookupTables& code) {
+  Box box = code.box;
   for (std::size_t i = 0; i < box.size(); ++i) {
-    const double rounding = roundedUp(2.0 * (box.greatest(i) * kFloats.unit + kFloats.smallest));
+    const double rounding = roundedUp(2.0 * code.parameter_error[i]);
     box.lower[i] -= rounding;
     box.upper[i] += rounding;
   }
@@ -25,8 +26,8 @@ Box widened(Box box) {
 
 }  // namespace
 
-ExportProof::ExportProof(const Map& map, const LookupTables& code)
-    : regions_(map), map_(lookupOf(map)), code_(code), cell_(map_.box) {
+ExportProof::ExportProof(const Map& map, const LookupTables& code, const ProofWatch& watch)
+    : regions_(map), watch_(watch), map_(lookupOf(map)), code_(code), cell_(map_.box) {
   require(code_.p == map_.p && code_.q == map_.q,
           "the code has other numbers of parameters or inputs than the map");
   answers_.error.assign(map_.q, 0.0);
@@ -39,9 +40,10 @@ ExportedAnswers ExportProof::run() {
   comparePlanes();
   descend(code_.root(), map_.root());
   addJumps();
-  const Box code_box = widened(code_.box);
+  if (!code_.greatest_input.empty()) addSaturation();
+  const Box code_box = widened(code_);
   cell_ = Cell(code_box);
-  findMargin(code_.root());
+  visitCandidates(code_, code_.root(), [this](const Candidate& candidate) { boundRows(candidate); });
   return answers_;
 }
 
@@ -157,7 +159,14 @@ void ExportProof::choices(const LookupTables& tables, const std::vector<Candidat
   if (visits_outside) withoutHeld(tables, {begin, end}, tables.tolerance, {}, [&] { visit(nullptr); });
 }
 
+void ExportProof::look() {
+  if (watch_.stop != nullptr && *watch_.stop) throw Stopped();
+  if (watch_.progress) watch_.progress(pairs_);
+}
+
 void ExportProof::compare(std::uint32_t code_leaf, std::uint32_t map_leaf) {
+  look();
+  ++pairs_;
   const std::vector<Candidate>& offered = code_.leaves[code_leaf];
   choices(map_, map_.leaves[map_leaf], false, [&](const Candidate* map_choice) {
     const bool is_offered = std::any_of(offered.begin(), offered.end(), [map_choice](const Candidate& other) {
@@ -218,26 +227,46 @@ void ExportProof::boundLaws(const Candidate& code, const Candidate& map, std::ve
   }
 }
 
-/// All leaves of the code, with the cell of each.
-void ExportProof::findMargin(std::uint32_t child) {
+/// Visits all candidates of all leaves, with the cell in which the look-up may choose each.
+void ExportProof::visitCandidates(const LookupTables& tables, std::uint32_t child,
+                                  const std::function<void(const Candidate&)>& visit) {
   const std::size_t size = cell_.size();
-  if (child < code_.node_plane.size()) {
+  if (child < tables.node_plane.size()) {
     for (std::size_t side = 0; side < 2; ++side) {
-      addRow(code_, 2 * code_.node_plane[child] + static_cast<std::uint32_t>(side), 0.0);
-      if (!cell_.isEmpty()) findMargin(code_.children[child][side]);
+      addRow(tables, 2 * tables.node_plane[child] + static_cast<std::uint32_t>(side), 0.0);
+      if (!cell_.isEmpty()) visitCandidates(tables, tables.children[child][side], visit);
       cell_.shrink(size);
     }
     return;
   }
-  for (const Candidate& candidate : code_.leaves[child - code_.node_plane.size()]) {
-    for (const std::uint32_t row : candidate.rows) addRow(code_, row, code_.tolerance);
-    boundRows(candidate);
+  for (const Candidate& candidate : tables.leaves[child - tables.node_plane.size()]) {
+    for (const std::uint32_t row : candidate.rows) addRow(tables, row, tables.tolerance);
+    visit(candidate);
     cell_.shrink(size);
   }
 }
 
+/// Code that limits its inputs differs more from answers of the map beyond the limit, and nowhere else.
+void ExportProof::addSaturation() {
+  std::vector<double> excess(map_.q, 0.0);
+  visitCandidates(map_, map_.root(), [&](const Candidate& candidate) {
+    std::vector<double> gain(map_.p);
+    for (std::size_t j = 0; j < map_.q; ++j) {
+      const std::size_t row = std::size_t{candidate.law} * map_.q + j;
+      const double* const law = map_.laws.data() + row * (map_.p + 1);
+      for (const double sign : {1.0, -1.0}) {
+        for (std::size_t i = 0; i < map_.p; ++i) gain[i] = sign * law[i];
+        const double bound = cell_.upperBound(gain, sign * law[map_.p]) + map_.law_error[row];
+        excess[j] = std::max(excess[j], roundedUp(roundedUp(bound) - code_.greatest_input[j]));
+      }
+    }
+  });
+  for (std::size_t j = 0; j < map_.q; ++j) answers_.error[j] = roundedUp(answers_.error[j] + excess[j]);
+}
+
 /// How far outside of its region the code may use the law of this candidate.
 void ExportProof::boundRows(const Candidate& candidate) {
+  look();
   const std::size_t p = map_.p;
   require(candidate.region < regions_.regions.size(), "a candidate of the code is no region of the map");
   const Map::Region& region = regions_.regions[candidate.region];
@@ -274,8 +303,8 @@ void requireSameTables(const Map& map, const LookupTables& code) {
   }
 }
 
-ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code) {
-  if (code.is_float) return ExportProof(map, code.tables).run();
+ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code, const ProofWatch& watch) {
+  if (code.type != CodeType::kDouble) return ExportProof(map, code.tables, watch).run();
   requireSameTables(map, code.tables);
   return {std::vector<double>(map.q, 0.0), {}, {}, map.tolerance};
 }

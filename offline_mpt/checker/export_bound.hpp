@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
@@ -29,11 +31,21 @@ struct ExportedAnswers {
   double margin = 0.0;
 };
 
-/// Proves the bounds of code of floats, for all pairs of leaves at which code and map may arrive for one theta.
+/// How a proof is watched and ended early.
+struct ProofWatch {
+  /// Set from outside: Stopped.
+  const std::atomic<bool>* stop = nullptr;
+  /// Called now and then with the pairs of leaves that are done.
+  std::function<void(std::uint64_t pairs)> progress;
+};
+
+struct Stopped {};
+
+/// Proves the bounds of code of floats or integers, for all pairs of leaves at which code and map may arrive for one theta.
 class ExportProof {
  public:
-  /// The map outlives the proof.
-  ExportProof(const Map& map, const LookupTables& code);
+  /// Map and watch outlive the proof.
+  ExportProof(const Map& map, const LookupTables& code, const ProofWatch& watch);
 
   ExportedAnswers run();
 
@@ -46,6 +58,7 @@ class ExportProof {
   /// What is to be done with a part of the cell; `chosen` is nullptr where the look-up has no answer.
   using Visit = std::function<void(const Candidate* chosen)>;
 
+  void look();
   void requireOrder(const LookupTables& tables) const;
   void compareBoxes() const;
   void comparePlanes();
@@ -59,10 +72,14 @@ class ExportProof {
   void addOutsideRow(const LookupTables& tables, std::uint32_t row, double limit);
   void boundLaws(const Candidate& code, const Candidate& map, std::vector<double>& error);
   void addJumps();
-  void findMargin(std::uint32_t child);
+  void visitCandidates(const LookupTables& tables, std::uint32_t child,
+                       const std::function<void(const Candidate&)>& visit);
+  void addSaturation();
   void boundRows(const Candidate& candidate);
 
   const Map& regions_;
+  const ProofWatch& watch_;
+  std::uint64_t pairs_ = 0;
   const LookupTables map_;
   LookupTables code_;
   Cell cell_;
@@ -74,8 +91,8 @@ class ExportProof {
 /// Code of doubles has the tables of its map, number for number, and so the same answers. Throws Refused.
 void requireSameTables(const Map& map, const LookupTables& code);
 
-/// The bounds of code of either type. Throws Refused where a table is of another kind or size than the map's.
-ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code);
+/// The bounds of code of any type. Throws Refused where a table is of another kind or size than the map's.
+ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code, const ProofWatch& watch = {});
 
 /// Compares NAME.json with what is proven of NAME.c. Throws Refused.
 void confirmExport(const std::string& facts, const std::string& code, const Map& map);

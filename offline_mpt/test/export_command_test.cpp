@@ -46,7 +46,7 @@ class ExportCommand : public testing::Test {
 };
 
 TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
-  for (const char* const type : {"double", "float"}) {
+  for (const char* const type : {"double", "float", "int16"}) {
     const Outcome result = exportMap({"--name", "clip", "--type", type});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "export_bound.hpp"
+#include "leaf_rows.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -16,30 +17,49 @@ namespace polyfly {
 
 namespace {
 
-/// Adds pairs to the candidates. False where all were there.
-bool addCandidates(const std::set<checker::LeafRegion>& places, std::vector<ExtraCandidate>& extra) {
-  const std::size_t before = extra.size();
-  for (const auto& [leaf, region] : places) {
-    const auto is_same = [leaf = leaf, region = region](const ExtraCandidate& candidate) {
-      return candidate.leaf == leaf && candidate.region == region;
-    };
-    if (std::none_of(extra.begin(), extra.end(), is_same)) extra.push_back({leaf, region});
+/// The map's candidates with the rows that they need. Code of doubles tests what the map tests.
+std::vector<ChosenCandidate> neededRows(const RegionMap& map, const LeafRows& rows) {
+  std::vector<ChosenCandidate> chosen;
+  for (std::uint32_t i = 0; i < map.leafCount(); ++i) {
+    const LeafView leaf = map.leaf(i);
+    for (std::uint32_t k = 0; k < leaf.count; ++k) {
+      const std::uint32_t region = leaf.candidates[k];
+      chosen.push_back({i, region, rows.testsOf(i, region, leaf.testsOf(k))});
+    }
   }
-  return extra.size() != before;
+  return chosen;
+}
+
+/// Adds regions to leaves. False where all were there.
+bool addCandidates(const std::set<checker::LeafRegion>& places, const LeafRows& rows,
+                   std::vector<ChosenCandidate>& chosen) {
+  std::set<checker::LeafRegion> known;
+  for (const ChosenCandidate& candidate : chosen) known.emplace(candidate.leaf, candidate.region);
+  const std::size_t before = chosen.size();
+  for (const checker::LeafRegion& place : places) {
+    const auto [leaf, region] = place;
+    if (known.insert(place).second) chosen.push_back({leaf, region, rows.testsOf(leaf, region)});
+  }
+  return chosen.size() != before;
 }
 
 /// Proves code with one tolerance. Leaves get the candidates that they lack. Nothing where the code may have no answer
 /// though the map has one.
 std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Map& checked,
-                                         ExportOptions& options) {
+                                         const checker::ProofWatch& watch, ExportOptions& options) {
   constexpr int kMostRepairs = 4;
-  options.extra.clear();
+  options.chosen.clear();
+  const checker::ExportedCode first = checker::readCode(exportSource(map, options));
+  const LeafRows rows(checked, first.tables);
+  if (options.type != ExportType::kDouble) options.chosen = neededRows(map, rows);
   for (int repairs = 0;; ++repairs) {
     const checker::ExportedAnswers proven =
-        checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
-    const bool has_more = repairs < kMostRepairs;
-    const bool lacks = has_more && (addCandidates(proven.missing, options.extra) |
-                                    addCandidates(proven.jumps, options.extra));
+        checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)), watch);
+    bool lacks = false;
+    if (repairs < kMostRepairs) {
+      lacks = addCandidates(proven.missing, rows, options.chosen);
+      lacks = addCandidates(proven.jumps, rows, options.chosen) || lacks;
+    }
     if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin};
     if (!lacks) return std::nullopt;
   }
@@ -49,15 +69,18 @@ std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Ma
 
 // The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
 // have no answer though the map has one, its leaves get more candidates; failing that, it gets a greater tolerance.
-ProvenExport proveExport(const RegionMap& map, ExportOptions options) {
+ProvenExport proveExport(const RegionMap& map, ExportOptions options, const ExportProofOptions& proof) {
   constexpr int kRounds = 4;
   constexpr double kGrowth = 4.0;
   try {
     const checker::Map checked{std::string(map.file())};
     for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
-      const std::optional<ExportBound> bound = proveRepaired(map, checked, options);
+      const std::optional<ExportBound> bound =
+          proveRepaired(map, checked, {proof.stop, proof.progress}, options);
       if (bound) return {std::move(options), *bound};
     }
+  } catch (const checker::Stopped&) {
+    throw Error(map.path() + ": the proof of its code was interrupted");
   } catch (const checker::Refused& refused) {
     throw Error(map.path() + ": its code could not be proven: " + refused.what());
   }
