@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "code_tables.hpp"
+#include "costly_point.hpp"
 #include "map_facts.hpp"
 
 namespace polyfly {
@@ -51,6 +52,7 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
   const CodeCost cost = codeCost(map, tables);
+  const CodeCost reached = costlyPoint(map, options).cost;
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
   return "{\n  \"name\": \"" + options.name + "\",\n  \"type\": \"" + std::string(toString(options.type)) +
@@ -60,7 +62,10 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          ",\n  \"table_bytes\": " + number(tableBytes(tables, options.type)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"nodes\": " + number(cost.nodes) +
          ", \"rows\": " + number(cost.rows) + ", \"multiply_adds\": " + number(cost.multiply_adds) +
-         ", \"comparisons\": " + number(cost.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
+         ", \"comparisons\": " + number(cost.comparisons) +
+         "},\n  \"costliest_vector\": {\"nodes\": " + number(reached.nodes) +
+         ", \"rows\": " + number(reached.rows) + ", \"multiply_adds\": " + number(reached.multiply_adds) +
+         ", \"comparisons\": " + number(reached.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
          ",\n  \"margin\": " + roundedUp(bound.margin) + "\n}\n";
 }
 

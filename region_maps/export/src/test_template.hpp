@@ -32,7 +32,7 @@ inline constexpr char kTestTemplate[] =
 
 int @name@_test(void);
 
-/* Parameters: vertices of the box, points within, points on and beside facets, points outside. */
+/* Parameters: one with many operations (@name@.json tells how many), vertices of the box, points within, points on and beside facets, points outside. */
 static const @real@ vector_theta[VECTORS][@p@] @NAME@_TEST_TABLE = @theta@;
 /* Statuses that the map answers. */
 static const unsigned char vector_status[VECTORS] @NAME@_TEST_TABLE = @status@;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include "costly_point.hpp"
 #include "map_facts.hpp"
 #include "test_template.hpp"
 
@@ -39,7 +40,8 @@ class VectorMaker {
         margin_(margin),
         random_(kSeed) {}
 
-  Vectors make() {
+  Vectors make(const CostlyPoint& costly) {
+    if (!costly.theta.empty()) add(costly.theta);
     const std::size_t p = map_.parameters().size();
     for (std::size_t i = 0; i < kVertices; ++i) {
       std::vector<double> theta(p);
@@ -186,7 +188,7 @@ std::vector<double> comparedWithin(const RegionMap& map, const ExportOptions& op
 
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
-  const Vectors vectors = VectorMaker(map, options, bound.margin).make();
+  const Vectors vectors = VectorMaker(map, options, bound.margin).make(costlyPoint(map, options));
   const std::size_t m = map.inputs().size();
   const std::vector<double> tolerance = comparedWithin(map, options, bound, vectors.u);
   Replacements keys = sharedKeys(map, options);
