@@ -43,13 +43,13 @@ class ExportChoice {
           std::optional<ChosenExport> fitting = attempt(kind, type);
           if (fitting) return std::move(*fitting);
         }
-        // Without a limit, the first one fits or its error was thrown.
       }
     }
     throw Error("--flash-limit: of " + map_.path() + ", the tables need " + needs_);
   }
 
  private:
+  /// Without a limit, each one fits, or throws its error.
   std::optional<ChosenExport> attempt(MapKind kind, ExportType type) {
     const std::string what = std::string(wordOf(kind)) + " in " + toString(type);
     try {

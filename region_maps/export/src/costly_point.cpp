@@ -26,7 +26,7 @@ class LookupCount {
         m_(map.inputs().size()),
         nodes_(map.nodeCount()),
         root_(map.root() & ~MapContent::kLeaf),
-        first_fallback_(map.firstFallback()) {}
+        first_fallback_(static_cast<std::uint32_t>(map.firstFallback())) {}
 
   CodeCost at(std::vector<double> theta) const {
     for (std::size_t i = 0; i < p_ && !tables_.fixed.theta_exponent.empty(); ++i)
