@@ -12,7 +12,7 @@ INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 OFFLINE_FOLDERS = ["support", "arithmetic", "lp", "program", "exact_kkt", "explore/sets", "explore/region",
                    "explore/state", "explore/parallel", "explore", "tree", "count", "reduce", "verify", "certify",
                    "certify/reduction", "diff"]
-CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight"]
+CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight", "parameters"]
 
 # The folder that each public header of the offline solver belongs to.
 OFFLINE_HEADERS = {
