@@ -27,13 +27,13 @@ std::string rangeComment(const char* unit, const Range& range) {
 
 std::string listText(const std::vector<double>& values) {
   std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + yamlNumber(value);
+  for (const double value : values) text += (text.size() > 1 ? ", " : "") + exactNumber(value);
   return text + "]";
 }
 
 }  // namespace
 
-std::string yamlNumber(double value) {
+std::string exactNumber(double value) {
   std::array<char, 40> digits{};
   for (int count = 1; count <= kExactDigits; ++count) {
     std::snprintf(digits.data(), digits.size(), "%.*g", count, value);
@@ -47,7 +47,7 @@ std::string yamlNumber(double value) {
 }
 
 void OptionsText::operator()(const char* key, double value, const char* unit, const Range& range) {
-  add(key, yamlNumber(value), rangeComment(unit, range));
+  add(key, exactNumber(value), rangeComment(unit, range));
 }
 
 void OptionsText::operator()(const char* key, int value, const char* unit, const Range& range) {
@@ -62,7 +62,7 @@ void OptionsText::operator()(const char* key, const std::string& value) {
   if (!value.empty()) text(key, value);
 }
 
-void OptionsText::number(const std::string& key, double value) { add(key, yamlNumber(value), ""); }
+void OptionsText::number(const std::string& key, double value) { add(key, exactNumber(value), ""); }
 
 void OptionsText::text(const std::string& key, const std::string& value) { add(key, yamlString(value), ""); }
 

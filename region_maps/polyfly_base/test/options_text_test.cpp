@@ -101,7 +101,7 @@ TEST(OptionsText, IsReadBackExactly) {
 // ROS reads YAML 1.1 by PyYAML, for which a number needs a point, and an exponent a sign.
 TEST(OptionsText, NumbersAreNumbersOfYaml11) {
   for (const double value : {1.0, -3.0, 1e-6, 2.5e-9, 1e22, 123456789.0, 0.1, -1e-300, 0.0}) {
-    const std::string text = yamlNumber(value);
+    const std::string text = exactNumber(value);
     EXPECT_NE(text.find('.'), std::string::npos) << text;
     const std::size_t exponent = text.find('e');
     EXPECT_TRUE(exponent == std::string::npos || text[exponent + 1] == '-' || text[exponent + 1] == '+')

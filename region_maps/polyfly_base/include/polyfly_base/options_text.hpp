@@ -53,6 +53,6 @@ class OptionsText {
 
 /// The shortest decimal number that is exactly `value`, with a point and, where there is an exponent, its sign.
 /// YAML 1.1, which ROS reads, takes 1e-06 for a text.
-std::string yamlNumber(double value);
+std::string exactNumber(double value);
 
 }  // namespace polyfly
