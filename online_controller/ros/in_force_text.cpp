@@ -39,8 +39,7 @@ void writeProblem(const std::string& space, const polyfly::MpcProblem& problem, 
 
 void writeMaps(const char* name, const MapSet& set, polyfly::OptionsText& text) {
   for (std::size_t axis = 0; axis < set.maps.size(); ++axis) {
-    const std::string space =
-        std::string(polyfly::kInForceGroup) + "/" + name + "/" + kInForceAxes.at(axis);
+    const std::string space = std::string(polyfly::kInForceGroup) + "/" + name + "/" + kInForceAxes.at(axis);
     const polyfly::RegionMap& map = set.maps[axis];
     text.text(space + "/name", std::string(map.name()));
     text.text(space + "/checksum", hexadecimal(map.checksum()));

@@ -312,8 +312,8 @@ class BagReader {
     visitor.wants = [this](const polyfly::BagConnection& connection) {
       types_[connection.topic] = connection.type;
       definitions_[connection.topic].insert(connection.md5sum);
-      const std::string* names[] = {&topics_.odometry, &topics_.trajectory, &topics_.pose,
-                                    &topics_.command,  &topics_.status,     &topics_.disturbance,
+      const std::string* names[] = {&topics_.odometry,  &topics_.trajectory, &topics_.pose,
+                                    &topics_.command,   &topics_.status,     &topics_.disturbance,
                                     &topics_.parameters};
       return std::any_of(std::begin(names), std::end(names),
                          [&](const std::string* name) { return endsWith("/" + connection.topic, *name); });

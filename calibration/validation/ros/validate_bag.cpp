@@ -56,9 +56,10 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "flew; further ones are compared with it.")
       ->required()
       ->type_name("FILE");
-  app.add_option("--options", arguments.options,
-                 "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag "
-                 "tells, else the controller's defaults).")
+  app.add_option(
+         "--options", arguments.options,
+         "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag "
+         "tells, else the controller's defaults).")
       ->type_name("FILE");
   app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
   app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")

@@ -83,7 +83,8 @@ ParametersTold::Change changeBetween(const Values& before, const Values& after) 
     const std::string was = at(before, key), is = at(after, key);
     // The law stands among the parameters too.
     if (was == is || key == told("change") || key == told("law")) continue;
-    change.parameters.push_back(key + ": " + (was.empty() ? "none" : was) + " -> " + (is.empty() ? "none" : is));
+    change.parameters.push_back(key + ": " + (was.empty() ? "none" : was) + " -> " +
+                                (is.empty() ? "none" : is));
     change.bears_on_replay = change.bears_on_replay || bearsOnReplay(key);
   }
   return change;
@@ -116,8 +117,9 @@ void warnOfMaps(const ParametersTold& parameters, const AxisMaps& maps, std::vec
     const ParametersTold::Axis& flew = parameters.axes[axis];
     const std::string problem(maps[axis]->problemText());
     if (checksumOf(problem) == flew.problem) continue;
-    warnings->push_back(std::string("The ") + kToldAxes.at(axis) + " axis flew another problem than that of " +
-                        maps[axis]->path() + ". Flown: " + describeProblem(flew.problem, flew.calibration) +
+    warnings->push_back(std::string("The ") + kToldAxes.at(axis) +
+                        " axis flew another problem than that of " + maps[axis]->path() +
+                        ". Flown: " + describeProblem(flew.problem, flew.calibration) +
                         ". Map: " + describeProblem(checksumOf(problem), calibrationsOf(problem)) + ".");
   }
 }

@@ -37,11 +37,13 @@ void writeChanges(const ParametersTold& parameters, std::ostream& out) {
 void writeParameters(const ValidationReport& report, std::ostream& out) {
   out << "<section><h2>Parameters in force</h2>";
   if (!report.parameters) {
-    out << "<p>The bag does not tell them: record the topic parameters_in_force of the controller.</p></section>\n";
+    out << "<p>The bag does not tell them: record the topic parameters_in_force of the "
+           "controller.</p></section>\n";
     return;
   }
   const ParametersTold& parameters = *report.parameters;
-  out << "<p>What the controller told when the first command was sent. parameters_in_force.yaml beside this page holds "
+  out << "<p>What the controller told when the first command was sent. parameters_in_force.yaml beside this "
+         "page holds "
          "all of them; rosparam load reads it, to fly the same again.</p><table class='facts'>\n";
   writeFact("node", parameters.node, out);
   writeFact("law", parameters.law, out);

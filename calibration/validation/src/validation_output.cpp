@@ -182,7 +182,8 @@ Json json(const ParametersTold& parameters) {
   }
   out["changes"] = Json::array();
   for (const ParametersTold::Change& change : parameters.changes)
-    out["changes"].push_back({{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}});
+    out["changes"].push_back(
+        {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}});
   return out;
 }
 

@@ -21,8 +21,8 @@ namespace {
 class ParametersToldTest : public testing::Test {
  protected:
   // The text of a node with these options; `problem` is the checksum of the lateral axis' problem, if it is another.
-  std::string text(const MultirotorOptions& options, const std::string& change, const std::string& problem = "",
-                   const std::string& law = "explicit_linear") const {
+  std::string text(const MultirotorOptions& options, const std::string& change,
+                   const std::string& problem = "", const std::string& law = "explicit_linear") const {
     constexpr const char* kNames[] = {"longitudinal", "lateral", "vertical"};
     OptionsText out;
     out.text("in_force/node", "/firefly/controller");
@@ -35,7 +35,8 @@ class ParametersToldTest : public testing::Test {
       out.text(space + "/checksum", "0123456789abcdef");
       const std::string own = checksumOf(std::string(maps_.axes()[axis]->problemText()));
       out.text(space + "/problem", axis == 1 && !problem.empty() ? problem : own);
-      if (axis == 1) out.text(space + "/calibration", "attitude from roll.yaml (xxh64:7) of may.bag (2026-05-01)");
+      if (axis == 1)
+        out.text(space + "/calibration", "attitude from roll.yaml (xxh64:7) of may.bag (2026-05-01)");
     }
     out.text("law", law);
     out.text("provenance", "vehicle/mass from mass.yaml (xxh64:1) of hover.bag (xxh64:2, 2026-01-02)");
@@ -46,7 +47,8 @@ class ParametersToldTest : public testing::Test {
   // A flight in which these texts were told, at times from the first odometry on.
   FlightLog flight(const std::vector<std::pair<double, std::string>>& told) const {
     FlightLog log = syntheticFlight(maps_.axes(), flown_);
-    log.clocks = {{"odometry", {}, SyntheticFlight::kStart}, {"command", {}, SyntheticFlight::kStart + 0.002}};
+    log.clocks = {{"odometry", {}, SyntheticFlight::kStart},
+                  {"command", {}, SyntheticFlight::kStart + 0.002}};
     for (const auto& [time, one] : told) log.parameters.push_back({SyntheticFlight::kStart + time, one});
     return log;
   }
@@ -119,16 +121,16 @@ TEST_F(ParametersToldTest, ChangesHaveTheirTimeAndDecideOnlyWhereTheReplayDepend
   MultirotorOptions heavy = flown_;
   heavy.mass = 1.6;
   // What changed before the first command is the start.
-  FlightLog log = flight({{-9.0, text(heavy, "start")},
-                          {-1.0, text(flown_, "reconfigure")},
-                          {4.5, text(heavy, "reconfigure")}});
+  FlightLog log = flight(
+      {{-9.0, text(heavy, "start")}, {-1.0, text(flown_, "reconfigure")}, {4.5, text(heavy, "reconfigure")}});
   ValidationReport report = judged(log, flown_);
   ASSERT_EQ(report.parameters->changes.size(), 1u);
   const ParametersTold::Change& change = report.parameters->changes[0];
   EXPECT_NEAR(change.time, 4.5, 1e-9);
   EXPECT_EQ(change.parameters, std::vector<std::string>{"vehicle/mass: 1.52 -> 1.6"});
-  EXPECT_NE(joined(report.warnings).find("changed in flight at 4.5 s (reconfigure): vehicle/mass: 1.52 -> 1.6"),
-            std::string::npos)
+  EXPECT_NE(
+      joined(report.warnings).find("changed in flight at 4.5 s (reconfigure): vehicle/mass: 1.52 -> 1.6"),
+      std::string::npos)
       << joined(report.warnings);
   EXPECT_NE(toText(report).find("changed at 4.5 s (reconfigure): vehicle/mass: 1.52 -> 1.6;"),
             std::string::npos);

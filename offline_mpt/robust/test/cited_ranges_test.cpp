@@ -92,7 +92,8 @@ TEST_F(CitedRanges, SeveralChannelsEachHaveTheirOwn) {
 TEST_F(CitedRanges, AreThoseOfAMultirotorAndOfKnownKeys) {
   const std::string begin = "polyfly_calibration: 1\nkind: disturbance\nvehicle: {kind: ";
   const std::string end =
-      ", reason: \"It circles.\"}\ndata: {file: a.bag}\ndisturbances:\n  - {name: d_y, unit: m/s^2, range: [-1, 1]}\n"
+      ", reason: \"It circles.\"}\ndata: {file: a.bag}\ndisturbances:\n  - {name: d_y, unit: m/s^2, range: "
+      "[-1, 1]}\n"
       "axes:\n  y: {supported: true}\n";
   const auto told = [&](const std::string& text) {
     write("data/bounds.yaml", text);
@@ -104,7 +105,8 @@ TEST_F(CitedRanges, AreThoseOfAMultirotorAndOfKnownKeys) {
   EXPECT_NE(wing.find("bounds.yaml:3: vehicle.kind: must be multirotor"), std::string::npos) << wing;
   EXPECT_NE(wing.find("It circles."), std::string::npos) << wing;
   EXPECT_NE(told(begin + "multirotor" + end + "odd: 1\n").find("odd"), std::string::npos);
-  EXPECT_NE(told(begin + "multirotor" + end + "  z: {suported: false}\n").find("suported"), std::string::npos);
+  EXPECT_NE(told(begin + "multirotor" + end + "  z: {suported: false}\n").find("suported"),
+            std::string::npos);
   const std::string mass =
       "polyfly_calibration: 1\nkind: mass\ndata: {file: a.bag}\nparameters: {mass: {value: 1}}\n";
   EXPECT_NE(told(mass).find("kind: must be disturbance"), std::string::npos);

@@ -22,7 +22,7 @@ class ParameterReader {
   void operator()(const char* key, bool& field);
   void operator()(const char* key, std::vector<double>& field);  ///< a list of numbers
 
-  void operator()(const char* key, std::string& field);          ///< a text that is not empty
+  void operator()(const char* key, std::string& field);  ///< a text that is not empty
 
   /// What stands below this group counts as read.
   void passOver(const std::string& group);

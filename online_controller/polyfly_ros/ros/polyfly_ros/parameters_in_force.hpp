@@ -23,8 +23,9 @@ class ParametersInForce {
   using Settled = std::function<bool()>;
 
   /// `vehicle`: multirotor or fixed_wing. Serves on the queue of `private_handle`.
-  ParametersInForce(const ros::NodeHandle& private_handle, std::string vehicle, Write write,
-                    Settled settled = [] { return true; });
+  ParametersInForce(
+      const ros::NodeHandle& private_handle, std::string vehicle, Write write,
+      Settled settled = [] { return true; });
 
   /// To be called when something has changed; `cause` is a word or two.
   void hasChanged(const std::string& cause);

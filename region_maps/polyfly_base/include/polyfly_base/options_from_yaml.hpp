@@ -32,7 +32,8 @@ class OptionsFromYaml {
   /// Throws Error on a key of the groups in `checked` that was not visited.
   void refuseUnknownKeys(const std::vector<std::string>& checked) const;
   /// Throws Error on what is neither one of these groups nor of these single options.
-  void refuseUnknownGroups(const std::vector<std::string>& groups, const std::vector<std::string>& singles) const;
+  void refuseUnknownGroups(const std::vector<std::string>& groups,
+                           const std::vector<std::string>& singles) const;
 
  private:
   /// The value of a key of one level or two; undefined where there is none.
