@@ -10,7 +10,8 @@
 namespace polyfly {
 namespace {
 
-// Digits with which each double is read back as it was.
+// Digits of any decimal number that a double keeps, and digits with which each double is read back as it was.
+constexpr int kKeptDigits = 15;
 constexpr int kExactDigits = 17;
 constexpr int kIndent = 2;
 
@@ -35,7 +36,7 @@ std::string listText(const std::vector<double>& values) {
 
 std::string exactNumber(double value) {
   std::array<char, 40> digits{};
-  for (int count = 1; count <= kExactDigits; ++count) {
+  for (int count = kKeptDigits; count <= kExactDigits; ++count) {
     std::snprintf(digits.data(), digits.size(), "%.*g", count, value);
     if (std::strtod(digits.data(), nullptr) == value) break;
   }

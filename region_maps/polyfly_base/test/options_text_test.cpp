@@ -100,6 +100,8 @@ TEST(OptionsText, IsReadBackExactly) {
 
 // ROS reads YAML 1.1 by PyYAML, for which a number needs a point, and an exponent a sign.
 TEST(OptionsText, NumbersAreNumbersOfYaml11) {
+  EXPECT_EQ(exactNumber(20.0), "20.0");
+  EXPECT_EQ(exactNumber(1.0 / 3.0), "0.3333333333333333");
   for (const double value : {1.0, -3.0, 1e-6, 2.5e-9, 1e22, 123456789.0, 0.1, -1e-300, 0.0}) {
     const std::string text = exactNumber(value);
     EXPECT_NE(text.find('.'), std::string::npos) << text;
