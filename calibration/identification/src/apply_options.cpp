@@ -176,7 +176,7 @@ AppliedOptions applyToOptions(const std::string& options, const std::string& sou
     provenance += (provenance.empty() ? "" : "; ") + calibration.provenanceText(fields);
   }
   putProvenance(provenance, &edits);
-  return {edits.finish(), edits.changes()};
+  return {edits.finish(), edits.changes(), wing};
 }
 
 }  // namespace polyfly

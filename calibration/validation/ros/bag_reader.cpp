@@ -3,6 +3,7 @@
 #include <geometry_msgs/Vector3Stamped.h>
 #include <ros/exception.h>
 #include <ros/serialization.h>
+#include <std_msgs/String.h>
 
 #include <algorithm>
 #include <functional>
@@ -102,6 +103,8 @@ class LogBuilder {
     log_.disturbances.push_back(
         {message.header.stamp.toSec(), {message.vector.x, message.vector.y, message.vector.z}});
   }
+
+  void add(const std_msgs::String& message) { log_.parameters.push_back({time_, message.data}); }
 
   // What the stamps of odometry and commands are worth; the topics are those they came on.
   std::vector<FlightLog::TopicClock> clocks(const std::string& odometry, const std::string& command) const {
@@ -246,6 +249,7 @@ class BagReader {
     }
     use<online_controller::ControllerStatus>(topics_.status);
     use<geometry_msgs::Vector3Stamped>(topics_.disturbance);
+    use<std_msgs::String>(parametersTopic());
     readMessages();
     const auto clocks = builder_.clocks(fullName(topics_.odometry), fullName(topics_.command));
     FlightLog log = builder_.finish();
@@ -308,8 +312,9 @@ class BagReader {
     visitor.wants = [this](const polyfly::BagConnection& connection) {
       types_[connection.topic] = connection.type;
       definitions_[connection.topic].insert(connection.md5sum);
-      const std::string* names[] = {&topics_.odometry, &topics_.trajectory, &topics_.pose,
-                                    &topics_.command,  &topics_.status,     &topics_.disturbance};
+      const std::string* names[] = {&topics_.odometry,  &topics_.trajectory, &topics_.pose,
+                                    &topics_.command,   &topics_.status,     &topics_.disturbance,
+                                    &topics_.parameters};
       return std::any_of(std::begin(names), std::end(names),
                          [&](const std::string* name) { return endsWith("/" + connection.topic, *name); });
     };
@@ -345,6 +350,17 @@ class BagReader {
     std::string known;
     for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
     throw Error(path_ + ": no message on " + topic + "; the bag has " + known + hint + remarks());
+  }
+
+  // The topic lies in the private namespace of the controller, whose name is free. Of several nodes, which fly beside
+  // the one, that on the uppermost level counts.
+  std::string parametersTopic() const {
+    std::string shortest;
+    for (const std::string& name : topicsOf<std_msgs::String>()) {
+      const bool fits = name.rfind(prefix_, 0) == 0 && endsWith(name, "/" + topics_.parameters);
+      if (fits && (shortest.empty() || name.size() < shortest.size())) shortest = name;
+    }
+    return shortest.empty() ? fullName(topics_.parameters) : shortest;
   }
 
   // Whether the topic is in the bag; from then on its messages are read.

@@ -171,8 +171,11 @@ std::string CalibrationDocument::provenanceText(const std::vector<std::string>& 
   for (const std::string& field : fields) text += (text.empty() ? "" : ", ") + field;
   text += " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of ";
   const std::vector<YamlField> all = flights();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    text += (i > 0 ? ", " : "") + textAt(all[i], "file") + " (" + textAt(all[i], "checksum") + ")";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string recorded = textAt(all[i], "recorded");
+    text += (i > 0 ? ", " : "") + textAt(all[i], "file") + " (" + textAt(all[i], "checksum") +
+            (recorded.empty() ? ")" : ", " + recorded + ")");
+  }
   return text;
 }
 

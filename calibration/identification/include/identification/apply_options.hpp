@@ -13,6 +13,8 @@ struct AppliedOptions {
   std::string text;
   /// Sentences: which option, from what to what.
   std::vector<std::string> changes;
+  /// True for the options of a fixed wing, false for those of a multirotor.
+  bool fixed_wing = false;
 };
 
 /// Puts what was identified into the YAML file of a node's options. A file with the groups of a multirotor
@@ -32,7 +34,8 @@ struct AppliedOptions {
 /// model/a0, a1, b0. Where it states guidance/applied_move 0, the guidance compensates a delay: then they are
 /// those of the model with delay, with guidance/delay. Else they are those of the model without.
 ///
-/// Missing options and groups are added. Throws Error naming file, field and rule; when a calibration has
+/// Missing options and groups are added. Ranges are the node's: see parseMultirotorParameters and
+/// parseLateralParameters. Throws Error naming file, field and rule; when a calibration has
 /// nothing for these options; when its data are those of another kind of vehicle, or do not support a number.
 AppliedOptions applyToOptions(const std::string& options, const std::string& source,
                               const std::vector<CalibrationFile>& calibrations);
