@@ -130,6 +130,8 @@ struct ControlReport {
   double step_length = 0.0;
   /// Commands at which the vehicle is level, see AttitudeTrim [rad].
   TiltAngles trim;
+  /// Commands to be level with when nothing corrects them, see AttitudeTrim::level [rad].
+  TiltAngles level_trim;
   /// Coupling of yaw rate and tilt in the attitude loops, see AttitudeTrim [1].
   double coupling = 0.0;
 };

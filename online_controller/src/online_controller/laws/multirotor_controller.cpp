@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
@@ -118,11 +119,11 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : options_(options),
+    : ControlLaw({1, 0.0, axes[0].stagePeriod()}),
+      options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
       trim_(tiltModel(axes_), offsetOptions(axes_, options)),
-      failsafe_(options),
       integrator_(offsetOptions(axes_, options)) {
   reset();
 }
@@ -135,23 +136,18 @@ void MultirotorController::reset() noexcept {
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = failsafe_.level(trim_.level());
-  forget();
+  report_.level_trim = trim_.level();
+  report_.command = levelCommand(options_, report_.level_trim);
+  forgetPlan();
 }
 
 const ControlReport& MultirotorController::step(const VehicleState& state,
                                                 const Reference& reference) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!isValid(state)) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
-  }
+  if (!isValid(state)) return cannotAnswer(ControlReason::kNotFinite);
   const Measured measured = measure(state);
   observe(state, measured);
-  if (!isValid(reference)) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
-  }
+  if (!isValid(reference)) return cannotAnswer(ControlReason::kNotFinite);
 
   if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
     send(measured.tilt, measured.yaw, reference);
@@ -160,15 +156,11 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   integrator_.update(state, reference, report_);
   ControlReason reason = ControlReason::kNone;
   const ControlStatus worst = evaluate(measured, reference, reason);
-  if (worst == ControlStatus::kHoldLast) {
-    withoutAnswer(reason);
-    return report_;
-  }
+  if (worst == ControlStatus::kHoldLast) return cannotAnswer(reason);
   send(measured.tilt, measured.yaw, reference);
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
-  failsafe_.answered();
   return report_;
 }
 
@@ -263,7 +255,6 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  failsafe_.answered();
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
@@ -284,6 +275,7 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
   trim_.update(measured.tilt, report_.command, periods);
   report_.trim = trim_.angles();
+  report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
 }
 
@@ -326,7 +318,7 @@ TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command,
   return {(command.roll - by.roll) * scale, (command.pitch - by.pitch) * scale};
 }
 
-void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
+const ControlReport& MultirotorController::cannotAnswer(ControlReason reason) noexcept {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisReport& axis = report_.axis[i];
     // What is applied is the last command, not what this sample could not answer.
@@ -340,52 +332,39 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
       axis.outside_parameter = -1;
     }
   }
-  report_.reason = reason;
-  report_.status = failsafe_.next(report_.command, trim_.level());
-  if (!failsafe_.canHold()) forget();
+  return withoutAnswer(reason);
 }
 
 void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   trim_.reset();
+  report_.level_trim = trim_.level();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }
 }
 
-void MultirotorController::forget() noexcept {
+void MultirotorController::forget(LawMemory what) noexcept {
+  switch (what) {
+    case LawMemory::kAll:
+      reset();
+      break;
+    case LawMemory::kPlan:
+      forgetPlan();
+      break;
+    case LawMemory::kObserver:
+      observing_ = false;
+      break;
+    case LawMemory::kIntegral:
+      integrator_.reset();
+      break;
+  }
+}
+
+void MultirotorController::forgetPlan() noexcept {
   for (AxisReport& axis : report_.axis) axis.input = 0.0;
   inputs_.fill(0.0);
   applied_.fill(0.0);
   applied_[2] = report_.command.thrust / options_.mass - options_.gravity;
-}
-
-const ControlReport& MultirotorController::withoutSample(double stamp, ControlReason reason) noexcept {
-  if (std::isfinite(stamp)) report_.stamp = stamp;
-  withoutAnswer(reason);
-  return report_;
-}
-
-const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
-  report_.axis.fill(AxisReport{});
-  failsafe_.forget();
-  report_.command = failsafe_.level(trim_.level());
-  forget();
-  report_.stamp = stamp;
-  report_.status = ControlStatus::kNoReference;
-  report_.reason = ControlReason::kNoReference;
-  return report_;
-}
-
-const ControlReport& MultirotorController::onSilence(double now) noexcept {
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    report_.axis[i] = AxisReport{};
-    report_.axis[i].disturbance = axes_[i].disturbance();
-  }
-  report_.stamp = now;
-  report_.reason = ControlReason::kStale;
-  report_.status = failsafe_.nextInSilence(report_.command, trim_.level());
-  forget();
-  return report_;
 }
 
 }  // namespace polyfly
