@@ -18,7 +18,7 @@ namespace polyfly_ros {
 /// What the flight looked like after one step, for those who watch.
 struct FlightSnapshot {
   std_msgs::Header header;
-  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::Law law{};
   polyfly::ControlReport report;
   double kkt_residual = -1.0;
   double odometry_age = 0.0;  ///< [s]

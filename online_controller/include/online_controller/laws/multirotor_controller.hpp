@@ -77,7 +77,7 @@ class MultirotorController : public ControlLaw {
   TiltAngles forceAngles(const AttitudeCommand& command, const TiltAngles& measured_tilt) const noexcept;
   const ControlReport& cannotAnswer(ControlReason reason) noexcept;
   void forgetPlan() noexcept;
-  void reset() noexcept;
+  void forgetAll() noexcept;
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;

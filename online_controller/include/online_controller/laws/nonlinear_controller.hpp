@@ -50,7 +50,7 @@ class NonlinearController : public ControlLaw {
   void startIteration(const MultirotorState& x) noexcept;
   void send(const EulerAngles& angles, const Reference& reference) noexcept;
   void forgetPlan() noexcept;
-  void reset() noexcept;
+  void forgetAll() noexcept;
 
   MultirotorOptions options_;
   NonlinearMpc mpc_;

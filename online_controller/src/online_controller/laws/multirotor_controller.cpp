@@ -125,10 +125,10 @@ MultirotorController::MultirotorController(std::array<Axis, 3> axes, const Multi
       clock_(decisionClock(axes_, options.control_period)),
       trim_(tiltModel(axes_), offsetOptions(axes_, options)),
       integrator_(offsetOptions(axes_, options)) {
-  reset();
+  forgetAll();
 }
 
-void MultirotorController::reset() noexcept {
+void MultirotorController::forgetAll() noexcept {
   for (Axis& axis : axes_) axis.reset();
   trim_.reset();
   clock_.reset();
@@ -346,7 +346,7 @@ void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) no
 void MultirotorController::forget(LawMemory what) noexcept {
   switch (what) {
     case LawMemory::kAll:
-      reset();
+      forgetAll();
       break;
     case LawMemory::kPlan:
       forgetPlan();

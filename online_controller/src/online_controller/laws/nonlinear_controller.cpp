@@ -75,10 +75,10 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
   const NonlinearMpcOptions& chosen = mpc_.options();
   ahead_ = {aheadOfHalf(chosen.model.roll_time, chosen.period),
             aheadOfHalf(chosen.model.pitch_time, chosen.period)};
-  reset();
+  forgetAll();
 }
 
-void NonlinearController::reset() noexcept {
+void NonlinearController::forgetAll() noexcept {
   observer_.reset();
   trim_.reset();
   integrator_.reset();
@@ -300,7 +300,7 @@ void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noe
 void NonlinearController::forget(LawMemory what) noexcept {
   switch (what) {
     case LawMemory::kAll:
-      reset();
+      forgetAll();
       break;
     case LawMemory::kPlan:
       forgetPlan();
