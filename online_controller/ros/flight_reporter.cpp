@@ -32,6 +32,7 @@ void FlightReporter::report(const Answered& answered, bool last) {
   if (last) leaveSnapshot(answered);
   logChange(answered);
   if (!answered.by_odometry) return;
+  if (polyfly::isOutsideMap(answered.report)) ++record_.outside_map;
   record_.latency.record(answered.times.latency());
   record_.step.record(answered.times.step);
 }
