@@ -52,7 +52,13 @@ const std::array<const RegionMap*, 3>& maps() {
 std::unique_ptr<ControlLaw> explicitLaw(const MultirotorOptions& options = {}) {
   return std::make_unique<MultirotorController>(maps(), options);
 }
+/// As the maps answer: with one reference for all stages.
 std::unique_ptr<ControlLaw> linearLaw() {
+  MultirotorOptions options;
+  options.look_ahead = false;
+  return std::make_unique<MultirotorController>(problems(), options);
+}
+std::unique_ptr<ControlLaw> lookingAhead() {
   return std::make_unique<MultirotorController>(problems(), MultirotorOptions());
 }
 std::unique_ptr<ControlLaw> nonlinearLaw() {
@@ -220,6 +226,20 @@ TEST(Laws, NonlinearTracksNoWorseInGustsAndNoise) {
     course.plant.seed = seed;
     EXPECT_LT(fly(*nonlinearLaw(), course).rms, fly(*linearLaw(), course).rms) << "seed " << seed;
   }
+}
+
+// A figure that the model can follow is tracked alike. Its measured corners are in online_controller/README.md.
+TEST(Laws, LookAheadTracksTheFigureAsWell) {
+  for (const double rate : {0.53, 0.9}) {
+    Course course;
+    course.figure.rate = rate;
+    const Flight ahead = fly(*lookingAhead(), course);
+    EXPECT_EQ(ahead.not_optimal, 0);
+    EXPECT_LT(ahead.rms, fly(*linearLaw(), course).rms) << rate;
+  }
+  Course gusts;
+  gusts.plant = noisy();
+  EXPECT_LT(fly(*lookingAhead(), gusts).rms, 1.01 * fly(*linearLaw(), gusts).rms);
 }
 
 TEST(Laws, ConstantWindLeavesNoOffset) {

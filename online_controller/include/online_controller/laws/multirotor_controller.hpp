@@ -42,12 +42,11 @@ class MultirotorController : public ControlLaw {
   /// The same problems solved online, in the same order. Throws Error.
   MultirotorController(const std::array<MpcProblem, 3>& problems, const MultirotorOptions& options);
 
-  /// One control period. Never throws, allocates, locks, logs or reads a clock.
+  /// One control period, with one reference for all of the horizon. Never throws, allocates, locks, logs or reads a clock.
   const ControlReport& step(const VehicleState& state, const Reference& reference) noexcept;
 
-  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
-    return step(state, *preview);
-  }
+  /// The same with the reference of each stage, where the law looks ahead (previewLength() above 1).
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
   void forget(LawMemory what) noexcept override;
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
@@ -67,6 +66,8 @@ class MultirotorController : public ControlLaw {
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
+  const ControlReport& answer(const VehicleState& state, const Reference& reference) noexcept;
+  void aim(const Reference* preview) noexcept;
   ControlStatus evaluate(const Measured& measured, const Reference& reference,
                          ControlReason& reason) noexcept;
   std::array<double, 3> inputOffsets(const Measured& measured, const Reference& reference,
@@ -81,6 +82,8 @@ class MultirotorController : public ControlLaw {
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;
+  // References of the stages in this step; nullptr: one for all. Not owned.
+  const Reference* preview_ = nullptr;
   // Sampling clock of minimum-peak maps.
   SamplingClock clock_;
 

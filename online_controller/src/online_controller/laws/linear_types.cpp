@@ -13,7 +13,10 @@ std::unique_ptr<ControlLaw> makeExplicit(const LawParts& parts) {
 }
 
 std::unique_ptr<ControlLaw> makeLinear(const LawParts& parts) {
-  return std::make_unique<MultirotorController>(parts.problems, parts.controller);
+  // Laws that fly together read the same references.
+  MultirotorOptions options = parts.controller;
+  options.look_ahead = options.look_ahead && parts.problems[0].sampling_time == parts.nonlinear.period;
+  return std::make_unique<MultirotorController>(parts.problems, options);
 }
 
 }  // namespace

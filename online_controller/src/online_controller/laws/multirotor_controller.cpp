@@ -75,6 +75,16 @@ TiltModel tiltModel(const std::array<Axis, 3>& axes) {
   return {axes[1].lagGain(), axes[1].lagTime(), axes[0].lagGain(), axes[0].lagTime()};
 }
 
+/// Looks ahead where all axes can, to the same times.
+LawTiming timingOf(const std::array<Axis, 3>& axes) {
+  const double period = axes[0].stagePeriod();
+  const int stages = axes[0].stages();
+  for (const Axis& axis : axes) {
+    if (axis.stages() != stages || axis.stagePeriod() != period) return {1, 0.0, period};
+  }
+  return stages == 0 ? LawTiming{1, 0.0, period} : LawTiming{stages + 1, period, period};
+}
+
 ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
   if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
   if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
@@ -119,7 +129,7 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : ControlLaw({1, 0.0, axes[0].stagePeriod()}),
+    : ControlLaw(timingOf(axes)),
       options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
@@ -143,11 +153,26 @@ void MultirotorController::forgetAll() noexcept {
 
 const ControlReport& MultirotorController::step(const VehicleState& state,
                                                 const Reference& reference) noexcept {
+  preview_ = nullptr;
+  return answer(state, reference);
+}
+
+const ControlReport& MultirotorController::step(const VehicleState& state,
+                                                const Reference* preview) noexcept {
+  preview_ = previewLength() > 1 ? preview : nullptr;
+  return answer(state, *preview);
+}
+
+const ControlReport& MultirotorController::answer(const VehicleState& state,
+                                                  const Reference& reference) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
   if (!isValid(state)) return cannotAnswer(ControlReason::kNotFinite);
   const Measured measured = measure(state);
   observe(state, measured);
-  if (!isValid(reference)) return cannotAnswer(ControlReason::kNotFinite);
+  const Reference* const end = preview_ != nullptr ? preview_ + previewLength() : &reference + 1;
+  if (!std::all_of(preview_ != nullptr ? preview_ : &reference, end,
+                   [](const Reference& read) { return isValid(read); }))
+    return cannotAnswer(ControlReason::kNotFinite);
 
   if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
     send(measured.tilt, measured.yaw, reference);
@@ -164,6 +189,15 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   return report_;
 }
 
+void MultirotorController::aim(const Reference* preview) noexcept {
+  const Eigen::Vector3d integral = integrator_.disturbance();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    for (int k = 0; preview != nullptr && k < previewLength(); ++k)
+      axes_[i].setStage(k, along(preview[k], integral, static_cast<int>(i)));
+    axes_[i].aim(preview != nullptr);
+  }
+}
+
 // The worst status of the axes, and its reason. Unless each has an answer the inputs are left alone.
 ControlStatus MultirotorController::evaluate(const Measured& measured, const Reference& reference,
                                              ControlReason& reason) noexcept {
@@ -171,6 +205,7 @@ ControlStatus MultirotorController::evaluate(const Measured& measured, const Ref
   const std::array<AxisReference, 3> wanted{along(reference, integral, 0), along(reference, integral, 1),
                                             along(reference, integral, 2)};
   const std::array<double, 3> offsets = inputOffsets(measured, reference, wanted);
+  aim(preview_);
   ControlStatus worst = ControlStatus::kOptimal;
   report_.iterations = 0;
   std::array<AxisReport, 3>& reports = report_.axis;

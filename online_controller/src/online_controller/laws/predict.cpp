@@ -24,7 +24,8 @@ void MultirotorController::inspect(const Reference* preview, LawInsight& insight
     const auto row = static_cast<Eigen::Index>(i);
     Axis::Prediction prediction = axes_[i].beginPrediction(report_.axis[i]);
     for (int k = 0; k < insight.room; ++k) {
-      insight.positions[k](row) = preview[k].position(row) + prediction.values[AxisEntry::kPositionError];
+      insight.positions[k](row) =
+          preview[k].position(row) + prediction.values[AxisEntry::kPositionError] - axes_[i].shift(k);
       axes_[i].advance(prediction);
     }
   }
