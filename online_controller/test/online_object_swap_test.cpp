@@ -240,8 +240,8 @@ TEST(TakeOver, TheLawThatFliesStaysAndNewOptionsHold) {
 
 TEST(TakeOver, AHeldCommandMeetsTheNewLimits) {
   const std::unique_ptr<ControlLaw> old = linearLaw(1.8);
-  std::vector<Reference> preview(1);
-  preview[0].position = {20.0, 0.0, 1.5};
+  std::vector<Reference> preview(static_cast<std::size_t>(old->previewLength()));
+  for (Reference& reference : preview) reference.position = {20.0, 0.0, 1.5};
   const AttitudeCommand before = old->step(wandering(0), preview.data()).command;
   ASSERT_GT(before.pitch, 0.25);
   ASSERT_GT(before.thrust, 1.52 * 10.0);
