@@ -15,12 +15,12 @@
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/process_group.hpp"
 #include "polyfly_base/error.hpp"
+#include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
-#include "solve_robust.hpp"
 #include "stopwatch.hpp"
 #include "support/vector_text.hpp"
 
@@ -304,10 +304,10 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
 
 ExitCode lead(const SolveArguments& options, Session& session) {
   checkFiles(options);
-  if (isRobustFile(options.problem)) {
+  if (const OwnSolver* own = ownSolverOf(options.problem); own != nullptr) {
     session.leave();
-    return solveRobust({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
-                        options.tree_nodes, options.explore.threads, options.quiet});
+    return own->solve({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
+                       options.tree_nodes, options.explore.threads, options.quiet});
   }
   Stopwatch watch;
   Seconds seconds;
@@ -358,7 +358,7 @@ ExitCode assist(const SolveArguments& options, MpiGroup& group) {
   ignoreSignals();
   ParametricProgram program;
   try {
-    if (isRobustFile(options.problem)) return ExitCode::kDone;  // process 0 solves it alone
+    if (ownSolverOf(options.problem) != nullptr) return ExitCode::kDone;  // process 0 solves it alone
     program = loadCompleteProgram(options.problem);
   } catch (const Error& error) {
     reportFailure(error.what(), group);

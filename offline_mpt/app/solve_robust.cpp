@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "offline_mpt/encode.hpp"
-#include "polyfly_base/read_text.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
@@ -15,10 +14,10 @@
 namespace polyfly {
 namespace {
 
-FeasibleSet projectWithProgress(const RobustProgram& program, const SolveRobustOptions& options) {
-  Progress progress(options.quiet);
+FeasibleSet projectWithProgress(const RobustProgram& program, const SolveTask& task) {
+  Progress progress(task.quiet);
   ProjectOptions project;
-  project.threads = options.threads;
+  project.threads = task.threads;
   project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
     progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
                       " vertices, " + std::to_string(open) + " to cut off",
@@ -49,39 +48,34 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
 
 }  // namespace
 
-bool isRobustFile(const std::string& path) {
-  if (!endsWith(path, ".yaml") && !endsWith(path, ".yml")) return false;
-  return isRobustProblem(readText(path), path);
-}
-
-ExitCode solveRobust(const SolveRobustOptions& options) {
+ExitCode solveRobust(const SolveTask& task) {
   // Of no phase anything can be kept.
-  endOnSignal(options.map + ": stopped, nothing was written", options.time_limit);
+  endOnSignal(task.map + ": stopped, nothing was written", task.time_limit);
   Stopwatch watch;
-  const RobustProblem problem = loadRobustProblem(options.problem);
+  const RobustProblem problem = loadRobustProblem(task.problem);
   const RobustProgram program = buildRobustProgram(problem);
-  const FeasibleSet set = projectWithProgress(program, options);
+  const FeasibleSet set = projectWithProgress(program, task);
   const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
   const double region_time = watch.lap();
   TreeOptions tree;
-  tree.threads = options.threads;
-  tree.mode = options.tree_mode;
-  tree.node_limit = options.tree_nodes;
+  tree.threads = task.threads;
+  tree.mode = task.tree_mode;
+  tree.node_limit = task.tree_nodes;
   const MapContent content = encode(rounded.program, rounded.partition, tree);
   ignoreSignals();
-  writeMap(content, options.map);
-  const RegionMap map = RegionMap::open(options.map);
+  writeMap(content, task.map);
+  const RegionMap map = RegionMap::open(task.map);
   const double encode_time = watch.lap();
-  if (!options.stats.empty())
-    writeText(options.stats, statsOf(set, law, map, project_time, region_time, encode_time));
-  if (!options.quiet) {
+  if (!task.stats.empty())
+    writeText(task.stats, statsOf(set, law, map, project_time, region_time, encode_time));
+  if (!task.quiet) {
     std::printf(
         "%s: complete, %zu regions, %zu laws, depth %u, %zu bytes; feasible set of %zu facets and %zu "
         "vertices, each proven, in %.3g s, regions in %.3g s, tree in %.3g s\n",
-        options.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(),
-        set.facets.size(), set.vertices.size(), project_time, region_time, encode_time);
+        task.map.c_str(), map.regionCount(), map.lawCount(), map.cost().depth, map.bytes(), set.facets.size(),
+        set.vertices.size(), project_time, region_time, encode_time);
   }
   return ExitCode::kDone;
 }

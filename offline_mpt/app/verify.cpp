@@ -6,13 +6,13 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
+#include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
 #include "verify_exact.hpp"
 #include "verify_reduction.hpp"
-#include "verify_robust.hpp"
 
 namespace polyfly {
 namespace {
@@ -55,10 +55,16 @@ ExitCode verifyMap(const VerifyArguments& options) {
   inputs.push_back(options.map);
   checkOutputs({{options.json}}, inputs);
   const RegionMap map = RegionMap::open(options.map);
-  if (isRobustMap(map)) {
-    return verifyRobust(map,
-                        {options.problem, options.json, false, options.verify.samples, options.verify.seed,
-                         options.verify.tolerance, options.verify.threads, options.quiet});
+  if (const OwnSolver* own = ownSolverOf(map); own != nullptr) {
+    VerifyTask task;
+    task.problem = options.problem;
+    task.json = options.json;
+    task.samples = options.verify.samples;
+    task.seed = options.verify.seed;
+    task.tolerance = options.verify.tolerance;
+    task.threads = options.verify.threads;
+    task.quiet = options.quiet;
+    return own->verify(map, task);
   }
   const ParametricProgram program =
       options.problem.empty() ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),

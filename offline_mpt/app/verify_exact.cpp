@@ -9,12 +9,12 @@
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
+#include "problem_types.hpp"
 #include "progress.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
 #include "safety_filter/safe_set.hpp"
 #include "signals.hpp"
-#include "verify_robust.hpp"
 #include "verify_safety.hpp"
 
 namespace polyfly {
@@ -93,16 +93,16 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
   ParametricProgram program;
   {
     const RegionMap map = RegionMap::open(options.map);
-    if (isRobustMap(map)) {
-      if (!options.certificate.empty() || !options.output.empty())
-        throw Error(options.map + ": of a robust MPC there is neither --certificate nor --repair");
-      VerifyRobustOptions robust;
-      robust.problem = options.problem;
-      robust.json = options.json;
-      robust.exact = true;
-      robust.threads = options.threads;
-      robust.quiet = options.quiet;
-      return verifyRobust(map, robust);
+    if (const OwnSolver* own = ownSolverOf(map); own != nullptr) {
+      VerifyTask task;
+      task.problem = options.problem;
+      task.json = options.json;
+      task.certificate = options.certificate;
+      task.output = options.output;
+      task.exact = true;
+      task.threads = options.threads;
+      task.quiet = options.quiet;
+      return own->verify(map, task);
     }
     program = options.problem.empty()
                   ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),

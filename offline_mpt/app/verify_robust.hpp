@@ -1,29 +1,11 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-
-#include "command.hpp"
+#include "problem_types.hpp"
 
 namespace polyfly {
 
-class RegionMap;
-
-/// What `verify` was asked for, of a map of a problem of type robust_mpc.
-struct VerifyRobustOptions {
-  std::string problem;  ///< empty: the one that the map carries
-  std::string json;     ///< file to write, empty: none
-  bool exact = false;
-  std::uint64_t samples = 0;
-  std::uint64_t seed = 0;
-  double tolerance = 0.0;
-  int threads = 1;
-  bool quiet = false;
-};
-
-bool isRobustMap(const RegionMap& map);
-
-/// Proves the map in fractions, or compares it with linear programs at samples.
-ExitCode verifyRobust(const RegionMap& map, const VerifyRobustOptions& options);
+/// Proves the map of a robust_mpc in fractions, or compares it with linear programs at samples. Throws Error where a
+/// certificate or a repair is asked for: there is neither.
+ExitCode verifyRobust(const RegionMap& map, const VerifyTask& task);
 
 }  // namespace polyfly

@@ -28,6 +28,7 @@ OptionTable tableOf(LawSetup& setup, const LegacyNames& names) {
   polyfly::visitLinearTuning(setup.linear, table);
   polyfly::visitNonlinearOptions(setup.nonlinear, table);
   polyfly::visitMomentModel(setup.moments, table);
+  polyfly::visitLawOptions(polyfly::lawTypes(), setup.law_options, table);
   for (const LegacyName& name : names) table.alias(name);
   return table;
 }
@@ -78,7 +79,7 @@ void ConfigThread::noteInForce() {
 
 // The maps hold the solution for the values that they were solved with.
 std::string ConfigThread::fixedInMaps() const {
-  if (setup_.sources->explicit_maps.empty()) return "no region maps are loaded";
+  if (setup_.sources->explicitMaps().empty()) return "no region maps are loaded";
   const polyfly::LinearTuning solved = polyfly::linearTuning(setup_.sources->problems);
   std::ostringstream text;
   text << "baked into the region maps (law explicit_linear): model, weights and command limits; linear/* "
@@ -89,10 +90,11 @@ std::string ConfigThread::fixedInMaps() const {
     if (option != nullptr && OptionTable::get(*option) != value)
       text << key << " is " << value << " in the maps, " << OptionTable::get(*option) << " here. ";
   });
+  const auto explicit_place = static_cast<std::size_t>(polyfly::lawOfName("explicit_linear"));
   text << "To re-solve: change `weights` and `inputs` in a copy of the problem file, then\n";
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::string& path = setup_.files.maps[i];
-    text << "  offline_mpt solve " << setup_.sources->explicit_maps.maps[i].name() << ".yaml -o "
+    const std::string& path = setup_.files.maps.at(explicit_place)[i];
+    text << "  offline_mpt solve " << setup_.sources->explicitMaps().maps[i].name() << ".yaml -o "
          << path.substr(0, path.rfind('.')) << ".new.map\n";
   }
   text << "and call the service " << handle_.resolveName("swap_maps") << " with the new maps.";
@@ -112,7 +114,7 @@ bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
     noteInForce();
     response.success = 1;
     response.message =
-        joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForSwap();
+        joined(setup_.files.maps.at(static_cast<std::size_t>(lawOfSwap(request)))) + waitForSwap();
     reconfigure_.hasChanged();
     in_force_.hasChanged("region maps");
     ROS_INFO("region maps: %s", response.message.c_str());

@@ -224,8 +224,8 @@ void fillStatus(const polyfly::ControlReport& report,
 }
 
 bool isAsAsked(const polyfly::ControlReport& report) noexcept {
-  return report.status == ControlStatus::kOptimal || report.reason == ControlReason::kOnGround ||
-         report.reason == ControlReason::kPilot;
+  return (report.status == ControlStatus::kOptimal && !polyfly::isOutsideMap(report)) ||
+         report.reason == ControlReason::kOnGround || report.reason == ControlReason::kPilot;
 }
 
 std::string describe(const polyfly::ControlReport& report) {

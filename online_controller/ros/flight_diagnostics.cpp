@@ -38,7 +38,7 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
   }
   const polyfly::ControlStatus control = snapshot_->report.status;
   const bool well = isAsAsked(snapshot_->report);
-  const bool poor = control == polyfly::ControlStatus::kClipped ||
+  const bool poor = polyfly::isOutsideMap(snapshot_->report) || control == polyfly::ControlStatus::kClipped ||
                     control == polyfly::ControlStatus::kSuboptimal ||
                     control == polyfly::ControlStatus::kNoReference;
   const auto level = well ? DiagnosticStatus::OK : poor ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR;
@@ -51,6 +51,9 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   const std::int64_t lost = record_.lost.load(std::memory_order_relaxed);
   if (overruns > told_overruns_) status.mergeSummary(DiagnosticStatus::WARN, "control periods overrun");
   if (lost > told_lost_) status.mergeSummary(DiagnosticStatus::WARN, "odometry missing");
+  const std::int64_t outside = record_.outside_map.load(std::memory_order_relaxed);
+  if (outside > told_outside_) status.mergeSummary(DiagnosticStatus::WARN, "left the maps");
+  told_outside_ = outside;
   told_overruns_ = overruns;
   told_lost_ = lost;
   status.add("steps", record_.latency.count());
@@ -58,6 +61,7 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   addTimes(status, "control law", record_.step);
   status.add("control periods overrun", overruns);
   status.add("odometry missing", lost);
+  status.add("samples outside the maps", outside);
   status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
   status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;

@@ -32,6 +32,7 @@ void FlightReporter::report(const Answered& answered, bool last) {
   if (last) leaveSnapshot(answered);
   logChange(answered);
   if (!answered.by_odometry) return;
+  if (polyfly::isOutsideMap(answered.report)) ++record_.outside_map;
   record_.latency.record(answered.times.latency());
   record_.step.record(answered.times.step);
 }
@@ -48,7 +49,9 @@ void FlightReporter::publishStatus(const Answered& answered, bool last) {
   status->sequence = answered.sequence;
   status->law = polyfly::lawName(answered.law);
   status->iterations = answered.report.iterations;
-  status->kkt_residual = last ? laws_.flight().kktResidual() : -1.0;
+  polyfly::LawInsight insight;
+  if (last) laws_.flight().inspect(nullptr, insight);
+  status->kkt_residual = insight.kkt_residual;
   status->odometry_age = answered.odometry_age;
   status->input_time_ns = answered.times.input;
   status->step_time_ns = answered.times.step;
@@ -65,7 +68,6 @@ void FlightReporter::leaveSnapshot(const Answered& answered) {
   snapshot.header = answered.header;
   snapshot.law = answered.law;
   snapshot.report = answered.report;
-  snapshot.kkt_residual = laws_.flight().kktResidual();
   snapshot.odometry_age = answered.odometry_age;
   snapshot.times = answered.times;
   snapshot.stage_period = laws_.flight().previewPeriod();
@@ -77,10 +79,12 @@ void FlightReporter::leaveSnapshot(const Answered& answered) {
       snapshot.reference_count > 1 ? flight_.wholePreview() : flight_.preview();
   std::copy_n(reference.begin(), snapshot.reference_count, snapshot.reference.begin());
   const bool same_stages = laws_.flight().stagePeriod() == laws_.flight().previewPeriod();
-  snapshot.predicted_count = shows && tracks && same_stages
-                                 ? laws_.flight().predict(snapshot.reference.data(), snapshot.reference_count,
-                                                          snapshot.predicted.data())
-                                 : 0;
+  polyfly::LawInsight insight;
+  insight.room = shows && tracks && same_stages ? snapshot.reference_count : 0;
+  insight.positions = snapshot.predicted.data();
+  laws_.flight().inspect(snapshot.reference.data(), insight);
+  snapshot.kkt_residual = insight.kkt_residual;
+  snapshot.predicted_count = insight.count;
   record_.latest.publish();
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "online_controller/laws/multirotor_controller.hpp"
-#include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller_ros/law_sources.hpp"
 
 namespace polyfly_ros {
@@ -25,25 +23,17 @@ std::array<std::string, 3> readPaths(ParameterReader& reader, const std::string&
   return paths;
 }
 
-std::unique_ptr<polyfly::ControlLaw> explicitLaw(const MapSet& set,
-                                                 const polyfly::MultirotorOptions& options) {
-  if (set.empty()) return nullptr;
-  return std::make_unique<polyfly::MultirotorController>(
-      std::array<const polyfly::RegionMap*, 3>{&set.maps[0], &set.maps[1], &set.maps[2]}, set.problems,
-      options);
-}
-
-/// `problems`: of the linear law, tuned.
-std::unique_ptr<polyfly::LawSwitch> everyLaw(const LawSetup& setup,
-                                             const std::array<polyfly::MpcProblem, 3>& problems) {
-  std::array<std::unique_ptr<polyfly::ControlLaw>, polyfly::kLawCount> laws;
-  const auto place = [&](polyfly::Law law) -> auto& { return laws[static_cast<std::size_t>(law)]; };
-  place(polyfly::Law::kExplicitLinear) = explicitLaw(setup.sources->explicit_maps, setup.controller);
-  place(polyfly::Law::kLinear) = std::make_unique<polyfly::MultirotorController>(problems, setup.controller);
-  place(polyfly::Law::kRobustExplicit) = explicitLaw(setup.sources->robust_maps, setup.controller);
-  place(polyfly::Law::kNonlinear) =
-      std::make_unique<polyfly::NonlinearController>(setup.controller, setup.nonlinear);
-  return std::make_unique<polyfly::LawSwitch>(std::move(laws), setup.law);
+/// Of the laws that have maps; the one that flies first needs them.
+polyfly::MapPaths readMapPaths(ParameterReader& reader, polyfly::Law first) {
+  const std::vector<polyfly::LawType>& types = polyfly::lawTypes();
+  polyfly::MapPaths paths(types.size());
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (types[i].maps == nullptr) continue;
+    const char* what =
+        types[i].robust_maps ? "the path of a map of a minimum-peak robust MPC" : "the path of a region map";
+    paths[i] = readPaths(reader, types[i].maps, what, static_cast<std::size_t>(first) == i);
+  }
+  return paths;
 }
 
 std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::vector<polyfly::RegionMap>& maps) {
@@ -65,14 +55,12 @@ std::array<std::vector<polyfly::Signal>, 3> parametersOf(const std::array<polyfl
 LawSetup LawSetup::read(ParameterReader& reader) {
   LawSetup setup;
   setup.law = polyfly::lawOfName(reader.text("law", "the name of a law", "explicit_linear"));
-  setup.files.maps =
-      readPaths(reader, "maps", "the path of a region map", setup.law == polyfly::Law::kExplicitLinear);
-  setup.files.robust_maps = readPaths(reader, "robust_maps", "the path of a map of a minimum-peak robust MPC",
-                                      setup.law == polyfly::Law::kRobustExplicit);
+  setup.files.maps = readMapPaths(reader, setup.law);
   setup.files.problems = readPaths(reader, "problems", "the path of a problem file", false);
   polyfly::visitOptions(setup.controller, reader);
   polyfly::visitNonlinearOptions(setup.nonlinear, reader);
   polyfly::visitMomentModel(setup.moments, reader);
+  polyfly::visitLawOptions(polyfly::lawTypes(), setup.law_options, reader);
   polyfly::checkOptions(setup.controller);
   setup.nonlinear.model.gravity = setup.controller.gravity;
   setup.sources = LawSources::load(setup.files, setup.nonlinear.model, setup.controller);
@@ -86,24 +74,17 @@ Laws::Laws(const LawSetup& setup)
       options_(setup.controller),
       observer_(setup.nonlinear.model, setup.controller, setup.moments) {
   const std::array<polyfly::MpcProblem, 3> problems = polyfly::tuned(sources_->problems, setup.linear);
-  parameters_ =
-      sources_->explicit_maps.empty() ? parametersOf(problems) : parametersOf(sources_->explicit_maps.maps);
-  robust_parameters_ = parametersOf(sources_->robust_maps.maps);
-  switch_ = everyLaw(setup, problems);
+  const polyfly::MapSet& mapped = sources_->explicitMaps();
+  const auto of_linear = mapped.empty() ? parametersOf(problems) : parametersOf(mapped.maps);
+  for (const polyfly::MapSet& set : sources_->maps)
+    parameters_.push_back(set.empty() ? of_linear : parametersOf(set.maps));
+  switch_ = polyfly::makeLaws(
+      polyfly::lawTypes(), {setup.controller, setup.nonlinear, problems, &sources_->maps, setup.law_options},
+      setup.law);
 }
 
 const std::vector<polyfly::RegionMap>& Laws::maps(polyfly::Law law) const {
-  switch (law) {
-    case polyfly::Law::kExplicitLinear:
-      return sources_->explicit_maps.maps;
-    case polyfly::Law::kRobustExplicit:
-      return sources_->robust_maps.maps;
-    case polyfly::Law::kLinear:
-    case polyfly::Law::kNonlinear:
-      break;
-  }
-  static const std::vector<polyfly::RegionMap> none;
-  return none;
+  return sources_->mapsOf(law).maps;
 }
 
 }  // namespace polyfly_ros

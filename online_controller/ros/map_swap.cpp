@@ -77,20 +77,25 @@ void requireSmall(const RegionMap& next, double change, double share) {
 
 }  // namespace
 
+polyfly::Law lawOfSwap(const online_controller::SwapMaps::Request& request) {
+  if (!request.law.empty()) return polyfly::lawOfName(request.law);
+  return polyfly::lawOfName(request.robust != 0 ? "robust_explicit" : "explicit_linear");
+}
+
 LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps::Request& request,
                        const FlightSnapshot* last, std::array<double, 3>& change) {
   change.fill(std::numeric_limits<double>::quiet_NaN());
-  const auto maps_of = [&](const LawSetup& of) -> const MapSet& {
-    return request.robust != 0 ? of.sources->robust_maps : of.sources->explicit_maps;
+  const polyfly::Law law = lawOfSwap(request);
+  const auto maps_of = [law](const LawSetup& of) -> const polyfly::MapSet& {
+    return of.sources->mapsOf(law);
   };
   if (maps_of(setup).empty()) throw Error("swap_maps: this controller was started without such maps");
   if (!(request.most_change >= 0.0)) throw Error("swap_maps: most_change: must be 0 or more");
   const double share = request.most_change > 0.0 ? request.most_change : kMostChange;
-  const polyfly::Law law =
-      request.robust != 0 ? polyfly::Law::kRobustExplicit : polyfly::Law::kExplicitLinear;
   const std::array<std::string, 3> wanted{request.longitudinal, request.lateral, request.vertical};
+  const bool feeds_linear = law == polyfly::lawOfName("explicit_linear");
   LawSetup next = setup;
-  std::array<std::string, 3>& paths = request.robust != 0 ? next.files.robust_maps : next.files.maps;
+  std::array<std::string, 3>& paths = next.files.maps.at(static_cast<std::size_t>(law));
   for (std::size_t i = 0; i < 3; ++i) {
     if (!wanted[i].empty()) paths[i] = wanted[i];
   }
@@ -104,15 +109,15 @@ LawSetup withOtherMaps(const LawSetup& setup, const online_controller::SwapMaps:
     if (maps_of(setup).problems.at(i).minimum_peak != robust)
       refuse(map, "must be of the kind of the map in force (tracking or minimum peak)");
     if (!robust) requireRest(map);
-    // The other linear law has the same parameters.
+    // The law linear has the parameters of explicit_linear.
     const bool comparable =
-        last != nullptr && (last->law == law || (last->law == polyfly::Law::kLinear && request.robust == 0));
+        last != nullptr && (last->law == law || (feeds_linear && last->law == polyfly::lawOfName("linear")));
     if (!comparable) continue;
     change[i] = changeAt(now, map, last->report.axis[i]);
     requireSmall(map, change[i], share);
   }
   // The linear law solves the problems in the maps, unless files give it its own.
-  if (setup.files.problems[0].empty() && request.robust == 0)
+  if (setup.files.problems[0].empty() && feeds_linear)
     next.linear = polyfly::linearTuning(next.sources->problems);
   return next;
 }

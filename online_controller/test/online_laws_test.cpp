@@ -6,7 +6,7 @@
 #include "allocations.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "mpc_core/online_program.hpp"
-#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_support.hpp"
@@ -101,7 +101,7 @@ TEST(OnlineLaws, TrimMovesTheCommandsAndNothingElse) {
         moved.track(state, second);
       }
     }
-    EXPECT_EQ(moved.stepWithoutReference(1.0).command.roll, 0.03);
+    EXPECT_EQ(moved.report().level_trim.roll, 0.03);
   };
   MultirotorController linear(axes, MultirotorOptions{}), linear_moved(axes, trimmed);
   compare(linear, linear_moved);
@@ -112,10 +112,11 @@ TEST(OnlineLaws, TrimMovesTheCommandsAndNothingElse) {
 
 TEST(OnlineLaws, NeverAllocate) {
   const std::array<MpcProblem, 3> axes = problems();
-  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws{
-      nullptr, std::make_unique<MultirotorController>(axes, MultirotorOptions()),
-      std::make_unique<NonlinearController>(MultirotorOptions(), NonlinearMpcOptions())};
-  LawSwitch flight(std::move(laws), Law::kLinear);
+  const Law linear{0}, nonlinear{1};
+  std::vector<std::unique_ptr<ControlLaw>> laws;
+  laws.push_back(std::make_unique<MultirotorController>(axes, MultirotorOptions()));
+  laws.push_back(std::make_unique<NonlinearController>(MultirotorOptions(), NonlinearMpcOptions()));
+  LawSwitch flight(std::move(laws), linear, MultirotorOptions());
   std::vector<Reference> preview(static_cast<std::size_t>(flight.previewLength()));
   for (Reference& reference : preview) reference.position = {2.5, -2.0, 1.0};
   VehicleState state;
@@ -124,7 +125,7 @@ TEST(OnlineLaws, NeverAllocate) {
   for (int i = 0; i < 300; ++i) {
     state.stamp = 0.01 * i;
     state.position.x() = 0.005 * i;
-    if (i % 50 == 49) flight.select(flight.active() == Law::kLinear ? Law::kNonlinear : Law::kLinear);
+    if (i % 50 == 49) flight.select(flight.active() == linear ? nonlinear : linear);
     optimal += flight.step(state, preview.data()).status == ControlStatus::kOptimal ? 1 : 0;
     flight.prepare();
   }

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/realtime/latency_histogram.hpp"
@@ -163,23 +163,25 @@ std::array<MpcProblem, 3> axisProblems() {
   return problems;
 }
 
-std::unique_ptr<ControlLaw> linearLaw(double yaw_gain) {
+MultirotorOptions withYawGain(double yaw_gain) {
   MultirotorOptions options;
   options.yaw_gain = yaw_gain;
-  return std::make_unique<MultirotorController>(axisProblems(), options);
+  return options;
+}
+
+std::unique_ptr<ControlLaw> linearLaw(double yaw_gain) {
+  return std::make_unique<MultirotorController>(axisProblems(), withYawGain(yaw_gain));
 }
 
 std::unique_ptr<ControlLaw> nonlinearLaw(double yaw_gain) {
-  MultirotorOptions options;
-  options.yaw_gain = yaw_gain;
-  return std::make_unique<NonlinearController>(options, NonlinearMpcOptions{});
+  return std::make_unique<NonlinearController>(withYawGain(yaw_gain), NonlinearMpcOptions{});
 }
 
-std::unique_ptr<ControlLaw> switched(double yaw_gain, Law first) {
-  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws;
-  laws[static_cast<std::size_t>(Law::kLinear)] = linearLaw(yaw_gain);
-  laws[static_cast<std::size_t>(Law::kNonlinear)] = nonlinearLaw(yaw_gain);
-  return std::make_unique<LawSwitch>(std::move(laws), first);
+std::unique_ptr<LawSwitch> switched(double yaw_gain, Law first) {
+  std::vector<std::unique_ptr<ControlLaw>> laws(lawTypes().size());
+  laws[static_cast<std::size_t>(lawOfName("linear"))] = linearLaw(yaw_gain);
+  laws[static_cast<std::size_t>(lawOfName("nonlinear"))] = nonlinearLaw(yaw_gain);
+  return std::make_unique<LawSwitch>(std::move(laws), first, withYawGain(yaw_gain));
 }
 
 double difference(const AttitudeCommand& a, const AttitudeCommand& b) {
@@ -188,9 +190,10 @@ double difference(const AttitudeCommand& a, const AttitudeCommand& b) {
 }
 
 // A law of the same options that takes over in mid-flight answers as the old one would have.
-void expectSeamless(const std::function<std::unique_ptr<ControlLaw>()>& make) {
-  const std::unique_ptr<ControlLaw> steady = make();
-  std::unique_ptr<ControlLaw> current = make();
+template <class Make>
+void expectSeamless(const Make& make) {
+  const auto steady = make();
+  auto current = make();
   std::vector<Reference> preview(static_cast<std::size_t>(steady->previewLength()));
   for (Reference& reference : preview) reference.position = {0.4, -0.2, 1.3};
   for (int sample = 0; sample < 300; ++sample) {
@@ -199,10 +202,12 @@ void expectSeamless(const std::function<std::unique_ptr<ControlLaw>()>& make) {
     const ControlReport& report = current->step(state, preview.data());
     ASSERT_EQ(report.status, ControlStatus::kOptimal);
     ASSERT_LT(difference(expected, report.command), 1e-8) << "sample " << sample;
-    EXPECT_LT(current->kktResidual(), 1e-9);
-    EXPECT_GE(current->kktResidual(), 0.0);
+    LawInsight insight;
+    current->inspect(preview.data(), insight);
+    EXPECT_LT(insight.kkt_residual, 1e-9);
+    EXPECT_GE(insight.kkt_residual, 0.0);
     if (sample % 3 == 1) {
-      std::unique_ptr<ControlLaw> next = make();
+      auto next = make();
       next->transferState(*current);
       current = std::move(next);
     }
@@ -218,25 +223,25 @@ TEST(TakeOver, NonlinearGoesOn) {
   expectSeamless([] { return nonlinearLaw(1.8); });
 }
 TEST(TakeOver, TheSwitchGoesOn) {
-  expectSeamless([] { return switched(1.8, Law::kNonlinear); });
+  expectSeamless([] { return switched(1.8, lawOfName("nonlinear")); });
 }
 
 TEST(TakeOver, TheLawThatFliesStaysAndNewOptionsHold) {
-  const std::unique_ptr<ControlLaw> old = switched(1.0, Law::kNonlinear);
-  dynamic_cast<LawSwitch&>(*old).select(Law::kLinear);
-  const std::unique_ptr<ControlLaw> next = switched(2.0, Law::kNonlinear);
+  const std::unique_ptr<LawSwitch> old = switched(1.0, lawOfName("nonlinear"));
+  old->select(lawOfName("linear"));
+  const std::unique_ptr<LawSwitch> next = switched(2.0, lawOfName("nonlinear"));
   std::vector<Reference> preview(static_cast<std::size_t>(old->previewLength()));
   for (Reference& reference : preview) reference.yaw = 0.5;
   const double slow = old->step(wandering(0), preview.data()).command.yaw_rate;
   next->transferState(*old);
-  EXPECT_EQ(dynamic_cast<LawSwitch&>(*next).active(), Law::kLinear);
+  EXPECT_EQ(next->active(), lawOfName("linear"));
   EXPECT_NEAR(next->step(wandering(0), preview.data()).command.yaw_rate, 2.0 * slow, 1e-9);
 }
 
 TEST(TakeOver, AHeldCommandMeetsTheNewLimits) {
   const std::unique_ptr<ControlLaw> old = linearLaw(1.8);
-  std::vector<Reference> preview(1);
-  preview[0].position = {20.0, 0.0, 1.5};
+  std::vector<Reference> preview(static_cast<std::size_t>(old->previewLength()));
+  for (Reference& reference : preview) reference.position = {20.0, 0.0, 1.5};
   const AttitudeCommand before = old->step(wandering(0), preview.data()).command;
   ASSERT_GT(before.pitch, 0.25);
   ASSERT_GT(before.thrust, 1.52 * 10.0);

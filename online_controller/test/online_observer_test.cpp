@@ -327,7 +327,8 @@ TEST(VehicleObserver, DoesNotAllocateAndNamesABadOption) {
 }
 
 /// What the law commands after it stood `seconds` at an error in x, without an observer.
-double pitchAfter(polyfly::ControlLaw& law, double error, double seconds) {
+template <class AnyLaw>
+double pitchAfter(AnyLaw& law, double error, double seconds) {
   std::vector<polyfly::Reference> preview(static_cast<std::size_t>(law.previewLength()));
   VehicleState state;
   double pitch = 0.0;
@@ -350,7 +351,7 @@ TEST(Integrator, AnswersAConstantErrorWithinItsBoundsAndForgetsIt) {
   const double more = pitchAfter(*with.controller, 0.1, 5.0);
   // 0.2 * 0.1 * 5 m/s^2 more, as an angle through g, the gain of the loop and the law of the made maps.
   EXPECT_NEAR(more - plain, -0.1 / kGravity * (1.0 + 1.0 / 0.9), 2e-3);
-  with.controller->resetIntegrator();
+  with.controller->forget(polyfly::LawMemory::kIntegral);
   EXPECT_NEAR(pitchAfter(*with.controller, 0.1, 0.01), plain, 1e-6);
 
   polyfly_test::Flight far(options);  // beyond the ball

@@ -124,17 +124,23 @@ TEST(LinearTuning, ChangedLimitsHold) {
 
 /// The prediction begins at the vehicle, its first stage is what the model makes of the first command, and it
 /// ends nearer the reference.
-void expectPrediction(ControlLaw& law) {
+template <class AnyLaw>
+void expectPrediction(AnyLaw& law) {
   VehicleState state;
   state.position = {0.1, -0.1, 1.0};
   std::vector<Reference> preview(21);
   for (Reference& reference : preview) reference.position = {0.9, 0.5, 1.5};
   std::vector<Eigen::Vector3d> positions(21);
-  ASSERT_EQ(law.predict(preview.data(), 21, positions.data()), 0);
+  LawInsight insight;
+  insight.room = 21;
+  insight.positions = positions.data();
+  law.inspect(preview.data(), insight);
+  ASSERT_EQ(insight.count, 0);
   const ControlReport& report = law.step(state, preview.data());
   ASSERT_EQ(report.status, ControlStatus::kOptimal);
-  ASSERT_EQ(law.stagePeriod(), 0.1);
-  ASSERT_EQ(law.predict(preview.data(), 21, positions.data()), 21);
+  ASSERT_EQ(law.timing().stage_period, 0.1);
+  law.inspect(preview.data(), insight);
+  ASSERT_EQ(insight.count, 21);
   EXPECT_LT((positions[0] - state.position).norm(), 1e-12);
   const double climb = 0.5 * report.axis[2].input * 0.1 * 0.1;
   EXPECT_NEAR(positions[1].z(), 1.0 + climb, 0.02 * climb);
@@ -147,7 +153,9 @@ TEST(Prediction, OfEachLaw) {
   NonlinearController nonlinear(MultirotorOptions{}, NonlinearMpcOptions{});
   expectPrediction(nonlinear);
   polyfly_test::Flight mapped;
-  expectPrediction(*mapped.controller);
+  MultirotorController explicit_law({&mapped.maps[0]->map(), &mapped.maps[1]->map(), &mapped.maps[2]->map()},
+                                    {});
+  expectPrediction(explicit_law);
 }
 
 }  // namespace

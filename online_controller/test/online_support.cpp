@@ -104,7 +104,8 @@ Flight::Flight(const std::array<polyfly::MapContent, 3>& contents,
     maps[i] = std::make_unique<MapInMemory>(contents[i]);
     pointers[i] = &maps[i]->map();
   }
-  controller = std::make_unique<polyfly::MultirotorController>(pointers, options);
+  controller =
+      std::make_unique<OneLaw>(std::make_unique<polyfly::MultirotorController>(pointers, options), options);
 }
 
 std::string axisRefusal(std::size_t axis, const polyfly::MapContent& content) {

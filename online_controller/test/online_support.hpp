@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
@@ -39,6 +40,17 @@ class MapInMemory {
   std::unique_ptr<polyfly::RegionMap> map_;
 };
 
+/// One law with what is sent without its answer, told one reference in each step.
+class OneLaw : public polyfly::LawSwitch {
+ public:
+  using LawSwitch::LawSwitch;
+  using LawSwitch::step;
+  const polyfly::ControlReport& step(const polyfly::VehicleState& state,
+                                     const polyfly::Reference& reference) noexcept {
+    return step(state, &reference);
+  }
+};
+
 /// The three maps and a controller on them.
 struct Flight {
   explicit Flight(const polyfly::MultirotorOptions& options = {});
@@ -46,7 +58,7 @@ struct Flight {
                   const polyfly::MultirotorOptions& options = {});
 
   std::array<std::unique_ptr<MapInMemory>, 3> maps;
-  std::unique_ptr<polyfly::MultirotorController> controller;
+  std::unique_ptr<OneLaw> controller;
 };
 
 std::array<polyfly::MapContent, 3> axisContents();

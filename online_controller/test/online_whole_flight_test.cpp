@@ -89,14 +89,14 @@ using MakeLaw = std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&);
 
 struct Flight {
   Flight(MakeLaw make, const Eigen::Vector3d& wind)
-      : law(make(MultirotorOptions{})), supervisor(*law, MultirotorOptions{}, FlightOptions{}) {
+      : law(make(MultirotorOptions{}), MultirotorOptions{}), supervisor(law, MultirotorOptions{}, FlightOptions{}) {
     vehicle.wind = wind;
   }
 
   void run(double seconds) {
     for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
       const AttitudeCommand command = supervisor.onOdometry(vehicle.measure()).command;
-      law->prepare();
+      law.prepare();
       EXPECT_LE(std::abs(command.roll), 0.4363323);
       EXPECT_LE(std::abs(command.pitch), 0.4363323);
       EXPECT_LE(command.thrust, 20.0 * kMass);
@@ -104,7 +104,7 @@ struct Flight {
     }
   }
 
-  std::unique_ptr<ControlLaw> law;
+  LawSwitch law;
   FlightSupervisor supervisor;
   Vehicle vehicle;
 };
@@ -169,8 +169,8 @@ TEST(SolverFailure, OfTheNonlinearLawHoldsLevelsAndEndsWithTheNextAnswer) {
   mpc.working_sets_max = 1;
   mpc.speed_max = 1.0;
   mpc.speed_penalty = 1e9;
-  NonlinearController law(MultirotorOptions{}, mpc);
   MultirotorOptions vehicle;
+  LawSwitch law(std::make_unique<NonlinearController>(MultirotorOptions{}, mpc), MultirotorOptions{});
   vehicle.jump_distance = 0.0;
   FlightSupervisor supervisor(law, vehicle, FlightOptions{});
   VehicleState state;

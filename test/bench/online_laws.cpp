@@ -78,8 +78,8 @@ void measureTracking(ControlLaw& linear, ControlLaw& nonlinear) {
   for (const double rate : {0.53, 0.9}) {
     Course course;
     course.figure.rate = rate;
-    linear.reset();
-    nonlinear.reset();
+    linear.forget(LawMemory::kAll);
+    nonlinear.forget(LawMemory::kAll);
     const double by_linear = fly(linear, course).rms;
     const double by_nonlinear = fly(nonlinear, course).rms;
     const std::string name = rate < 0.6 ? "figure" : "aggressive figure";
@@ -92,8 +92,8 @@ void measureTracking(ControlLaw& linear, ControlLaw& nonlinear) {
   wind.figure.settle_time = 1.0;
   wind.figure.radius_x = wind.figure.radius_y = wind.figure.radius_z = 0.0;
   wind.plant.wind = {3.0 / wind.plant.mass, 0.0, 0.0};
-  linear.reset();
-  nonlinear.reset();
+  linear.forget(LawMemory::kAll);
+  nonlinear.forget(LawMemory::kAll);
   printRow({"3 N of wind: steady error of linear", fly(linear, wind).greatest, "m", 0.01, "", 0.0});
   printRow({"3 N of wind: steady error of nonlinear", fly(nonlinear, wind).greatest, "m", 0.01, "", 0.0});
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -10,7 +11,6 @@
 #include <vector>
 
 #include "command_line/command_line.hpp"
-#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/types/attitude.hpp"
@@ -32,7 +32,7 @@ struct Figure {
 };
 constexpr Figure kFigures[] = {{"fig7", "Fig. 7: aggressive trajectory", 0.53},
                                {"fig8", "Fig. 8: more aggressive trajectory", 0.9}};
-constexpr Law kLaws[] = {Law::kExplicitLinear, Law::kLinear, Law::kNonlinear};
+constexpr const char* kLaws[] = {"explicit_linear", "linear", "nonlinear"};
 
 struct Result {
   double rms = 0.0, greatest = 0.0, rms_velocity = 0.0, rms_yaw = 0.0;
@@ -93,21 +93,21 @@ Result fly(ControlLaw& law, const FlightFigure& figure, const PlantOptions& opti
   return result;
 }
 
-std::unique_ptr<ControlLaw> make(Law law, const std::vector<RegionMap>& maps,
+std::unique_ptr<ControlLaw> make(const std::string& law, const std::vector<RegionMap>& maps,
                                  const std::array<MpcProblem, 3>& problems) {
-  if (law == Law::kNonlinear)
+  if (law == "nonlinear")
     return std::make_unique<NonlinearController>(MultirotorOptions{}, NonlinearMpcOptions{});
-  if (law == Law::kLinear) return std::make_unique<MultirotorController>(problems, MultirotorOptions{});
+  if (law == "linear") return std::make_unique<MultirotorController>(problems, MultirotorOptions{});
   return std::make_unique<MultirotorController>(std::array<const RegionMap*, 3>{&maps[0], &maps[1], &maps[2]},
                                                 MultirotorOptions{});
 }
 
-void addRow(std::ostream& table, const Figure& figure, Law law, const Result& result) {
+void addRow(std::ostream& table, const Figure& figure, const std::string& law, const Result& result) {
   char row[400];
   std::snprintf(row, sizeof row,
                 "<tr><td>%s</td><td>%s</td><td>%.4f</td><td>%.4f</td><td>%.4f</td><td>%.4f</td><td>%.2f</td>"
                 "<td>%.1f</td><td>%d of %d</td></tr>\n",
-                figure.title, lawName(law), result.rms, result.greatest, result.rms_velocity, result.rms_yaw,
+                figure.title, law.c_str(), result.rms, result.greatest, result.rms_velocity, result.rms_yaw,
                 result.greatest_speed, result.greatest_tilt * 180.0 / 3.14159265358979, result.not_optimal,
                 result.samples);
   table << row;
@@ -134,14 +134,14 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
     FigureOptions options;
     options.rate = chosen.rate;
     const FlightFigure figure(options);
-    std::array<double, kLawCount> rms{};
-    for (const Law law : kLaws) {
+    std::map<std::string, double> rms;
+    for (const std::string law : kLaws) {
       const std::unique_ptr<ControlLaw> flown = make(law, maps, problems);
       const Result result =
-          fly(*flown, figure, plant, folder / (std::string(chosen.name) + "_" + lawName(law) + ".csv"));
-      rms[static_cast<std::size_t>(law)] = result.rms;
+          fly(*flown, figure, plant, folder / (std::string(chosen.name) + "_" + law + ".csv"));
+      rms[law] = result.rms;
       addRow(table, chosen, law, result);
-      summary["flights"][std::string(chosen.name) + "_" + lawName(law)] = {
+      summary["flights"][std::string(chosen.name) + "_" + law] = {
           {"rms_m", result.rms},
           {"greatest_m", result.greatest},
           {"rms_velocity_m_s", result.rms_velocity},
@@ -151,11 +151,10 @@ void run(const std::string& maps_folder, const std::string& problems_folder,
           {"not_optimal", result.not_optimal},
           {"samples", result.samples}};
       summary["headline"].push_back(
-          {std::string(chosen.name) + ": position error of " + lawName(law) + ", RMS", result.rms, "m"});
+          {std::string(chosen.name) + ": position error of " + law + ", RMS", result.rms, "m"});
     }
     summary["headline"].push_back(
-        {std::string(chosen.name) + ": nonlinear over linear, RMS",
-         rms[static_cast<std::size_t>(Law::kNonlinear)] / rms[static_cast<std::size_t>(Law::kLinear)], ""});
+        {std::string(chosen.name) + ": nonlinear over linear, RMS", rms["nonlinear"] / rms["linear"], ""});
   }
   writeFileAtomically((folder / "table.html").string(), table.str());
   writeFileAtomically((folder / "summary.json").string(), summary.dump(2) + '\n');

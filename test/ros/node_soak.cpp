@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "conversions.hpp"
+#include "online_controller/laws/law_registry.hpp"
 
 namespace polyfly_ros {
 namespace {

@@ -17,12 +17,12 @@ PlantState hovering(const FlightFigure& figure, double gravity, const Eigen::Vec
 
 }  // namespace
 
-LawFlight::LawFlight(const FlightFigure& figure, const PlantOptions& plant, const ControlLaw& law,
+LawFlight::LawFlight(const FlightFigure& figure, const PlantOptions& plant, const LawTiming& preview,
                      const Eigen::Vector3d& offset)
     : figure_(figure),
       plant_(plant, hovering(figure, plant.gravity, offset)),
-      preview_period_(law.previewPeriod()),
-      preview_(static_cast<std::size_t>(law.previewLength())) {}
+      preview_period_(preview.preview_period),
+      preview_(static_cast<std::size_t>(preview.preview_length)) {}
 
 void LawFlight::measure() {
   state_ = plant_.measure();

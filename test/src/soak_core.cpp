@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "online_controller/realtime/object_swap.hpp"
@@ -77,14 +78,15 @@ class CoreController final : public SoakController {
   std::unique_ptr<LawSet> build() const {
     auto set = std::make_unique<LawSet>();
     set->options = tuning_.options;
-    std::array<std::unique_ptr<ControlLaw>, kLawCount> laws;
-    laws[static_cast<std::size_t>(Law::kExplicitLinear)] =
-        std::make_unique<MultirotorController>(sources_.maps[map_set_], set->options);
-    laws[static_cast<std::size_t>(Law::kLinear)] =
+    std::vector<std::unique_ptr<ControlLaw>> laws(lawTypes().size());
+    const auto place = [&](const char* name) -> auto& {
+      return laws[static_cast<std::size_t>(lawOfName(name))];
+    };
+    place("explicit_linear") = std::make_unique<MultirotorController>(sources_.maps[map_set_], set->options);
+    place("linear") =
         std::make_unique<MultirotorController>(tuned(sources_.problems, tuning_.linear), set->options);
-    laws[static_cast<std::size_t>(Law::kNonlinear)] =
-        std::make_unique<NonlinearController>(set->options, tuning_.nonlinear);
-    set->laws = std::make_unique<LawSwitch>(std::move(laws), Law::kExplicitLinear);
+    place("nonlinear") = std::make_unique<NonlinearController>(set->options, tuning_.nonlinear);
+    set->laws = std::make_unique<LawSwitch>(std::move(laws), lawOfName("explicit_linear"), set->options);
     return set;
   }
 

@@ -47,7 +47,7 @@ struct Setting {
 class OutlierFlight {
  public:
   explicit OutlierFlight(MakeLaw make, const Setting& setting = {})
-      : law_(make(setting.options)),
+      : law_(std::make_unique<LawSwitch>(make(setting.options), setting.options)),
         supervisor_(*law_, setting.options, FlightOptions{}),
         plant_(plantOptions(setting), {0.0, 0.0, 1.0}, 0.0) {
     step({}, 0.0);
@@ -112,7 +112,7 @@ class OutlierFlight {
     plant_.advance(sent_, kPeriod);
   }
 
-  std::unique_ptr<ControlLaw> law_;
+  std::unique_ptr<LawSwitch> law_;
   FlightSupervisor supervisor_;
   AttitudePlant plant_;
   std::function<Eigen::Vector3d(double)> place_ = [](double) { return Eigen::Vector3d(0.0, 0.0, 1.0); };

@@ -8,6 +8,7 @@
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_test/law_flight.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "polyfly_test/robust_campaign.hpp"
 #include "project_root.hpp"
@@ -93,6 +94,14 @@ TEST(RobustFlights, DegradesAndRecoversAtOneAndAHalfTimesTheBound) {
   EXPECT_LT(all.last_position, 0.15);
 }
 
+/// A figure flown with the maps: samples by what was clipped.
+struct Clipped {
+  int samples = 0;
+  int clipped = 0;
+  /// Samples at which a reference of the figure was out of the maps' range.
+  int reference_outside = 0;
+};
+
 /// The vehicle of Eq. 37 with the ASLquad's inner loop, flown by the controller that the nodelet holds.
 class Aslquad {
  public:
@@ -155,7 +164,38 @@ class Aslquad {
     return flight;
   }
 
+  /// The figure of the demonstration at this rate [rad/s].
+  Clipped flyFigure(double rate) const {
+    polyfly::FigureOptions figure_options;
+    figure_options.rate = rate;
+    const polyfly::FlightFigure figure(figure_options);
+    polyfly::MultirotorController law({&maps_[0], &maps_[1], &maps_[2]}, polyfly::MultirotorOptions{});
+    polyfly::LawFlight flight(figure, polyfly::PlantOptions{}, law);
+    Clipped result;
+    while (!flight.over()) {
+      flight.measure();
+      const polyfly::ControlReport& report = law.step(flight.state(), *flight.preview());
+      ++result.samples;
+      result.clipped += report.status == polyfly::ControlStatus::kClipped ? 1 : 0;
+      EXPECT_EQ(report.status == polyfly::ControlStatus::kClipped, polyfly::isOutsideMap(report));
+      result.reference_outside += referenceOutside(report) ? 1 : 0;
+      flight.advance(report.command);
+    }
+    return result;
+  }
+
  private:
+  // Velocity or input of the reference, as the report has them.
+  bool referenceOutside(const polyfly::ControlReport& report) const {
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      const polyfly::AxisReport& axis = report.axis[i];
+      if (axis.outside_parameter < 0) continue;
+      const std::string& name = maps_[i].parameters()[static_cast<std::size_t>(axis.outside_parameter)].name;
+      if (name.size() > 4 && name.compare(name.size() - 4, 4, "_ref") == 0) return true;
+    }
+    return false;
+  }
+
   std::vector<polyfly::RegionMap> maps_;
 };
 
@@ -181,6 +221,17 @@ TEST(RobustFlights, TheVehicleInWindAndAStep) {
   EXPECT_LT(step.last_position, 0.03);
   // The bound is 1.5 m/s on the linear model.
   EXPECT_LT(step.greatest_speed, 1.55);
+}
+
+// The maps' ranges hold references up to 0.8 m/s. A faster figure is clipped for that alone, and so is no slower one.
+TEST(RobustFlights, AFastFigureIsClippedForItsReferenceAlone) {
+  const Clipped slow = aslquad().flyFigure(0.2);
+  EXPECT_EQ(slow.clipped, 0);
+  for (const double rate : {0.4, 0.53, 0.9}) {
+    const Clipped fast = aslquad().flyFigure(rate);
+    EXPECT_GT(fast.clipped, fast.samples / 3) << rate;
+    EXPECT_EQ(fast.clipped, fast.reference_outside) << rate;
+  }
 }
 
 // An attitude controller whose level is 0.03 rad off takes 0.3 of the 0.5 m/s^2 that the maps answer for;

@@ -1,10 +1,12 @@
 #include "validation/replay.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 #include "online_controller/estimation/odometry_gate.hpp"
 #include "online_controller/laws/axis.hpp"
+#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -63,7 +65,7 @@ AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
 std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
                                  const MultirotorOptions& options) {
   const std::set<double> answered = answeredStamps(log);
-  MultirotorController controller(maps, options);
+  LawSwitch law(std::make_unique<MultirotorController>(maps, options), options);
   ReferenceSchedule schedule;
   OdometryGate gate(options);
   std::vector<ReplaySample> samples;
@@ -76,7 +78,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
         break;
       }
       case FlightLog::EventKind::kSilence:
-        controller.onSilence(log.silences.at(event.index));
+        law.onSilence(log.silences.at(event.index));
         break;
       case FlightLog::EventKind::kOdometry: {
         const VehicleState state = aligned(log.odometry.at(event.index), options.heading_misalignment);
@@ -87,15 +89,15 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
         sample.has_reference = reference.has_value();
         sample.reference = reference.value_or(Reference{});
         const OdometryGate::Verdict verdict = gate.check(state);
-        if (verdict.restarted) controller.restartObserver();
+        if (verdict.restarted) law.forget(LawMemory::kObserver);
         if (verdict.refusal == ControlReason::kStale) {
-          sample.report = controller.onSilence(state.stamp);
+          sample.report = law.onSilence(state.stamp);
         } else if (!reference) {
-          sample.report = controller.stepWithoutReference(state.stamp);
+          sample.report = law.stepWithoutReference(state.stamp);
         } else if (verdict.refusal != ControlReason::kNone) {
-          sample.report = controller.withoutSample(state.stamp, verdict.refusal);
+          sample.report = law.withoutSample(state.stamp, verdict.refusal);
         } else {
-          sample.report = controller.step(state, *reference);
+          sample.report = law.step(state, &*reference);
         }
         samples.push_back(sample);
         break;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "region_maps/write_map.hpp"
 
@@ -184,13 +185,14 @@ VehicleState SyntheticFlight::state(std::size_t sample, const Eigen::Vector3d& m
 }
 
 struct FlightRecorder::Node {
-  MultirotorController controller;
+  LawSwitch law;
   Reference reference;
   bool has_reference = false;
 };
 
 FlightRecorder::FlightRecorder(const AxisMaps& maps, const MultirotorOptions& options)
-    : node_(new Node{MultirotorController(maps, options), Reference{}, false}) {
+    : node_(new Node{LawSwitch(std::make_unique<MultirotorController>(maps, options), options), Reference{},
+                     false}) {
   log_.source = "synthetic flight";
 }
 
@@ -206,9 +208,9 @@ void FlightRecorder::hold(const Eigen::Vector3d& position) {
 void FlightRecorder::fly(const VehicleState& state) {
   log_.add(state);
   if (node_->has_reference) {
-    node_->controller.step(state, node_->reference);
+    node_->law.step(state, &node_->reference);
   } else {
-    node_->controller.stepWithoutReference(state.stamp);
+    node_->law.stepWithoutReference(state.stamp);
   }
   record(state.stamp);
 }
@@ -217,12 +219,12 @@ void FlightRecorder::miss(const VehicleState& state) { log_.add(state); }
 
 void FlightRecorder::beSilent(double stamp) {
   log_.addSilence(stamp);
-  node_->controller.onSilence(stamp);
+  node_->law.onSilence(stamp);
   record(stamp);
 }
 
 void FlightRecorder::record(double stamp) {
-  const ControlReport& report = node_->controller.report();
+  const ControlReport& report = node_->law.report();
   log_.commands.push_back({stamp, report.command});
   FlightLog::Status status;
   status.stamp = stamp;

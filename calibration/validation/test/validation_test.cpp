@@ -100,6 +100,26 @@ TEST_F(Validation, countsSamplesOutsideByTheirParameter) {
   EXPECT_NE(toText(report).find("e_p_x out of -0.5 .. 0.5 m in 7 samples"), std::string::npos);
 }
 
+// Solved online the status is OPTIMAL: the map is left all the same.
+TEST_F(Validation, countsWhatWasSolvedBesideTheMapAsOutside) {
+  options_.jump_distance = 0.0;
+  FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  constexpr std::size_t kAway = 7;
+  for (std::size_t sample = 0; sample < 100; ++sample) {
+    const bool away = sample >= 40 && sample < 40 + kAway;
+    recorder.fly(SyntheticFlight::state(sample, {away ? 2.0 : 0.0, 0.0, 0.0}));
+  }
+  const ValidationReport report = validated(recorder.log());
+  EXPECT_EQ(report.statuses.replayed[static_cast<std::size_t>(ControlStatus::kOptimal)], 100u);
+  EXPECT_EQ(report.outside_map_samples, kAway);
+  EXPECT_NEAR(report.outside_map_time, 0.01 * static_cast<double>(kAway), 1e-6);
+  EXPECT_EQ(report.axes[0].outside_box, kAway);
+  ASSERT_EQ(report.axes[0].excursions.size(), 1u);
+  EXPECT_EQ(report.axes[0].excursions[0].samples, kAway);
+  EXPECT_EQ(brokenThresholds(report, {}).size(), 1u);
+}
+
 TEST_F(Validation, countsNaNOdometryAsOutside) {
   FlightRecorder recorder(maps_.axes(), options_);
   recorder.hold(SyntheticFlight::home());

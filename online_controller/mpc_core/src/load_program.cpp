@@ -1,8 +1,7 @@
 #include <string>
 
-#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/problem_type.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpc_core/safety_filter.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 
@@ -14,8 +13,12 @@ ParametricProgram loadProgram(const std::string& path) {
 }
 
 ParametricProgram parseProgram(const std::string& text, const std::string& kind, const std::string& source) {
-  if (kind == "yaml" && isSafetyFilter(text, source)) return filterProgram(parseSafetyFilter(text, source));
-  if (kind == "yaml") return condense(parseProblem(text, source));
+  if (kind == "yaml") {
+    const ProblemType* type = problemTypeOf(text, source);
+    // The reader of the first type says what is wrong with a type that has no program, or is not known.
+    return type != nullptr && type->program != nullptr ? type->program(text, source)
+                                                       : condense(parseProblem(text, source));
+  }
   if (kind == "json") return parseProgramJson(text, source);
   throw Error(source + ": text_kind: must be yaml or json, got '" + kind + "'");
 }

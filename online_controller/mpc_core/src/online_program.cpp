@@ -80,11 +80,12 @@ void OnlineProgram::setBounds(const double* theta) noexcept {
   }
 }
 
-QpStatus OnlineProgram::solve(const double* theta, double* u) noexcept {
+QpStatus OnlineProgram::solve(const double* theta, double* u, const double* more) noexcept {
   const Eigen::Map<const Eigen::VectorXd> parameters(theta, program_.parameterCount());
   setBounds(theta);
   g_ = program_.f;
   g_.noalias() += program_.F * parameters;
+  if (more != nullptr) g_ += Eigen::Map<const Eigen::VectorXd>(more, program_.variableCount());
   const QpStatus status =
       qp_.solve({g_.data(), lower_.data(), upper_.data(), row_lower_.data(), row_upper_.data()},
                 warm_ ? qp_.activeSet() : nullptr);

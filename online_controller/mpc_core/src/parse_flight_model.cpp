@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/problem_type.hpp"
 #include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
@@ -48,9 +48,8 @@ void readErrors(const YamlField& parameters, MpcProblem& problem) {
 
 }  // namespace
 
-MpcProblem parseFlightModel(const std::string& text, const std::string& source) {
+MpcProblem parseRobustFlightModel(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
-  if (!root.has("type") || root.at("type").text() != "robust_mpc") return parseProblem(text, source);
   MpcProblem problem;
   problem.source = source;
   problem.text = text;

@@ -7,6 +7,7 @@
 
 #include "mpc_core/decompositions.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/problem_type.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "parse_parts.hpp"
 #include "polyfly_base/error.hpp"
@@ -207,6 +208,8 @@ Signal readSignal(const YamlField& field, std::set<std::string>* taken) {
 
 MpcProblem parseProblem(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
+  // First: the keys of another type are not unknown.
+  if (root.has("type")) requireProblemType(text, source, "tracking_mpc");
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "weights", "parameters"},
       {"description", "provenance", "calibration", "constraints", "moves", "control_horizon",
@@ -219,13 +222,6 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   problem.text = text;
   problem.name = root.at("name").name();
   if (root.has("description")) problem.description = root.at("description").text();
-  const std::string type = root.at("type").text();
-  if (type != "tracking_mpc") {
-    const bool known = type == "robust_mpc" || type == "safety_filter";
-    const char* allowed =
-        known ? "must be tracking_mpc here" : "must be tracking_mpc, robust_mpc or safety_filter";
-    root.at("type").fail(std::string(allowed) + ", got '" + type + "'");
-  }
   readModel(root.at("model"), &problem);
   problem.sampling_time = root.at("sampling_time").number();
   if (!(problem.sampling_time > 0.0)) root.at("sampling_time").fail("must be greater than 0");

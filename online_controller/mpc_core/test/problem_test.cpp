@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/problem_type.hpp"
+#include "mpc_core/read_problem.hpp"
 #include "support.hpp"
 
 namespace {
@@ -249,6 +251,30 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"[0, -0.5]", "[0, 1e300]", "[0, 1e300]", "model.A[1][1]", "must not exceed 1e+30"},
         BadCase{"B: [[0], [1]]", "B: [[0], [0]]", "  C:", "model.C", "Eq. 6"},
         BadCase{"Q: [4, 1]", "Q: [0, 1]", "  Q:", "weights.terminal", "detectable"}));
+
+std::string nameOfFlightModel(const std::string& file) {
+  return parseFlightModel(readProblem(problemFile(file)), file).name;
+}
+
+// Each type flies; which of them are explored as a parametric program is what the registry says.
+TEST(ProblemTypes, EachHasWhatFliesIt) {
+  ASSERT_EQ(problemTypes().size(), 2U);
+  EXPECT_EQ(nameOfFlightModel("multirotor_lateral.yaml"), "multirotor_lateral");
+  EXPECT_EQ(nameOfFlightModel("robust/aslquad_lateral.yaml"), "aslquad_lateral");
+  const std::string robust = readProblem(problemFile("robust/aslquad_lateral.yaml"));
+  ASSERT_NE(problemTypeOf(robust, "robust"), nullptr);
+  EXPECT_EQ(std::string(problemTypeOf(robust, "robust")->name), "robust_mpc");
+  EXPECT_EQ(problemTypeOf("name: a\n", "none"), nullptr);
+  EXPECT_EQ(problemTypeOf("type: other\n", "none"), nullptr);
+  try {
+    parseProgram(robust, "yaml", "robust.yaml");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("type: must be tracking_mpc here, got 'robust_mpc'"),
+              std::string::npos)
+        << error.what();
+  }
+}
 
 TEST(BadProblemFile, MalformedYamlNamesTheLine) {
   const std::string unclosed = replaced(kBase, "C: [[1, 0]]", "C: [[1, 0]");

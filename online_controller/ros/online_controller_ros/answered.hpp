@@ -30,7 +30,7 @@ struct StageTimes {
 struct Answered {
   /// Header of the command.
   std_msgs::Header header;
-  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::Law law{};
   polyfly::ControlReport report;
   /// True when the command of the report was sent.
   bool sends = false;

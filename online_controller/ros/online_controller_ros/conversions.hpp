@@ -61,7 +61,8 @@ std::string describe(const polyfly::ControlReport& report);
 std::string describe(const polyfly::ControlReport& report,
                      const std::array<std::vector<polyfly::Signal>, 3>& parameters);
 
-/// Whether that is what somebody has asked for: a law's answer, the sticks, or standing on the ground.
+/// Whether that is what somebody has asked for: a law's answer (an explicit one's within its maps), the sticks, or
+/// standing on the ground.
 bool isAsAsked(const polyfly::ControlReport& report) noexcept;
 
 }  // namespace polyfly_ros

@@ -30,6 +30,7 @@ class FlightDiagnostics {
   const FlightSnapshot* snapshot_ = nullptr;
   std::int64_t told_overruns_ = 0;
   std::int64_t told_lost_ = 0;
+  std::int64_t told_outside_ = 0;
 };
 
 }  // namespace polyfly_ros

@@ -18,7 +18,7 @@ namespace polyfly_ros {
 /// What the flight looked like after one step, for those who watch.
 struct FlightSnapshot {
   std_msgs::Header header;
-  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::Law law{};
   polyfly::ControlReport report;
   double kkt_residual = -1.0;
   double odometry_age = 0.0;  ///< [s]
@@ -52,6 +52,8 @@ struct FlightRecord {
   polyfly::LatencyHistogram step;
   /// Number of periods that took longer than the control period.
   std::atomic<std::int64_t> overruns{0};
+  /// Number of samples that a map did not hold, see polyfly::isOutsideMap.
+  std::atomic<std::int64_t> outside_map{0};
   /// Number of odometry messages that are missing between two that came.
   std::atomic<std::int64_t> lost{0};
   /// Number of odometry messages that came while something else was done.

@@ -7,7 +7,7 @@
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/estimation/vehicle_observer.hpp"
-#include "online_controller/laws/law_switch.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/options.hpp"
 #include "polyfly_ros/parameter_reader.hpp"
@@ -24,21 +24,22 @@ struct LawSources;
 /// Files that laws are made from, empty where there is none. Axes in the order longitudinal, lateral,
 /// vertical.
 struct LawFiles {
-  std::array<std::string, 3> maps;
-  /// Maps of minimum-peak robust MPC.
-  std::array<std::string, 3> robust_maps;
+  /// Of each law, in the order of lawTypes().
+  polyfly::MapPaths maps;
   std::array<std::string, 3> problems;
 };
 
 /// What the laws are made from, as parameters tell it. Axes in the order longitudinal, lateral, vertical.
 struct LawSetup {
   /// Law that flies first.
-  polyfly::Law law = polyfly::Law::kExplicitLinear;
+  polyfly::Law law{};
   LawFiles files;
   polyfly::MultirotorOptions controller;
   polyfly::NonlinearMpcOptions nonlinear;
   polyfly::LinearTuning linear;
   polyfly::MomentModel moments;
+  /// Options of each law's own, in the order of lawTypes().
+  std::vector<std::vector<double>> law_options = polyfly::defaultLawOptions(polyfly::lawTypes());
   /// Contents of the files.
   std::shared_ptr<const LawSources> sources;
 
@@ -60,7 +61,7 @@ class Laws {
 
   /// What an axis' report has for parameters while `law` flies.
   const std::array<std::vector<polyfly::Signal>, 3>& parameters(polyfly::Law law) const {
-    return law == polyfly::Law::kRobustExplicit ? robust_parameters_ : parameters_;
+    return parameters_.at(static_cast<std::size_t>(law));
   }
   /// What an explicit law looks its inputs up in: three; none where there are none, and of the other laws.
   const std::vector<polyfly::RegionMap>& maps(polyfly::Law law) const;
@@ -69,9 +70,8 @@ class Laws {
   std::shared_ptr<const LawSources> sources_;
   polyfly::MultirotorOptions options_;
   polyfly::VehicleObserver observer_;
-  // Parameters of the linear laws.
-  std::array<std::vector<polyfly::Signal>, 3> parameters_;
-  std::array<std::vector<polyfly::Signal>, 3> robust_parameters_;
+  // Of each law.
+  std::vector<std::array<std::vector<polyfly::Signal>, 3>> parameters_;
   std::unique_ptr<polyfly::LawSwitch> switch_;
 };
 

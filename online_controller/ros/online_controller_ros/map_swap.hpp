@@ -9,6 +9,9 @@
 
 namespace polyfly_ros {
 
+/// The law whose maps a request is about. Throws Error where it names none.
+polyfly::Law lawOfSwap(const online_controller::SwapMaps::Request& request);
+
 /// The setup with other region maps. Makes the checks of the start, and those of a change in flight:
 /// - the same sampling time and type of problem;
 /// - no command at rest (tracking);

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/law_switch.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 
@@ -19,10 +19,14 @@ namespace polyfly {
 ///     }
 class LawFlight {
  public:
-  /// Looks ahead as far as `law` does. `offset` [m] of the start from the figure's. `figure` must outlive
-  /// this.
-  LawFlight(const FlightFigure& figure, const PlantOptions& plant, const ControlLaw& law,
-            const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
+  /// Looks ahead as far as `law` does, a ControlLaw or a LawSwitch. `offset` [m] of the start from the figure's.
+  /// `figure` must outlive this.
+  template <class AnyLaw>
+  LawFlight(const FlightFigure& figure, const PlantOptions& plant, const AnyLaw& law,
+            const Eigen::Vector3d& offset = Eigen::Vector3d::Zero())
+      : LawFlight(figure, plant, LawTiming{law.previewLength(), law.previewPeriod()}, offset) {}
+  LawFlight(const FlightFigure& figure, const PlantOptions& plant, const LawTiming& preview,
+            const Eigen::Vector3d& offset);
 
   /// Takes the next odometry and the references from its stamp on.
   void measure();

@@ -6,7 +6,7 @@
 #include "online_controller/estimation/odometry_gate.hpp"
 #include "online_controller/flight/flight_state.hpp"
 #include "online_controller/flight/remote_control.hpp"
-#include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/reference/reference_schedule.hpp"
 #include "online_controller/reference/vertical_ramp.hpp"
 #include "online_controller/types/flight_options.hpp"
@@ -17,7 +17,7 @@ namespace polyfly {
 /// never, or when one was heard of.
 enum class PilotRule { kRequired, kNotRequired, kWhenPresent };
 
-/// One flight: the state machine around a control law. It decides which reference the law tracks, refuses
+/// One flight: the state machine around the control laws. It decides which reference the law tracks, refuses
 /// odometry that cannot be, and says why it does what it does.
 ///
 /// onOdometry, onSilence, onTime, onRemoteControl and the requests never throw, allocate, lock, log or read a
@@ -25,12 +25,12 @@ enum class PilotRule { kRequired, kNotRequired, kWhenPresent };
 class FlightSupervisor {
  public:
   /// Keeps a reference to `law`. Throws Error naming an option out of its range.
-  FlightSupervisor(ControlLaw& law, const MultirotorOptions& vehicle, const FlightOptions& options,
+  FlightSupervisor(LawSwitch& law, const MultirotorOptions& vehicle, const FlightOptions& options,
                    PilotRule pilot = PilotRule::kWhenPresent);
 
-  /// Another law from the next step on, made from other options. It has the state of the one before, which may
+  /// Other laws from the next step on, made from other options. They have the state of those before, which may
   /// be freed then.
-  void setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept;
+  void setLaw(LawSwitch& law, const MultirotorOptions& vehicle) noexcept;
 
   /// One control period. `frame_fits`: the odometry's frame is the one agreed. All else is told of the vehicle with the
   /// heading of vehicle/heading_misalignment.
@@ -72,7 +72,7 @@ class FlightSupervisor {
     resting_disturbance_ = disturbance;
   }
 
-  void resetIntegrator() noexcept { law_->resetIntegrator(); }
+  void resetIntegrator() noexcept { law_->forget(LawMemory::kIntegral); }
 
   /// The law's observer forgets what it knows of the disturbance and goes on from the next sample.
   void resetObserver() noexcept;
@@ -118,7 +118,7 @@ class FlightSupervisor {
   Reference stop() const noexcept;
   void startTask(FlightState task, FlightEvent cause) noexcept;
 
-  ControlLaw* law_;  // not owned
+  LawSwitch* law_;  // not owned
   MultirotorOptions vehicle_;
   FlightOptions options_;
   PilotRule pilot_rule_;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/observer.hpp"
 #include "online_controller/laws/axis_law.hpp"
+#include "online_controller/laws/stage_references.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
 #include "region_maps/lookup.hpp"
@@ -131,6 +133,19 @@ class Axis {
   void advance(Prediction& at) const noexcept;
   double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
 
+  /// Number of stages that can have references of their own (look-ahead); 0: none, as with a map.
+  int stages() const noexcept { return stage_references_ ? stage_references_->horizon() : 0; }
+
+  /// Reference of stage 0 .. stages() for aim().
+  void setStage(int stage, const AxisReference& reference) noexcept;
+
+  /// Whether the next evaluations look ahead to the references of setStage, or take theirs for that of all stages.
+  void aim(bool look_ahead) noexcept;
+
+  /// Position of the reference at a stage, from where the first stage's reference would have led [m]; 0 without
+  /// look-ahead.
+  double shift(int stage) const noexcept;
+
   /// Assembles the parameters, evaluates the law and fills the report. Without an answer (kHoldLast) the report's input
   /// is left alone. Where a map has no answer:
   /// - its problem is solved online: kOptimal with a look-up that is not kInside;
@@ -199,6 +214,13 @@ class Axis {
   std::array<double, 3> stage_input_{};           // B over Ts
   bool offset_free_ = true;
   DisturbanceObserver observer_;
+  // Where the law can look ahead and options.look_ahead is set.
+  std::optional<StageReferences> stage_references_;
+  bool looks_ahead_ = false;
+  // What target() gives for each derivative of the reference, and for the disturbance, alone.
+  AxisTarget per_velocity_, per_acceleration_, per_jerk_, per_disturbance_;
+  // Known disturbance of stage 0, beside the observer's [m/s^2].
+  double known_disturbance_ = 0.0;
 };
 
 }  // namespace polyfly

@@ -33,6 +33,12 @@ class AxisLaw {
   /// same order; nullptr for others. Throws Error.
   virtual std::unique_ptr<AxisLaw> onlineEquivalent() const { return nullptr; }
 
+  /// The stages of the problem that can have references of their own; 0: none.
+  virtual int stages() const noexcept { return 0; }
+
+  /// Adds stages() numbers to the gradient of the next evaluate(), see StageReferences; nullptr: none from now on.
+  virtual void setGradient(const double* /*gradient*/) noexcept {}
+
   virtual void reset() noexcept = 0;
 
   /// The input u of stage `stage` as the last evaluate() planned it under the steady input `reference`, for a

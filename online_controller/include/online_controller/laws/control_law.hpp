@@ -4,71 +4,107 @@
 
 namespace polyfly {
 
-/// One control law of a multirotor. step() in every control period, prepare() when its command is out.
+/// What a law reads and predicts, fixed when it is made.
+struct LawTiming {
+  /// Number of references that step() reads: the first at the sample's time, each next one preview_period later.
+  int preview_length = 1;
+  double preview_period = 0.0;  ///< [s]
+  /// Time between the positions of inspect() [s].
+  double stage_period = 0.0;
+};
+
+/// What a law can be told to forget.
+enum class LawMemory {
+  /// Everything: as after construction.
+  kAll,
+  /// The plan, and that the last command was its own. report().command is what is sent instead.
+  kPlan,
+  /// Where the vehicle was: the next sample goes on from where it is. What is known of the disturbance is kept.
+  kObserver,
+  /// The integral of the position error, see PositionIntegrator.
+  kIntegral,
+};
+
+/// What a law tells those who watch.
+struct LawInsight {
+  /// Greatest violation of the KKT conditions by the last answer, relative to the gradient of its quadratic program.
+  /// Negative where nothing was solved online.
+  double kkt_residual = -1.0;
+
+  /// Room for that many predicted positions [m]: at the last sample, and at each stage_period after it.
+  int room = 0;
+  Eigen::Vector3d* positions = nullptr;
+  /// Number of positions that were filled in; 0 after a step without an answer.
+  int count = 0;
+};
+
+/// A command that is sent in place of a law's answer.
+struct Substitute {
+  double stamp = 0.0;  ///< [s]
+  ControlStatus status = ControlStatus::kHoldLast;
+  ControlReason reason = ControlReason::kNone;
+  AttitudeCommand command;
+  /// True when the law had the sample and did not answer it.
+  bool sampled = false;
+};
+
+/// One control law of a multirotor: it answers a sample or does not. What is sent without an answer is for the caller,
+/// see LawSwitch.
 ///
-/// None of these functions throws, allocates, locks, logs or reads a clock.
+/// In every control period step() is called, and prepare() when its command is out. None of the functions throws,
+/// allocates, locks, logs or reads a clock. A law fills `report_`.
 class ControlLaw {
  public:
+  explicit ControlLaw(const LawTiming& timing) : timing_(timing) {}
   virtual ~ControlLaw() = default;
 
-  /// References that step() reads: the first at the sample's time, each next one previewPeriod() later.
-  virtual int previewLength() const noexcept { return 1; }
-  virtual double previewPeriod() const noexcept { return 0.0; }  ///< [s]
-  /// How many of them the next step() reads: all, unless it knows better.
-  virtual int previewNeeded() const noexcept { return previewLength(); }
-
-  /// One control period.
+  /// One control period. Without an answer the report has kHoldLast and the reason, and the command of the last period.
+  /// Bad numbers must not reach the law's memory.
   virtual const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept = 0;
 
   /// What can be done for the next step without its sample.
   virtual void prepare() noexcept {}
 
-  /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
-  virtual const ControlReport& stepWithoutReference(double stamp) noexcept = 0;
-
-  /// In place of step() when the sample cannot be used: the next level of the FailsafePolicy.
-  virtual const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept = 0;
-
-  /// When odometry is silent at time `now` [s], once in each control period: the FailsafePolicy from level
-  /// attitude on, because the receiver has held the last command already; with the reason kStale. That the
-  /// silence is long enough is for the caller to judge.
-  virtual const ControlReport& onSilence(double now) noexcept = 0;
-
-  /// The next sample goes on from where it is, however far that is from the last one; what the observer knows
-  /// of the disturbance is kept.
-  virtual void restartObserver() noexcept = 0;
-
-  /// What the observer begins with: a disturbance that is known from elsewhere [m/s^2].
-  virtual void setDisturbance(const Eigen::Vector3d& disturbance) noexcept = 0;
-
-  /// Forgets the integral of the position error, see PositionIntegrator.
-  virtual void resetIntegrator() noexcept = 0;
-
   /// In place of step() while another law flies: updates the observer and takes `sent` for its own last
   /// command, so that the next step() goes on from there.
   virtual void track(const VehicleState& state, const AttitudeCommand& sent) noexcept = 0;
+
+  virtual void forget(LawMemory what) noexcept = 0;
+
+  /// What the observer begins with: a disturbance that is known from elsewhere [m/s^2].
+  virtual void setDisturbance(const Eigen::Vector3d& disturbance) noexcept = 0;
 
   /// Goes on where `from` is, a law of the same kind made from other options or maps: observer, last
   /// command (within the limits of this one), solution. For the time after step() and before prepare(). A
   /// law of another kind is ignored.
   virtual void transferState(const ControlLaw& from) noexcept = 0;
 
-  /// Where the last step expects the vehicle: at its sample, and at each stagePeriod() after it, at most
-  /// `count` positions in W [m]. `preview` holds the references of these times. Returns how many there are, 0
-  /// after a step without an answer. For people to look at, between step() and prepare().
-  virtual int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept = 0;
-  virtual double stagePeriod() const noexcept = 0;  ///< [s]
+  /// Looks at the last step, between step() and prepare(). `preview` holds the references at the times of the
+  /// positions, as far as there is room. Costs some microseconds: not for the way from odometry to command.
+  virtual void inspect(const Reference* preview, LawInsight& insight) const noexcept = 0;
 
-  /// How far the last step's answer is from the optimum that it was asked for: the greatest violation of
-  /// the KKT conditions of its quadratic program, relative to its gradient. Negative where nothing was
-  /// solved, as with an explicit law. Costs some microseconds: not for the way from odometry to command.
-  virtual double kktResidual() const noexcept { return -1.0; }
-
-  /// As after construction.
-  virtual void reset() noexcept = 0;
+  const LawTiming& timing() const noexcept { return timing_; }
+  int previewLength() const noexcept { return timing_.preview_length; }
+  double previewPeriod() const noexcept { return timing_.preview_period; }  ///< [s]
 
   /// Report of the last call.
-  virtual const ControlReport& report() const noexcept = 0;
+  const ControlReport& report() const noexcept { return report_; }
+
+  /// Puts into the report what is sent in place of an answer. Unless the last command is held the plan is forgotten.
+  void sendInstead(const Substitute& sent) noexcept;
+
+ protected:
+  /// Reports that this sample has no answer.
+  const ControlReport& withoutAnswer(ControlReason reason) noexcept {
+    report_.status = ControlStatus::kHoldLast;
+    report_.reason = reason;
+    return report_;
+  }
+
+  ControlReport report_;
+
+ private:
+  LawTiming timing_;
 };
 
 }  // namespace polyfly

@@ -6,6 +6,11 @@
 
 namespace polyfly {
 
+/// Level attitude with this share of the hover thrust, as far as the limits allow. `trim` are the commands at which the
+/// vehicle is level, see AttitudeTrim::level.
+AttitudeCommand levelCommand(const MultirotorOptions& options, const TiltAngles& trim,
+                             double share = 1.0) noexcept;
+
 /// What is sent while a law has no answer, by the control periods since the last one:
 ///
 ///     hold_periods      the last command again                        kHoldLast
@@ -38,11 +43,6 @@ class FailsafePolicy {
     has_command_ = other.has_command_;
     unanswered_ = other.unanswered_;
   }
-
-  bool canHold() const noexcept { return has_command_; }
-
-  /// Level attitude with this share of the hover thrust, as far as the limits allow.
-  AttitudeCommand level(const TiltAngles& trim, double share = 1.0) const noexcept;
 
  private:
   MultirotorOptions options_;

@@ -1,71 +1,100 @@
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "online_controller/laws/control_law.hpp"
+#include "online_controller/laws/failsafe_policy.hpp"
 
 namespace polyfly {
 
-/// The laws that a multirotor can fly with.
-enum class Law { kExplicitLinear, kLinear, kNonlinear, kRobustExplicit };
-constexpr int kLawCount = 4;
+/// A law by its place in lawTypes(); lawOfName() finds it.
+enum class Law : std::uint8_t {};
 
-/// `explicit_linear`, `linear`, `nonlinear`, `robust_explicit`.
-const char* lawName(Law law) noexcept;
-
-/// The law of that name. Throws Error naming what there is.
-Law lawOfName(const std::string& name);
-
-/// Several laws behind one. One of them is active, the others track what it sends. So a switch in flight has
-/// no bump: the next law's observer is up to date, and its last command is the one that was sent.
-class LawSwitch : public ControlLaw {
+/// The laws of a flight, and what is sent where the active one has no answer (FailsafePolicy).
+///
+/// One of the laws is active, the others track what is sent. So a switch in flight has no bump: the next law's observer is
+/// up to date, and its last command is the one that was sent. None of the functions after construction throws, allocates,
+/// locks, logs or reads a clock.
+class LawSwitch {
  public:
-  /// Laws in the order of the enumeration, nullptr where there is none; `first` flies first. Throws Error
-  /// naming it when it is not there.
-  LawSwitch(std::array<std::unique_ptr<ControlLaw>, kLawCount> laws, Law first);
+  /// Laws in the order of lawTypes(), nullptr where there is none; `first` flies first. Throws Error when it is not there,
+  /// or an option is out of range.
+  LawSwitch(std::vector<std::unique_ptr<ControlLaw>> laws, Law first, const MultirotorOptions& options);
 
-  bool has(Law law) const noexcept { return laws_[static_cast<std::size_t>(law)] != nullptr; }
+  /// One law alone, as Law{}.
+  LawSwitch(std::unique_ptr<ControlLaw> law, const MultirotorOptions& options);
+
+  bool has(Law law) const noexcept {
+    const auto place = static_cast<std::size_t>(law);
+    return place < laws_.size() && laws_[place] != nullptr;
+  }
   Law active() const noexcept { return active_; }
+  const ControlLaw& activeLaw() const noexcept { return current(); }
 
   /// From the next step on. False, and nothing changes, when there is no such law.
   bool select(Law law) noexcept;
 
   /// The longest preview that one of the laws reads; all of them read the same.
-  int previewLength() const noexcept override { return preview_length_; }
-  double previewPeriod() const noexcept override { return preview_period_; }
-  int previewNeeded() const noexcept override { return current().previewLength(); }
+  int previewLength() const noexcept { return preview_length_; }
+  double previewPeriod() const noexcept { return preview_period_; }  ///< [s]
+  /// How many of them the next step() reads.
+  int previewNeeded() const noexcept { return current().previewLength(); }
+  /// Time between the positions of inspect() [s].
+  double stagePeriod() const noexcept { return current().timing().stage_period; }
 
-  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
-  /// The inactive laws track here, after the command was sent; without this call, before the next other call.
-  void prepare() noexcept override {
+  /// One control period.
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept;
+
+  /// What can be done for the next step without its sample. The inactive laws track here, after the command was sent;
+  /// without this call, before the next other call.
+  void prepare() noexcept {
     syncInactive();
     current().prepare();
   }
-  const ControlReport& stepWithoutReference(double stamp) noexcept override;
-  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
-  const ControlReport& onSilence(double now) noexcept override;
-  void restartObserver() noexcept override;
-  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
-  void resetIntegrator() noexcept override;
-  void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
-  void transferState(const ControlLaw& from) noexcept override;
-  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override {
-    return current().predict(preview, count, positions);
+
+  /// While there is nothing to track: level attitude, hover thrust (kNoReference). `stamp` is the odometry's.
+  const ControlReport& stepWithoutReference(double stamp) noexcept;
+
+  /// In place of step() when the sample cannot be used: the next level of the FailsafePolicy.
+  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept;
+
+  /// When odometry is silent at time `now` [s], once in each control period: the FailsafePolicy from level
+  /// attitude on, because the receiver has held the last command already; with the reason kStale. That the
+  /// silence is long enough is for the caller to judge.
+  const ControlReport& onSilence(double now) noexcept;
+
+  /// Of all laws; see ControlLaw.
+  void forget(LawMemory what) noexcept;
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;
+
+  /// In place of step() while something else flies, see ControlLaw::track.
+  void track(const VehicleState& state, const AttitudeCommand& sent) noexcept;
+
+  /// Goes on where `from` is, see ControlLaw::transferState.
+  void transferState(const LawSwitch& from) noexcept;
+
+  /// Looks at the last step, see ControlLaw::inspect.
+  void inspect(const Reference* preview, LawInsight& insight) const noexcept {
+    current().inspect(preview, insight);
   }
-  double stagePeriod() const noexcept override { return current().stagePeriod(); }
-  double kktResidual() const noexcept override { return current().kktResidual(); }
-  void reset() noexcept override;
-  const ControlReport& report() const noexcept override { return current().report(); }
+
+  /// As after construction; the active law stays.
+  void reset() noexcept { forget(LawMemory::kAll); }
+
+  /// Report of the last call.
+  const ControlReport& report() const noexcept { return current().report(); }
 
  private:
   ControlLaw& current() const noexcept { return *laws_[static_cast<std::size_t>(active_)]; }
   void syncInactive() noexcept;
+  const ControlReport& sendFromAll(const Substitute& sent) noexcept;
 
-  std::array<std::unique_ptr<ControlLaw>, kLawCount> laws_;
+  std::vector<std::unique_ptr<ControlLaw>> laws_;
   Law active_;
+  MultirotorOptions options_;
+  FailsafePolicy failsafe_;
   int preview_length_ = 1;
   double preview_period_ = 0.0;
 

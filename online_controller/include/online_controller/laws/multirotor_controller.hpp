@@ -6,7 +6,6 @@
 #include "online_controller/estimation/position_integrator.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/control_law.hpp"
-#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/realtime/sampling_clock.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/options.hpp"
@@ -21,12 +20,8 @@ class RegionMap;
 /// moves with the reference, world-to-body rotation of Eq. 40, compensation of Eq. 41. Used alike by the
 /// nodelet and by the replay of a bag, so that both assemble the same parameters.
 ///
-/// Each step answers with a finite command within the limits. Where the laws have no answer:
-/// - a parameter out of its range is clipped to it and the law evaluated there (kClipped);
-/// - no region, or NaN or absurd numbers in odometry or reference: the last command is repeated (kHoldLast)
-///   for at most options.hold_periods samples, then level attitude and hover thrust (kLevel);
-/// - level at once when there is no command to repeat, and on silence;
-/// - the next sample that has an answer ends it. Bad numbers never reach the observer.
+/// Each answer is a finite command within the limits. A parameter out of its range is answered as Axis::evaluate says.
+/// There is no answer without a region, and with NaN or absurd numbers in odometry or reference.
 ///
 /// Maps of a minimum-peak robust MPC promise peaks and bounds at their sampling time only: with them the laws
 /// are evaluated that often, and their inputs are held in the world frame in between, where Eq. 40 and 41 are
@@ -47,26 +42,17 @@ class MultirotorController : public ControlLaw {
   /// The same problems solved online, in the same order. Throws Error.
   MultirotorController(const std::array<MpcProblem, 3>& problems, const MultirotorOptions& options);
 
-  /// One control period. Never throws, allocates, locks, logs or reads a clock.
+  /// One control period, with one reference for all of the horizon. Never throws, allocates, locks, logs or reads a clock.
   const ControlReport& step(const VehicleState& state, const Reference& reference) noexcept;
 
-  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override {
-    return step(state, *preview);
-  }
-  const ControlReport& stepWithoutReference(double stamp) noexcept override;
-  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
-  const ControlReport& onSilence(double now) noexcept override;
-  void restartObserver() noexcept override { observing_ = false; }
-  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
-  void resetIntegrator() noexcept override { integrator_.reset(); }
+  /// The same with the reference of each stage, where the law looks ahead (previewLength() above 1).
+  const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void forget(LawMemory what) noexcept override;
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void transferState(const ControlLaw& from) noexcept override;
-  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
-  double stagePeriod() const noexcept override { return axes_[0].stagePeriod(); }
-  double kktResidual() const noexcept override;
-  void reset() noexcept override;
+  void inspect(const Reference* preview, LawInsight& insight) const noexcept override;
 
-  const ControlReport& report() const noexcept override { return report_; }
   const MultirotorOptions& options() const noexcept { return options_; }
 
  private:
@@ -80,6 +66,8 @@ class MultirotorController : public ControlLaw {
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
+  const ControlReport& answer(const VehicleState& state, const Reference& reference) noexcept;
+  void aim(const Reference* preview) noexcept;
   ControlStatus evaluate(const Measured& measured, const Reference& reference,
                          ControlReason& reason) noexcept;
   std::array<double, 3> inputOffsets(const Measured& measured, const Reference& reference,
@@ -88,14 +76,16 @@ class MultirotorController : public ControlLaw {
   void send(const TiltAngles& measured_tilt, double yaw, const Reference& reference) noexcept;
   TiltAngles added(const TiltAngles& tilt, double yaw_rate) const noexcept;
   TiltAngles forceAngles(const AttitudeCommand& command, const TiltAngles& measured_tilt) const noexcept;
-  void withoutAnswer(ControlReason reason) noexcept;
-  void forget() noexcept;
+  const ControlReport& cannotAnswer(ControlReason reason) noexcept;
+  void forgetPlan() noexcept;
+  void forgetAll() noexcept;
 
   MultirotorOptions options_;
   std::array<Axis, 3> axes_;
+  // References of the stages in this step; nullptr: one for all. Not owned.
+  const Reference* preview_ = nullptr;
   // Sampling clock of minimum-peak maps.
   SamplingClock clock_;
-  ControlReport report_;
 
   // Input u of each axis' model in the last command: u_{-1} of Eq. 4.
   std::array<double, 3> inputs_{};
@@ -105,7 +95,6 @@ class MultirotorController : public ControlLaw {
   double observed_until_ = 0.0;
   bool observing_ = false;
   AttitudeTrim trim_;
-  FailsafePolicy failsafe_;
   PositionIntegrator integrator_;
 };
 

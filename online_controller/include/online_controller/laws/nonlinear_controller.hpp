@@ -7,7 +7,6 @@
 #include "online_controller/estimation/force_observer.hpp"
 #include "online_controller/estimation/position_integrator.hpp"
 #include "online_controller/laws/control_law.hpp"
-#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/types/options.hpp"
 
 namespace polyfly {
@@ -20,32 +19,19 @@ namespace polyfly {
 /// velocity and acceleration of the preview exactly under the estimated disturbance (the model is flat), so
 /// nothing that is weighted contradicts the path, and no offset is left.
 ///
-/// Each step answers with a finite command within the limits. Without an answer the last command is repeated
-/// (kHoldLast) for at most options.hold_periods samples, then level attitude and hover thrust (kLevel); the
-/// next sample that has an answer ends it. A state far from the predicted one starts the iteration anew.
+/// Each answer is a finite command within the limits. A state far from the predicted one starts the iteration anew.
 class NonlinearController : public ControlLaw {
  public:
   /// `mpc` without gravity and limits, which come from `options`. Throws Error naming an option.
   NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc);
 
-  int previewLength() const noexcept override { return mpc_.horizon() + 1; }
-  double previewPeriod() const noexcept override { return mpc_.options().period; }
-
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept override;
   void prepare() noexcept override;
-  const ControlReport& stepWithoutReference(double stamp) noexcept override;
-  const ControlReport& withoutSample(double stamp, ControlReason reason) noexcept override;
-  const ControlReport& onSilence(double now) noexcept override;
-  void restartObserver() noexcept override { observing_ = false; }
-  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
-  void resetIntegrator() noexcept override { integrator_.reset(); }
   void track(const VehicleState& state, const AttitudeCommand& sent) noexcept override;
+  void forget(LawMemory what) noexcept override;
+  void setDisturbance(const Eigen::Vector3d& disturbance) noexcept override;
   void transferState(const ControlLaw& from) noexcept override;
-  int predict(const Reference* preview, int count, Eigen::Vector3d* positions) const noexcept override;
-  double stagePeriod() const noexcept override { return mpc_.options().period; }
-  double kktResidual() const noexcept override { return iterating_ ? mpc_.kktResidual() : -1.0; }
-  void reset() noexcept override;
-  const ControlReport& report() const noexcept override { return report_; }
+  void inspect(const Reference* preview, LawInsight& insight) const noexcept override;
 
   const NonlinearMpc& mpc() const noexcept { return mpc_; }
   const ForceObserver& observer() const noexcept { return observer_; }
@@ -63,14 +49,13 @@ class NonlinearController : public ControlLaw {
   bool isFar(const MultirotorState& x) const noexcept;
   void startIteration(const MultirotorState& x) noexcept;
   void send(const EulerAngles& angles, const Reference& reference) noexcept;
-  void withoutAnswer(ControlReason reason) noexcept;
-  void forget() noexcept;
+  void forgetPlan() noexcept;
+  void forgetAll() noexcept;
 
   MultirotorOptions options_;
   NonlinearMpc mpc_;
   ForceObserver observer_;
   AttitudeTrim trim_;
-  ControlReport report_;
 
   // How far the model's tilt runs ahead in a stage, see matchStages [1].
   TiltAngles ahead_;
@@ -88,13 +73,14 @@ class NonlinearController : public ControlLaw {
   // Time up to which the observer has advanced [s].
   double observed_until_ = 0.0;
   bool observing_ = false;
+  // True when report_.command is the last one of this law, or of another.
+  bool has_command_ = false;
   // True when there is a solution from which to continue.
   bool iterating_ = false;
   // True when the next sample is prepared.
   bool prepared_ = false;
   // Share of an angle that is left after a control period, and after a stage.
   TiltAngles period_decay_, stage_decay_;
-  FailsafePolicy failsafe_;
   PositionIntegrator integrator_;
 };
 

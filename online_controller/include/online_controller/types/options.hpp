@@ -84,6 +84,8 @@ struct MultirotorOptions {
   bool offset_free = true;
   /// Where a map has no answer: true solves its problem online, false clips to its box.
   bool solve_outside = true;
+  /// True: the law linear reads the reference of each stage. False: that of the sample counts for all.
+  bool look_ahead = true;
   /// Whether the integral of the position error is added to the estimate, see PositionIntegrator.
   bool integrator = false;
   double integral_gain_xy = 0.2;  ///< [1/s^3]
@@ -123,6 +125,7 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});
   visit("controller/offset_free", options.offset_free);
   visit("controller/solve_outside", options.solve_outside);
+  visit("controller/look_ahead", options.look_ahead);
   visit("controller/integrator", options.integrator);
   visit("controller/integral_gain_xy", options.integral_gain_xy, "1/s^3", Range{0.0, 10.0, 4.0, 0.1});
   visit("controller/integral_gain_z", options.integral_gain_z, "1/s^3", Range{0.0, 10.0, 4.0, 0.1});

@@ -138,8 +138,17 @@ struct ControlReport {
   double step_length = 0.0;
   /// Commands at which the vehicle is level, see AttitudeTrim [rad].
   TiltAngles trim;
+  /// Commands to be level with when nothing corrects them, see AttitudeTrim::level [rad].
+  TiltAngles level_trim;
   /// Coupling of yaw rate and tilt in the attitude loops, see AttitudeTrim [1].
   double coupling = 0.0;
 };
+
+/// Whether an explicit law's map did not hold a parameter, and the answer comes from another place: solved online
+/// (kOptimal), or looked up at other parameters (kClipped).
+constexpr bool isOutsideMap(const ControlReport& report) noexcept {
+  return isAnswer(report.status) &&
+         (report.reason == ControlReason::kOutsideBox || report.reason == ControlReason::kOutsidePartition);
+}
 
 }  // namespace polyfly

@@ -17,8 +17,9 @@ class OnlineProgram {
   /// H must be positive definite. Throws Error naming the program.
   explicit OnlineProgram(ParametricProgram program);
 
-  /// Outputs u (program().inputCount() numbers) at theta. Unless kOptimal, u is left alone.
-  QpStatus solve(const double* theta, double* u) noexcept;
+  /// Outputs u (program().inputCount() numbers) at theta. Unless kOptimal, u is left alone. `more`, a number for each
+  /// variable, is added to the gradient f + F theta; nullptr: nothing.
+  QpStatus solve(const double* theta, double* u, const double* more = nullptr) noexcept;
 
   /// Forgets the active set.
   void reset() noexcept { warm_ = false; }

@@ -30,7 +30,7 @@ bool isRamp(FlightState task) noexcept {
 
 }  // namespace
 
-FlightSupervisor::FlightSupervisor(ControlLaw& law, const MultirotorOptions& vehicle,
+FlightSupervisor::FlightSupervisor(LawSwitch& law, const MultirotorOptions& vehicle,
                                    const FlightOptions& options, PilotRule pilot)
     : law_(&law),
       vehicle_(vehicle),
@@ -131,7 +131,7 @@ const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, 
     return *report_;
   }
   restarted_ = verdict.restarted;
-  if (restarted_) law_->restartObserver();
+  if (restarted_) law_->forget(LawMemory::kObserver);
   last_ = state;
   fresh_ = true;
   if (!located_) checkEarlyReferences();
@@ -198,7 +198,7 @@ void FlightSupervisor::prepareRecovery() noexcept {
   holding_here_ = true;
 }
 
-void FlightSupervisor::setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept {
+void FlightSupervisor::setLaw(LawSwitch& law, const MultirotorOptions& vehicle) noexcept {
   law_ = &law;
   vehicle_ = vehicle;
   gate_.setOptions(vehicle);
@@ -344,7 +344,7 @@ const char* FlightSupervisor::onReference(ReferenceTrajectory trajectory, std::o
 }
 
 void FlightSupervisor::resetObserver() noexcept {
-  law_->restartObserver();
+  law_->forget(LawMemory::kObserver);
   law_->setDisturbance(Eigen::Vector3d::Zero());
 }
 

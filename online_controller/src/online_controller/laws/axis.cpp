@@ -49,6 +49,38 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
   bindSignals(names);
   readModel(law_->problem(), names);
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
+  if (options.look_ahead && law_->stages() > 0 && StageReferences::supports(law_->problem()))
+    stage_references_.emplace(law_->problem());
+  per_velocity_ = target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0);
+  per_acceleration_ = target({0.0, 0.0, 1.0, 0.0, 0.0}, 0.0);
+  per_jerk_ = target({0.0, 0.0, 0.0, 1.0, 0.0}, 0.0);
+  per_disturbance_ = target({}, 1.0);
+}
+
+void Axis::setStage(int stage, const AxisReference& reference) noexcept {
+  if (stage == 0) known_disturbance_ = reference.disturbance / disturbance_gain_;
+  // target() without its divisions.
+  const double d = disturbance() + known_disturbance_;
+  const double angle = per_velocity_.angle * reference.velocity +
+                       per_acceleration_.angle * reference.acceleration + per_disturbance_.angle * d;
+  const double input = per_velocity_.input * reference.velocity +
+                       per_acceleration_.input * reference.acceleration + per_jerk_.input * reference.jerk +
+                       per_disturbance_.input * d;
+  std::array<double, 3> state{};
+  state[static_cast<std::size_t>(position_state_)] = reference.position;
+  state[static_cast<std::size_t>(velocity_state_)] = reference.velocity;
+  if (has_lag_) state[static_cast<std::size_t>(angle_state_)] = angle;
+  stage_references_->set(stage, state.data(), input);
+}
+
+void Axis::aim(bool look_ahead) noexcept {
+  looks_ahead_ = look_ahead && stage_references_;
+  law_->setGradient(looks_ahead_ ? stage_references_->gradient(disturbance() + known_disturbance_) : nullptr);
+}
+
+double Axis::shift(int stage) const noexcept {
+  if (!looks_ahead_ || stage > stages()) return 0.0;
+  return stage_references_->shift(stage)(position_state_);
 }
 
 void Axis::reset() noexcept {

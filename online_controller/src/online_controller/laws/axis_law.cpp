@@ -48,7 +48,7 @@ class OnlineAxisLaw final : public AxisLaw {
 
   Lookup evaluate(const double* theta, double* input) noexcept override {
     Lookup lookup;
-    switch (program_.solve(theta, input)) {
+    switch (program_.solve(theta, input, gradient_)) {
       case QpStatus::kOptimal:
         lookup.status = LookupStatus::kInside;
         break;
@@ -63,6 +63,10 @@ class OnlineAxisLaw final : public AxisLaw {
     }
     return lookup;
   }
+  int stages() const noexcept override {
+    return program_.solver().variableCount() == problem_.horizon ? problem_.horizon : 0;
+  }
+  void setGradient(const double* gradient) noexcept override { gradient_ = gradient; }
   void reset() noexcept override { program_.reset(); }
   bool planned(int stage, double input_reference, double* input) const noexcept override {
     const BoundedQp& solver = program_.solver();
@@ -76,6 +80,7 @@ class OnlineAxisLaw final : public AxisLaw {
  private:
   MpcProblem problem_;
   OnlineProgram program_;
+  const double* gradient_ = nullptr;  // not owned
 };
 
 /// `problem` with its parameters in the order of `signals`.

@@ -30,16 +30,17 @@ ControlStatus FailsafePolicy::next(AttitudeCommand& command, const TiltAngles& t
   unanswered_ = std::min(unanswered_ + 1, descend_until + 1);
   if (unanswered_ <= options_.hold_periods) return ControlStatus::kHoldLast;
   has_command_ = false;
-  command = level(trim, unanswered_ <= level_until ? 1.0 : options_.descend_thrust);
+  command = levelCommand(options_, trim, unanswered_ <= level_until ? 1.0 : options_.descend_thrust);
   if (unanswered_ <= level_until) return ControlStatus::kLevel;
   return unanswered_ <= descend_until ? ControlStatus::kDescend : ControlStatus::kStopped;
 }
 
-AttitudeCommand FailsafePolicy::level(const TiltAngles& trim, double share) const noexcept {
+AttitudeCommand levelCommand(const MultirotorOptions& options, const TiltAngles& trim,
+                             double share) noexcept {
   AttitudeCommand command;
-  command.roll = std::clamp(trim.roll, -options_.angle_max, options_.angle_max);
-  command.pitch = std::clamp(trim.pitch, -options_.angle_max, options_.angle_max);
-  command.thrust = options_.mass * std::max(share * options_.gravity, options_.thrust_min);
+  command.roll = std::clamp(trim.roll, -options.angle_max, options.angle_max);
+  command.pitch = std::clamp(trim.pitch, -options.angle_max, options.angle_max);
+  command.thrust = options.mass * std::max(share * options.gravity, options.thrust_min);
   return command;
 }
 

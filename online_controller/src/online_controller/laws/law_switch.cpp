@@ -2,30 +2,27 @@
 
 #include <utility>
 
+#include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, kLawCount> kNames{"explicit_linear", "linear", "nonlinear",
-                                                    "robust_explicit"};
+std::vector<std::unique_ptr<ControlLaw>> alone(std::unique_ptr<ControlLaw> law) {
+  std::vector<std::unique_ptr<ControlLaw>> laws;
+  laws.push_back(std::move(law));
+  return laws;
+}
 
 }  // namespace
 
-const char* lawName(Law law) noexcept { return kNames[static_cast<std::size_t>(law)]; }
+LawSwitch::LawSwitch(std::unique_ptr<ControlLaw> law, const MultirotorOptions& options)
+    : LawSwitch(alone(std::move(law)), Law{}, options) {}
 
-Law lawOfName(const std::string& name) {
-  std::string known;
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i]) return static_cast<Law>(i);
-    known += (i == 0 ? "" : ", ") + std::string(kNames[i]);
-  }
-  throw Error("law: must be one of " + known + ", got '" + name + "'");
-}
-
-LawSwitch::LawSwitch(std::array<std::unique_ptr<ControlLaw>, kLawCount> laws, Law first)
-    : laws_(std::move(laws)), active_(first) {
-  if (!has(first)) throw Error(std::string("law: ") + lawName(first) + " is not there to fly with");
+LawSwitch::LawSwitch(std::vector<std::unique_ptr<ControlLaw>> laws, Law first,
+                     const MultirotorOptions& options)
+    : laws_(std::move(laws)), active_(first), options_(options), failsafe_(options) {
+  if (!has(first)) throw Error("law: the one that is to fly first is not there");
   for (const auto& law : laws_) {
     if (law == nullptr || law->previewLength() <= preview_length_) continue;
     preview_length_ = law->previewLength();
@@ -43,6 +40,13 @@ bool LawSwitch::select(Law law) noexcept {
 const ControlReport& LawSwitch::step(const VehicleState& state, const Reference* preview) noexcept {
   syncInactive();
   const ControlReport& report = current().step(state, preview);
+  if (isAnswer(report.status)) {
+    failsafe_.answered();
+  } else {
+    Substitute sent{report.stamp, report.status, report.reason, report.command, true};
+    sent.status = failsafe_.next(sent.command, report.level_trim);
+    current().sendInstead(sent);
+  }
   inactive_behind_ = true;
   last_state_ = state;
   sent_ = report.command;
@@ -57,24 +61,45 @@ void LawSwitch::syncInactive() noexcept {
   }
 }
 
-const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
-  syncInactive();
+const ControlReport& LawSwitch::sendFromAll(const Substitute& sent) noexcept {
   for (const auto& law : laws_) {
-    if (law != nullptr) law->stepWithoutReference(stamp);
+    if (law != nullptr) law->sendInstead(sent);
   }
   return report();
+}
+
+const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
+  syncInactive();
+  failsafe_.forget();
+  return sendFromAll({stamp, ControlStatus::kNoReference, ControlReason::kNoReference,
+                      levelCommand(options_, report().level_trim)});
 }
 
 // The inactive laws miss the sample, as they would if it had been lost.
 const ControlReport& LawSwitch::withoutSample(double stamp, ControlReason reason) noexcept {
   syncInactive();
-  return current().withoutSample(stamp, reason);
+  Substitute sent{stamp, ControlStatus::kHoldLast, reason, report().command};
+  sent.status = failsafe_.next(sent.command, report().level_trim);
+  current().sendInstead(sent);
+  return report();
 }
 
-void LawSwitch::restartObserver() noexcept {
+const ControlReport& LawSwitch::onSilence(double now) noexcept {
   syncInactive();
+  Substitute sent{now, ControlStatus::kLevel, ControlReason::kStale, report().command};
+  sent.status = failsafe_.nextInSilence(sent.command, report().level_trim);
+  return sendFromAll(sent);
+}
+
+void LawSwitch::forget(LawMemory what) noexcept {
+  if (what == LawMemory::kAll) {
+    inactive_behind_ = false;
+    failsafe_.forget();
+  } else {
+    syncInactive();
+  }
   for (const auto& law : laws_) {
-    if (law != nullptr) law->restartObserver();
+    if (law != nullptr) law->forget(what);
   }
 }
 
@@ -85,33 +110,12 @@ void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   }
 }
 
-void LawSwitch::resetIntegrator() noexcept {
-  syncInactive();
-  for (const auto& law : laws_) {
-    if (law != nullptr) law->resetIntegrator();
-  }
-}
-
-const ControlReport& LawSwitch::onSilence(double now) noexcept {
-  syncInactive();
-  for (const auto& law : laws_) {
-    if (law != nullptr) law->onSilence(now);
-  }
-  return report();
-}
-
 void LawSwitch::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   syncInactive();
   for (const auto& law : laws_) {
     if (law != nullptr) law->track(state, sent);
   }
-}
-
-void LawSwitch::reset() noexcept {
-  inactive_behind_ = false;
-  for (const auto& law : laws_) {
-    if (law != nullptr) law->reset();
-  }
+  if (isValid(state)) failsafe_.answered();
 }
 
 }  // namespace polyfly

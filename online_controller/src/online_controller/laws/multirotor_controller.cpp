@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
@@ -74,6 +75,16 @@ TiltModel tiltModel(const std::array<Axis, 3>& axes) {
   return {axes[1].lagGain(), axes[1].lagTime(), axes[0].lagGain(), axes[0].lagTime()};
 }
 
+/// Looks ahead where all axes can, to the same times.
+LawTiming timingOf(const std::array<Axis, 3>& axes) {
+  const double period = axes[0].stagePeriod();
+  const int stages = axes[0].stages();
+  for (const Axis& axis : axes) {
+    if (axis.stages() != stages || axis.stagePeriod() != period) return {1, 0.0, period};
+  }
+  return stages == 0 ? LawTiming{1, 0.0, period} : LawTiming{stages + 1, period, period};
+}
+
 ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
   if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
   if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
@@ -118,16 +129,16 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : options_(options),
+    : ControlLaw(timingOf(axes)),
+      options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),
       trim_(tiltModel(axes_), offsetOptions(axes_, options)),
-      failsafe_(options),
       integrator_(offsetOptions(axes_, options)) {
-  reset();
+  forgetAll();
 }
 
-void MultirotorController::reset() noexcept {
+void MultirotorController::forgetAll() noexcept {
   for (Axis& axis : axes_) axis.reset();
   trim_.reset();
   clock_.reset();
@@ -135,23 +146,33 @@ void MultirotorController::reset() noexcept {
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = failsafe_.level(trim_.level());
-  forget();
+  report_.level_trim = trim_.level();
+  report_.command = levelCommand(options_, report_.level_trim);
+  forgetPlan();
 }
 
 const ControlReport& MultirotorController::step(const VehicleState& state,
                                                 const Reference& reference) noexcept {
+  preview_ = nullptr;
+  return answer(state, reference);
+}
+
+const ControlReport& MultirotorController::step(const VehicleState& state,
+                                                const Reference* preview) noexcept {
+  preview_ = previewLength() > 1 ? preview : nullptr;
+  return answer(state, *preview);
+}
+
+const ControlReport& MultirotorController::answer(const VehicleState& state,
+                                                  const Reference& reference) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!isValid(state)) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
-  }
+  if (!isValid(state)) return cannotAnswer(ControlReason::kNotFinite);
   const Measured measured = measure(state);
   observe(state, measured);
-  if (!isValid(reference)) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
-  }
+  const Reference* const end = preview_ != nullptr ? preview_ + previewLength() : &reference + 1;
+  if (!std::all_of(preview_ != nullptr ? preview_ : &reference, end,
+                   [](const Reference& read) { return isValid(read); }))
+    return cannotAnswer(ControlReason::kNotFinite);
 
   if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
     send(measured.tilt, measured.yaw, reference);
@@ -160,16 +181,21 @@ const ControlReport& MultirotorController::step(const VehicleState& state,
   integrator_.update(state, reference, report_);
   ControlReason reason = ControlReason::kNone;
   const ControlStatus worst = evaluate(measured, reference, reason);
-  if (worst == ControlStatus::kHoldLast) {
-    withoutAnswer(reason);
-    return report_;
-  }
+  if (worst == ControlStatus::kHoldLast) return cannotAnswer(reason);
   send(measured.tilt, measured.yaw, reference);
   clock_.decided(state.stamp);
   report_.status = worst;
   report_.reason = reason;
-  failsafe_.answered();
   return report_;
+}
+
+void MultirotorController::aim(const Reference* preview) noexcept {
+  const Eigen::Vector3d integral = integrator_.disturbance();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    for (int k = 0; preview != nullptr && k < previewLength(); ++k)
+      axes_[i].setStage(k, along(preview[k], integral, static_cast<int>(i)));
+    axes_[i].aim(preview != nullptr);
+  }
 }
 
 // The worst status of the axes, and its reason. Unless each has an answer the inputs are left alone.
@@ -179,6 +205,7 @@ ControlStatus MultirotorController::evaluate(const Measured& measured, const Ref
   const std::array<AxisReference, 3> wanted{along(reference, integral, 0), along(reference, integral, 1),
                                             along(reference, integral, 2)};
   const std::array<double, 3> offsets = inputOffsets(measured, reference, wanted);
+  aim(preview_);
   ControlStatus worst = ControlStatus::kOptimal;
   report_.iterations = 0;
   std::array<AxisReport, 3>& reports = report_.axis;
@@ -263,7 +290,6 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
-  failsafe_.answered();
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
@@ -284,6 +310,7 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
   trim_.update(measured.tilt, report_.command, periods);
   report_.trim = trim_.angles();
+  report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
 }
 
@@ -326,7 +353,7 @@ TiltAngles MultirotorController::forceAngles(const AttitudeCommand& command,
   return {(command.roll - by.roll) * scale, (command.pitch - by.pitch) * scale};
 }
 
-void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
+const ControlReport& MultirotorController::cannotAnswer(ControlReason reason) noexcept {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisReport& axis = report_.axis[i];
     // What is applied is the last command, not what this sample could not answer.
@@ -340,52 +367,39 @@ void MultirotorController::withoutAnswer(ControlReason reason) noexcept {
       axis.outside_parameter = -1;
     }
   }
-  report_.reason = reason;
-  report_.status = failsafe_.next(report_.command, trim_.level());
-  if (!failsafe_.canHold()) forget();
+  return withoutAnswer(reason);
 }
 
 void MultirotorController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   trim_.reset();
+  report_.level_trim = trim_.level();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }
 }
 
-void MultirotorController::forget() noexcept {
+void MultirotorController::forget(LawMemory what) noexcept {
+  switch (what) {
+    case LawMemory::kAll:
+      forgetAll();
+      break;
+    case LawMemory::kPlan:
+      forgetPlan();
+      break;
+    case LawMemory::kObserver:
+      observing_ = false;
+      break;
+    case LawMemory::kIntegral:
+      integrator_.reset();
+      break;
+  }
+}
+
+void MultirotorController::forgetPlan() noexcept {
   for (AxisReport& axis : report_.axis) axis.input = 0.0;
   inputs_.fill(0.0);
   applied_.fill(0.0);
   applied_[2] = report_.command.thrust / options_.mass - options_.gravity;
-}
-
-const ControlReport& MultirotorController::withoutSample(double stamp, ControlReason reason) noexcept {
-  if (std::isfinite(stamp)) report_.stamp = stamp;
-  withoutAnswer(reason);
-  return report_;
-}
-
-const ControlReport& MultirotorController::stepWithoutReference(double stamp) noexcept {
-  report_.axis.fill(AxisReport{});
-  failsafe_.forget();
-  report_.command = failsafe_.level(trim_.level());
-  forget();
-  report_.stamp = stamp;
-  report_.status = ControlStatus::kNoReference;
-  report_.reason = ControlReason::kNoReference;
-  return report_;
-}
-
-const ControlReport& MultirotorController::onSilence(double now) noexcept {
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    report_.axis[i] = AxisReport{};
-    report_.axis[i].disturbance = axes_[i].disturbance();
-  }
-  report_.stamp = now;
-  report_.reason = ControlReason::kStale;
-  report_.status = failsafe_.nextInSilence(report_.command, trim_.level());
-  forget();
-  return report_;
 }
 
 }  // namespace polyfly

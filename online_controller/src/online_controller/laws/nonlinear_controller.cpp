@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "online_controller/laws/failsafe_policy.hpp"
 #include "online_controller/reference/yaw_rate.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/valid.hpp"
@@ -57,7 +58,8 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 }  // namespace
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
-    : options_(checked(options)),
+    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
+      options_(checked(options)),
       mpc_(completed(mpc, options)),
       observer_(mpc_.options().model, options),
       trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
@@ -65,7 +67,6 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
             options),
       period_decay_(decayOf(mpc_.options().model, options.control_period)),
       stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)),
-      failsafe_(options),
       integrator_(options) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
@@ -74,31 +75,28 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
   const NonlinearMpcOptions& chosen = mpc_.options();
   ahead_ = {aheadOfHalf(chosen.model.roll_time, chosen.period),
             aheadOfHalf(chosen.model.pitch_time, chosen.period)};
-  reset();
+  forgetAll();
 }
 
-void NonlinearController::reset() noexcept {
+void NonlinearController::forgetAll() noexcept {
   observer_.reset();
   trim_.reset();
   integrator_.reset();
   observing_ = false;
   observed_until_ = 0.0;
   report_ = ControlReport{};
-  report_.command = failsafe_.level(trim_.level());
-  forget();
+  report_.level_trim = trim_.level();
+  report_.command = levelCommand(options_, report_.level_trim);
+  forgetPlan();
 }
 
 const ControlReport& NonlinearController::step(const VehicleState& state, const Reference* preview) noexcept {
   if (std::isfinite(state.stamp)) report_.stamp = state.stamp;
-  if (!isValid(state)) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
-  }
+  if (!isValid(state)) return withoutAnswer(ControlReason::kNotFinite);
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   const int periods = observe(state, angles);
   if (!std::all_of(preview, preview + previewLength(), [](const Reference& r) { return isValid(r); })) {
-    withoutAnswer(ControlReason::kNotFinite);
-    return report_;
+    return withoutAnswer(ControlReason::kNotFinite);
   }
   integrator_.update(state, *preview, report_);
   std::copy_n(preview, preview_.size(), preview_.begin());
@@ -107,8 +105,7 @@ const ControlReport& NonlinearController::step(const VehicleState& state, const 
   makeReferences(preview);
   if (!solve(stateOf(state, angles), periods)) {
     iterating_ = false;
-    withoutAnswer(ControlReason::kOutsidePartition);
-    return report_;
+    return withoutAnswer(ControlReason::kOutsidePartition);
   }
   send(angles, *preview);
   return report_;
@@ -132,6 +129,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
   observer_.update(state, report_.command.thrust / options_.mass, periods);
   trim_.update({angles.roll, angles.pitch}, report_.command, periods);
   report_.trim = trim_.angles();
+  report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
   return periods;
 }
@@ -216,7 +214,7 @@ bool NonlinearController::isFar(const MultirotorState& x) const noexcept {
 void NonlinearController::startIteration(const MultirotorState& x) noexcept {
   const MultirotorInput hover(0.0, 0.0, options_.gravity);
   MultirotorInput u = hover;
-  if (failsafe_.canHold()) {
+  if (has_command_) {
     const AttitudeCommand& command = report_.command;
     const TiltAngles by = added({x(6), x(7)}, command.yaw_rate);
     u << command.roll - by.roll, command.pitch - by.pitch, command.thrust / options_.mass;
@@ -290,55 +288,44 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
   report_.axis[1].input = command.roll - by.roll;
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.reason = ControlReason::kNone;
-  failsafe_.answered();
-}
-
-void NonlinearController::withoutAnswer(ControlReason reason) noexcept {
-  report_.reason = reason;
-  report_.status = failsafe_.next(report_.command, trim_.level());
-  if (!failsafe_.canHold()) forget();
+  has_command_ = true;
 }
 
 void NonlinearController::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   trim_.reset();
+  report_.level_trim = trim_.level();
   observer_.setDisturbance(disturbance);
 }
 
-void NonlinearController::forget() noexcept {
+void NonlinearController::forget(LawMemory what) noexcept {
+  switch (what) {
+    case LawMemory::kAll:
+      forgetAll();
+      break;
+    case LawMemory::kPlan:
+      forgetPlan();
+      break;
+    case LawMemory::kObserver:
+      observing_ = false;
+      break;
+    case LawMemory::kIntegral:
+      integrator_.reset();
+      break;
+  }
+}
+
+void NonlinearController::forgetPlan() noexcept {
+  has_command_ = false;
   report_.axis.fill(AxisReport{});
   iterating_ = false;
   prepared_ = false;
-}
-
-const ControlReport& NonlinearController::withoutSample(double stamp, ControlReason reason) noexcept {
-  if (std::isfinite(stamp)) report_.stamp = stamp;
-  withoutAnswer(reason);
-  return report_;
-}
-
-const ControlReport& NonlinearController::stepWithoutReference(double stamp) noexcept {
-  failsafe_.forget();
-  report_.command = failsafe_.level(trim_.level());
-  forget();
-  report_.stamp = stamp;
-  report_.status = ControlStatus::kNoReference;
-  report_.reason = ControlReason::kNoReference;
-  return report_;
-}
-
-const ControlReport& NonlinearController::onSilence(double now) noexcept {
-  report_.stamp = now;
-  report_.reason = ControlReason::kStale;
-  report_.status = failsafe_.nextInSilence(report_.command, trim_.level());
-  forget();
-  return report_;
 }
 
 void NonlinearController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   if (!isValid(state)) return;
   observe(state, eulerAngles(state.attitude.normalized()));
   report_.command = sent;
-  failsafe_.answered();
+  has_command_ = true;
   iterating_ = false;
   prepared_ = false;
 }

@@ -1,31 +1,34 @@
 // Where the laws expect the vehicle over their horizon, for people to look at.
 #include <algorithm>
 
-#include "online_controller/laws/law_switch.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 
 namespace polyfly {
 
-int NonlinearController::predict(const Reference*, int count, Eigen::Vector3d* positions) const noexcept {
-  if (!iterating_) return 0;
-  const int stages = std::min(count, mpc_.horizon() + 1);
-  for (int k = 0; k < stages; ++k) positions[k] = mpc_.state(k).head<3>();
-  return stages;
+void NonlinearController::inspect(const Reference*, LawInsight& insight) const noexcept {
+  insight.count = 0;
+  insight.kkt_residual = iterating_ ? mpc_.kktResidual() : -1.0;
+  if (!iterating_) return;
+  insight.count = std::min(insight.room, mpc_.horizon() + 1);
+  for (int k = 0; k < insight.count; ++k) insight.positions[k] = mpc_.state(k).head<3>();
 }
 
-int MultirotorController::predict(const Reference* preview, int count,
-                                  Eigen::Vector3d* positions) const noexcept {
-  if (!isAnswer(report_.status)) return 0;
+void MultirotorController::inspect(const Reference* preview, LawInsight& insight) const noexcept {
+  insight.count = 0;
+  insight.kkt_residual = -1.0;
+  for (const Axis& axis : axes_) insight.kkt_residual = std::max(insight.kkt_residual, axis.kktResidual());
+  if (!isAnswer(report_.status)) return;
+  insight.count = insight.room;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
     Axis::Prediction prediction = axes_[i].beginPrediction(report_.axis[i]);
-    for (int k = 0; k < count; ++k) {
-      positions[k](static_cast<Eigen::Index>(i)) =
-          preview[k].position(static_cast<Eigen::Index>(i)) + prediction.values[AxisEntry::kPositionError];
+    for (int k = 0; k < insight.room; ++k) {
+      insight.positions[k](row) =
+          preview[k].position(row) + prediction.values[AxisEntry::kPositionError] - axes_[i].shift(k);
       axes_[i].advance(prediction);
     }
   }
-  return count;
 }
 
 // In error coordinates e = x - x_ref, u~ = u - u_ref, as the problem has them.

@@ -31,19 +31,13 @@ void MultirotorController::transferState(const ControlLaw& from) noexcept {
   }
   trim_.transferState(other->trim_);
   report_ = other->report_;
+  report_.level_trim = trim_.level();
   limit(options_, report_.command);
   applied_ = other->applied_;
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  failsafe_.transferState(other->failsafe_);
   integrator_.transferState(other->integrator_);
-}
-
-double MultirotorController::kktResidual() const noexcept {
-  double worst = -1.0;
-  for (const Axis& axis : axes_) worst = std::max(worst, axis.kktResidual());
-  return worst;
 }
 
 void NonlinearController::transferState(const ControlLaw& from) noexcept {
@@ -52,11 +46,12 @@ void NonlinearController::transferState(const ControlLaw& from) noexcept {
   observer_.transferState(other->observer_);
   trim_.transferState(other->trim_);
   report_ = other->report_;
+  report_.level_trim = trim_.level();
   limit(options_, report_.command);
   yaw_ = other->yaw_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
-  failsafe_.transferState(other->failsafe_);
+  has_command_ = other->has_command_;
   integrator_.transferState(other->integrator_);
   prepared_ = false;
   // One that was prepared is shifted to the next sample already, and begins anew.
@@ -67,16 +62,16 @@ void NonlinearController::transferState(const ControlLaw& from) noexcept {
   std::copy(other->preview_.begin(), other->preview_.end(), preview_.begin());
 }
 
-void LawSwitch::transferState(const ControlLaw& from) noexcept {
-  const auto* other = dynamic_cast<const LawSwitch*>(&from);
-  if (other == nullptr) return;
-  for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (laws_[i] != nullptr && other->laws_[i] != nullptr) laws_[i]->transferState(*other->laws_[i]);
+void LawSwitch::transferState(const LawSwitch& from) noexcept {
+  const std::size_t common = std::min(laws_.size(), from.laws_.size());
+  for (std::size_t i = 0; i < common; ++i) {
+    if (laws_[i] != nullptr && from.laws_[i] != nullptr) laws_[i]->transferState(*from.laws_[i]);
   }
-  if (has(other->active_)) active_ = other->active_;
-  inactive_behind_ = other->inactive_behind_;
-  last_state_ = other->last_state_;
-  sent_ = other->sent_;
+  if (has(from.active_)) active_ = from.active_;
+  inactive_behind_ = from.inactive_behind_;
+  last_state_ = from.last_state_;
+  sent_ = from.sent_;
+  failsafe_.transferState(from.failsafe_);
 }
 
 }  // namespace polyfly
