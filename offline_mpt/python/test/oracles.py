@@ -64,3 +64,22 @@ def mass_input(error, weights, period, horizon, limit):
         if np.max(np.abs(u - before)) < 1e-13:
             break
     return u[0]
+
+
+def least_peak(A, B, G, C, error, u_bounds, w_bounds):
+    """min over (u_0, u_1) of the greatest |C e_k|, k = 1, 2, over all w: the lowest vertex of t >= +-C e_k."""
+    A, B, G, C = (np.asarray(value, dtype=float) for value in (A, B, G, C))
+    rows = [[1, 0, 0, u_bounds[1]], [-1, 0, 0, -u_bounds[0]], [0, 1, 0, u_bounds[1]], [0, -1, 0, -u_bounds[0]]]
+    for w in itertools.product(w_bounds, repeat=2):
+        free = A @ error + G[:, 0] * w[0]
+        stages = ((C @ free, C @ B[:, 0], 0.0 * C @ B[:, 0]),
+                  (C @ (A @ free + G[:, 0] * w[1]), C @ A @ B[:, 0], C @ B[:, 0]))
+        for constant, by_first, by_second in stages:
+            for sign in (1.0, -1.0):
+                rows += [[sign * f, sign * s, -1.0, -sign * c] for f, s, c in zip(by_first, by_second, constant)]
+    rows = np.array(rows)
+    triples = rows[list(itertools.combinations(range(len(rows)), 3))]
+    triples = triples[np.abs(np.linalg.det(triples[:, :, :3])) > 1e-12]
+    vertices = np.linalg.solve(triples[:, :, :3], triples[:, :, 3:])[:, :, 0]
+    feasible = np.all(vertices @ rows[:, :3].T <= rows[:, 3] + 1e-9, axis=1)
+    return np.min(vertices[feasible, 2])
