@@ -37,31 +37,6 @@ void checkSignals(const RegionMap& map, const std::vector<Signal>& parameters,
   if (!same) throw Error("its signals are not those of the map");
 }
 
-/// Part of Eq. 4 without z, in (theta, 1): the errors without any change of the input, and the first change.
-Eigen::MatrixXd restOfCost(const MpcProblem& problem, const DiscreteModel& model) {
-  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
-  Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(problem.stateCount(), p);
-  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(problem.inputCount(), p);
-  Eigen::MatrixXd reference = Eigen::MatrixXd::Zero(problem.inputCount(), p);
-  for (Eigen::Index j = 0; j < p; ++j) {
-    const MpcProblem::Parameter& parameter = problem.parameters[static_cast<std::size_t>(j)];
-    if (parameter.role == ParameterRole::kError) errors(parameter.index, j) = 1.0;
-    if (parameter.role == ParameterRole::kInputReference) reference(parameter.index, j) = 1.0;
-    if (parameter.role == ParameterRole::kPreviousInput) change(parameter.index, j) = 1.0;
-  }
-  for (Eigen::Index i = 0; i < change.rows(); ++i)
-    if (!change.row(i).isZero()) change.row(i) -= reference.row(i);
-  Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(p + 1, p + 1);
-  rest.topLeftCorner(p, p) = change.transpose() * problem.R_delta * change;
-  for (int k = 0; k < problem.horizon; ++k) {
-    rest.topLeftCorner(p, p) += errors.transpose() * problem.Q * errors;
-    errors = (model.A * errors).eval();
-  }
-  const Eigen::MatrixXd P = solveRiccati(model.A, model.B, problem.Q, problem.R);
-  rest.topLeftCorner(p, p) += errors.transpose() * P * errors;
-  return rest;
-}
-
 ExplorerProgram explorerProgram(const ParametricProgram& program, const Eigen::MatrixXd& rest) {
   ExplorerProgram result;
   result.variables = static_cast<std::size_t>(program.variableCount());
@@ -89,6 +64,7 @@ void addTracking(const RegionMap& map, const std::string& text, const std::strin
   model.A = rowMajor(discrete.A);
   model.B = rowMajor(discrete.B);
   model.errors.resize(problem.states.size());
+  bool flies_errors = problem.fixed_parameters.empty();
   Eigen::MatrixXd U =
       Eigen::MatrixXd::Zero(problem.inputCount(), static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t j = 0; j < problem.parameters.size(); ++j) {
@@ -103,12 +79,23 @@ void addTracking(const RegionMap& map, const std::string& text, const std::strin
       case ParameterRole::kInputReference:
         U(problem.parameters[j].index, static_cast<Eigen::Index>(j)) = 1.0;
         break;
+      case ParameterRole::kStateReference:
+        break;
+      case ParameterRole::kState:
+      case ParameterRole::kReference:
+      case ParameterRole::kDisturbance:
+        flies_errors = false;
+        break;
     }
   }
   model.U = rowMajor(U);
   const ParametricProgram program = condense(problem);
-  content->model = model;
-  content->program = explorerProgram(program, restOfCost(problem, discrete));
+  if (flies_errors) {
+    content->model = model;
+  } else {
+    content->no_model = "The page flies errors, and this map has other parameters. A click sets the state.";
+  }
+  content->program = explorerProgram(program, costAtZero(problem));
   content->constraints = program.row_names;
 }
 

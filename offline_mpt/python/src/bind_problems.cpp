@@ -30,6 +30,14 @@ const char* roleName(const MpcProblem::Parameter& parameter) {
       return "previous_input";
     case ParameterRole::kInputReference:
       return "input_reference";
+    case ParameterRole::kStateReference:
+      return "state_reference";
+    case ParameterRole::kState:
+      return "state";
+    case ParameterRole::kReference:
+      return "reference";
+    case ParameterRole::kDisturbance:
+      return "disturbance";
   }
   return "";
 }
@@ -52,8 +60,8 @@ void bindParts(py::module_& module) {
   py::class_<MpcProblem::Parameter>(module, "Parameter",
                                     "An entry of the parameter vector of a tracking problem.")
       .def_readonly("signal", &MpcProblem::Parameter::signal)
-      .def_property_readonly("role", &roleName, "'error', 'previous_input' or 'input_reference'.")
-      .def_readonly("index", &MpcProblem::Parameter::index, "Of the state (error) or of the input.");
+      .def_property_readonly("role", &roleName, "As in the file: 'error', 'previous_input', ....")
+      .def_readonly("index", &MpcProblem::Parameter::index, "Of the state, input, output or disturbance.");
   py::class_<DiscreteModel>(module, "DiscreteModel", "x_{k+1} = A x_k + B u_k + Bd d_k")
       .def_readonly("A", &DiscreteModel::A)
       .def_readonly("B", &DiscreteModel::B)
@@ -82,7 +90,9 @@ void bindProblems(py::module_& module) {
       .def_readonly("inputs", &MpcProblem::inputs, "With the bounds of u.")
       .def_readonly("disturbances", &MpcProblem::disturbances)
       .def_readonly("parameters", &MpcProblem::parameters)
-      .def_readonly("A", &MpcProblem::A_c, "Continuous time: x' = A x + B u + Bd d.")
+      .def_readonly("discrete", &MpcProblem::discrete, "True: the model is in discrete time.")
+      .def_readonly("A", &MpcProblem::A_c,
+                    "Continuous time: x' = A x + B u + Bd d; with `discrete`, x_{k+1} = A x_k + ....")
       .def_readonly("B", &MpcProblem::B_c)
       .def_readonly("Bd", &MpcProblem::Bd_c)
       .def_readonly("C", &MpcProblem::C, "Tracked output y = C x.")

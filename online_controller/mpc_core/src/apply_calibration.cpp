@@ -43,6 +43,9 @@ class ProblemText {
   }
 
   void setEntry(const char* matrix, int row, int column, double value) {
+    if (root_["model"]["time"] && root_["model"]["time"].as<std::string>("") == "discrete")
+      edits_.refuse("model.time",
+                    "must be continuous: calibrations have rates of a model in continuous time");
     edits_.setNumber(
         node(matrix, row, column),
         std::string("model.") + matrix + "[" + std::to_string(row) + "][" + std::to_string(column) + "]",

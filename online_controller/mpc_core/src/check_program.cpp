@@ -53,6 +53,17 @@ class Checker {
     }
   }
 
+  void slacks() const {
+    const auto within = [](int index, int count) { return index >= 0 && index < count; };
+    for (const SlackVariable& slack : program_.slacks) {
+      const std::string field = "slacks." + slack.name;
+      if (!within(slack.variable, program_.variableCount())) fail(field, "must name a variable of z");
+      for (const int row : slack.rows)
+        if (!within(row, program_.rowCount())) fail(field, "must name rows of A, got " + std::to_string(row));
+      if (slack.floor != -1 && !within(slack.floor, program_.rowCount())) fail(field, "must name a row of A");
+    }
+  }
+
   void parameters() const {
     for (const Signal& signal : program_.parameters) {
       const std::string field = "parameters." + signal.name;
@@ -98,6 +109,7 @@ void checkProgram(const ParametricProgram& program) {
   check.matrix("c", program.c, q, 1);
   check.hessian();
   check.equalities();
+  check.slacks();
   check.parameters();
   check.inputs();
 }

@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "mpc_core/mpc_problem.hpp"
@@ -19,6 +20,13 @@ constexpr double kResidualTolerance = 1e-9;
 constexpr int kSquarings = 36;
 // Norm of a power below which the closed loop is stable.
 constexpr double kVanished = 1e-6;
+// Square roots of a matrix: greatest number of iterations, and tolerance of the last change, relative.
+constexpr int kRootIterations = 60;
+constexpr double kRootTolerance = 1e-12;
+// Entries of a logarithm below this, relative to the greatest one, are rounding.
+constexpr double kLogarithmTolerance = 1e-12;
+// Greatest error of the exponential of a logarithm, relative.
+constexpr double kLogarithmResidual = 1e-10;
 // Least reciprocal condition of Eq. 6 after scaling.
 constexpr double kSingularTolerance = 1e-12;
 
@@ -38,6 +46,56 @@ Eigen::MatrixXd exponential(const Eigen::MatrixXd& matrix) {
   return result;
 }
 
+/// exp(T [A B Bd; 0 0 0]) = [exp(A T), int exp(A s) ds [B Bd]; 0, I], which needs no inverse of A.
+Eigen::MatrixXd augmentedModel(const MpcProblem& problem) {
+  const Eigen::Index nx = problem.A_c.rows();
+  const Eigen::Index nu = problem.B_c.cols();
+  const Eigen::Index nd = problem.Bd_c.cols();
+  Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(nx + nu + nd, nx + nu + nd);
+  augmented.topLeftCorner(nx, nx) = problem.A_c;
+  augmented.block(0, nx, nx, nu) = problem.B_c;
+  augmented.block(0, nx + nu, nx, nd) = problem.Bd_c;
+  return augmented;
+}
+
+/// Principal square root by the iteration of Denman and Beavers, which converges where no eigenvalue is 0 or negative;
+/// not finite where it does not.
+Eigen::MatrixXd squareRoot(const Eigen::MatrixXd& matrix) {
+  Eigen::MatrixXd root = matrix;
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+  for (int k = 0; k < kRootIterations && root.allFinite(); ++k) {
+    const Eigen::MatrixXd next = 0.5 * (root + inverse.inverse());
+    inverse = (0.5 * (inverse + root.inverse())).eval();
+    const bool converged = norm(next - root) <= kRootTolerance * norm(next);
+    root = next;
+    if (converged) return root;
+  }
+  return Eigen::MatrixXd::Constant(matrix.rows(), matrix.cols(), std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Principal logarithm: square roots until the matrix is near the identity, then the series
+/// log M = 2 (W + W^3 / 3 + W^5 / 5 + ...), W = (M - I) (M + I)^-1.
+Eigen::MatrixXd logarithm(Eigen::MatrixXd matrix) {
+  constexpr int kMaxRoots = 60;
+  // Terms until 0.1^27 / 27 is below rounding.
+  constexpr int kTerms = 14;
+  constexpr double kNearIdentity = 0.2;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+  double scale = 2.0;
+  for (int k = 0; k < kMaxRoots && matrix.allFinite(); ++k) {
+    if ((matrix - identity).cwiseAbs().rowwise().sum().maxCoeff() <= kNearIdentity) {
+      const Eigen::MatrixXd ratio = (matrix + identity).partialPivLu().solve(matrix - identity);
+      const Eigen::MatrixXd square = ratio * ratio;
+      Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
+      for (int term = kTerms - 1; term >= 0; --term) sum = (identity / (2 * term + 1) + square * sum).eval();
+      return scale * ratio * sum;
+    }
+    matrix = squareRoot(matrix);
+    scale *= 2.0;
+  }
+  return Eigen::MatrixXd::Constant(matrix.rows(), matrix.cols(), std::numeric_limits<double>::quiet_NaN());
+}
+
 /// Whether powers of the matrix vanish: by squaring, so that a spectral radius of 1 - 1e-9 still counts.
 bool isStable(Eigen::MatrixXd matrix) {
   for (int k = 0; k < kSquarings && matrix.allFinite(); ++k) {
@@ -51,22 +109,42 @@ bool isStable(Eigen::MatrixXd matrix) {
 
 DiscreteModel discretise(const MpcProblem& problem, double period) {
   if (!(period > 0.0)) throw Error(problem.source + ": period: must be greater than 0");
+  if (problem.discrete) {
+    if (period == problem.sampling_time) return {problem.A_c, problem.B_c, problem.Bd_c, period};
+    return discretise(continuousModel(problem), period);
+  }
   const Eigen::Index nx = problem.A_c.rows();
   const Eigen::Index nu = problem.B_c.cols();
-  const Eigen::Index nd = problem.Bd_c.cols();
-  // exp([A B Bd; 0 0 0] T) = [exp(A T), int exp(A s) ds [B Bd]; 0, I], which needs no inverse of A.
-  Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(nx + nu + nd, nx + nu + nd);
-  augmented.topLeftCorner(nx, nx) = problem.A_c;
-  augmented.block(0, nx, nx, nu) = problem.B_c;
-  augmented.block(0, nx + nu, nx, nd) = problem.Bd_c;
-  const Eigen::MatrixXd map = exponential(augmented * period);
+  const Eigen::MatrixXd map = exponential(augmentedModel(problem) * period);
   if (!map.allFinite()) throw Error(problem.source + ": model.A: is too fast for the sampling time");
   DiscreteModel model;
   model.A = map.topLeftCorner(nx, nx);
   model.B = map.block(0, nx, nx, nu);
-  model.Bd = map.block(0, nx + nu, nx, nd);
+  model.Bd = map.block(0, nx + nu, nx, problem.Bd_c.cols());
   model.period = period;
   return model;
+}
+
+MpcProblem continuousModel(const MpcProblem& problem) {
+  if (!problem.discrete) return problem;
+  const Eigen::Index nx = problem.A_c.rows();
+  const Eigen::Index nu = problem.B_c.cols();
+  Eigen::MatrixXd map = augmentedModel(problem);
+  map.bottomRightCorner(map.rows() - nx, map.rows() - nx).setIdentity();
+  Eigen::MatrixXd rates = logarithm(map);
+  if (!rates.allFinite() || !(norm(exponential(rates) - map) <= kLogarithmResidual * norm(map))) {
+    throw Error(
+        problem.source +
+        ": model.A: must have no eigenvalue that is 0 or negative, for another period than sampling_time");
+  }
+  rates = (rates.cwiseAbs().array() <= kLogarithmTolerance * norm(rates)).select(0.0, rates) /
+          problem.sampling_time;
+  MpcProblem result = problem;
+  result.discrete = false;
+  result.A_c = rates.topLeftCorner(nx, nx);
+  result.B_c = rates.block(0, nx, nx, nu);
+  result.Bd_c = rates.block(0, nx + nu, nx, problem.Bd_c.cols());
+  return result;
 }
 
 Eigen::MatrixXd solveRiccati(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,

@@ -8,6 +8,7 @@
 #include "mpc_core/decompositions.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
+#include "parse_parts.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/yaml_field.hpp"
 
@@ -20,16 +21,6 @@ constexpr double kDefiniteTolerance =
     1e-12;  // least eigenvalue relative to the greatest, for R > 0 and Q >= 0
 
 using Names = std::set<std::string>;
-
-Signal readSignal(const YamlField& field, Names* taken) {
-  Signal signal;
-  signal.name = field.at("name").name();
-  signal.unit = field.at("unit").unit();
-  if (!taken->insert(signal.name).second) {
-    field.at("name").fail("duplicate name '" + signal.name + "'");
-  }
-  return signal;
-}
 
 void removeBounds(Signal* signal) {
   signal->lower = -std::numeric_limits<double>::infinity();
@@ -54,10 +45,18 @@ void readStates(const YamlField& model, Names* taken, MpcProblem* problem) {
 
 void readInputs(const YamlField& model, Names* taken, MpcProblem* problem) {
   for (const YamlField& field : model.at("inputs").items()) {
-    field.checkKeys({"name", "unit", "range"}, {});
+    field.checkKeys({"name", "unit", "range"}, {"change"});
     Signal input = readSignal(field, taken);
     field.at("range").range(&input.lower, &input.upper);
+    Signal change{"change of " + input.name, input.unit, 0.0, 0.0};
+    removeBounds(&change);
+    if (field.has("change")) {
+      field.at("change").range(&change.lower, &change.upper);
+      if (change.lower > 0.0 || change.upper < 0.0)
+        field.at("change").fail("must hold 0: u may stay as it is");
+    }
     problem->inputs.push_back(input);
+    problem->changes.push_back(change);
   }
   if (problem->inputs.empty()) model.at("inputs").fail("must have at least one entry");
 }
@@ -72,8 +71,38 @@ void readDisturbances(const YamlField& model, Names* taken, MpcProblem* problem)
   }
 }
 
+/// Without `outputs`, an output that is one state has its name and unit.
+void readOutputs(const YamlField& model, Names* taken, MpcProblem* problem) {
+  if (model.has("outputs")) {
+    for (const YamlField& field : model.at("outputs").items()) {
+      field.checkKeys({"name", "unit"}, {});
+      problem->outputs.push_back(readSignal(field, taken));
+      removeBounds(&problem->outputs.back());
+    }
+    if (static_cast<int>(problem->outputs.size()) != problem->inputCount())
+      model.at("outputs").fail("must have as many entries as there are inputs");
+    return;
+  }
+  for (Eigen::Index row = 0; row < problem->C.rows(); ++row) {
+    Signal output;
+    removeBounds(&output);
+    for (Eigen::Index i = 0; i < problem->C.cols(); ++i) {
+      if (problem->C.row(row) != Eigen::RowVectorXd::Unit(problem->C.cols(), i)) continue;
+      output.name = problem->states[static_cast<std::size_t>(i)].name;
+      output.unit = problem->states[static_cast<std::size_t>(i)].unit;
+    }
+    problem->outputs.push_back(output);
+  }
+}
+
 void readModel(const YamlField& model, MpcProblem* problem) {
-  model.checkKeys({"states", "inputs", "A", "B", "C"}, {"disturbances", "B_d"});
+  model.checkKeys({"states", "inputs", "A", "B", "C"}, {"disturbances", "B_d", "time", "outputs"});
+  if (model.has("time")) {
+    const std::string time = model.at("time").text();
+    if (time != "continuous" && time != "discrete")
+      model.at("time").fail("must be continuous or discrete, got '" + time + "'");
+    problem->discrete = time == "discrete";
+  }
   Names taken;
   readStates(model, &taken, problem);
   readInputs(model, &taken, problem);
@@ -84,6 +113,7 @@ void readModel(const YamlField& model, MpcProblem* problem) {
   problem->A_c = model.at("A").matrix(nx, nx);
   problem->B_c = model.at("B").matrix(nx, nu);
   problem->C = model.at("C").matrix(nu, nx);
+  readOutputs(model, &taken, problem);
   problem->Bd_c = Eigen::MatrixXd::Zero(nx, nd);
   if (nd > 0) {
     problem->Bd_c = model.at("B_d").matrix(nx, nd);
@@ -111,56 +141,33 @@ void readWeights(const YamlField& weights, MpcProblem* problem) {
   }
   problem->R_delta = Eigen::MatrixXd::Zero(nu, nu);
   if (weights.has("R_delta")) problem->R_delta = readSemidefinite(weights.at("R_delta"), nu);
-  if (weights.has("terminal") && weights.at("terminal").text() != "riccati") {
-    weights.at("terminal").fail("must be riccati, got '" + weights.at("terminal").text() + "'");
+  if (!weights.has("terminal")) return;
+  const YamlField terminal = weights.at("terminal");
+  if (terminal.isList()) {
+    problem->P = readSemidefinite(terminal, nx);
+  } else if (terminal.text() != "riccati") {
+    terminal.fail("must be riccati or a weight, got '" + terminal.text() + "'");
   }
 }
 
-ParameterRole readRole(const YamlField& field) {
-  const std::string role = field.text();
-  if (role == "error") return ParameterRole::kError;
-  if (role == "previous_input") return ParameterRole::kPreviousInput;
-  if (role == "input_reference") return ParameterRole::kInputReference;
-  field.fail("must be error, previous_input or input_reference, got '" + role + "'");
-}
-
-int indexOf(const std::vector<Signal>& signals, const std::string& name) {
-  const auto found =
-      std::find_if(signals.begin(), signals.end(), [&](const Signal& signal) { return signal.name == name; });
-  return found == signals.end() ? -1 : static_cast<int>(found - signals.begin());
-}
-
-void readParameters(const YamlField& parameters, MpcProblem* problem) {
-  Names taken;
-  std::set<std::pair<ParameterRole, int>> targets;
-  for (const YamlField& field : parameters.items()) {
-    field.checkKeys({"name", "role", "of", "unit", "range"}, {});
-    MpcProblem::Parameter parameter;
-    parameter.signal = readSignal(field, &taken);
-    parameter.role = readRole(field.at("role"));
-    const bool error = parameter.role == ParameterRole::kError;
-    const std::vector<Signal>& signals = error ? problem->states : problem->inputs;
-    const std::string of = field.at("of").name();
-    parameter.index = indexOf(signals, of);
-    if (parameter.index < 0) {
-      field.at("of").fail(std::string("must name ") + (error ? "a state" : "an input") + ", got '" + of +
-                          "'");
-    }
-    if (!targets.insert({parameter.role, parameter.index}).second) {
-      field.at("of").fail("another parameter has this role for '" + of + "'");
-    }
-    const std::string& unit = signals[static_cast<std::size_t>(parameter.index)].unit;
-    if (parameter.signal.unit != unit) {
-      field.at("unit").fail(std::string("must be ").append(unit).append(" as for '").append(of).append("'"));
-    }
-    field.at("range").range(&parameter.signal.lower, &parameter.signal.upper);
-    problem->parameters.push_back(parameter);
+/// `moves` lists the blocks over which u is held; `control_horizon` lets it change in the first stages only.
+void readMoves(const YamlField& root, MpcProblem* problem) {
+  if (root.has("control_horizon")) {
+    const YamlField field = root.at("control_horizon");
+    if (root.has("moves")) field.fail("moves say the same: only one of them may be given");
+    const int length = field.integer(1, problem->horizon);
+    problem->moves.assign(static_cast<std::size_t>(length), 1);
+    problem->moves.back() = problem->horizon - length + 1;
   }
-  for (int i = 0; i < problem->stateCount(); ++i) {
-    if (targets.count({ParameterRole::kError, i}) == 0) {
-      parameters.fail("must have one with role error of state '" +
-                      problem->states[static_cast<std::size_t>(i)].name + "'");
-    }
+  if (!root.has("moves")) return;
+  int sum = 0;
+  for (const YamlField& field : root.at("moves").items()) {
+    problem->moves.push_back(field.integer(1, problem->horizon));
+    sum += problem->moves.back();
+  }
+  if (sum != problem->horizon) {
+    root.at("moves").fail("must add up to the horizon " + std::to_string(problem->horizon) + ", not to " +
+                          std::to_string(sum));
   }
 }
 
@@ -178,6 +185,7 @@ void checkControllable(const YamlField& root, const MpcProblem& problem) {
   } catch (const Error& error) {
     root.at("model").at("C").fail(error.what());
   }
+  if (problem.P.size() > 0) return;
   try {
     solveRiccati(model.A, model.B, problem.Q, problem.R);
   } catch (const Error& error) {
@@ -187,11 +195,22 @@ void checkControllable(const YamlField& root, const MpcProblem& problem) {
 
 }  // namespace
 
+Signal readSignal(const YamlField& field, std::set<std::string>* taken) {
+  Signal signal;
+  signal.name = field.at("name").name();
+  signal.unit = field.at("unit").unit();
+  if (!taken->insert(signal.name).second) {
+    field.at("name").fail("duplicate name '" + signal.name + "'");
+  }
+  return signal;
+}
+
 MpcProblem parseProblem(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "weights", "parameters"},
-      {"description", "provenance", "calibration"});
+      {"description", "provenance", "calibration", "constraints", "moves", "control_horizon",
+       "terminal_set"});
   // readProblem puts the numbers of these files in place of the key.
   if (root.has("calibration")) root.at("calibration").fail("names files: only a problem file may have it");
   root.at("polyfly_problem").integer(kSchemaVersion, kSchemaVersion);
@@ -210,8 +229,12 @@ MpcProblem parseProblem(const std::string& text, const std::string& source) {
   problem.sampling_time = root.at("sampling_time").number();
   if (!(problem.sampling_time > 0.0)) root.at("sampling_time").fail("must be greater than 0");
   problem.horizon = root.at("horizon").integer(1, kMaxHorizon);
+  readMoves(root, &problem);
   readWeights(root.at("weights"), &problem);
+  readConstraints(root, &problem);
+  readTerminalSet(root, &problem);
   readParameters(root.at("parameters"), &problem);
+  checkNeededParameters(root, problem);
   checkControllable(root, problem);
   return problem;
 }

@@ -122,6 +122,18 @@ VectorXd parametersOf(const MpcProblem& problem, const DirectProblem::Point& poi
       case ParameterRole::kInputReference:
         theta(j) = point.u_ref(parameter.index);
         break;
+      case ParameterRole::kStateReference:
+        theta(j) = point.x_ref(parameter.index);
+        break;
+      case ParameterRole::kState:
+        theta(j) = point.x(parameter.index);
+        break;
+      case ParameterRole::kReference:
+        theta(j) = problem.C.row(parameter.index).dot(point.x_ref);
+        break;
+      case ParameterRole::kDisturbance:
+        theta(j) = point.d(parameter.index);
+        break;
     }
   }
   return theta;

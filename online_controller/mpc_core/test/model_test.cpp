@@ -76,6 +76,45 @@ TEST(Discretise, OfADoubleIntegratorIsExact) {
   EXPECT_LT(maxAbs(model.B - (MatrixXd(2, 1) << 0.005, 0.1).finished()), 1e-15);
 }
 
+TEST(DiscreteModels, AreTakenAsTheyAreAndGoBackToContinuousTime) {
+  std::mt19937 generator(7);
+  for (int i = 0; i < kCases; ++i) {
+    MpcProblem continuous = randomProblem(&generator, 1 + i % 4, 1 + i % 2, i % 3);
+    continuous.sampling_time = 0.05 + 0.02 * (i % 10);
+    const DiscreteModel model = discretise(continuous, continuous.sampling_time);
+    MpcProblem problem = continuous;
+    problem.discrete = true;
+    problem.A_c = model.A;
+    problem.B_c = model.B;
+    problem.Bd_c = model.Bd;
+    EXPECT_EQ(discretise(problem, problem.sampling_time).A, model.A);
+    EXPECT_EQ(discretise(problem, problem.sampling_time).B, model.B);
+    const MpcProblem back = continuousModel(problem);
+    EXPECT_FALSE(back.discrete);
+    EXPECT_LT(maxAbs(back.A_c - continuous.A_c), 1e-9);
+    EXPECT_LT(maxAbs(back.B_c - continuous.B_c), 1e-9);
+    EXPECT_LT(maxAbs(back.Bd_c - continuous.Bd_c), 1e-9);
+    EXPECT_LT(maxAbs(discretise(problem, 0.02).A - discretise(continuous, 0.02).A), 1e-10);
+  }
+}
+
+TEST(DiscreteModels, WithoutAContinuousCounterpartServeTheirOwnPeriodOnly) {
+  MpcProblem problem;
+  problem.source = "delay.yaml";
+  problem.discrete = true;
+  problem.sampling_time = 0.1;
+  problem.B_c = MatrixXd::Ones(2, 1);
+  problem.Bd_c = MatrixXd::Zero(2, 0);
+  for (const double corner : {0.0, -0.5}) {
+    problem.A_c = (MatrixXd(2, 2) << 1.0, 0.3, 0.0, corner).finished();
+    EXPECT_EQ(discretise(problem, 0.1).A, problem.A_c);
+    const std::string message = errorOf([&] { discretise(problem, 0.05); });
+    EXPECT_NE(message.find("delay.yaml: model.A: must have no eigenvalue that is 0 or negative"),
+              std::string::npos)
+        << message;
+  }
+}
+
 TEST(Discretise, RefusesAPeriodThatIsNotPositive) {
   const MpcProblem problem = loadProblem(problemFile("multirotor_vertical.yaml"));
   EXPECT_THROW(discretise(problem, 0.0), Error);

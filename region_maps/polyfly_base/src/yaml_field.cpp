@@ -121,6 +121,16 @@ YamlField YamlField::at(const std::string& key) const {
 
 bool YamlField::isList() const { return node_.IsSequence(); }
 
+std::vector<std::string> YamlField::keys() const {
+  std::vector<std::string> names;
+  if (!node_.IsMap()) return names;
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) fail("keys must be plain names");
+    names.push_back(entry.first.Scalar());
+  }
+  return names;
+}
+
 std::vector<YamlField> YamlField::items() const {
   if (!node_.IsSequence()) fail("must be a list");
   std::vector<YamlField> fields;

@@ -14,6 +14,33 @@ enum class ParameterRole {
   kError,           ///< x - x_ref of one state
   kPreviousInput,   ///< input applied one period ago, u_{-1} of Eq. 4 (absolute)
   kInputReference,  ///< steady-state input u_ref of Eq. 6 (absolute)
+  kStateReference,  ///< x_ref of one state (absolute), constant over the horizon
+  kState,           ///< x of one state (absolute); x_ref and u_ref then follow from Eq. 6
+  kReference,       ///< r of one output (Eq. 6), with kState
+  kDisturbance,  ///< d, constant over the horizon: that of Eq. 6 with kState, else what x_ref and u_ref do not cover
+};
+
+/// A bound lower <= G_x x_k + G_u u_k <= upper along the horizon: for k = 1..N where it has no input, else for
+/// k = 0..N-1.
+struct StageConstraint {
+  /// Which stages share a slack.
+  enum class Slack {
+    kPerStage,    ///< each stage has its own: the weights add up over the stages
+    kPerHorizon,  ///< one for all: the weights count for the greatest excess
+  };
+
+  /// Name, unit and bounds; one bound may be infinite.
+  Signal signal;
+  Eigen::RowVectorXd G_x;  ///< nx
+  Eigen::RowVectorXd G_u;  ///< nu
+  /// True: x and u themselves are bounded. False: x - x_ref and u - u_ref are.
+  bool absolute = true;
+
+  /// True: the bound may be exceeded by v >= 0 at the cost linear_weight v + quadratic_weight v^2, besides Eq. 4.
+  bool soft = false;
+  double linear_weight = 0.0;     ///< 0 or more [1 / unit]
+  double quadratic_weight = 0.0;  ///< above 0 [1 / unit^2]
+  Slack slack = Slack::kPerStage;
 };
 
 /// The tracking problem of one axis, Eq. 3-4 and 38 in error coordinates (e = x - x_ref, u~ = u - u_ref).
@@ -22,7 +49,7 @@ struct MpcProblem {
     /// Name, unit and range.
     Signal signal;
     ParameterRole role = ParameterRole::kError;
-    /// Index of the state (kError) or of the input.
+    /// Index of the state, input, output or disturbance that the role belongs to.
     int index = 0;
   };
 
@@ -38,17 +65,33 @@ struct MpcProblem {
   /// The nu inputs, with the bounds of u (absolute).
   std::vector<Signal> inputs;
   std::vector<Signal> disturbances;  ///< nd
-  Eigen::MatrixXd A_c;               ///< nx x nx, continuous time: x' = A_c x + B_c u + Bd_c d (Eq. 39)
-  Eigen::MatrixXd B_c;               ///< nx x nu
-  Eigen::MatrixXd Bd_c;              ///< nx x nd
-  Eigen::MatrixXd C;                 ///< ny x nx, tracked output y = C x (ny = nu)
+  /// The ny outputs; the name is empty where the file gives none and the row of C is not that of one state.
+  std::vector<Signal> outputs;
+  /// False: the model is x' = A_c x + B_c u + Bd_c d (Eq. 39). True: x_{k+1} = A_c x_k + B_c u_k + Bd_c d_k over one
+  /// sampling time.
+  bool discrete = false;
+  Eigen::MatrixXd A_c;   ///< nx x nx
+  Eigen::MatrixXd B_c;   ///< nx x nu
+  Eigen::MatrixXd Bd_c;  ///< nx x nd
+  Eigen::MatrixXd C;     ///< ny x nx, tracked output y = C x (ny = nu)
 
   double sampling_time = 0.0;  ///< Ts [s]
   int horizon = 0;             ///< N
-  Eigen::MatrixXd Q;           ///< nx x nx
-  Eigen::MatrixXd R;           ///< nu x nu
-  Eigen::MatrixXd R_delta;     ///< nu x nu, Eq. 4
+  /// Lengths of the blocks over which u is held, with sum N; empty: every stage has its own u.
+  std::vector<int> moves;
+  /// Bounds on u_k - u_{k-1}, infinite where there are none; empty: none at all.
+  std::vector<Signal> changes;
+  Eigen::MatrixXd Q;        ///< nx x nx
+  Eigen::MatrixXd R;        ///< nu x nu
+  Eigen::MatrixXd R_delta;  ///< nu x nu, Eq. 4
+  Eigen::MatrixXd P;        ///< nx x nx, given terminal weight; empty: that of the Riccati equation
+  Eigen::MatrixXd T;        ///< rows x nx, terminal set T e_N <= t; may have no rows
+  Eigen::VectorXd t;        ///< rows
+  std::vector<StageConstraint> constraints;
+  /// theta.
   std::vector<Parameter> parameters;
+  /// Like parameters, with a value (lower = upper) instead of a range. They are no entries of theta.
+  std::vector<Parameter> fixed_parameters;
 
   /// True: only the model and the errors of a robust_mpc problem, see parseFlightModel.
   bool minimum_peak = false;
@@ -77,8 +120,13 @@ MpcProblem parseProblem(const std::string& text, const std::string& source);
 /// time.
 MpcProblem parseFlightModel(const std::string& text, const std::string& source);
 
-/// Zero-order hold over `period` seconds by the matrix exponential (Eq. 42).
+/// Zero-order hold over `period` seconds by the matrix exponential (Eq. 42). A discrete model is taken as it is where
+/// `period` is its sampling time; for another period it goes through continuousModel. Throws Error.
 DiscreteModel discretise(const MpcProblem& problem, double period);
+
+/// The problem with the model in continuous time: a discrete one by the matrix logarithm, whose entries below 1e-12 of the
+/// greatest one become 0. Throws Error when there is none, because A has an eigenvalue that is 0 or negative.
+MpcProblem continuousModel(const MpcProblem& problem);
 
 /// Stabilising solution P of the discrete algebraic Riccati equation,
 /// P = A'PA - A'PB (R + B'PB)^-1 B'PA + Q. Throws Error when the iteration does not converge.
@@ -93,9 +141,18 @@ struct SteadyState {
 SteadyState steadyState(const DiscreteModel& model, const Eigen::MatrixXd& C, const Eigen::VectorXd& d,
                         const Eigen::VectorXd& r);
 
-/// Eliminates the states (condensing): z = (u~_0 .. u~_{N-1}), theta in the order of problem.parameters,
-/// terminal weight from the Riccati equation, output u_0 = u_ref + u~_0.
+/// P of Eq. 4: the given one, or the solution of the Riccati equation. Throws Error.
+Eigen::MatrixXd terminalWeight(const MpcProblem& problem, const DiscreteModel& model);
+
+/// Lengths of the blocks over which u is held: problem.moves, or N times 1.
+std::vector<int> blockLengths(const MpcProblem& problem);
+
+/// Eliminates the states (condensing): z = (u~ of each block, slacks of the soft bounds), theta in the order of
+/// problem.parameters, output u_0 = u_ref + u~_0.
 ParametricProgram condense(const MpcProblem& problem);
+
+/// What Eq. 4 costs at z = 0: (theta, 1)' M (theta, 1), which the cost of the program leaves out. p + 1 rows.
+Eigen::MatrixXd costAtZero(const MpcProblem& problem);
 
 /// Reads either form by its ending (.yaml, .yml: tracking problem, condensed; .json: generic). Throws Error.
 ParametricProgram loadProgram(const std::string& path);

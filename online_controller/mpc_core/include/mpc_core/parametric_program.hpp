@@ -8,6 +8,19 @@
 
 namespace polyfly {
 
+/// A variable of a program by which a bound may be exceeded at a cost. It is at least 0 at every optimum.
+struct SlackVariable {
+  /// Index in z.
+  int variable = 0;
+  /// Rows A z <= b + S theta that the variable relaxes: the program without it has A with its column at 0.
+  std::vector<int> rows;
+  /// Row that keeps the variable at 0 or above; -1: none is needed.
+  int floor = -1;
+  /// Name of the bound, the same for all slacks of one bound, and unit.
+  std::string name;
+  std::string unit;
+};
+
 /// A multiparametric quadratic (H = 0: linear) program in theta:
 ///
 ///     min_z 1/2 z' H z + (f + F theta)' z   s.t.   A z <= b + S theta,  rows in `equalities` hold with "=",
@@ -35,6 +48,8 @@ struct ParametricProgram {
   std::vector<int> equalities;
   /// What each of the m rows bounds, for people. Empty: not known.
   std::vector<std::string> row_names;
+  /// The soft bounds. Empty: all rows are hard.
+  std::vector<SlackVariable> slacks;
 
   /// Sentences about what the author of the problem may not have meant.
   std::vector<std::string> remarks;

@@ -25,6 +25,8 @@ class YamlField {
   YamlField at(const std::string& key) const;
 
   bool isList() const;
+  /// Keys of a map in their order, duplicates too; none for any other value.
+  std::vector<std::string> keys() const;
   /// Elements of a sequence.
   std::vector<YamlField> items() const;
   /// A non-empty scalar.
