@@ -35,8 +35,9 @@ class Law:
         """The parameter of the law at a state, for an output that is to be held at `reference`."""
         given = self._no_disturbance if disturbance is None else np.atleast_1d(disturbance)
         target = np.concatenate([given, np.atleast_1d(reference)])
-        u_ref = self._u_target @ target
-        values = {"error": np.asarray(state, dtype=float) - self._x_target @ target, "input_reference": u_ref,
+        x_ref, u_ref, x = self._x_target @ target, self._u_target @ target, np.asarray(state, dtype=float)
+        values = {"error": x - x_ref, "input_reference": u_ref, "state_reference": x_ref, "state": x,
+                  "reference": np.atleast_1d(reference), "disturbance": given,
                   "previous_input": u_ref if self._u_previous is None else self._u_previous}
         return np.array([values[entry.role][entry.index] for entry in self.problem.parameters])
 
