@@ -1,5 +1,5 @@
 """What the builders of problems share: numbers and signals as text of a problem file, and what is done with it."""
-import fractions
+import numbers
 
 import numpy as np
 
@@ -8,9 +8,13 @@ from ._polyfly import Error
 
 def number(value):
     """Every bit of a number; a fraction or a text stays as it is."""
-    if isinstance(value, (str, fractions.Fraction)):
-        return str(value)
-    return repr(float(value))
+    return str(value) if is_exact(value) else repr(float(value))
+
+
+def is_exact(value):
+    """Whether it is a fraction, or the text of a number."""
+    is_fraction = isinstance(value, numbers.Rational) and not isinstance(value, numbers.Integral)
+    return isinstance(value, str) or is_fraction
 
 
 def row(values):
@@ -69,7 +73,7 @@ def signal_lines(title, pairs, bounds):
     """The list of signals of a model; those without a finite bound have no range."""
     lines = [f"  {title}:"]
     for (name, unit), ends in zip(pairs, bounds):
-        bounded = any(isinstance(end, (str, fractions.Fraction)) or not np.isinf(end) for end in ends)
+        bounded = any(is_exact(end) or not np.isinf(end) for end in ends)
         range_text = f", range: {row(ends)}" if bounded else ""
         lines.append(f"    - {{name: {name}, unit: '{unit}'{range_text}}}")
     return lines

@@ -164,8 +164,7 @@ class CoverCheck {
 };
 
 /// Looks at the regions of the other map up to the first that is not covered; false when stopped.
-bool findCover(const CoverCheck& check, const MapCells& map, const MapCells& other,
-               const DiffOptions& options, MapCover& cover) {
+bool findCover(const CoverCheck& check, const MapCells& other, const DiffOptions& options, MapCover& cover) {
   std::mutex mutex;
   std::uint64_t first_open = other.regions().size();
   std::vector<Rational> witness;
@@ -186,7 +185,7 @@ bool findCover(const CoverCheck& check, const MapCells& map, const MapCells& oth
   if (!finished || witness.empty()) return finished;
   cover.covers = false;
   cover.region = other.regions()[first_open].region;
-  cover.witness = map.exact().theta(witness);
+  cover.witness = other.exact().theta(witness);
   return true;
 }
 
@@ -201,18 +200,6 @@ RegionPairs pairsOf(const std::vector<CellDifferences>& found, const MapCells& f
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
-}
-
-/// Fills in whether each map covers the other one; false when stopped.
-bool compareCovers(const MapCells& first, const MapCells& second, const RegionPairs& pairs,
-                   const DiffOptions& options, DiffReport& report) {
-  MeetingRegions of_first(first.exact().map().regionCount()), of_second(second.exact().map().regionCount());
-  for (const auto& [one, other] : pairs) {
-    of_first[one].push_back(other);
-    of_second[other].push_back(one);
-  }
-  return findCover(CoverCheck(first, of_second), first, second, options, report.first_covers_second) &&
-         findCover(CoverCheck(second, of_first), second, first, options, report.second_covers_first);
 }
 
 /// Of the parts of fallback regions, the greatest difference of each pair of regions and input stays.
@@ -269,7 +256,14 @@ DiffReport diffMaps(const RegionMap& first, const RegionMap& second, const DiffO
                  [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.cells()[i]); });
   const RegionPairs pairs = pairsOf(found, cells);
   report.pairs = pairs.size();
-  report.interrupted = !compared || !compareCovers(cells, others, pairs, options, report);
+  MeetingRegions of_first(first.regionCount()), of_second(second.regionCount());
+  for (const auto& [one, other] : pairs) {
+    of_first[one].push_back(other);
+    of_second[other].push_back(one);
+  }
+  report.interrupted =
+      !compared || !findCover(CoverCheck(cells, of_second), others, options, report.first_covers_second) ||
+      !findCover(CoverCheck(others, of_first), cells, options, report.second_covers_first);
   fillDifferences(found, report);
   return report;
 }
