@@ -1,11 +1,18 @@
 """A control law in a loop: from state and reference to the input."""
 import numpy as np
 
-from ._polyfly import Error, Map, parse_problem, parse_robust_problem
+from ._polyfly import Error, Map, RobustProblem, parse_problem, parse_robust_problem
 
 
 def _problem_of(source, parse):
     return parse(source.problem_text, source.path + ": problem text") if isinstance(source, Map) else source
+
+
+def _is_robust(source):
+    try:
+        return isinstance(_problem_of(source, parse_robust_problem), RobustProblem)
+    except Error:
+        return False
 
 
 class Law:
@@ -16,6 +23,8 @@ class Law:
     """
 
     def __init__(self, source, law=None):
+        if _is_robust(source):
+            raise Error(f"{source.name}: is a robust_mpc, which RobustLaw flies")
         self.problem = _problem_of(source, parse_problem)
         self._law = law if law is not None else (source if isinstance(source, Map) else source.online())
         # Steady state and input are linear in disturbance and output (Eq. 6): a column for each.

@@ -119,6 +119,9 @@ class Loops(unittest.TestCase):
     def test_a_tracking_map_has_no_robust_law(self):
         with self.assertRaisesRegex(pf.Error, "type: must be robust_mpc, got 'tracking_mpc'"):
             pf.RobustLaw(pf.load(ROOT / "region_maps/problems/multirotor_vertical.yaml").solve())
+        for source in (mass().problem(), mass().explicit()):
+            with self.assertRaisesRegex(pf.Error, "mass: is a robust_mpc, which RobustLaw flies"):
+                pf.Law(source)
 
 
 if __name__ == "__main__":
