@@ -167,8 +167,8 @@ Json timeLookups(const LookupArguments& arguments) {
   result["region_checks"] = map.cost().region_checks;
   result["multiply_adds"] = map.cost().multiply_adds;
   result["map_bytes"] = map.bytes();
-  result["index_bytes"] = map.index().bytes();
-  result["index_multiply_adds"] = map.index().multiplyAdds();
+  result["index_bytes"] = map.indexCost().bytes;
+  result["index_multiply_adds"] = map.indexCost().multiply_adds;
   result["tree_cpu_seconds"] = tree_seconds;
   addTimes(result, "box", timeInTurn(map, box));
   addTimes(result, "regions", timeInTurn(map, regions));

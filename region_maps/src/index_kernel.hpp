@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "lanes.hpp"
-#include "region_maps/search_index.hpp"
+#include "search_index.hpp"
 
 namespace polyfly {
 

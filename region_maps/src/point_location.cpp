@@ -1,3 +1,5 @@
+#include "point_location.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -5,14 +7,16 @@
 #include <limits>
 
 #include "index_kernel.hpp"
-#include "region_maps/region_map.hpp"
 
 namespace polyfly {
+namespace {
 
 /// The look-ups for kParameters parameters, 0: any number. Constants in place of the number let the compiler
 /// unroll.
 template <std::uint32_t kParameters>
-struct RegionMap::PointLocation {
+struct PointLocation {
+  using Tables = LookupTables;
+
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   static std::size_t size(const Tables& tables) noexcept {
@@ -269,12 +273,14 @@ struct RegionMap::PointLocation {
     return best.found;
   }
 
-  static Functions functions() noexcept {
+  static LookupFunctions functions() noexcept {
     return {locate, locateFrom, evaluate, evaluateFrom, locateInFile, locateExhaustively, contains};
   }
 };
 
-RegionMap::Functions RegionMap::functionsFor(std::uint32_t parameters) noexcept {
+}  // namespace
+
+LookupFunctions lookupFunctionsFor(std::uint32_t parameters) noexcept {
   switch (parameters) {
     case 1:
       return PointLocation<1>::functions();

@@ -1,7 +1,14 @@
 #include "region_maps/region_map.hpp"
 
+#include <array>
+#include <utility>
+
 #include "check_map.hpp"
+#include "point_location.hpp"
 #include "polyfly_base/error.hpp"
+#include "region_maps/format.hpp"
+#include "region_maps/mapped_file.hpp"
+#include "search_index.hpp"
 
 namespace polyfly {
 namespace {
@@ -26,136 +33,187 @@ std::vector<double> widenedBox(const std::vector<Signal>& parameters, double tol
   return box;
 }
 
+/// All but the box, the index and the first fallback region.
+LookupTables tablesOf(const void* data, const format::Header& header) {
+  LookupTables tables;
+  tables.planes = sectionStart<double>(data, header, format::kPlanes);
+  tables.laws = sectionStart<double>(data, header, format::kLaws);
+  tables.regions = sectionStart<MapContent::Region>(data, header, format::kRegions);
+  tables.rows = sectionStart<std::int32_t>(data, header, format::kRows);
+  tables.nodes = sectionStart<MapContent::Node>(data, header, format::kNodes);
+  tables.leaves = sectionStart<MapContent::Leaf>(data, header, format::kLeaves);
+  tables.candidates = sectionStart<std::uint32_t>(data, header, format::kCandidates);
+  if (header.sections[format::kTests].count != 0)
+    tables.tests = sectionStart<std::uint32_t>(data, header, format::kTests);
+  tables.tolerance = header.tolerance;
+  tables.handicap = format::kHandicap * header.tolerance;
+  tables.root = header.root;
+  tables.parameters = header.parameters;
+  tables.inputs = header.inputs;
+  return tables;
+}
+
 }  // namespace
 
+struct RegionMap::Loaded {
+  // First, what a look-up touches.
+  LookupFunctions functions;
+  LookupTables tables;
+  std::string path;
+  MappedFile file;
+  const void* data = nullptr;  // the file, in `file` or with the caller of view()
+  format::Header header = {};
+  const std::int32_t* active = nullptr;  // into the file
+  // Views into the file.
+  std::array<std::string_view, format::kTextCount> texts;
+  std::vector<Signal> parameters;
+  std::vector<Signal> inputs;
+  std::vector<double> box;
+  LookupCost cost;
+  SearchIndex index;
+  IndexCost index_cost;
+};
+
+RegionMap::RegionMap(std::unique_ptr<Loaded> loaded) noexcept : loaded_(std::move(loaded)) {}
+RegionMap::RegionMap(RegionMap&& other) noexcept = default;
+RegionMap& RegionMap::operator=(RegionMap&& other) noexcept = default;
+RegionMap::~RegionMap() = default;
+
 RegionMap RegionMap::open(const std::string& path) {
-  RegionMap map;
-  map.path_ = path;
-  map.file_ = MappedFile(path);
-  map.load(map.file_.data(), map.file_.size());
-  return map;
+  auto loaded = std::make_unique<Loaded>();
+  loaded->path = path;
+  loaded->file = MappedFile(path);
+  loaded->data = loaded->file.data();
+  const std::size_t size = loaded->file.size();
+  return load(std::move(loaded), size);
 }
 
 RegionMap RegionMap::view(const void* data, std::size_t size, const std::string& name) {
   if (reinterpret_cast<std::uintptr_t>(data) % format::kAlignment != 0) {
     throw Error(name + ": must be aligned to 64 bytes in memory");
   }
-  RegionMap map;
-  map.path_ = name;
-  map.load(data, size);
-  return map;
+  auto loaded = std::make_unique<Loaded>();
+  loaded->path = name;
+  loaded->data = data;
+  return load(std::move(loaded), size);
 }
 
-void RegionMap::load(const void* data, std::size_t size) {
-  checkFrame(data, size, path_);
-  data_ = data;
-  const MapFacts facts = checkStructure(data, size, path_);
+RegionMap RegionMap::load(std::unique_ptr<Loaded> loaded, std::size_t size) {
+  RegionMap map(std::move(loaded));
+  Loaded& own = *map.loaded_;
+  const void* const data = own.data;
+  checkFrame(data, size, own.path);
+  const MapFacts facts = checkStructure(data, size, own.path);
   const format::Header header = format::readHeader(data);
-  checkCost(header, facts.cost, path_);
-  cost_ = facts.cost;
-  header_ = header;
-  for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i] = facts.texts[i];
+  checkCost(header, facts.cost, own.path);
+  own.cost = facts.cost;
+  own.header = header;
+  for (std::size_t i = 0; i < own.texts.size(); ++i) own.texts[i] = facts.texts[i];
   const std::string_view* const signal_texts = facts.texts.data() + format::kTextCount;
   const auto* const bounds = sectionStart<format::Bounds>(data, header, format::kBounds);
   const std::size_t p = header.parameters;
-  parameters_ = readSignals(signal_texts, bounds, p);
-  inputs_ = readSignals(signal_texts + 2 * p, bounds + p, header.inputs);
-  box_ = widenedBox(parameters_, header.tolerance);
-  active_ = sectionStart<std::int32_t>(data, header, format::kActive);
-  tables_.box = box_.data();
-  tables_.planes = sectionStart<double>(data, header, format::kPlanes);
-  tables_.laws = sectionStart<double>(data, header, format::kLaws);
-  tables_.regions = sectionStart<MapContent::Region>(data, header, format::kRegions);
-  tables_.rows = sectionStart<std::int32_t>(data, header, format::kRows);
-  tables_.nodes = sectionStart<MapContent::Node>(data, header, format::kNodes);
-  tables_.leaves = sectionStart<MapContent::Leaf>(data, header, format::kLeaves);
-  tables_.candidates = sectionStart<std::uint32_t>(data, header, format::kCandidates);
-  if (header.sections[format::kTests].count != 0)
-    tables_.tests = sectionStart<std::uint32_t>(data, header, format::kTests);
-  tables_.tolerance = header.tolerance;
-  tables_.handicap = format::kHandicap * header.tolerance;
-  tables_.first_fallback = static_cast<std::uint32_t>(firstFallback());
-  tables_.root = header.root;
-  tables_.parameters = header.parameters;
-  tables_.inputs = header.inputs;
-  functions_ = functionsFor(header.parameters);
-  index_ = SearchIndex(*this);
-  tables_.index = index_.view();
+  own.parameters = readSignals(signal_texts, bounds, p);
+  own.inputs = readSignals(signal_texts + 2 * p, bounds + p, header.inputs);
+  own.box = widenedBox(own.parameters, header.tolerance);
+  own.active = sectionStart<std::int32_t>(data, header, format::kActive);
+  own.tables = tablesOf(data, header);
+  own.tables.box = own.box.data();
+  own.tables.first_fallback = static_cast<std::uint32_t>(map.firstFallback());
+  own.functions = lookupFunctionsFor(header.parameters);
+  own.index = SearchIndex(map);
+  own.tables.index = own.index.view();
+  own.index_cost = {own.index.blockCount(), own.index.bytes(), own.index.multiplyAdds()};
+  return map;
 }
 
-std::string_view RegionMap::name() const noexcept { return texts_[format::kName]; }
-std::string_view RegionMap::problemText() const noexcept { return texts_[format::kProblemText]; }
-std::string_view RegionMap::problemKind() const noexcept { return texts_[format::kProblemKind]; }
-std::string_view RegionMap::solverStatus() const noexcept { return texts_[format::kSolverStatus]; }
-std::string_view RegionMap::solverNotes() const noexcept { return texts_[format::kSolverNotes]; }
-double RegionMap::period() const noexcept { return header_.period; }
-double RegionMap::tolerance() const noexcept { return header_.tolerance; }
+const std::string& RegionMap::path() const noexcept { return loaded_->path; }
+const std::vector<Signal>& RegionMap::parameters() const noexcept { return loaded_->parameters; }
+const std::vector<Signal>& RegionMap::inputs() const noexcept { return loaded_->inputs; }
+const LookupCost& RegionMap::cost() const noexcept { return loaded_->cost; }
+const IndexCost& RegionMap::indexCost() const noexcept { return loaded_->index_cost; }
+std::string_view RegionMap::file() const noexcept {
+  return {static_cast<const char*>(loaded_->data), bytes()};
+}
+std::string_view RegionMap::name() const noexcept { return loaded_->texts[format::kName]; }
+std::string_view RegionMap::problemText() const noexcept { return loaded_->texts[format::kProblemText]; }
+std::string_view RegionMap::problemKind() const noexcept { return loaded_->texts[format::kProblemKind]; }
+std::string_view RegionMap::solverStatus() const noexcept { return loaded_->texts[format::kSolverStatus]; }
+std::string_view RegionMap::solverNotes() const noexcept { return loaded_->texts[format::kSolverNotes]; }
+double RegionMap::period() const noexcept { return loaded_->header.period; }
+double RegionMap::tolerance() const noexcept { return loaded_->header.tolerance; }
 
-std::size_t RegionMap::regionCount() const noexcept { return header_.sections[format::kRegions].count; }
-std::size_t RegionMap::lawCount() const noexcept { return header_.sections[format::kLaws].count; }
-std::size_t RegionMap::planeCount() const noexcept { return header_.sections[format::kPlanes].count; }
-std::size_t RegionMap::nodeCount() const noexcept { return header_.sections[format::kNodes].count; }
-std::size_t RegionMap::leafCount() const noexcept { return header_.sections[format::kLeaves].count; }
-std::uint32_t RegionMap::formatVersion() const noexcept { return header_.version; }
-std::size_t RegionMap::bytes() const noexcept { return header_.file_size; }
-std::uint64_t RegionMap::checksum() const noexcept { return header_.checksum; }
+std::size_t RegionMap::regionCount() const noexcept {
+  return loaded_->header.sections[format::kRegions].count;
+}
+std::size_t RegionMap::lawCount() const noexcept { return loaded_->header.sections[format::kLaws].count; }
+std::size_t RegionMap::planeCount() const noexcept { return loaded_->header.sections[format::kPlanes].count; }
+std::size_t RegionMap::nodeCount() const noexcept { return loaded_->header.sections[format::kNodes].count; }
+std::size_t RegionMap::leafCount() const noexcept { return loaded_->header.sections[format::kLeaves].count; }
+std::uint32_t RegionMap::formatVersion() const noexcept { return loaded_->header.version; }
+std::size_t RegionMap::bytes() const noexcept { return loaded_->header.file_size; }
+std::uint64_t RegionMap::checksum() const noexcept { return loaded_->header.checksum; }
 std::size_t RegionMap::firstFallback() const noexcept {
-  return header_.first_fallback != 0 ? header_.first_fallback : regionCount();
+  return loaded_->header.first_fallback != 0 ? loaded_->header.first_fallback : regionCount();
 }
-std::uint64_t RegionMap::reducedFrom() const noexcept { return header_.reduced_from; }
+std::uint64_t RegionMap::reducedFrom() const noexcept { return loaded_->header.reduced_from; }
 
 RegionView RegionMap::region(std::size_t index) const noexcept {
-  const MapContent::Region& region = tables_.regions[index];
-  return {tables_.rows + region.first_row,
+  const MapContent::Region& region = loaded_->tables.regions[index];
+  return {loaded_->tables.rows + region.first_row,
           region.row_count,
-          active_ + region.first_active,
+          loaded_->active + region.first_active,
           region.active_count,
           region.law,
           region.first_row};
 }
 
-std::uint32_t RegionMap::root() const noexcept { return tables_.root; }
+std::uint32_t RegionMap::root() const noexcept { return loaded_->tables.root; }
 
-const MapContent::Node& RegionMap::node(std::size_t index) const noexcept { return tables_.nodes[index]; }
+const MapContent::Node& RegionMap::node(std::size_t index) const noexcept {
+  return loaded_->tables.nodes[index];
+}
 
 LeafView RegionMap::leaf(std::size_t index) const noexcept {
-  const MapContent::Leaf& leaf = tables_.leaves[index];
-  return {tables_.candidates + leaf.first, tables_.tests == nullptr ? nullptr : tables_.tests + leaf.first,
-          leaf.count};
+  const MapContent::Leaf& leaf = loaded_->tables.leaves[index];
+  return {loaded_->tables.candidates + leaf.first,
+          loaded_->tables.tests == nullptr ? nullptr : loaded_->tables.tests + leaf.first, leaf.count};
 }
 
 const double* RegionMap::plane(std::size_t index) const noexcept {
-  return tables_.planes + index * (std::size_t{tables_.parameters} + 1);
+  return loaded_->tables.planes + index * (std::size_t{loaded_->tables.parameters} + 1);
 }
 
 const double* RegionMap::law(std::size_t index) const noexcept {
-  return tables_.laws + index * (std::size_t{tables_.parameters} + 1) * tables_.inputs;
+  return loaded_->tables.laws +
+         index * (std::size_t{loaded_->tables.parameters} + 1) * loaded_->tables.inputs;
 }
 
-Lookup RegionMap::locate(const double* theta) const noexcept { return functions_.locate(tables_, theta); }
+Lookup RegionMap::locate(const double* theta) const noexcept {
+  return loaded_->functions.locate(loaded_->tables, theta);
+}
 
 Lookup RegionMap::locateFrom(const double* theta, std::uint32_t last) const noexcept {
-  return functions_.locate_from(tables_, theta, last);
+  return loaded_->functions.locate_from(loaded_->tables, theta, last);
 }
 
 Lookup RegionMap::evaluateFrom(const double* theta, std::uint32_t last, double* u) const noexcept {
-  return functions_.evaluate_from(tables_, theta, last, u);
+  return loaded_->functions.evaluate_from(loaded_->tables, theta, last, u);
 }
 
 Lookup RegionMap::evaluate(const double* theta, double* u) const noexcept {
-  return functions_.evaluate(tables_, theta, u);
+  return loaded_->functions.evaluate(loaded_->tables, theta, u);
 }
 
 Lookup RegionMap::locateInFile(const double* theta) const noexcept {
-  return functions_.locate_in_file(tables_, theta);
+  return loaded_->functions.locate_in_file(loaded_->tables, theta);
 }
 
 Lookup RegionMap::locateExhaustively(const double* theta) const noexcept {
-  return functions_.locate_exhaustively(tables_, regionCount(), theta);
+  return loaded_->functions.locate_exhaustively(loaded_->tables, regionCount(), theta);
 }
 
 bool RegionMap::contains(std::size_t index, const double* theta) const noexcept {
-  return functions_.contains(tables_, index, theta);
+  return loaded_->functions.contains(loaded_->tables, index, theta);
 }
 
 }  // namespace polyfly

@@ -1,4 +1,4 @@
-#include "region_maps/search_index.hpp"
+#include "search_index.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "polyfly_base/error.hpp"
+#include "region_maps/format.hpp"
 #include "region_maps/write_map.hpp"
 #include "scratch_folder.hpp"
 #include "synthetic_map.hpp"

@@ -1,4 +1,4 @@
-#include "region_maps/search_index.hpp"
+#include "search_index.hpp"
 
 #include <gtest/gtest.h>
 
@@ -121,7 +121,7 @@ TEST_P(SearchIndexTest, AnswersAsTheFileDoes) {
       recipe.seed = 50 * recipe.parameters + leaf_regions;
       MapContent content = makeTreeMap(recipe);
       const MadeMap made(content);
-      ASSERT_FALSE(made.map.index().empty());
+      ASSERT_GT(made.map.indexCost().bytes, 0u);
       expectAsInFileEverywhere(made, recipe.seed, 60);
       Random random(recipe.seed);
       spoil(content, random);
@@ -132,7 +132,7 @@ TEST_P(SearchIndexTest, AnswersAsTheFileDoes) {
 
 TEST_P(SearchIndexTest, AnswersAsTheFileDoesOnGrids) {
   const MadeMap made(makeGridMap(GetParam(), GetParam() <= 4 ? 3 : 2));
-  ASSERT_FALSE(made.map.index().empty());
+  ASSERT_GT(made.map.indexCost().bytes, 0u);
   expectAsInFileEverywhere(made, GetParam(), 200);
   // All multiples of a half: faces and corners of cells, where every number is exact.
   Random random(3);
@@ -193,7 +193,8 @@ void expectMargin(double centre) {
   recipe.seed = kParameters;
   const MadeMap made(inOtherUnits(makeTreeMap(recipe), centre, 1.0));
   using Kernel = IndexKernel<kParameters>;
-  const SearchIndex::View& index = made.map.index().view();
+  const SearchIndex made_again(made.map);
+  const SearchIndex::View& index = made_again.view();
   const double margin = index.margin * 0x1p-28;
   EXPECT_LT(margin, 6e-4);
   const auto sides_of = [&](const std::vector<double>& theta) {
@@ -253,8 +254,8 @@ TEST(SearchIndexShape, MapsWithoutATreeOrWithOneRegionHaveOneToo) {
     content.candidates.clear();
     for (std::uint32_t i = 0; i < regions; ++i) content.candidates.push_back(i);
     const MadeMap made(std::move(content));
-    EXPECT_FALSE(made.map.index().empty());
-    EXPECT_EQ(made.map.index().blockCount(), 0u);
+    EXPECT_GT(made.map.indexCost().bytes, 0u);
+    EXPECT_EQ(made.map.indexCost().blocks, 0u);
     expectAsInFileEverywhere(made, cells, 100);
   }
 }
@@ -272,7 +273,7 @@ TEST(SearchIndexShape, ARangeMayBeASinglePoint) {
   MapContent content = makeGridMap(3, 3);
   content.parameters[1].lower = content.parameters[1].upper = 1.5;
   const MadeMap made(std::move(content));
-  EXPECT_FALSE(made.map.index().empty());
+  EXPECT_GT(made.map.indexCost().bytes, 0u);
   expectAsInFileEverywhere(made, 1, 200);
   const double theta[] = {0.5, 1.5, 2.5};
   EXPECT_EQ(made.map.locate(theta).region, 0u + 3u * 1u + 9u * 2u);
@@ -302,7 +303,7 @@ TEST(SearchIndexShape, PlanesMayBeAnything) {
 }
 
 TEST(SearchIndexShape, ThereIsNoneWhereItCannotServe) {
-  EXPECT_TRUE(MadeMap(makeGridMap(9, 1)).map.index().empty());
+  EXPECT_EQ(MadeMap(makeGridMap(9, 1)).map.indexCost().bytes, 0u);
 }
 
 // Leaves of a file may overlap, those of the index do not: it must not grow beyond all measure.
@@ -312,20 +313,19 @@ TEST(SearchIndexShape, ThereIsNoneWhereItWouldBeMuchLargerThanTheFile) {
   for (std::uint32_t i = 0; i < 4096; ++i) content.candidates.push_back(i % 256);
   for (MapContent::Leaf& leaf : content.leaves) leaf = {0, 4096};
   const MadeMap made(std::move(content));
-  EXPECT_TRUE(made.map.index().empty());
-  EXPECT_EQ(made.map.index().bytes(), 0u);
+  EXPECT_EQ(made.map.indexCost().bytes, 0u);
   expectAsInFileEverywhere(made, 1, 50);
 }
 
 // Two parameters: a block is 8 lanes, a cube's 4 rows are one group of 4, and each lane two multiply-adds.
 TEST(SearchIndexShape, ItsCostIsThatOfTheLongestPath) {
   const MadeMap shallow(makeGridMap(2, 2));  // 2 nodes, one block
-  EXPECT_EQ(shallow.map.index().blockCount(), 1u);
-  EXPECT_EQ(shallow.map.index().multiplyAdds(), 2u * (8u + 4u));
+  EXPECT_EQ(shallow.map.indexCost().blocks, 1u);
+  EXPECT_EQ(shallow.map.indexCost().multiply_adds, 2u * (8u + 4u));
   const MadeMap deep(
       makeGridMap(2, 4));  // 4 nodes on each path: fewest blocks are the root's and 2 full ones
-  EXPECT_EQ(deep.map.index().blockCount(), 3u);
-  EXPECT_EQ(deep.map.index().multiplyAdds(), 2u * (16u + 4u));
+  EXPECT_EQ(deep.map.indexCost().blocks, 3u);
+  EXPECT_EQ(deep.map.indexCost().multiply_adds, 2u * (16u + 4u));
 }
 
 TEST(SearchIndexShape, ItMovesWithItsMap) {

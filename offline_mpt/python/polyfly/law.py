@@ -1,7 +1,18 @@
 """A control law in a loop: from state and reference to the input."""
 import numpy as np
 
-from ._polyfly import Map, parse_problem
+from ._polyfly import Error, Map, RobustProblem, parse_problem, parse_robust_problem
+
+
+def _problem_of(source, parse):
+    return parse(source.problem_text, source.path + ": problem text") if isinstance(source, Map) else source
+
+
+def _is_robust(source):
+    try:
+        return isinstance(_problem_of(source, parse_robust_problem), RobustProblem)
+    except Error:
+        return False
 
 
 class Law:
@@ -12,9 +23,10 @@ class Law:
     """
 
     def __init__(self, source, law=None):
-        is_map = isinstance(source, Map)
-        self.problem = parse_problem(source.problem_text, source.path + ": problem text") if is_map else source
-        self._law = law if law is not None else (source if is_map else source.online())
+        if _is_robust(source):
+            raise Error(f"{source.name}: is a robust_mpc, which RobustLaw flies")
+        self.problem = _problem_of(source, parse_problem)
+        self._law = law if law is not None else (source if isinstance(source, Map) else source.online())
         # Steady state and input are linear in disturbance and output (Eq. 6): a column for each.
         outputs, disturbances = self.problem.C.shape[0], self.problem.Bd.shape[1]
         unit = np.eye(disturbances + outputs)
@@ -32,8 +44,9 @@ class Law:
         """The parameter of the law at a state, for an output that is to be held at `reference`."""
         given = self._no_disturbance if disturbance is None else np.atleast_1d(disturbance)
         target = np.concatenate([given, np.atleast_1d(reference)])
-        u_ref = self._u_target @ target
-        values = {"error": np.asarray(state, dtype=float) - self._x_target @ target, "input_reference": u_ref,
+        x_ref, u_ref, x = self._x_target @ target, self._u_target @ target, np.asarray(state, dtype=float)
+        values = {"error": x - x_ref, "input_reference": u_ref, "state_reference": x_ref, "state": x,
+                  "reference": np.atleast_1d(reference), "disturbance": given,
                   "previous_input": u_ref if self._u_previous is None else self._u_previous}
         return np.array([values[entry.role][entry.index] for entry in self.problem.parameters])
 
@@ -42,3 +55,35 @@ class Law:
         u = np.asarray(self._law(self.theta(state, reference, disturbance)))
         self._u_previous = u
         return u
+
+
+class RobustLaw:
+    """Computes the input of a robust problem at each sample.
+
+    `source` is a Map, which is looked up, or a RobustProblem, which is solved online. The law has no memory.
+    """
+
+    def __init__(self, source):
+        self.problem = _problem_of(source, parse_robust_problem)
+        self._law = source if isinstance(source, Map) else source.online()
+        self._errors, self._shifts = self.problem.error_parameters, self.problem.state_shifts
+        self._places = {signal.name: place for place, signal in enumerate(self.problem.parameters)
+                        if place not in self._errors}
+
+    def theta(self, state, reference=0.0, parameters=None):
+        """The parameter of the law at a state.
+
+        reference    state to be held: a number for each state, or one for all
+        parameters   {name: r} of the parameters of role reference, 0 where left out: they move the reference further
+        """
+        theta = np.zeros(len(self.problem.parameters))
+        for name, value in (parameters or {}).items():
+            if name not in self._places:
+                raise Error(f"{self.problem.name}: parameters: {name} is none of role reference")
+            theta[self._places[name]] = value
+        theta[self._errors] = np.asarray(state, dtype=float) - reference - self._shifts @ theta
+        return theta
+
+    def step(self, state, reference=0.0, parameters=None):
+        """The input for the next period, as `theta` takes them. Raises OutsideError where the law has none."""
+        return np.atleast_1d(self._law(self.theta(state, reference, parameters)))[:1]

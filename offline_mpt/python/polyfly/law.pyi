@@ -1,8 +1,8 @@
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from numpy.typing import ArrayLike
 
-from ._polyfly import Array, Map, Problem
+from ._polyfly import Array, Map, Problem, RobustProblem
 
 
 class Law:
@@ -11,3 +11,12 @@ class Law:
     def reset(self) -> None: ...
     def theta(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> Array: ...
     def step(self, state: ArrayLike, reference: ArrayLike, disturbance: ArrayLike | None = None) -> Array: ...
+
+
+class RobustLaw:
+    problem: RobustProblem
+    def __init__(self, source: Map | RobustProblem) -> None: ...
+    def theta(self, state: ArrayLike, reference: ArrayLike = 0.0,
+              parameters: Mapping[str, float] | None = None) -> Array: ...
+    def step(self, state: ArrayLike, reference: ArrayLike = 0.0,
+             parameters: Mapping[str, float] | None = None) -> Array: ...

@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -10,9 +11,11 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "outside_error.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_base/write_file.hpp"
+#include "polytope_sets/rational.hpp"
 #include "robust_mpc/online_law.hpp"
 #include "robust_mpc/robust_problem.hpp"
 #include "solve.hpp"
@@ -48,6 +51,40 @@ std::vector<Signal> parameterSignals(const RobustProblem& problem) {
   return signals;
 }
 
+Eigen::MatrixXd roundedMatrix(const RationalMatrix& matrix) {
+  Eigen::MatrixXd result(matrix.rows(), matrix.columns());
+  for (int i = 0; i < matrix.rows(); ++i) {
+    for (int j = 0; j < matrix.columns(); ++j) result(i, j) = nearestDouble(matrix(i, j));
+  }
+  return result;
+}
+
+/// In the disturbances' own units, which the problem scales to [-1, 1].
+DiscreteModel modelOf(const RobustProblem& problem) {
+  DiscreteModel model;
+  model.A = roundedMatrix(problem.A);
+  model.B = roundedMatrix(problem.B);
+  model.Bd = roundedMatrix(problem.G);
+  for (Eigen::Index j = 0; j < model.Bd.cols(); ++j) {
+    const Signal& disturbance = problem.disturbances[static_cast<std::size_t>(j)];
+    model.Bd.col(j) *= 2.0 / (disturbance.upper - disturbance.lower);
+  }
+  model.period = problem.sampling_time;
+  return model;
+}
+
+/// A column for each parameter: what it adds to x, or to u, besides the error.
+Eigen::MatrixXd shiftsOf(const RobustProblem& problem, RationalVector RobustProblem::Parameter::*shift,
+                         int size) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, problem.parameterCount());
+  for (int j = 0; j < problem.parameterCount(); ++j) {
+    const RationalVector& values = problem.parameters[static_cast<std::size_t>(j)].*shift;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      result(static_cast<Eigen::Index>(i), j) = nearestDouble(values[i]);
+  }
+  return result;
+}
+
 }  // namespace
 
 void bindRobust(py::module_& module) {
@@ -68,6 +105,18 @@ void bindRobust(py::module_& module) {
       .def_property_readonly("parameters", &parameterSignals)
       .def_readonly("sampling_time", &RobustProblem::sampling_time, "[s]")
       .def_readonly("horizon", &RobustProblem::horizon, "N")
+      .def_property_readonly(
+          "C", [](const RobustProblem& problem) { return roundedMatrix(problem.C); },
+          "Outputs whose greatest peak is minimised.")
+      .def("discretise", &modelOf, "The model of a sampling time; Bd is the effect of the disturbances w.")
+      .def_property_readonly("error_parameters", &RobustProblem::errorParameters,
+                             "Place in theta of the error of each state.")
+      .def_property_readonly(
+          "state_shifts",
+          [](const RobustProblem& problem) {
+            return shiftsOf(problem, &RobustProblem::Parameter::state_shift, problem.stateCount());
+          },
+          "A column for each parameter: x = e + state_shifts theta.")
       .def(
           "online", [](const RobustProblem& problem) { return std::make_unique<OnlineRobust>(problem); },
           "The law by linear programs, for single parameters.")

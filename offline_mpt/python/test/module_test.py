@@ -10,7 +10,7 @@ import unittest
 import polyfly as pf
 import run_test
 from oracles import LATERAL, ROOT
-from polyfly import _polyfly
+from polyfly import _polyfly, statement
 
 PACKAGE = pathlib.Path(pf.__file__).parent
 # More than any machine does while it is waited for.
@@ -43,8 +43,9 @@ class Names(unittest.TestCase):
                 self.assertEqual(members(getattr(_polyfly, name)) - {"__init__"}, listed, name)
 
     def test_stubs_of_the_python_files_agree(self):
-        for name, kind in (("mpc.pyi", pf.MPC), ("law.pyi", pf.Law)):
-            self.assertEqual({kind.__name__: members(kind)}, declared(name))
+        for name, kinds in (("mpc.pyi", [pf.MPC]), ("law.pyi", [pf.Law, pf.RobustLaw]), ("robust.pyi", [pf.RobustMPC]),
+                            ("statement.pyi", [statement.Statement])):
+            self.assertEqual({kind.__name__: members(kind) for kind in kinds}, declared(name))
 
     def test_all_is_there(self):
         for name in pf.__all__:
@@ -63,7 +64,8 @@ class Names(unittest.TestCase):
     def test_import_needs_numpy_alone(self):
         code = "import sys, numpy; before = set(sys.modules); import polyfly; print(sorted(set(sys.modules) - before))"
         printed = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
-        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.law", "polyfly.mpc"], ast.literal_eval(printed))
+        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.law", "polyfly.mat", "polyfly.mpc", "polyfly.robust",
+                          "polyfly.statement"], ast.literal_eval(printed))
 
 
 class Interruption(unittest.TestCase):

@@ -64,3 +64,61 @@ def mass_input(error, weights, period, horizon, limit):
         if np.max(np.abs(u - before)) < 1e-13:
             break
     return u[0]
+
+
+def least_peak(A, B, G, C, error, u_bounds, w_bounds):
+    """min over (u_0, u_1) of the greatest |C e_k|, k = 1, 2, over all w: the lowest vertex of t >= +-C e_k."""
+    A, B, G, C = (np.asarray(value, dtype=float) for value in (A, B, G, C))
+    rows = [[1, 0, 0, u_bounds[1]], [-1, 0, 0, -u_bounds[0]], [0, 1, 0, u_bounds[1]], [0, -1, 0, -u_bounds[0]]]
+    for w in itertools.product(w_bounds, repeat=2):
+        free = A @ error + G[:, 0] * w[0]
+        stages = ((C @ free, C @ B[:, 0], 0.0 * C @ B[:, 0]),
+                  (C @ (A @ free + G[:, 0] * w[1]), C @ A @ B[:, 0], C @ B[:, 0]))
+        for constant, by_first, by_second in stages:
+            for sign in (1.0, -1.0):
+                rows += [[sign * f, sign * s, -1.0, -sign * c] for f, s, c in zip(by_first, by_second, constant)]
+    rows = np.array(rows)
+    triples = rows[list(itertools.combinations(range(len(rows)), 3))]
+    triples = triples[np.abs(np.linalg.det(triples[:, :, :3])) > 1e-12]
+    vertices = np.linalg.solve(triples[:, :, :3], triples[:, :, 3:])[:, :, 0]
+    feasible = np.all(vertices @ rows[:, :3].T <= rows[:, 3] + 1e-9, axis=1)
+    return np.min(vertices[feasible, 2])
+
+
+def constrained_input(model, weights, horizon, error, u_limit, x_bounds, soft=None):
+    """First input of the tracking problem with bounds on x_k - x_ref, k = 1..N, by every active set.
+
+    model       (A, B) in discrete time, one input
+    weights     (Q, R, P), matrices
+    x_bounds    (state, lower, upper)
+    soft        (linear, quadratic): the cost of a slack v >= 0 for each stage
+    """
+    A, B = (np.asarray(value, dtype=float) for value in model)
+    Q, R, P = weights
+    state, lower, upper = x_bounds
+    slacks = 0 if soft is None else horizon
+    size = horizon + slacks
+    H, g, rows, limits = np.zeros((size, size)), np.zeros(size), [], []
+    H[:horizon, :horizon] = 2 * R[0, 0] * np.eye(horizon)
+    for step in range(1, horizon + 1):
+        gain = np.zeros((len(A), size))
+        for k in range(step):
+            gain[:, k] = (np.linalg.matrix_power(A, step - 1 - k) @ B)[:, 0]
+        free = np.linalg.matrix_power(A, step) @ error
+        weight = P if step == horizon else Q
+        H += 2 * gain.T @ weight @ gain
+        g += 2 * gain.T @ weight @ free
+        for sign, bound in ((1.0, upper), (-1.0, lower)):
+            row = sign * gain[state]
+            if slacks:
+                row[horizon + step - 1] = -1.0
+            rows.append(row)
+            limits.append(sign * (bound - free[state]))
+    for k in range(size):
+        unit = np.eye(size)[k]
+        if k >= horizon:
+            g[k], H[k, k] = soft[0], 2 * soft[1]
+        rows += [unit, -unit] if k < horizon else [-unit]
+        limits += [u_limit, u_limit] if k < horizon else [0.0]
+    z = minimiser(H, g, np.array(rows), np.array(limits))
+    return None if z is None else z[0]

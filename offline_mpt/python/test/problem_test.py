@@ -8,7 +8,8 @@ import unittest
 import numpy as np
 import polyfly as pf
 import run_test
-from oracles import BEMPORAD, LATERAL, MASS, MASS_BOX, MASS_WEIGHTS, ROOT, mass_input, minimiser, random_parameters
+from oracles import (BEMPORAD, LATERAL, MASS, MASS_BOX, MASS_WEIGHTS, ROOT, constrained_input, mass_input, minimiser,
+                     random_parameters)
 
 
 def mass(limit=1.0, model=MASS):
@@ -53,7 +54,7 @@ class Builder(unittest.TestCase):
             self.assertEqual(by_tool.read_bytes(), by_module.read_bytes())
 
     def test_bounds_of_states(self):
-        bounded = mass(limit=5.0).bounds(x=([-np.inf, -0.5], [np.inf, 0.5]), u=(-5, 5))
+        bounded = mass(limit=5.0).bounds(e=([-np.inf, -0.5], [np.inf, 0.5]), u=(-5, 5))
         problem = bounded.problem()
         self.assertEqual([(-np.inf, np.inf), (-0.5, 0.5)], [(state.lower, state.upper) for state in problem.states])
         law, model = bounded.explicit(), problem.discretise()
@@ -78,6 +79,97 @@ class Builder(unittest.TestCase):
                 build()
 
 
+# A mass in discrete time, with a given terminal weight, and what the oracle takes of it.
+DISCRETE = np.array([[1.0, 0.2], [0.0, 1.0]]), np.array([[0.02], [0.2]])
+WEIGHTS = np.diag([4.0, 1.0]), np.array([[0.5]]), np.array([[9.0, 2.0], [2.0, 3.0]])
+SPEED = (1, -0.4, 0.4)
+
+
+def discrete_mass(horizon):
+    return (pf.MPC(*DISCRETE, Ts=0.2, horizon=horizon, C=[[1, 0]], time="discrete", name="discrete_mass",
+                   states=["p", "v"])
+            .cost(Q=[4, 1], R=[0.5], terminal=WEIGHTS[2]).parameters({"e_p": (-1, 1), "e_v": (-0.8, 0.8)}))
+
+
+class Constraints(unittest.TestCase):
+    def compare(self, law, horizon, shift=0.0, soft=None):
+        """Against the oracle, where the velocity is held within SPEED, `shift` away from its reference."""
+        state, lower, upper = SPEED
+        solved = 0
+        for error in random_parameters([-1, -0.8], [1, 0.8], 40, seed=7):
+            theta = [*error, shift] if len(law.parameters) == 3 else error
+            expected = constrained_input(DISCRETE, WEIGHTS, horizon, error, 1.5,
+                                         (state, lower - shift, upper - shift), soft)
+            if expected is None:
+                with self.assertRaises(pf.OutsideError):
+                    law(theta)
+                continue
+            self.assertAlmostEqual(law(theta)[0], expected, delta=1e-6)
+            solved += 1
+        return solved
+
+    def test_bounds_of_x_in_discrete_time(self):
+        law = discrete_mass(3).bounds(x=([-np.inf, -0.4], [np.inf, 0.4]), u=(-1.5, 1.5)).explicit()
+        self.assertTrue(5 < self.compare(law, 3) < 40)
+        self.assertTrue(law.verify(samples=300))
+        self.assertTrue(law.certify())
+
+    def test_bounds_of_x_move_against_the_error_with_the_reference(self):
+        mpc = discrete_mass(3).bounds(x=([-np.inf, -0.4], [np.inf, 0.4]), u=(-1.5, 1.5))
+        law = mpc.explicit({"e_p": (-1, 1), "e_v": (-0.8, 0.8), "v_ref": (-0.3, 0.3)})
+        self.assertGreater(self.compare(law, 3, shift=0.25), 5)
+        fixed = mpc.explicit({"e_p": (-1, 1), "e_v": (-0.8, 0.8), "v_ref": 0.25})
+        self.assertEqual(["e_p", "e_v"], [signal.name for signal in fixed.parameters])
+        self.assertGreater(self.compare(fixed, 3, shift=0.25), 5)
+
+    def test_soft_bounds(self):
+        mpc = discrete_mass(2).bounds(x=([-np.inf, -0.4], [np.inf, 0.4]), u=(-1.5, 1.5),
+                                      soft={"linear": 0.8, "quadratic": 2.0})
+        law = mpc.explicit()
+        self.assertEqual(40, self.compare(law, 2, soft=(0.8, 2.0)))
+        self.assertTrue(law.verify(samples=300))
+        self.assertTrue(law.certify())
+        number = mpc.bounds(x=([-np.inf, -0.4], [np.inf, 0.4]), u=(-1.5, 1.5), soft=100.0).text()
+        self.assertIn("- {of: v, range: [-0.4, 0.4], soft: {linear: 100.0, quadratic: 0.1}}", number)
+
+    def test_one_constraint_at_a_time(self):
+        one_by_one = discrete_mass(3).bounds(u=(-1.5, 1.5))
+        one_by_one.constraint("v", lower=-0.4).constraint("v", upper=0.4, name="top")
+        at_once = discrete_mass(3).bounds(x=([-np.inf, -0.4], [np.inf, 0.4]), u=(-1.5, 1.5))
+        self.assertTrue(pf.diff(one_by_one.explicit(), at_once.explicit()))
+        summed = one_by_one.constraint({"p": 1, "v": 0.5}, upper=0.7, name="ahead", unit="m", soft=10.0,
+                                       measured_from="reference")
+        self.assertIn("- {of: {p: 1.0, v: 0.5}, name: ahead, unit: m, upper: 0.7, soft: {linear: 10.0, "
+                      "quadratic: 0.01}, measured_from: reference}", summed.text())
+        law = summed.explicit()
+        self.assertTrue(law.verify(samples=200))
+
+    def test_a_law_knows_the_reference_of_the_state(self):
+        mpc = discrete_mass(3).bounds(x=([-0.5, -np.inf], [0.5, np.inf]), u=(-1.5, 1.5))
+        law = pf.Law(mpc.explicit({"e_p": (-1, 1), "e_v": (-0.8, 0.8), "p_ref": (-0.5, 0.5)}))
+        np.testing.assert_allclose(law.theta([0.1, 0.2], 0.4), [-0.3, 0.2, 0.4], atol=1e-12)
+        x = np.array([-0.4, 0.0])
+        for _ in range(60):
+            x = DISCRETE[0] @ x + DISCRETE[1] @ law.step(x, 0.5)
+            self.assertLess(x[0], 0.5 + 1e-9)
+        np.testing.assert_allclose(x, [0.5, 0.0], atol=1e-3)
+
+    def test_sentences(self):
+        def bounded():
+            return discrete_mass(3).bounds(u=(-1, 1))
+
+        for build, sentence in (
+                (lambda: bounded().cost([4, 1], [0.5], terminal=-np.eye(2)), "weights.terminal"),
+                (lambda: bounded().bounds(x=(-1, 1), u=(-1, 1), soft={"linear": 1.0}), "constraints.*quadratic"),
+                (lambda: bounded().constraint("w", upper=1), "constraints.*must name a state or an "),
+                (lambda: bounded().constraint({"p": 1, "v": 1}, upper=1), "constraints.*name"),
+                (lambda: bounded().parameters({"e_p": (-1, 1), "e_v": (-1, 1), "v_ref": (1, -1)}), "parameters.*range"),
+                (lambda: pf.MPC(*DISCRETE, Ts=0.2, horizon=3, C=[[1, 0]], time="often", states=["p", "v"])
+                 .cost([4, 1], [0.5]).bounds(u=(-1, 1)).parameters({"e_p": (-1, 1), "e_v": (-1, 1)}), "model.time")):
+            with self.subTest(sentence=sentence), self.assertRaisesRegex(pf.Error, sentence):
+                build().problem()
+
+
 class Problems(unittest.TestCase):
     def test_text_is_written_as_it_was_read(self):
         for path in (LATERAL, ROOT / "region_maps/problems/robust/aslquad_vertical.yaml"):
@@ -97,6 +189,25 @@ class Problems(unittest.TestCase):
             np.testing.assert_array_equal(getattr(program, name), getattr(again, name))
         np.testing.assert_array_equal(program.H, BEMPORAD["H"])
         self.assertEqual(program.solve().checksum, again.solve().checksum)
+
+    def test_programs_of_matlab(self):
+        try:
+            from scipy.io import savemat
+        except ImportError:
+            self.skipTest("scipy is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "generic.mat"
+            savemat(path, {**BEMPORAD, "out": 1, "other": "text"})
+            found = pf.load_mat(path)
+            self.assertEqual(pf.MPQP(*BEMPORAD.values(), out=[0], name="generic").text, found.text)
+            savemat(path, {name: value for name, value in BEMPORAD.items() if name != "b"})
+            with self.assertRaisesRegex(pf.Error, "generic.mat: b: missing"):
+                pf.load_mat(path)
+            path.write_bytes(b"no such thing" * 100)
+            with self.assertRaisesRegex(pf.Error, "generic.mat: must be a .mat file of version 7 or older"):
+                pf.load_mat(path)
+        with self.assertRaisesRegex(pf.Error, "none.mat: cannot be opened: no such file"):
+            pf.load_mat("none.mat")
 
     def test_equalities_and_bounds_of_parameters(self):
         # The point on z_0 + z_1 = theta nearest to the origin, for theta <= 0.5.

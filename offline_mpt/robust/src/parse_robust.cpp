@@ -236,6 +236,8 @@ bool isRobustProblem(const std::string& text, const std::string& source) {
 
 RobustProblem parseRobustProblem(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);
+  if (root.has("type") && root.at("type").text() != "robust_mpc")
+    root.at("type").fail("must be robust_mpc, got '" + root.at("type").text() + "'");
   root.checkKeys(
       {"polyfly_problem", "name", "type", "model", "sampling_time", "horizon", "tie_break", "parameters"},
       {"description", "provenance", "stack", "feedback_predictions", "feedback_gain", "floor", "invariance",
@@ -248,8 +250,6 @@ RobustProblem parseRobustProblem(const std::string& text, const std::string& sou
   problem.text = text;
   problem.name = root.at("name").name();
   if (root.has("description")) problem.description = root.at("description").text();
-  if (root.at("type").text() != "robust_mpc")
-    root.at("type").fail("must be robust_mpc, got '" + root.at("type").text() + "'");
   problem.sampling_time = root.at("sampling_time").number();
   if (!(problem.sampling_time > 0.0)) root.at("sampling_time").fail("must be greater than 0");
   problem.horizon = root.at("horizon").integer(2, kMaxHorizon);

@@ -1,6 +1,8 @@
 #include "offline_mpt/diff.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <mutex>
 #include <tuple>
 #include <utility>
 
@@ -25,7 +27,10 @@ struct CellDifferences {
 class MapComparison {
  public:
   MapComparison(const MapCells& first, const MapCells& second, const std::vector<Signal>& ranges)
-      : first_(first), second_(second), inputs_(first.exact().map().inputs().size()) {
+      : first_(first),
+        second_(second),
+        boxes_(boxTree(second.cells())),
+        inputs_(first.exact().map().inputs().size()) {
     for (const Signal& range : ranges) {
       centre_.push_back((Rational(range.lower) + Rational(range.upper)) / 2);
       half_.push_back((Rational(range.upper) - Rational(range.lower)) / 2);
@@ -34,8 +39,9 @@ class MapComparison {
 
   CellDifferences compare(const MapCell& cell) const {
     CellDifferences result;
-    for (const MapCell& other : second_.cells()) {
-      if (!boundsMeet(cell, other) || areOpposed(cell, other)) continue;
+    for (const std::uint32_t candidate : boxes_.meeting(cell.box)) {
+      const MapCell& other = second_.cells()[candidate];
+      if (areOpposed(cell, other)) continue;
       std::vector<const ExactRow*> rows = cell.cell.rows;
       rows.insert(rows.end(), other.cell.rows.begin(), other.cell.rows.end());
       if (!hasInterior(rows)) continue;
@@ -51,6 +57,8 @@ class MapComparison {
  private:
   bool hasInterior(const std::vector<const ExactRow*>& rows) const {
     const int p = first_.exact().p();
+    // Most pairs are well apart, and need no exact number.
+    if (upperBound(rows, std::vector<double>(static_cast<std::size_t>(p))) < 0.0) return false;
     std::vector<Rational> point;
     const FastInterior fast = findInteriorFast(rows, p, point);
     if (fast != FastInterior::kUnknown) return fast == FastInterior::kExists;
@@ -97,14 +105,22 @@ class MapComparison {
 
   const MapCells& first_;
   const MapCells& second_;
+  BoxTree boxes_;
   std::size_t inputs_;
   std::vector<Rational> centre_, half_;
 };
 
+/// For each region of a map, the regions of another one whose interiors meet its, ascending.
+using MeetingRegions = std::vector<std::vector<std::uint32_t>>;
+
 /// Whether `map` answers wherever a region of another one does. `witness`: where it does not.
 class CoverCheck {
  public:
-  explicit CoverCheck(const MapCells& map) : map_(map) {}
+  /// `meeting` by regions of the other map. Of a fallback region it may lack some.
+  CoverCheck(const MapCells& map, const MeetingRegions& meeting)
+      : map_(map), meeting_(meeting), boxes_(boxTree(map.regions())) {
+    for (const MapCell& region : map.regions()) all_.push_back(region.region);
+  }
 
   bool covers(const MapCell& region, std::vector<Rational>& witness) const {
     ExactCell cell = region.cell;
@@ -120,13 +136,11 @@ class CoverCheck {
         return false;
       }
     }
-    std::vector<std::uint32_t> near, all;
-    for (const MapCell& candidate : map_.regions()) {
-      all.push_back(candidate.region);
-      if (boundsMeet(candidate, region)) near.push_back(candidate.region);
-    }
     // Regions that only touch, or lie within the tolerance, matter in slivers alone.
-    return isIn(cell, near, witness) || isIn(cell, all, witness);
+    if (isIn(cell, meeting_[region.region], witness)) return true;
+    std::vector<std::uint32_t> near;
+    for (const std::uint32_t i : boxes_.meeting(region.box)) near.push_back(map_.regions()[i].region);
+    return isIn(cell, near, witness) || isIn(cell, all_, witness);
   }
 
  private:
@@ -143,22 +157,49 @@ class CoverCheck {
   }
 
   const MapCells& map_;
+  const MeetingRegions& meeting_;
+  BoxTree boxes_;
+  // Regions of the map that have an interior.
+  std::vector<std::uint32_t> all_;
 };
 
-/// Looks at all regions of `other`; false when stopped.
-bool findCover(const MapCells& map, const MapCells& other, const DiffOptions& options, MapCover& cover) {
-  const CoverCheck check(map);
-  std::vector<std::vector<Rational>> witnesses(other.regions().size());
+/// Looks at the regions of the other map up to the first that is not covered; false when stopped.
+bool findCover(const CoverCheck& check, const MapCells& other, const DiffOptions& options, MapCover& cover) {
+  std::mutex mutex;
+  std::uint64_t first_open = other.regions().size();
+  std::vector<Rational> witness;
+  const auto look = [&](std::size_t, std::uint64_t i) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (i > first_open) return;
+    }
+    std::vector<Rational> point;
+    if (check.covers(other.regions()[i], point)) return;
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (i > first_open) return;
+    first_open = i;
+    witness = std::move(point);
+  };
   const bool finished =
-      inParallel(witnesses.size(), options.threads, options.stop, options.progress,
-                 [&](std::size_t, std::uint64_t i) { check.covers(other.regions()[i], witnesses[i]); });
-  const auto open = std::find_if(witnesses.begin(), witnesses.end(),
-                                 [](const std::vector<Rational>& witness) { return !witness.empty(); });
-  if (!finished || open == witnesses.end()) return finished;
+      inParallel(other.regions().size(), options.threads, options.stop, options.progress, look);
+  if (!finished || witness.empty()) return finished;
   cover.covers = false;
-  cover.region = other.regions()[static_cast<std::size_t>(open - witnesses.begin())].region;
-  cover.witness = map.exact().theta(*open);
+  cover.region = other.regions()[first_open].region;
+  cover.witness = other.exact().theta(witness);
   return true;
+}
+
+using RegionPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// Pairs of regions that meet, ascending.
+RegionPairs pairsOf(const std::vector<CellDifferences>& found, const MapCells& first) {
+  RegionPairs pairs;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (const std::uint32_t met : found[i].met) pairs.emplace_back(first.cells()[i].region, met);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
 }
 
 /// Of the parts of fallback regions, the greatest difference of each pair of regions and input stays.
@@ -177,15 +218,10 @@ std::vector<LawDifference> greatestOfEach(std::vector<LawDifference> differences
   return differences;
 }
 
-void fillDifferences(std::vector<CellDifferences>& found, const MapCells& first, DiffReport& report) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+void fillDifferences(std::vector<CellDifferences>& found, DiffReport& report) {
   std::vector<LawDifference> all;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    for (const std::uint32_t met : found[i].met) pairs.emplace_back(first.cells()[i].region, met);
-    std::move(found[i].differences.begin(), found[i].differences.end(), std::back_inserter(all));
-  }
-  std::sort(pairs.begin(), pairs.end());
-  report.pairs = static_cast<std::uint64_t>(std::unique(pairs.begin(), pairs.end()) - pairs.begin());
+  for (CellDifferences& cell : found)
+    std::move(cell.differences.begin(), cell.differences.end(), std::back_inserter(all));
   const LawDifference* last = nullptr;
   for (LawDifference& difference : greatestOfEach(std::move(all))) {
     LawDifference& greatest = report.greatest[static_cast<std::size_t>(difference.input)];
@@ -215,12 +251,20 @@ DiffReport diffMaps(const RegionMap& first, const RegionMap& second, const DiffO
   for (std::size_t i = 0; i < report.greatest.size(); ++i) report.greatest[i].input = static_cast<int>(i);
   const MapComparison comparison(cells, others, ranges);
   std::vector<CellDifferences> found(cells.cells().size());
+  const bool compared =
+      inParallel(found.size(), options.threads, options.stop, options.progress,
+                 [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.cells()[i]); });
+  const RegionPairs pairs = pairsOf(found, cells);
+  report.pairs = pairs.size();
+  MeetingRegions of_first(first.regionCount()), of_second(second.regionCount());
+  for (const auto& [one, other] : pairs) {
+    of_first[one].push_back(other);
+    of_second[other].push_back(one);
+  }
   report.interrupted =
-      !inParallel(found.size(), options.threads, options.stop, options.progress,
-                  [&](std::size_t, std::uint64_t i) { found[i] = comparison.compare(cells.cells()[i]); }) ||
-      !findCover(cells, others, options, report.first_covers_second) ||
-      !findCover(others, cells, options, report.second_covers_first);
-  fillDifferences(found, cells, report);
+      !compared || !findCover(CoverCheck(cells, of_second), others, options, report.first_covers_second) ||
+      !findCover(CoverCheck(others, of_first), cells, options, report.second_covers_first);
+  fillDifferences(found, report);
   return report;
 }
 

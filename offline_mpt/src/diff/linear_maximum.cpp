@@ -1,10 +1,18 @@
 #include "diff/linear_maximum.hpp"
 
+#include <cmath>
+
 #include "lp/exact_simplex.hpp"
 #include "lp/float_lp.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
+namespace {
+
+// Upper bound of the rounding of a unit row and of sums with it, relative to its weight.
+constexpr double kRoundingOfRow = 1e-12;
+
+}  // namespace
 
 // The basis at which floating point stops is mostly the optimal one.
 LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vector<Rational>& function) {
@@ -31,6 +39,30 @@ LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vect
       ExactSimplex::Status::kOptimal)
     throw Error("a linear program over two regions that meet has no solution");
   return {solver.objective() / Rational(denominator) + function[p], solver.x()};
+}
+
+// Any weights >= 0 give a bound: direction . t <= sum of weight * b + |direction - sum of weight * a| for |t_j| <= 1.
+double upperBound(const std::vector<const ExactRow*>& rows, const std::vector<double>& direction) {
+  FloatLp solver(static_cast<int>(direction.size()));
+  for (const ExactRow* row : rows) solver.add(row->unit);
+  solver.maximise(direction);
+  std::vector<double> rest = direction;
+  double bound = 0.0;
+  double rounding = 0.0;
+  for (const auto& [index, weight] : solver.weights()) {
+    // Sides of the box belong to the rest.
+    if (index >= solver.count()) continue;
+    const std::vector<double>& unit = rows[static_cast<std::size_t>(index)]->unit;
+    bound += weight * unit.back();
+    rounding += weight * (1.0 + std::abs(unit.back()));
+    for (std::size_t j = 0; j < rest.size(); ++j) rest[j] -= weight * unit[j];
+  }
+  double side = 0.0;
+  for (const double entry : rest) bound += std::abs(entry);
+  for (const double entry : direction) side += std::abs(entry);
+  bound += kRoundingOfRow * (rounding + side);
+  // Of a row beyond doubles, the bound is no number.
+  return bound < side ? bound : side;
 }
 
 }  // namespace polyfly

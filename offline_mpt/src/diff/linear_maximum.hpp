@@ -15,4 +15,8 @@ struct LinearMaximum {
 /// |t_j| <= 1, without rounding. The set must not be empty.
 LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vector<Rational>& function);
 
+/// A number that direction . t (p numbers) does not exceed on the same set, in floating point: mostly near the maximum,
+/// never below it. Of the direction 0 it is negative only if the set is empty.
+double upperBound(const std::vector<const ExactRow*>& rows, const std::vector<double>& direction);
+
 }  // namespace polyfly

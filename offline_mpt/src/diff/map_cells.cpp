@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "arithmetic/exact_numbers.hpp"
 #include "diff/linear_maximum.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -25,13 +24,14 @@ void requireSameNames(const std::vector<Signal>& first, const std::vector<Signal
   }
 }
 
-void findBounds(int p, MapCell& cell) {
-  for (int j = 0; j < p; ++j) {
-    std::vector<Rational> direction(static_cast<std::size_t>(p) + 1);
-    direction[static_cast<std::size_t>(j)] = 1;
-    cell.upper.push_back(above(maximise(cell.cell.rows, direction).value));
-    direction[static_cast<std::size_t>(j)] = -1;
-    cell.lower.push_back(-above(maximise(cell.cell.rows, direction).value));
+void findBox(int p, MapCell& cell) {
+  std::vector<double> direction(static_cast<std::size_t>(p));
+  for (double& entry : direction) {
+    entry = 1.0;
+    cell.box.upper.push_back(upperBound(cell.cell.rows, direction));
+    entry = -1.0;
+    cell.box.lower.push_back(-upperBound(cell.cell.rows, direction));
+    entry = 0.0;
   }
 }
 
@@ -89,10 +89,10 @@ void MapCells::addRegions(int threads) {
     if (!cellOf(exact_, region.region, region.cell)) return;
     for (const ExactRow& side : sides_) region.cell.rows.push_back(&side);
     region.cell.certain = sides_.empty();
-    if (makeCertain(exact_, region.cell)) findBounds(exact_.p(), region);
+    if (makeCertain(exact_, region.cell)) findBox(exact_.p(), region);
   });
   for (MapCell& region : all) {
-    if (!region.upper.empty()) regions_.push_back(std::move(region));
+    if (!region.box.upper.empty()) regions_.push_back(std::move(region));
   }
 }
 
@@ -110,7 +110,7 @@ void MapCells::addCells() {
       part.region = region.region;
       part.cell = rest;
       if (!makeCertain(exact_, part.cell)) return true;
-      findBounds(exact_.p(), part);
+      findBox(exact_.p(), part);
       cells_.push_back(std::move(part));
       return true;
     };
@@ -118,11 +118,10 @@ void MapCells::addCells() {
   }
 }
 
-bool boundsMeet(const MapCell& first, const MapCell& second) {
-  for (std::size_t j = 0; j < first.lower.size(); ++j) {
-    if (first.lower[j] >= second.upper[j] || second.lower[j] >= first.upper[j]) return false;
-  }
-  return true;
+BoxTree boxTree(const std::vector<MapCell>& cells) {
+  std::vector<const Box*> boxes;
+  for (const MapCell& cell : cells) boxes.push_back(&cell.box);
+  return BoxTree(std::move(boxes));
 }
 
 }  // namespace polyfly

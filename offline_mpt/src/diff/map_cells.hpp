@@ -5,14 +5,15 @@
 #include <vector>
 
 #include "certify/reduction/tree_partition.hpp"
+#include "diff/box_tree.hpp"
 
 namespace polyfly {
 
-/// Part of a region, with a point strictly inside, and bounds of its coordinates, rounded outwards.
+/// Part of a region, with a point strictly inside, and a box that holds it.
 struct MapCell {
   std::uint32_t region = 0;
   ExactCell cell;
-  std::vector<double> lower, upper;
+  Box box;
 };
 
 /// Ranges that hold those of both maps. Throws Error when the maps do not have the same parameters and inputs, or a
@@ -49,7 +50,7 @@ class MapCells {
   std::vector<MapCell> cells_;
 };
 
-/// Whether the bounds of two cells have an interior in common.
-bool boundsMeet(const MapCell& first, const MapCell& second);
+/// The boxes of cells, which must outlive the tree.
+BoxTree boxTree(const std::vector<MapCell>& cells);
 
 }  // namespace polyfly

@@ -2,14 +2,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/bounded_qp.hpp"
+#include "bounded_qp_solver.hpp"
 #include "mpc_core/qp_kernels.hpp"
 #include "qp_tolerances.hpp"
 
 namespace polyfly {
 
 // Fills x and the multipliers of the working set; those of relaxed and partial constraints are data.
-void BoundedQp::solveEquality() noexcept {
+void BoundedQp::Solver::solveEquality() noexcept {
   if (dual_) {
     startFromBase();
     solveDual(x_.data(), lambda_.data(), false);
@@ -21,7 +21,7 @@ void BoundedQp::solveEquality() noexcept {
 }
 
 // x: the minimiser without the working set.
-void BoundedQp::startFromBase() noexcept {
+void BoundedQp::Solver::startFromBase() noexcept {
   if (!has_base_) {
     std::fill_n(base_.data(), stride_, 0.0);
     for (int i = 0; i < n_; ++i) gradient_[i] = -g_[i];
@@ -39,7 +39,7 @@ void BoundedQp::startFromBase() noexcept {
 }
 
 // The rates of x and of the multipliers as the candidate's multiplier grows along its direction.
-void BoundedQp::solveDirection(const Candidate& candidate) noexcept {
+void BoundedQp::Solver::solveDirection(const Candidate& candidate) noexcept {
   if (dual_) {
     std::fill_n(dx_.data(), stride_, 0.0);
     qpKernels().addMultiple(stride_, -candidate.direction, inverseColumn(candidate.index), dx_.data());
@@ -52,7 +52,7 @@ void BoundedQp::solveDirection(const Candidate& candidate) noexcept {
 }
 
 // From the minimiser without the working set in x to the one with it.
-void BoundedQp::solveDual(double* x, double* lambda, bool homogeneous) noexcept {
+void BoundedQp::Solver::solveDual(double* x, double* lambda, bool homogeneous) noexcept {
   const int k = working_count_;
   for (int j = 0; j < k; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
@@ -73,7 +73,7 @@ void BoundedQp::solveDual(double* x, double* lambda, bool homogeneous) noexcept 
 }
 
 // Minimises 1/2 x'Hx + gradient'x with the working set as equalities.
-void BoundedQp::solvePrimal(double* x, double* lambda, bool homogeneous) noexcept {
+void BoundedQp::Solver::solvePrimal(double* x, double* lambda, bool homogeneous) noexcept {
   const int rows = working_count_ - bound_count_;
   const QpKernels& kernels = qpKernels();
   std::copy_n(gradient_.data(), stride_, work_.data());
@@ -113,7 +113,7 @@ void BoundedQp::solvePrimal(double* x, double* lambda, bool homogeneous) noexcep
 }
 
 // One step of iterative refinement, where rounding may have left something to refine.
-void BoundedQp::refine() noexcept {
+void BoundedQp::Solver::refine() noexcept {
   if (well_conditioned_) return;
   const QpKernels& kernels = qpKernels();
   std::copy_n(g_.data(), stride_, gradient_.data());

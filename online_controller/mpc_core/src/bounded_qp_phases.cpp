@@ -1,8 +1,9 @@
 // The two phases: guessing the active bounds, and ascending the dual.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "mpc_core/bounded_qp.hpp"
+#include "bounded_qp_solver.hpp"
 #include "mpc_core/qp_kernels.hpp"
 #include "qp_tolerances.hpp"
 
@@ -24,7 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // In each round: solve with the predicted set as equalities, then correct each prediction that its sign contradicts.
 // Sweeps predict where the corrections do not converge. Leaves a working set whose multipliers have the right signs,
 // and its solution; false at the limit of iterations.
-bool BoundedQp::predictBounds() noexcept {
+bool BoundedQp::Solver::predictBounds() noexcept {
   int before = -1;
   for (int round = 0; round < kPredictionRounds; ++round) {
     if (!solveWorkingSet()) return false;
@@ -45,7 +46,7 @@ bool BoundedQp::predictBounds() noexcept {
 
 // Gauss-Seidel sweeps from the last solution, moved into the box, predict the active bounds better than the signs where
 // many may change. Held variables have the gradient -lambda, free ones 0.
-void BoundedQp::sweepBounds() noexcept {
+void BoundedQp::Solver::sweepBounds() noexcept {
   for (int i = 0; i < n_; ++i) gradient_[i] = -lambda_[i];
   for (int i = 0; i < n_; ++i) {
     const double inside = std::max(lower_[i], std::min(upper_[i], x_[i]));
@@ -65,7 +66,7 @@ void BoundedQp::sweepBounds() noexcept {
   }
 }
 
-int BoundedQp::correctPrediction() noexcept {
+int BoundedQp::Solver::correctPrediction() noexcept {
   int changes = dropWrongSigns();
   const double* const x = x_.data();
   const double* const least = least_.data();
@@ -83,7 +84,7 @@ int BoundedQp::correctPrediction() noexcept {
 }
 
 // Takes out of the working set what its multiplier contradicts; how many constraints that were.
-int BoundedQp::dropWrongSigns() noexcept {
+int BoundedQp::Solver::dropWrongSigns() noexcept {
   const double tolerance = kRounding * (gradient_scale_ + largestMultiplier());
   int dropped = 0;
   for (int j = 0; j < working_count_; ++j) {
@@ -103,7 +104,7 @@ int BoundedQp::dropWrongSigns() noexcept {
   return dropped;
 }
 
-double BoundedQp::largestMultiplier() const noexcept {
+double BoundedQp::Solver::largestMultiplier() const noexcept {
   double largest = 0.0;
   for (int j = 0; j < working_count_; ++j) {
     largest = std::max(largest, std::abs(lambda_[working_[static_cast<std::size_t>(j)]]));
@@ -112,22 +113,22 @@ double BoundedQp::largestMultiplier() const noexcept {
 }
 
 // The working set only shrinks here, so this ends. False at the limit of iterations.
-bool BoundedQp::makeDualFeasible() noexcept {
+bool BoundedQp::Solver::makeDualFeasible() noexcept {
   do {
     if (!solveWorkingSet()) return false;
   } while (dropWrongSigns() > 0);
   return true;
 }
 
-void BoundedQp::considerSide(int index, double violation, double direction, QpSide reached,
-                             Candidate& worst) const noexcept {
+void BoundedQp::Solver::considerSide(int index, double violation, double direction, QpSide reached,
+                                     Candidate& worst) const noexcept {
   const double tolerance =
       reached < QpSide::kInactive ? lower_[index] - least_[index] : greatest_[index] - upper_[index];
   if (!(violation > tolerance) || violation <= worst.violation * scale_[index]) return;
   worst = {index, direction, violation / scale_[index], reached};
 }
 
-BoundedQp::Candidate BoundedQp::mostViolated() const noexcept {
+BoundedQp::Solver::Candidate BoundedQp::Solver::mostViolated() const noexcept {
   Candidate worst;
   for (int i = 0; i < n_ + m_; ++i) {
     const double value = i < n_ ? x_[i] : row_value_[i - n_];
@@ -151,7 +152,7 @@ BoundedQp::Candidate BoundedQp::mostViolated() const noexcept {
 }
 
 // How far the multipliers of the working set let that of the candidate move.
-double BoundedQp::blockingStep(int* blocking) const noexcept {
+double BoundedQp::Solver::blockingStep(int* blocking) const noexcept {
   double least = kInfinity;
   for (int j = 0; j < working_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
@@ -171,7 +172,7 @@ double BoundedQp::blockingStep(int* blocking) const noexcept {
 }
 
 // A constraint of the working set whose multiplier has come to one of its ends leaves it there.
-void BoundedQp::release(int index) noexcept {
+void BoundedQp::Solver::release(int index) noexcept {
   QpSide& side = side_[static_cast<std::size_t>(index)];
   const bool at_penalty = isEquality(index) || std::abs(lambda_[index]) > 0.5 * penalty_[index];
   if (!at_penalty) {
@@ -185,7 +186,7 @@ void BoundedQp::release(int index) noexcept {
 
 // Moves the multiplier of the most violated constraint until the constraint holds or its penalty is reached;
 // constraints whose multipliers come to an end on the way leave the working set.
-BoundedQp::Pass BoundedQp::ascend() noexcept {
+BoundedQp::Solver::Pass BoundedQp::Solver::ascend() noexcept {
   if (predicted_ && m_ == 0) return Pass::kOptimal;  // all bounds have been looked at
   evaluateRows();
   const Candidate candidate = mostViolated();
@@ -225,7 +226,7 @@ BoundedQp::Pass BoundedQp::ascend() noexcept {
 }
 
 // The candidate's own multiplier has come to its end.
-void BoundedQp::addToWorkingSet(const Candidate& candidate, bool was_relaxed) noexcept {
+void BoundedQp::Solver::addToWorkingSet(const Candidate& candidate, bool was_relaxed) noexcept {
   const int p = candidate.index;
   entering_ = -1;
   if (was_relaxed) {

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/bounded_qp.hpp"
+#include "bounded_qp_solver.hpp"
 
 namespace polyfly {
 
-double BoundedQp::kktResidual() const noexcept {
+double BoundedQp::Solver::kktResidual() const noexcept {
   double worst = 0.0;
   double scale = 1.0;
   for (int i = 0; i < n_; ++i) scale = std::max(scale, std::abs(g_[i]));

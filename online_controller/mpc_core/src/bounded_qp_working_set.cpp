@@ -2,18 +2,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/bounded_qp.hpp"
+#include "bounded_qp_solver.hpp"
 #include "mpc_core/qp_kernels.hpp"
 #include "qp_tolerances.hpp"
 
 namespace polyfly {
 
-double BoundedQp::along(int index, const double* x) const noexcept {
+double BoundedQp::Solver::along(int index, const double* x) const noexcept {
   return index < n_ ? x[index] : qpKernels().dot(stride_, rows_.data() + (index - n_) * stride_, x);
 }
 
 // y += factor a_index
-void BoundedQp::addMultiple(int index, double factor, double* y) const noexcept {
+void BoundedQp::Solver::addMultiple(int index, double factor, double* y) const noexcept {
   if (index < n_) {
     y[index] += factor;
   } else {
@@ -21,17 +21,17 @@ void BoundedQp::addMultiple(int index, double factor, double* y) const noexcept 
   }
 }
 
-void BoundedQp::evaluateRows() noexcept {
+void BoundedQp::Solver::evaluateRows() noexcept {
   for (int i = 0; i < m_; ++i) row_value_[i] = along(n_ + i, x_.data());
 }
 
-void BoundedQp::solveHessian(double* x) const noexcept {
+void BoundedQp::Solver::solveHessian(double* x) const noexcept {
   qpKernels().solveLower(factor_.data(), factor_inverse_.data(), stride_, stride_, x);
   qpKernels().solveUpper(factor_.data(), factor_inverse_.data(), stride_, stride_, x);
 }
 
 // H^-1 a_index, computed when it is first asked for.
-const double* BoundedQp::inverseColumn(int index) noexcept {
+const double* BoundedQp::Solver::inverseColumn(int index) noexcept {
   double* column = inverse_.data() + index * stride_;
   if (!has_inverse_[static_cast<std::size_t>(index)]) {
     std::fill_n(column, stride_, 0.0);
@@ -44,7 +44,7 @@ const double* BoundedQp::inverseColumn(int index) noexcept {
 
 // Bounds first, then rows, so that a dependent row shows as such. Bounds that stay keep their order and new
 // ones come after them: the factor of those before the first that left is that of the last working set.
-void BoundedQp::listWorkingSet() noexcept {
+void BoundedQp::Solver::listWorkingSet() noexcept {
   for (int j = 0; j < working_count_; ++j) {
     const int i = working_[static_cast<std::size_t>(j)];
     if (side_[static_cast<std::size_t>(i)] == QpSide::kInactive && i != entering_) lambda_[i] = 0.0;
@@ -77,7 +77,7 @@ void BoundedQp::listWorkingSet() noexcept {
   working_count_ = held;
 }
 
-void BoundedQp::listFree() noexcept {
+void BoundedQp::Solver::listFree() noexcept {
   int free = 0;
   int* const frees = free_.data();
   for (int i = 0; i < n_; ++i) {
@@ -87,7 +87,7 @@ void BoundedQp::listFree() noexcept {
 }
 
 // Counts multiplications.
-bool BoundedQp::dualIsCheaper() const noexcept {
+bool BoundedQp::Solver::dualIsCheaper() const noexcept {
   const double n = n_;
   const double k = working_count_;
   const double f = free_count_;
@@ -104,7 +104,7 @@ bool BoundedQp::dualIsCheaper() const noexcept {
 }
 
 // Solves with the working set; rows that depend on the others leave it. False at the limit of iterations.
-bool BoundedQp::solveWorkingSet() noexcept {
+bool BoundedQp::Solver::solveWorkingSet() noexcept {
   for (;;) {
     if (++iterations_ > iteration_limit_) return false;
     listWorkingSet();
@@ -116,7 +116,7 @@ bool BoundedQp::solveWorkingSet() noexcept {
   return true;
 }
 
-bool BoundedQp::factoriseWorkingSet() noexcept {
+bool BoundedQp::Solver::factoriseWorkingSet() noexcept {
   dependent_ = -1;
   if (working_count_ > n_) {
     dependent_ = working_[static_cast<std::size_t>(working_count_ - 1)];
@@ -126,7 +126,7 @@ bool BoundedQp::factoriseWorkingSet() noexcept {
   return dual_ ? factoriseDual() : factorisePrimal();
 }
 
-bool BoundedQp::factoriseDual() noexcept {
+bool BoundedQp::Solver::factoriseDual() noexcept {
   for (int j = 0; j < working_count_; ++j) {
     const double* column = inverseColumn(working_[static_cast<std::size_t>(j)]);
     double* gram = gram_.data() + j * stride_;
@@ -142,7 +142,7 @@ bool BoundedQp::factoriseDual() noexcept {
 }
 
 // The Gram matrix of the `count` constraints of the working set from `first` on.
-bool BoundedQp::factoriseGram(int count, int first) noexcept {
+bool BoundedQp::Solver::factoriseGram(int count, int first) noexcept {
   gram_size_ = wholePacks(count);
   setIdentityTail(gram_.data(), count, gram_size_, stride_);
   const int done = qpKernels().factorise(gram_.data(), gram_size_, stride_, kIndependent,
@@ -153,7 +153,7 @@ bool BoundedQp::factoriseGram(int count, int first) noexcept {
   return false;
 }
 
-bool BoundedQp::factorisePrimal() noexcept {
+bool BoundedQp::Solver::factorisePrimal() noexcept {
   const int rows = working_count_ - bound_count_;
   gram_done_ = 0;
   if (rows > free_count_) {
@@ -176,7 +176,7 @@ bool BoundedQp::factorisePrimal() noexcept {
   return factoriseGram(rows, bound_count_);
 }
 
-bool BoundedQp::factoriseReduced() noexcept {
+bool BoundedQp::Solver::factoriseReduced() noexcept {
   for (int c = 0; c < free_count_; ++c) {
     const double* column = H_.data() + free_[static_cast<std::size_t>(c)] * stride_;
     double* reduced = reduced_.data() + c * stride_;
@@ -187,19 +187,19 @@ bool BoundedQp::factoriseReduced() noexcept {
                                0) == reduced_size_;
 }
 
-void BoundedQp::gatherFree(const double* from, double* to) const noexcept {
+void BoundedQp::Solver::gatherFree(const double* from, double* to) const noexcept {
   for (int i = 0; i < free_count_; ++i) to[i] = from[free_[static_cast<std::size_t>(i)]];
   std::fill(to + free_count_, to + reduced_size_, 0.0);
 }
 
-void BoundedQp::solveReduced(double* x, bool lower, bool upper) const noexcept {
+void BoundedQp::Solver::solveReduced(double* x, bool lower, bool upper) const noexcept {
   const double* factor = all_free_ ? factor_.data() : reduced_.data();
   const double* blocks = all_free_ ? factor_inverse_.data() : reduced_inverse_.data();
   if (lower) qpKernels().solveLower(factor, blocks, reduced_size_, stride_, x);
   if (upper) qpKernels().solveUpper(factor, blocks, reduced_size_, stride_, x);
 }
 
-void BoundedQp::solveGram(double* x) const noexcept {
+void BoundedQp::Solver::solveGram(double* x) const noexcept {
   qpKernels().solveLower(gram_.data(), gram_inverse_.data(), gram_size_, stride_, x);
   qpKernels().solveUpper(gram_.data(), gram_inverse_.data(), gram_size_, stride_, x);
 }

@@ -215,10 +215,11 @@ double NonlinearMpc::shareOfStep() const noexcept {
 double NonlinearMpc::costOfRows(double share) const noexcept {
   const int n = kNu * options_.horizon;
   const int m = rowCount(options_);
+  const double* const x = qp_.x();
   double cost = 0.0;
   for (int i = 0; i < m; ++i) {
     double along = 0.0;
-    for (int j = 0; j < n; ++j) along += rows_[static_cast<std::ptrdiff_t>(j) * m + i] * qp_.x()[j];
+    for (int j = 0; j < n; ++j) along += rows_[static_cast<std::ptrdiff_t>(j) * m + i] * x[j];
     cost += std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
   }
   return options_.speed_penalty * cost;

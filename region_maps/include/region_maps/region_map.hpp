@@ -1,17 +1,14 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "region_maps/format.hpp"
 #include "region_maps/lookup.hpp"
 #include "region_maps/map_content.hpp"
-#include "region_maps/mapped_file.hpp"
-#include "region_maps/search_index.hpp"
 #include "region_maps/signal.hpp"
 
 namespace polyfly {
@@ -53,7 +50,11 @@ class RegionMap {
   /// in errors. Throws Error.
   static RegionMap view(const void* data, std::size_t size, const std::string& name);
 
-  const std::string& path() const noexcept { return path_; }
+  RegionMap(RegionMap&& other) noexcept;
+  RegionMap& operator=(RegionMap&& other) noexcept;
+  ~RegionMap();
+
+  const std::string& path() const noexcept;
   std::string_view name() const noexcept;
   std::string_view problemText() const noexcept;
   std::string_view problemKind() const noexcept;
@@ -61,11 +62,10 @@ class RegionMap {
   std::string_view solverNotes() const noexcept;
   double period() const noexcept;
   double tolerance() const noexcept;
-  const std::vector<Signal>& parameters() const noexcept { return parameters_; }
-  const std::vector<Signal>& inputs() const noexcept { return inputs_; }
-  const LookupCost& cost() const noexcept { return cost_; }
-  /// The index that was made in memory when the map opened.
-  const SearchIndex& index() const noexcept { return index_; }
+  const std::vector<Signal>& parameters() const noexcept;
+  const std::vector<Signal>& inputs() const noexcept;
+  const LookupCost& cost() const noexcept;
+  const IndexCost& indexCost() const noexcept;
 
   std::size_t regionCount() const noexcept;
   std::size_t lawCount() const noexcept;
@@ -74,7 +74,7 @@ class RegionMap {
   std::size_t leafCount() const noexcept;
   std::size_t bytes() const noexcept;
   /// The bytes of the whole file.
-  std::string_view file() const noexcept { return {static_cast<const char*>(data_), bytes()}; }
+  std::string_view file() const noexcept;
   std::uint32_t formatVersion() const noexcept;
   /// Checksum of the whole file, as in its header.
   std::uint64_t checksum() const noexcept;
@@ -118,61 +118,13 @@ class RegionMap {
   bool contains(std::size_t index, const double* theta) const noexcept;
 
  private:
-  /// What a look-up reads. All but `box` and `index` points into the file.
-  struct Tables {
-    /// Bounds (lower, upper) of each parameter, widened by the tolerance.
-    const double* box = nullptr;
-    const double* planes = nullptr;
-    const double* laws = nullptr;
-    const MapContent::Region* regions = nullptr;
-    const std::int32_t* rows = nullptr;
-    const MapContent::Node* nodes = nullptr;
-    const MapContent::Leaf* leaves = nullptr;
-    const std::uint32_t* candidates = nullptr;
-    const std::uint32_t* tests = nullptr;  // nullptr: all rows
-    SearchIndex::View index;
-    double tolerance = 0.0;
-    /// Handicap of fallback regions.
-    double handicap = 0.0;
-    std::uint32_t first_fallback = 0;
-    std::uint32_t root = 0;
-    std::uint32_t parameters = 0;
-    std::uint32_t inputs = 0;
-  };
+  /// The checked file, and what look-ups read.
+  struct Loaded;
 
-  /// The look-ups for one number of parameters; chosen when the map opens.
-  struct Functions {
-    Lookup (*locate)(const Tables&, const double* theta) noexcept = nullptr;
-    Lookup (*locate_from)(const Tables&, const double* theta, std::uint32_t last) noexcept = nullptr;
-    Lookup (*evaluate)(const Tables&, const double* theta, double* u) noexcept = nullptr;
-    Lookup (*evaluate_from)(const Tables&, const double* theta, std::uint32_t last,
-                            double* u) noexcept = nullptr;
-    Lookup (*locate_in_file)(const Tables&, const double* theta) noexcept = nullptr;
-    Lookup (*locate_exhaustively)(const Tables&, std::size_t regions, const double* theta) noexcept = nullptr;
-    bool (*contains)(const Tables&, std::size_t region, const double* theta) noexcept = nullptr;
-  };
+  explicit RegionMap(std::unique_ptr<Loaded> loaded) noexcept;
+  static RegionMap load(std::unique_ptr<Loaded> loaded, std::size_t size);
 
-  template <std::uint32_t kParameters>
-  struct PointLocation;
-
-  RegionMap() = default;
-  void load(const void* data, std::size_t size);
-  static Functions functionsFor(std::uint32_t parameters) noexcept;
-
-  std::string path_;
-  MappedFile file_;
-  const void* data_ = nullptr;  // the file, in file_ or with the caller of view()
-  format::Header header_ = {};
-  const std::int32_t* active_ = nullptr;  // into the file
-  // Views into the file.
-  std::array<std::string_view, format::kTextCount> texts_;
-  std::vector<Signal> parameters_;
-  std::vector<Signal> inputs_;
-  std::vector<double> box_;
-  LookupCost cost_;
-  SearchIndex index_;
-  Tables tables_;
-  Functions functions_;
+  std::unique_ptr<Loaded> loaded_;
 };
 
 }  // namespace polyfly
