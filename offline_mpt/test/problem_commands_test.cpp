@@ -37,7 +37,7 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenReducedAndCounted) {
   ASSERT_EQ(solved.exit_code, 0) << solved.err;
   expectPart(solved.out, ": soft bound v_y: exceeded by at most ");
   expectPart(solved.out, " m/s in a prediction, at theta = (");
-  expectPart(solved.out, "; linear weight 400 is ");
+  expectPart(solved.out, "; linear weight 400");
   expectPart(tool({"info", path("speed.map")}).out, "  soft bound v_y: exceeded by at most ");
 
   const Outcome sampled = tool({"verify", path("speed.map"), "--problem", problem, "--samples", "500"});
@@ -52,7 +52,7 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenReducedAndCounted) {
   const Outcome confirmed =
       check({path("small.cert"), "--map", path("small.map"), "--reduced-from", path("speed.map")});
   EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
-  expectPart(tool({"count", problem}).out, "lateral_speed_limit: complete: 409 regions");
+  expectPart(tool({"count", problem}).out, "lateral_speed_limit: complete: 181 regions");
 }
 
 TEST_F(ProblemCommands, ACondensedProblemHasTheSameMap) {
@@ -77,7 +77,7 @@ model:
   time: discrete
   states: [{name: p, unit: m}, {name: v, unit: m/s}]
   inputs:
-    - {name: a, unit: m/s^2, range: [-1, 1], change: [-0.5, 0.5]}
+    - {name: a, unit: m/s^2, range: [-1, 1]}
     - {name: w, unit: m/s, range: [-0.5, 0.4]}
   disturbances: [{name: d, unit: m/s^2}]
   A: [[1, 0.5], [0, 1]]
@@ -95,7 +95,6 @@ parameters:
   - {name: p, role: state, of: p, unit: m, range: [-2, 2]}
   - {name: v, role: state, of: v, unit: m/s, range: [-1.5, 1.5]}
   - {name: gust, role: disturbance, of: d, unit: m/s^2, range: [-0.3, 0.3]}
-  - {name: a_prev, role: previous_input, of: a, unit: m/s^2, range: [-1, 1]}
   - {name: p_goal, role: reference, of: p, unit: m, value: 0.5}
 )";
   ASSERT_EQ(tool({"solve", problem, "-o", path("table.map"), "--quiet"}).exit_code, 0);
