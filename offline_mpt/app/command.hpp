@@ -33,9 +33,11 @@ void addDiff(CLI::App& app, ExitCode& exit_code);
 void addPlot(CLI::App& app, ExitCode& exit_code);
 void addExplore(CLI::App& app, ExitCode& exit_code);
 void addAnalyze(CLI::App& app, ExitCode& exit_code);
+void addTerminalSet(CLI::App& app, ExitCode& exit_code);
 void addSet(CLI::App& app, ExitCode& exit_code);
 void addBounds(CLI::App& app, ExitCode& exit_code);
 void addExport(CLI::App& app, ExitCode& exit_code);
+void addCondense(CLI::App& app, ExitCode& exit_code);
 void addCount(CLI::App& app, ExitCode& exit_code);
 
 /// What an exploration that ended so returns to the shell.

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   polyfly::ExitCode exit_code = polyfly::ExitCode::kDone;
   polyfly::addSolve(app, exit_code);
   polyfly::addCount(app, exit_code);
+  polyfly::addCondense(app, exit_code);
   polyfly::addInfo(app, exit_code);
   polyfly::addEval(app, exit_code);
   polyfly::addVerify(app, exit_code);
@@ -46,6 +47,7 @@ int main(int argc, char** argv) {
   polyfly::addExport(app, exit_code);
   polyfly::addAnalyze(app, exit_code);
   polyfly::addSet(app, exit_code);
+  polyfly::addTerminalSet(app, exit_code);
   polyfly::addBounds(app, exit_code);
   // Of the processes of a launcher, which all fail alike, one speaks.
   return polyfly::runTool(

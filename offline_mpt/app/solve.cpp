@@ -14,6 +14,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/process_group.hpp"
+#include "offline_mpt/soft_bounds.hpp"
 #include "polyfly_base/error.hpp"
 #include "problem_types.hpp"
 #include "progress.hpp"
@@ -302,6 +303,22 @@ MapContent encodeWithProgress(const ParametricProgram& program, const Partition&
   return content;
 }
 
+// The program with hard bounds may have so many times the regions of the soft one.
+constexpr std::uint64_t kHardRegionFactor = 4;
+
+// By how much soft bounds are exceeded, and whether their l1 weights are exact: said, and kept in the map's notes.
+void addSoftBounds(const ParametricProgram& program, const Partition& partition,
+                   const SolveArguments& options, MapContent* content) {
+  if (program.slacks.empty() || partition.status != ExploreStatus::kComplete) return;
+  ExploreOptions explore_options = options.explore;
+  explore_options.region_limit = kHardRegionFactor * partition.regions.size() + kHardRegionFactor;
+  for (const SoftBound& bound : softBounds(program, partition, explore_options)) {
+    const std::string text = softBoundText(bound);
+    content->solver_notes += text + "\n";
+    if (!options.quiet) std::printf("%s: %s\n", options.map.c_str(), text.c_str());
+  }
+}
+
 ExitCode lead(const SolveArguments& options, Session& session) {
   checkFiles(options);
   if (const OwnSolver* own = ownSolverOf(options.problem); own != nullptr) {
@@ -336,8 +353,9 @@ ExitCode lead(const SolveArguments& options, Session& session) {
     return exitCode(partition.status);
   }
   limitTree(options, partition);
-  const MapContent content =
+  MapContent content =
       inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
+  addSoftBounds(program, partition, options, &content);
   seconds.encode = watch.lap();
   ignoreSignals();
   writeMap(content, options.map);

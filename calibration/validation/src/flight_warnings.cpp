@@ -188,7 +188,7 @@ struct Loop {
 // Of a map's model, behind position and velocity: H(0), and -H'(0) / H(0).
 std::optional<Loop> loopOf(const RegionMap& map) {
   if (map.problemKind() != "yaml") return std::nullopt;
-  const MpcProblem problem = parseFlightModel(std::string(map.problemText()), map.path());
+  const MpcProblem problem = continuousModel(parseFlightModel(std::string(map.problemText()), map.path()));
   const Eigen::Index size = problem.A_c.rows() - 2;
   if (size < 1) return std::nullopt;
   const auto inverse = Eigen::FullPivLU<Eigen::MatrixXd>(problem.A_c.bottomRightCorner(size, size));

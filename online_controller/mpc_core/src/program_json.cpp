@@ -19,11 +19,15 @@ namespace {
 using nlohmann::json;
 
 /// What a file may state. The last row is for people and for tests; keys that begin with _ are free as well.
-constexpr const char* kKeys[] = {"name",        "H",    "f",    "F",        "A",       "b", "B", "eq_ids",
-                                 "lb",          "ub",   "out",  "A_theta",  "b_theta", "n", "m", "n_theta",
-                                 "description", "tags", "type", "expected", "samples"};
+constexpr const char* kKeys[] = {"name",        "H",      "f",    "F",        "A",         "b",
+                                 "B",           "eq_ids", "lb",   "ub",       "out",       "A_theta",
+                                 "b_theta",     "n",      "m",    "n_theta",  "period",    "parameters",
+                                 "inputs",      "E",      "C",    "c",        "row_names", "slacks",
+                                 "description", "tags",   "type", "expected", "samples"};
 
 constexpr const char* kRequired[] = {"H", "f", "F", "A", "b", "B", "lb", "ub"};
+
+constexpr std::size_t kGreatestName = 63;
 
 /// The generic form; every complaint reads `file: field: rule`.
 class JsonReader {
@@ -68,6 +72,8 @@ class JsonReader {
     return at(key).get<std::string>();
   }
 
+  double number(const std::string& key) const { return entries(json::array({at(key)}), key, 1)(0); }
+
   Eigen::VectorXd vector(const std::string& key, Eigen::Index size) const {
     return entries(at(key), key, size);
   }
@@ -85,14 +91,19 @@ class JsonReader {
     return result;
   }
 
+  /// A 0-based index below `limit`.
+  int index(const json& entry, const std::string& field, int limit) const {
+    const bool valid = entry.is_number_integer() && entry.get<std::int64_t>() >= 0 &&
+                       entry.get<std::int64_t>() < static_cast<std::int64_t>(limit);
+    if (!valid) fail(field, "must hold whole numbers from 0 to " + std::to_string(limit - 1));
+    return entry.get<int>();
+  }
+
   /// 0-based indices below `limit`, without repetition.
   std::vector<int> indices(const std::string& key, int limit) const {
     std::vector<int> result;
     for (const json& entry : array(at(key), key)) {
-      const bool valid = entry.is_number_integer() && entry.get<std::int64_t>() >= 0 &&
-                         entry.get<std::int64_t>() < static_cast<std::int64_t>(limit);
-      if (!valid) fail(key, "must hold whole numbers from 0 to " + std::to_string(limit - 1));
-      const int index = entry.get<int>();
+      const int index = this->index(entry, key, limit);
       if (std::find(result.begin(), result.end(), index) != result.end()) {
         fail(key, "must not repeat " + std::to_string(index));
       }
@@ -116,6 +127,58 @@ class JsonReader {
     const json& value = array(at(key), key);
     if (value.empty() && !may_be_empty) fail(key, "must not be empty");
     return static_cast<Eigen::Index>(value.size());
+  }
+
+  /// The objects of a list of `size` at `key`, each with these keys and no other; all keys but `lower`, `upper` and
+  /// `floor` are required.
+  std::vector<json> objects(const std::string& key, Eigen::Index size,
+                            std::initializer_list<const char*> keys) const {
+    std::vector<json> result;
+    if (count(key, true) != size) fail(key, "must have " + std::to_string(size) + " entries");
+    for (const json& entry : at(key)) {
+      const std::string field = key + "[" + std::to_string(result.size()) + "]";
+      if (!entry.is_object()) fail(field, "must be an object");
+      for (const auto& [name, value] : entry.items())
+        if (std::find(keys.begin(), keys.end(), name) == keys.end()) fail(field + "." + name, "unknown key");
+      for (const std::string name : keys) {
+        const bool optional = name == "lower" || name == "upper" || name == "floor";
+        if (!optional && !entry.contains(name)) fail(field + "." + name, "missing");
+      }
+      result.push_back(entry);
+    }
+    return result;
+  }
+
+  /// A name, which must differ from those in `taken` unless that is nullptr, and a unit.
+  void name(const json& object, const std::string& field, std::set<std::string>* taken,
+            Signal* signal) const {
+    for (const char* key : {"name", "unit"}) {
+      const json& value = object.at(key);
+      const bool valid = value.is_string() && !value.get<std::string>().empty() &&
+                         value.get<std::string>().size() <= kGreatestName;
+      if (!valid)
+        fail(field + "." + key, "must be text of 1 to " + std::to_string(kGreatestName) + " characters");
+    }
+    signal->name = object.at("name").get<std::string>();
+    signal->unit = object.at("unit").get<std::string>();
+    if (taken != nullptr && !taken->insert(signal->name).second)
+      fail(field + ".name", "duplicate name '" + signal->name + "'");
+  }
+
+  /// A bound of an object; none where it is absent or null.
+  double bound(const json& object, const char* key, double none, const std::string& field) const {
+    if (!object.contains(key) || object.at(key).is_null()) return none;
+    return entries(json::array({object.at(key)}), field + "." + key, 1)(0);
+  }
+
+  std::vector<std::string> texts(const std::string& key, Eigen::Index size) const {
+    if (count(key, true) != size) fail(key, "must have " + std::to_string(size) + " entries");
+    std::vector<std::string> result;
+    for (const json& entry : at(key)) {
+      if (!entry.is_string()) fail(key, "must hold texts only");
+      result.push_back(entry.get<std::string>());
+    }
+    return result;
   }
 
   /// `key`, where given, must state the size that the matrices have.
@@ -179,12 +242,49 @@ void setBox(const JsonReader& reader, ParametricProgram* program) {
   const Eigen::Index rows = reader.has("A_theta") ? reader.count("A_theta", true) : 0;
   program->A_theta.resize(rows, p);
   program->b_theta.resize(rows);
+  if (reader.has("parameters")) {
+    std::set<std::string> taken;
+    const std::vector<json> named = reader.objects("parameters", p, {"name", "unit"});
+    for (std::size_t i = 0; i < named.size(); ++i)
+      reader.name(named[i], "parameters[" + std::to_string(i) + "]", &taken, &program->parameters[i]);
+  }
   if (reader.has("A_theta")) program->A_theta = reader.matrix("A_theta", rows, p);
   if (rows > 0 || reader.has("b_theta")) program->b_theta = reader.vector("b_theta", rows);
 }
 
+constexpr double kUnboundedInput = std::numeric_limits<double>::infinity();
+
+void setInputs(const JsonReader& reader, Eigen::Index q, ParametricProgram* program) {
+  if (!reader.has("inputs")) {
+    for (Eigen::Index i = 0; i < q; ++i)
+      program->inputs.push_back({"u_" + std::to_string(i), "1", -kUnboundedInput, kUnboundedInput});
+    return;
+  }
+  std::set<std::string> taken;
+  for (const json& object : reader.objects("inputs", q, {"name", "unit", "lower", "upper"})) {
+    const std::string field = "inputs[" + std::to_string(program->inputs.size()) + "]";
+    Signal input;
+    reader.name(object, field, &taken, &input);
+    input.lower = reader.bound(object, "lower", -kUnboundedInput, field);
+    input.upper = reader.bound(object, "upper", kUnboundedInput, field);
+    program->inputs.push_back(input);
+  }
+}
+
+/// `E`, `C`, `c` of u = E z + C theta + c, or `out`, the entries of z that are u.
 void setOutput(const JsonReader& reader, ParametricProgram* program) {
   const int n = program->variableCount();
+  if (reader.has("E")) {
+    if (reader.has("out")) reader.fail("out", "E says the same: only one of them may be given");
+    const Eigen::Index q = reader.count("E", false);
+    program->E = reader.matrix("E", q, n);
+    program->C = reader.matrix("C", q, program->parameterCount());
+    program->c = reader.vector("c", q);
+    setInputs(reader, q, program);
+    return;
+  }
+  for (const char* key : {"C", "c"})
+    if (reader.has(key)) reader.fail(key, "needs E");
   std::vector<int> out;
   if (reader.has("out")) {
     out = reader.indices("out", n);
@@ -196,10 +296,29 @@ void setOutput(const JsonReader& reader, ParametricProgram* program) {
   program->E = Eigen::MatrixXd::Zero(q, n);
   program->C = Eigen::MatrixXd::Zero(q, program->parameterCount());
   program->c = Eigen::VectorXd::Zero(q);
-  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < q; ++i) {
-    program->E(i, out[static_cast<std::size_t>(i)]) = 1.0;
-    program->inputs.push_back({"u_" + std::to_string(i), "1", -kUnbounded, kUnbounded});
+  for (Eigen::Index i = 0; i < q; ++i) program->E(i, out[static_cast<std::size_t>(i)]) = 1.0;
+  setInputs(reader, q, program);
+}
+
+/// Names of rows, and the variables that are slacks.
+void setRowMeanings(const JsonReader& reader, ParametricProgram* program) {
+  if (reader.has("row_names")) program->row_names = reader.texts("row_names", program->rowCount());
+  if (!reader.has("slacks")) return;
+  const Eigen::Index count = reader.count("slacks", true);
+  for (const json& object : reader.objects("slacks", count, {"name", "unit", "variable", "rows", "floor"})) {
+    const std::string field = "slacks[" + std::to_string(program->slacks.size()) + "]";
+    Signal named;
+    reader.name(object, field, nullptr, &named);
+    SlackVariable slack;
+    slack.name = named.name;
+    slack.unit = named.unit;
+    slack.variable = reader.index(object.at("variable"), field + ".variable", program->variableCount());
+    if (!object.at("rows").is_array()) reader.fail(field + ".rows", "must be a list");
+    for (const json& row : object.at("rows"))
+      slack.rows.push_back(reader.index(row, field + ".rows", program->rowCount()));
+    if (object.contains("floor") && object.at("floor") != -1)
+      slack.floor = reader.index(object.at("floor"), field + ".floor", program->rowCount());
+    program->slacks.push_back(slack);
   }
 }
 
@@ -233,6 +352,8 @@ ParametricProgram parseProgramJson(const std::string& text, const std::string& s
   reader.agrees("m", m);
   reader.agrees("n_theta", p);
   setOutput(reader, &program);
+  setRowMeanings(reader, &program);
+  if (reader.has("period")) program.period = reader.number("period");
   try {
     checkProgram(program);
   } catch (const Error& error) {

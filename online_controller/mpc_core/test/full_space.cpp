@@ -1,5 +1,6 @@
 #include "full_space.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>

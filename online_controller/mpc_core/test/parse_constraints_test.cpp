@@ -1,11 +1,14 @@
 // What a problem file says beyond model, weights and ranges, and that each broken rule is named.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/program_json.hpp"
 #include "support.hpp"
 
 namespace {
@@ -120,6 +123,69 @@ TEST(ProblemConstraints, RowsAndSlacksHaveNames) {
   EXPECT_EQ(program.slacks[8].name, "peak");
   EXPECT_EQ(program.slacks[8].rows.size(), 8u);
   EXPECT_EQ(program.slacks[8].floor, -1);
+}
+
+TEST(ProgramJsonText, KeepsNumbersNamesUnitsAndPeriod) {
+  for (const std::string& text : {std::string(kCart), fileText(problemFile("multirotor_lateral.yaml"))}) {
+    const ParametricProgram program = condense(parseProblem(text, "cart.yaml"));
+    const std::string json = programJson(program);
+    const ParametricProgram again = parseProgramJson(json, "cart.json");
+    EXPECT_EQ(programJson(again), json);
+    EXPECT_EQ(again.name, program.name);
+    EXPECT_EQ(again.period, program.period);
+    for (const auto matrix :
+         {&ParametricProgram::H, &ParametricProgram::F, &ParametricProgram::A, &ParametricProgram::S,
+          &ParametricProgram::E, &ParametricProgram::C, &ParametricProgram::A_theta})
+      EXPECT_EQ(again.*matrix, program.*matrix);
+    for (const auto vector :
+         {&ParametricProgram::f, &ParametricProgram::b, &ParametricProgram::c, &ParametricProgram::b_theta})
+      EXPECT_EQ(again.*vector, program.*vector);
+    EXPECT_EQ(again.row_names, program.row_names);
+    EXPECT_EQ(again.inputs[0].name, program.inputs[0].name);
+    EXPECT_EQ(again.inputs[0].upper, program.inputs[0].upper);
+    for (std::size_t i = 0; i < program.parameters.size(); ++i) {
+      EXPECT_EQ(again.parameters[i].name, program.parameters[i].name);
+      EXPECT_EQ(again.parameters[i].unit, program.parameters[i].unit);
+      EXPECT_EQ(again.parameters[i].lower, program.parameters[i].lower);
+    }
+    ASSERT_EQ(again.slacks.size(), program.slacks.size());
+    for (std::size_t i = 0; i < program.slacks.size(); ++i) {
+      EXPECT_EQ(again.slacks[i].variable, program.slacks[i].variable);
+      EXPECT_EQ(again.slacks[i].rows, program.slacks[i].rows);
+      EXPECT_EQ(again.slacks[i].floor, program.slacks[i].floor);
+      EXPECT_EQ(again.slacks[i].name, program.slacks[i].name);
+    }
+  }
+}
+
+TEST(ProgramJsonText, RefusesWrongNamesAndSlacks) {
+  const std::string base =
+      R"({"name": "tiny", "period": 0.1, "H": [[2, 0], [0, 1]], "f": [0, 1], "F": [[1], [0]],
+    "A": [[1, -1], [0, -1]], "b": [1, 0], "B": [[0], [0]], "lb": [-1], "ub": [1],
+    "parameters": [{"name": "x", "unit": "m"}], "row_names": ["top", "floor"],
+    "inputs": [{"name": "u", "unit": "N", "lower": null, "upper": 3}], "E": [[1, 0]], "C": [[0]], "c": [0],
+    "slacks": [{"name": "x", "unit": "m", "variable": 1, "rows": [0], "floor": 1}]})";
+  EXPECT_TRUE(std::isinf(parseProgramJson(base, "tiny.json").inputs[0].lower));
+  const std::vector<std::array<std::string, 4>> cases = {
+      {"\"period\": 0.1", "\"period\": -1", "period", "0 or more"},
+      {"[{\"name\": \"x\", \"unit\": \"m\"}]", "[]", "parameters", "must have 1 entries"},
+      {"{\"name\": \"x\", \"unit\": \"m\"}", "{\"name\": \"x\"}", "parameters[0].unit", "missing"},
+      {"{\"name\": \"x\", \"unit\": \"m\"}", "{\"name\": \"\", \"unit\": \"m\"}", "parameters[0].name",
+       "must be text"},
+      {"{\"name\": \"x\", \"unit\": \"m\"}", "{\"name\": \"x\", \"unit\": \"m\", \"range\": 1}",
+       "parameters[0].range", "unknown key"},
+      {"[\"top\", \"floor\"]", "[\"top\"]", "row_names", "must have 2 entries"},
+      {"\"upper\": 3", "\"upper\": \"3\"", "inputs[0].upper", "finite numbers"},
+      {"\"E\": [[1, 0]]", "\"out\": [0]", "C", "needs E"},
+      {"\"C\": [[0]], ", "", "C", "missing"},
+      {"\"variable\": 1", "\"variable\": 2", "slacks[0].variable", "from 0 to 1"},
+      {"\"rows\": [0]", "\"rows\": [5]", "slacks[0].rows", "from 0 to 1"},
+      {"\"floor\": 1}", "\"floor\": 9}", "slacks[0].floor", "from 0 to 1"}};
+  for (const auto& [from, to, field, rule] : cases) {
+    const std::string message = errorOf([&] { parseProgramJson(replaced(base, from, to), "tiny.json"); });
+    EXPECT_NE(message.find(field + ": "), std::string::npos) << message;
+    EXPECT_NE(message.find(rule), std::string::npos) << message;
+  }
 }
 
 struct BadConstraint {

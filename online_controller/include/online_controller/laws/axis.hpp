@@ -17,9 +17,9 @@ namespace polyfly {
 
 class RegionMap;
 
-/// Signals that a map must have to serve an axis, by name. The map of a minimum-peak robust MPC has the
-/// errors, and may have the references of velocity and input; without that of the input it is for a target
-/// that needs none.
+/// Signals that a map must have to serve an axis, by name. One that bounds states themselves has the references of these
+/// states too. The map of a minimum-peak robust MPC has the errors, and may have the references of velocity and
+/// input; without that of the input it is for a target that needs none.
 struct AxisNames {
   const char* axis;
   const char* position_error;
@@ -30,13 +30,17 @@ struct AxisNames {
   const char* input;
   const char* input_unit;
   const char* velocity_reference;
+  const char* position_reference;
+  const char* angle_reference;  ///< nullptr where there is no lag state
 };
 
 constexpr std::array<AxisNames, 3> kAxisNames{{
     {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad",
-     "v_x_ref"},
-    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref"},
-    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref"},
+     "v_x_ref", "p_x_ref", "theta_ref"},
+    {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref",
+     "p_y_ref", "phi_ref"},
+    {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref", "p_z_ref",
+     nullptr},
 }};
 
 /// What is measured of one axis, in the world-aligned frame.
@@ -64,6 +68,8 @@ enum class AxisEntry : std::size_t {
   kPreviousInput,
   kInputReference,
   kVelocityReference,
+  kPositionReference,
+  kAngleReference,
 };
 
 /// A value for each AxisEntry, from which the parameters are assembled in the law's order.
@@ -73,7 +79,7 @@ class AxisValues {
   double operator[](AxisEntry entry) const noexcept { return values_[static_cast<std::size_t>(entry)]; }
 
  private:
-  std::array<double, 6> values_{};
+  std::array<double, 8> values_{};
 };
 
 /// State and input that follow a reference exactly under a constant disturbance, as long as no bound is

@@ -24,7 +24,8 @@ namespace polyfly {
 /// Bounds of the input and the cost of its changes do not move. offline_mpt/NOTATION.md has the condensed problem.
 class StageReferences {
  public:
-  /// Whether stages can have references of their own: one input, three states at most, no bounded state.
+  /// Whether stages can have references of their own: a continuous model with one input and three states at most; no
+  /// bounds but those of the input and its change; no blocks.
   static bool supports(const MpcProblem& problem);
 
   /// For problems that are supported. Throws Error as discretise() and solveRiccati() do.

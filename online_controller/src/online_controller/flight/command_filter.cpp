@@ -173,7 +173,7 @@ const FilterReport& CommandFilter::step(const VehicleState& state, const Attitud
   if (!allFinite(state)) return stepWithoutState();
   const bool wished = allFinite(wish);
   const double yaw = eulerAngles(state.attitude).yaw;
-  const AttitudeCommand taken = wished ? wish : failsafe_.level({});
+  const AttitudeCommand taken = wished ? wish : levelCommand(options_, {});
   Eigen::Vector3d acceleration = accelerationOf(taken, yaw, options_);
   report_.status = wished ? FilterStatus::kPassed : FilterStatus::kNoWish;
   report_.fallback = ControlStatus::kOptimal;

@@ -1,6 +1,7 @@
 #include "online_controller/laws/axis.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -15,6 +16,29 @@ void requireUnit(const AxisLaw& law, const AxisNames& names, const Signal& signa
   if (signal.unit == unit) return;
   throw Error(law.place(names.axis) + "signal " + quoted(signal.name) + ": unit must be " + quoted(unit) +
               ", got " + quoted(signal.unit));
+}
+
+// Greatest error of a rate that is computed from a discrete model.
+constexpr double kRateTolerance = 1e-9;
+
+/// The parameter of the problem with this name and the role state_reference; nullptr: none.
+const MpcProblem::Parameter* stateReference(const MpcProblem& problem, const char* name) {
+  if (name == nullptr) return nullptr;
+  for (const MpcProblem::Parameter& parameter : problem.parameters)
+    if (parameter.role == ParameterRole::kStateReference && parameter.signal.name == name) return &parameter;
+  return nullptr;
+}
+
+/// Signals with the names of references must be those of these states: position, velocity, angle.
+void requireReferences(const AxisLaw& law, const AxisNames& names, const std::array<int, 3>& states) {
+  const std::array<const char*, 3> signals{names.position_reference, names.velocity_reference,
+                                           names.angle_reference};
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const MpcProblem::Parameter* parameter = stateReference(law.problem(), signals[i]);
+    if (parameter == nullptr || parameter->index == states[i]) continue;
+    throw Error(law.place(names.axis) + "parameter " + quoted(signals[i]) +
+                ": must be the reference of the state that its name says");
+  }
 }
 
 /// The tilt of an axis keeps the noise of its own; the other states have that of the options, in the places
@@ -111,8 +135,15 @@ void Axis::bindSignals(const AxisNames& names) {
       {names.input_reference, names.input_unit, AxisEntry::kInputReference, tracking}};
   if (tracking) expected.push_back({names.previous_input, names.input_unit, AxisEntry::kPreviousInput, true});
   if (!tracking) expected.push_back({names.velocity_reference, "m/s", AxisEntry::kVelocityReference, false});
+  // Problems that bound states themselves.
+  const std::array<ExpectedSignal, 3> references{
+      {{names.position_reference, "m", AxisEntry::kPositionReference, true},
+       {names.velocity_reference, "m/s", AxisEntry::kVelocityReference, true},
+       {names.angle_reference, "rad", AxisEntry::kAngleReference, true}}};
+  for (const ExpectedSignal& reference : references)
+    if (stateReference(law_->problem(), reference.name) != nullptr) expected.push_back(reference);
   if (has_lag_) expected.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
-  static_assert(kMaxParameters >= 5, "an axis has up to five parameters");
+  static_assert(kMaxParameters >= 8, "an axis has up to eight parameters");
 
   std::vector<bool> found(expected.size(), false);
   size_ = 0;
@@ -150,7 +181,8 @@ void Axis::bindSignals(const AxisNames& names) {
   input_upper_ = input.upper;
 }
 
-void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
+void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
+  const MpcProblem problem = continuousModel(given);
   const int states = has_lag_ ? 3 : 2;
   const auto require = [&](bool holds, const std::string& rule) {
     if (!holds) throw Error(law_->place(names.axis) + "model: " + rule);
@@ -168,14 +200,17 @@ void Axis::readModel(const MpcProblem& problem, const AxisNames& names) {
   const int p = state_of(names.position_error);
   const int v = state_of(names.velocity_error);
   const int s = has_lag_ ? state_of(names.angle_error) : v;
+  requireReferences(*law_, names, {p, v, s});
   const auto& A = problem.A_c;
   const auto& B = problem.B_c;
   const auto& Bd = problem.Bd_c;
   require(p != v && (!has_lag_ || (s != p && s != v)),
           "each error parameter must belong to a state of its own");
-  require(
-      A(p, v) == 1.0 && A(p, p) == 0.0 && (!has_lag_ || A(p, s) == 0.0) && B(p, 0) == 0.0 && Bd(p, 0) == 0.0,
-      "the derivative of the position must be the velocity");
+  // A logarithm leaves rounding beside the 1.
+  const double tolerance = given.discrete ? kRateTolerance : 0.0;
+  require(std::abs(A(p, v) - 1.0) <= tolerance && A(p, p) == 0.0 && (!has_lag_ || A(p, s) == 0.0) &&
+              B(p, 0) == 0.0 && Bd(p, 0) == 0.0,
+          "the derivative of the position must be the velocity");
   require(A(v, p) == 0.0 && Bd(v, 0) != 0.0 && std::isfinite(1.0 / Bd(v, 0)),
           "the disturbance must act on the velocity, the position must not");
   if (has_lag_) {
@@ -259,6 +294,8 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   values[AxisEntry::kPreviousInput] = std::clamp(previous_input + input_offset, input_lower_, input_upper_);
   values[AxisEntry::kInputReference] = goal.input + input_offset;
   values[AxisEntry::kVelocityReference] = reference.velocity;
+  values[AxisEntry::kPositionReference] = reference.position;
+  values[AxisEntry::kAngleReference] = goal.angle;
   report.theta = parametersAt(values);
   report.size = size_;
   report.disturbance = disturbance();

@@ -37,7 +37,12 @@ class ExplicitAxisLaw final : public AxisLaw {
 
 class OnlineAxisLaw final : public AxisLaw {
  public:
-  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem)) {}
+  explicit OnlineAxisLaw(const MpcProblem& problem) : problem_(problem), program_(condense(problem)) {
+    const std::vector<int> blocks = blockLengths(problem);
+    for (std::size_t block = 0; block < blocks.size(); ++block)
+      block_of_stage_.insert(block_of_stage_.end(), static_cast<std::size_t>(blocks[block]),
+                             static_cast<int>(block));
+  }
 
   const MpcProblem& problem() const noexcept override { return problem_; }
   const std::vector<Signal>& parameters() const noexcept override { return program_.program().parameters; }
@@ -70,8 +75,9 @@ class OnlineAxisLaw final : public AxisLaw {
   void reset() noexcept override { program_.reset(); }
   bool planned(int stage, double input_reference, double* input) const noexcept override {
     const BoundedQp& solver = program_.solver();
-    if (solver.variableCount() != problem_.horizon) return false;
-    *input = input_reference + solver.x()[std::min(stage, problem_.horizon - 1)];
+    if (problem_.inputCount() != 1) return false;
+    const auto last = static_cast<int>(block_of_stage_.size()) - 1;
+    *input = input_reference + solver.x()[block_of_stage_[static_cast<std::size_t>(std::min(stage, last))]];
     return true;
   }
   double kktResidual() const noexcept override { return program_.solver().kktResidual(); }
@@ -81,6 +87,7 @@ class OnlineAxisLaw final : public AxisLaw {
   MpcProblem problem_;
   OnlineProgram program_;
   const double* gradient_ = nullptr;  // not owned
+  std::vector<int> block_of_stage_;
 };
 
 /// `problem` with its parameters in the order of `signals`.

@@ -29,6 +29,9 @@ bool StageReferences::supports(const MpcProblem& problem) {
   if (problem.minimum_peak || problem.inputCount() != 1 || problem.stateCount() > kMostStates ||
       problem.Bd_c.cols() != 1)
     return false;
+  // What bounds errors or holds the input over several stages would move with the references.
+  if (problem.discrete || !problem.moves.empty() || !problem.constraints.empty() || problem.T.rows() > 0)
+    return false;
   for (const Signal& state : problem.states) {
     if (std::isfinite(state.lower) || std::isfinite(state.upper)) return false;
   }
@@ -43,7 +46,7 @@ StageReferences::StageReferences(const MpcProblem& problem)
   Bd_.head(states_) = model.Bd;
   B_end_.head(states_) = endOfRamp(problem);
   Q_.topLeftCorner(states_, states_) = problem.Q;
-  P_.topLeftCorner(states_, states_) = solveRiccati(model.A, model.B, problem.Q, problem.R);
+  P_.topLeftCorner(states_, states_) = terminalWeight(problem, model);
   R_ = problem.R(0, 0);
   const auto points = static_cast<std::size_t>(horizon_) + 1;
   x_.assign(points, Eigen::Vector3d::Zero());
