@@ -89,8 +89,8 @@ std::string withEnd(std::string text) {
 TEST_F(SliverMutation, LinesOfTheHeadAreThereOnce) {
   ASSERT_EQ(refusal(withEnd(certificate_), map_), "");
   std::vector<std::string> lines = linesOf(certificate_);
-  for (const char* key : {"map ", "problem ", "tolerances ", "equalities ", "basis ", "convexity ", "coverage ",
-                          "regions "}) {
+  for (const char* key :
+       {"map ", "problem ", "tolerances ", "equalities ", "basis ", "convexity ", "coverage ", "regions "}) {
     const auto at = std::find_if(lines.begin(), lines.end(),
                                  [&](const std::string& line) { return line.rfind(key, 0) == 0; });
     ASSERT_NE(at, lines.end()) << key;
@@ -139,8 +139,7 @@ class RelaxedMutation : public Mutation {
 
 TEST_F(RelaxedMutation, RelaxedRowsAreCountedAsSuch) {
   EXPECT_EQ(refusal(certificate_, map_), "");
-  if (certificate_.find("\nrelaxed ") == std::string::npos)
-    GTEST_SKIP() << "rounding left nothing to relax";
+  if (certificate_.find("\nrelaxed ") == std::string::npos) GTEST_SKIP() << "rounding left nothing to relax";
   int tried = 0;
   EXPECT_NE(refusalOfLines("relaxed ", replacing({"relaxed", "0"}), tried), "");
   EXPECT_EQ(tried, 1);

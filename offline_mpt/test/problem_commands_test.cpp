@@ -65,6 +65,12 @@ TEST_F(ProblemCommands, ACondensedProblemHasTheSameMap) {
   const Outcome compared = tool({"diff", path("generic.map"), path("speed.map")});
   EXPECT_EQ(compared.exit_code, 0) << compared.out << compared.err;
   expectPart(tool({"info", path("generic.map")}).out, "v_y_ref");
+  // The checker compares every number with the file, also those of u = E z + C theta + c.
+  ASSERT_EQ(tool({"verify", path("generic.map"), "--exact", "--certificate", path("generic.cert")}).exit_code,
+            0);
+  const std::vector<std::string> confirm = {path("generic.cert"), "--map", path("generic.map"), "--problem",
+                                            path("speed.json")};
+  EXPECT_EQ(check(confirm).exit_code, 0) << check(confirm).err;
   expectPart(tool({"info", path("generic.map")}).out, "period      0.1 s");
 }
 

@@ -89,7 +89,8 @@ using MakeLaw = std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&);
 
 struct Flight {
   Flight(MakeLaw make, const Eigen::Vector3d& wind)
-      : law(make(MultirotorOptions{}), MultirotorOptions{}), supervisor(law, MultirotorOptions{}, FlightOptions{}) {
+      : law(make(MultirotorOptions{}), MultirotorOptions{}),
+        supervisor(law, MultirotorOptions{}, FlightOptions{}) {
     vehicle.wind = wind;
   }
 

@@ -48,8 +48,9 @@ std::string certificateHead(const RegionMap& map, const ParametricProgram& progr
   }
   if (!adjustment.dropped.empty()) appendList("dropped", adjustment.dropped, text);
   if (!adjustment.relaxed.empty()) appendList("relaxed", adjustment.relaxed, text);
-  const char* const convexity =
-      adjustment.singular ? "singular" : program.H.isZero(0.0) ? "linear" : "definite";
+  const char* const convexity = adjustment.singular     ? "singular"
+                                : program.H.isZero(0.0) ? "linear"
+                                                        : "definite";
   text += std::string("convexity ") + convexity + " " + hex(adjustment.penalty) + "\n";
   text += std::string("coverage ") + (widened ? "widened" : "exact") + "\n";
   for (const ReplacedEntry& entry : adjustment.replaced) appendReplaced(entry, text);
