@@ -106,6 +106,8 @@ polyfly::MultirotorOptions AslquadFlights::options(AslquadLaw law, double mass) 
   polyfly::MultirotorOptions options;
   options.mass = mass;
   options.control_period = samplingTime();
+  // One reference for the whole horizon, as the robust law has.
+  options.look_ahead = false;
   options.offset_free = law == AslquadLaw::kDisturbanceEstimate;
   options.disturbance_drift = 0.05;  // 0.08 s instead of 0.01 s between samples
   return options;

@@ -66,7 +66,7 @@ void record(const VehicleState& told, FlightSignals* log) {
 HeadingFlight fly(LawKind kind, double misalignment, double option) {
   MultirotorOptions options;
   options.heading_misalignment = option;
-  const std::unique_ptr<ControlLaw> law = makeLaw(kind, options);
+  const auto law = std::make_unique<LawSwitch>(makeLaw(kind, options), options);
   FlightSupervisor flight(*law, options, FlightOptions{}, PilotRule::kNotRequired);
   const FlightFigure figure{FigureOptions{}};
   PlantOptions plant_options;

@@ -256,9 +256,12 @@ std::string nameOfFlightModel(const std::string& file) {
   return parseFlightModel(readProblem(problemFile(file)), file).name;
 }
 
-// Each type flies; which of them are explored as a parametric program is what the registry says.
+// What flies a type, and which of them are explored as a parametric program, is what the registry says.
 TEST(ProblemTypes, EachHasWhatFliesIt) {
-  ASSERT_EQ(problemTypes().size(), 2U);
+  ASSERT_EQ(problemTypes().size(), 3U);
+  EXPECT_NE(errorOf([] { nameOfFlightModel("safety/fence_y.yaml"); })
+                .find("type: no controller flies a map of a safety_filter"),
+            std::string::npos);
   EXPECT_EQ(nameOfFlightModel("multirotor_lateral.yaml"), "multirotor_lateral");
   EXPECT_EQ(nameOfFlightModel("robust/aslquad_lateral.yaml"), "aslquad_lateral");
   const std::string robust = readProblem(problemFile("robust/aslquad_lateral.yaml"));
