@@ -14,6 +14,10 @@
 
 namespace polyfly {
 
+/// A command that follows another within this part of the maps' period is dropped: the other would be held for less
+/// than the proof assumes.
+constexpr double kLeastFilterPeriod = 0.5;
+
 /// What the filter did. Worse ones have greater numbers; a step reports the worst of its axes.
 enum class FilterStatus : std::uint8_t {
   /// The wish is safe, and was sent as it came.
@@ -30,8 +34,9 @@ enum class FilterStatus : std::uint8_t {
 
 struct FilterAxisReport {
   FilterStatus status = FilterStatus::kPassed;
-  double wish = 0.0;   ///< [m/s^2]
-  double input = 0.0;  ///< [m/s^2]
+  double wish = 0.0;    ///< [m/s^2]
+  double input = 0.0;   ///< [m/s^2]
+  double before = 0.0;  ///< input of the step before [m/s^2]
   LookupStatus lookup = LookupStatus::kNotFinite;
 };
 
@@ -65,6 +70,11 @@ class CommandFilter {
 
   /// Sampling time of the maps [s].
   double period() const noexcept { return maps_[0].period(); }
+
+  /// Problem of the map of the axis x, y or z (0, 1 or 2). Null where it has no map.
+  const SafetyFilterProblem* problem(std::size_t axis) const noexcept {
+    return axes_[axis].map < 0 ? nullptr : &axes_[axis].problem;
+  }
 
  private:
   /// The map of one axis, with what its problem says.

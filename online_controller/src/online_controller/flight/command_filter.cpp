@@ -136,6 +136,7 @@ FilterAxisReport CommandFilter::filter(Axis& axis, double position, double veloc
   FilterAxisReport report;
   report.wish = wish;
   report.input = wish;
+  report.before = axis.before;
   if (axis.map < 0) return report;
   const RegionMap& map = maps_[static_cast<std::size_t>(axis.map)];
   const Signal& input = axis.problem.inputs[0];
@@ -195,7 +196,7 @@ const FilterReport& CommandFilter::stepWithoutState() noexcept {
   report_.status = FilterStatus::kNoState;
   report_.fallback = failsafe_.next(report_.command, {});
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    report_.axes[i] = {FilterStatus::kNoState, 0.0, 0.0, LookupStatus::kNotFinite};
+    report_.axes[i] = {FilterStatus::kNoState, 0.0, 0.0, axes_[i].before, LookupStatus::kNotFinite};
     // What flies is not known to the axis any more: level is the best guess.
     if (report_.fallback != ControlStatus::kHoldLast) axes_[i].before = 0.0;
   }
