@@ -34,9 +34,11 @@ enum class FilterStatus : std::uint8_t {
 
 struct FilterAxisReport {
   FilterStatus status = FilterStatus::kPassed;
-  double wish = 0.0;    ///< [m/s^2]
-  double input = 0.0;   ///< [m/s^2]
-  double before = 0.0;  ///< input of the step before [m/s^2]
+  double position = 0.0;  ///< that was used [m]
+  double velocity = 0.0;  ///< that was used [m/s]
+  double wish = 0.0;      ///< [m/s^2]
+  double input = 0.0;     ///< [m/s^2]
+  double before = 0.0;    ///< input of the step before [m/s^2]
   LookupStatus lookup = LookupStatus::kNotFinite;
 };
 

@@ -134,6 +134,8 @@ void CommandFilter::checkThrust() const {
 FilterAxisReport CommandFilter::filter(Axis& axis, double position, double velocity,
                                        double wish) const noexcept {
   FilterAxisReport report;
+  report.position = position;
+  report.velocity = velocity;
   report.wish = wish;
   report.input = wish;
   report.before = axis.before;
@@ -196,7 +198,7 @@ const FilterReport& CommandFilter::stepWithoutState() noexcept {
   report_.status = FilterStatus::kNoState;
   report_.fallback = failsafe_.next(report_.command, {});
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    report_.axes[i] = {FilterStatus::kNoState, 0.0, 0.0, axes_[i].before, LookupStatus::kNotFinite};
+    report_.axes[i] = {FilterStatus::kNoState, 0.0, 0.0, 0.0, 0.0, axes_[i].before, LookupStatus::kNotFinite};
     // What flies is not known to the axis any more: level is the best guess.
     if (report_.fallback != ControlStatus::kHoldLast) axes_[i].before = 0.0;
   }
