@@ -10,6 +10,8 @@
 namespace polyfly {
 namespace {
 
+// A silence that lasts longer is no flight: the recorder's clock was set, or it paused.
+constexpr double kLongestSilence = 60.0;  // [s]
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // The node's rules, by the recorder's clock.
@@ -43,9 +45,10 @@ class FilterRun {
     return since >= 0.0 && since < kLeastFilterPeriod * filter_.period() && wish.stamp != 0.0;
   }
 
-  // Once in each period of a silence that lasts until `end`.
+  // Once in each period of a silence that lasts until `end`, or for kLongestSilence.
   void answerSilence(double end) {
     if (!answered_stamp_) return;
+    end = std::min(end, answered_time_ + kLongestSilence);
     const AttitudeCommand none = {kNoNumber, kNoNumber, kNoNumber, kNoNumber};
     for (std::size_t k = 0;; ++k) {
       const double time = answered_time_ + silence_ + static_cast<double>(k) * filter_.period();

@@ -175,6 +175,18 @@ TEST_F(FilterReplayTest, FollowsTheNodeInSilence) {
   EXPECT_TRUE(mentions(result, "without odometry for"));
 }
 
+TEST_F(FilterReplayTest, FollowsNoSilenceOfYears) {
+  FilterLog log = fly(true);
+  for (std::size_t k = 60; k < kPeriods; ++k) {
+    log.odometry[k].received += 1e9;
+    log.wishes[k].received += 1e9;
+  }
+  const FilterValidation result = judge(log);
+  // Odometry pauses as well, which counts first.
+  EXPECT_NEAR(result.without_wish_time + result.without_state_time, 60.0, 1.0);
+  EXPECT_LT(replay_.samples.size(), 1000u);
+}
+
 TEST_F(FilterReplayTest, FindsRecordsThatAreNotThoseOfTheReplay) {
   FilterLog log = fly(true);
   log.statuses[7].input[0] += 1e-6;

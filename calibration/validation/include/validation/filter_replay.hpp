@@ -74,7 +74,7 @@ struct FilterReplay {
 double edgeDistance(const SafetyFilterProblem& problem, const double* xi);
 
 /// Runs the record through the filter, by the node's rules. The order is that of arrival, and odometry counts as the
-/// earlier of two that arrived at one time. The states are those of the record, whatever the filter answers. Throws Error
+/// earlier of two that arrived at one time. A silence is followed for at most a minute. The states are those of the record, whatever the filter answers. Throws Error
 /// when there is no command.
 FilterReplay replayFilter(const FilterLog& log, const FilterTiming& timing, CommandFilter& filter);
 
