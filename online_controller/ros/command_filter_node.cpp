@@ -72,8 +72,8 @@ polyfly::AttitudeCommand toCommand(const mav_msgs::RollPitchYawrateThrust& messa
 
 void fillFilterAxis(const polyfly::FilterAxisReport& report, online_controller::CommandFilterAxis& message) {
   message.status = static_cast<std::uint8_t>(report.status);
-  message.position = report.position;
-  message.velocity = report.velocity;
+  message.position = report.xi[0];
+  message.velocity = report.xi[1];
   message.wish = report.wish;
   message.input = report.input;
 }

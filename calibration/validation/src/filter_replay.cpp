@@ -74,10 +74,7 @@ class FilterRun {
   double distanceOf(const FilterSample& sample, std::size_t axis) const {
     const SafetyFilterProblem* problem = filter_.problem(axis);
     if (problem == nullptr || sample.report.status == FilterStatus::kNoState) return kNoNumber;
-    const auto at = static_cast<Eigen::Index>(axis);
-    const double xi[] = {sample.state.position[at], sample.state.velocity[at],
-                         sample.report.axes[axis].before};
-    return edgeDistance(*problem, xi);
+    return edgeDistance(*problem, sample.report.axes[axis].xi.data());
   }
 
   void hold() {
