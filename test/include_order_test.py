@@ -12,7 +12,7 @@ INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 OFFLINE_FOLDERS = ["support", "arithmetic", "lp", "program", "exact_kkt", "explore/sets", "explore/region",
                    "explore/state", "explore/parallel", "explore", "tree", "count", "reduce", "verify", "certify",
                    "certify/reduction", "diff"]
-CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight"]
+CONTROLLER_FOLDERS = ["types", "realtime", "estimation", "reference", "laws", "flight", "parameters"]
 
 # The folder that each public header of the offline solver belongs to.
 OFFLINE_HEADERS = {
@@ -64,7 +64,8 @@ PACKAGES = {
                                "identification", "offline_mpt", "robust_mpc", "explorer_content", "validation"},
     "calibration/validation/ros": {"polyfly_base", "polyfly_ros", "command_line", "region_maps", "online_controller",
                                    "online_controller_ros", "bags", "robust_mpc", "validation", "validation_ros"},
-    "calibration/app": {"polyfly_base", "command_line", "mpc_core", "identification", "autopilot", "validation"},
+    "calibration/app": {"polyfly_base", "command_line", "mpc_core", "online_controller", "fixedwing_lateral",
+                        "identification", "autopilot", "validation"},
 }
 LIBRARIES = set.union(*PACKAGES.values())
 

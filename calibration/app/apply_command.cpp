@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "calibrate_commands.hpp"
+#include "fixedwing_lateral/lateral_parameters.hpp"
 #include "identification/apply_options.hpp"
 #include "mpc_core/apply_calibration.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "online_controller/parameters/multirotor_parameters.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/read_text.hpp"
@@ -25,6 +27,15 @@ struct ApplyArguments {
   bool force = false;
 };
 
+// What is written must be options with which the node starts.
+void requireNodeStarts(const AppliedOptions& applied, const std::string& source) {
+  if (applied.fixed_wing) {
+    parseLateralParameters(applied.text, source);
+  } else {
+    parseMultirotorParameters(applied.text, source);
+  }
+}
+
 int apply(const ApplyArguments& arguments) {
   const std::string& target = arguments.problem.empty() ? arguments.options : arguments.problem;
   if (target.empty() || (!arguments.problem.empty() && !arguments.options.empty()))
@@ -39,11 +50,13 @@ int apply(const ApplyArguments& arguments) {
   AppliedOptions applied;
   if (arguments.problem.empty()) {
     applied = applyToOptions(readText(target), target, files);
+    requireNodeStarts(applied, target + " with its calibration");
   } else {
     AppliedCalibration problem = applyCalibrations(readText(target), target, files);
     // What is written must be a problem; a robust one is checked for what a controller needs of it.
     parseFlightModel(problem.problem, target + " with its calibration");
-    applied = {std::move(problem.problem), std::move(problem.changes)};
+    applied.text = std::move(problem.problem);
+    applied.changes = std::move(problem.changes);
   }
   writeFileAtomically(arguments.output, applied.text);
   for (const std::string& change : applied.changes) std::cout << visible(change) << "\n";
@@ -59,7 +72,7 @@ void addApplyCommand(CLI::App& app, int* result) {
       "apply", "Write calibrations into a problem file or a node's options, with their provenance.");
   command
       ->add_option("calibrations", arguments->calibrations,
-                   "Output files (-o) of attitude, drag, disturbance and mass.")
+                   "Output files (-o) of attitude, drag, disturbance, mass, thrust and heading.")
       ->required()
       ->type_name("FILE...");
   command->add_option("--problem", arguments->problem, "Problem file to calibrate.")->type_name("FILE");

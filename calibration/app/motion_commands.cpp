@@ -7,6 +7,7 @@
 #include "calibrate_commands.hpp"
 #include "identification/motion_output.hpp"
 #include "identification/several_motions.hpp"
+#include "identification/thrust_fit.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -19,6 +20,8 @@ namespace {
 struct MotionArguments : LogArguments {
   MotionOptions motion;
   BoundOptions limits;
+  /// Degree of the thrust curve, 0: chosen.
+  int degree = 0;
   std::vector<double> drag;
   std::string report;
 };
@@ -85,6 +88,13 @@ std::vector<Motion> motions(const MotionFlights& flights, MotionOptions options)
   return all;
 }
 
+// What the page draws of the whole record.
+std::vector<std::string> drawnSignals(const std::string& kind) {
+  if (kind == "wind") return {"vn", "ve", "airspeed"};
+  if (kind == "thrust") return {"thrust_cmd"};
+  return {"vx", "vy", "vz"};
+}
+
 int run(const std::string& kind, MotionArguments arguments, const Find& find) {
   checkResults(arguments, arguments.report);
   MotionCalibration calibration;
@@ -94,10 +104,7 @@ int run(const std::string& kind, MotionArguments arguments, const Find& find) {
     arguments.motion.drag[static_cast<Eigen::Index>(i)] = arguments.drag[i];
   }
   const MotionFlights flights = readMotion(arguments, &calibration);
-  const std::vector<std::string> velocities = kind == "wind"
-                                                  ? std::vector<std::string>{"vn", "ve", "airspeed"}
-                                                  : std::vector<std::string>{"vx", "vy", "vz"};
-  for (const std::string& name : velocities) {
+  for (const std::string& name : drawnSignals(kind)) {
     if (flights.joint.has(name)) calibration.record.emplace_back(name, cleaned(flights.joint.at(name)));
   }
   find(flights, arguments, &calibration);
@@ -148,6 +155,15 @@ void findMass(const MotionFlights& flights, const MotionArguments& arguments,
   } else {
     keep(fitMass(joint, arguments.motion), calibration);
   }
+}
+
+void findThrust(const MotionFlights& flights, const MotionArguments& arguments,
+                MotionCalibration* calibration) {
+  ThrustFit fit = fitThrust({flights.each, flights.each_windows},
+                            {arguments.motion.mass, arguments.motion.gravity, arguments.degree});
+  calibration->curve = std::move(fit.curve);
+  calibration->flights = std::move(fit.flights);
+  keep(static_cast<MotionFit&&>(fit), calibration);
 }
 
 void findWind(const MotionFlights& flights, const MotionArguments&, MotionCalibration* calibration) {
@@ -205,6 +221,26 @@ CLI::App* add(CLI::App& app, const std::string& kind, const std::string& descrip
   return command;
 }
 
+void addThrust(CLI::App& app, int* result) {
+  const auto thrust = std::make_shared<MotionArguments>();
+  thrust->battery = true;
+  CLI::App* command =
+      add(app, "thrust",
+          "Identify the curve from a thrust to the thrust command of an autopilot, a share from 0 to 1.",
+          result, findThrust, thrust);
+  command->add_option("--mass", thrust->motion.mass, "Mass of the vehicle as it flew [kg].")
+      ->check(numberAbove(0.0))
+      ->required();
+  command->add_option("--gravity", thrust->motion.gravity, "Gravitational acceleration [m/s^2].")
+      ->check(numberFrom(1.0, 30.0))
+      ->capture_default_str();
+  command
+      ->add_option("--degree", thrust->degree,
+                   "Degree of the polynomial, 1 to 3. 0: the greatest that the data tell from a lower one.")
+      ->check(wholeNumber(0, 3))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void addMotionCommands(CLI::App& app, int* result) {
@@ -232,6 +268,8 @@ void addMotionCommands(CLI::App& app, int* result) {
   declareMotion(*command, *mass);
   declareNewtons(*command, *mass);
   declareDrag(*command, *mass);
+
+  addThrust(app, result);
 
   const auto heading = std::make_shared<MotionArguments>();
   command = add(app, "heading", "Identify the angle between the motion and the heading of the attitude.",

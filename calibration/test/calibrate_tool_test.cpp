@@ -1,97 +1,23 @@
-// Runs the command-line tool `calibrate`.
+// `calibrate` with one flight: what it reads, finds, writes and refuses.
+#include "calibrate_tool.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
-#include <sstream>
 
 #include "identification/provenance.hpp"
-#include "made_flight.hpp"
 #include "made_logs.hpp"
-#include "made_stretches.hpp"
 
 namespace polyfly {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-class CalibrateTool : public testing::Test {
- protected:
-  CalibrateTool() : folder_(fs::path(testing::TempDir()) / ("calibrate_tool_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-    writeFlight({}, 1, "flight.csv");
-  }
-  ~CalibrateTool() override { fs::remove_all(folder_); }
-
-  // Roll of a made flight, with the command held onto the rows of the response; `clock` gives their times.
-  void writeFlight(
-      const test::MadeLoop& made, std::uint32_t seed, const std::string& name,
-      const std::function<double(double)>& clock = [](double time) { return time; }) {
-    const LoopRecord record = test::makeFlight(made, seed);
-    std::ofstream file(folder_ / name);
-    file.precision(14);
-    file << "t_s,roll_cmd_rad,roll_rad\n";
-    std::size_t held = 0;
-    for (std::size_t i = 0; i < record.response.time.size(); ++i) {
-      const auto& command = record.command;
-      while (held + 1 < command.time.size() && command.time[held + 1] <= record.response.time[i]) ++held;
-      file << clock(record.response.time[i]) << "," << command.value[held] << "," << record.response.value[i]
-           << "\n";
-    }
-  }
-
-  // The signals of a made flight with stretches.
-  void writeStretches(const FlightSignals& signals, const std::string& name) {
-    const std::pair<const char*, const char*> columns[] = {{"roll_cmd", "roll_cmd_rad"},
-                                                           {"pitch_cmd", "pitch_cmd_rad"},
-                                                           {"roll", "roll_rad"},
-                                                           {"pitch", "pitch_rad"},
-                                                           {"yaw", "yaw_rad"},
-                                                           {"vx", "vx_mps"},
-                                                           {"vy", "vy_mps"},
-                                                           {"vz", "vz_mps"},
-                                                           {"thrust_cmd", "thrust_cmd"}};
-    std::ofstream file(folder_ / name);
-    file << "t_s";
-    for (const auto& [signal, column] : columns) file << "," << column;
-    for (std::size_t i = 0; i < signals.at("roll").time.size(); ++i) {
-      file << "\n" << signals.at("roll").time[i];
-      for (const auto& [signal, column] : columns) file << "," << signals.at(signal).value[i];
-    }
-  }
-
-  int run(const std::string& arguments, const std::string& before = "") {
-    const std::string line = std::string("cd ") + folder_.string() + " && " + before + CALIBRATE_PROGRAM +
-                             " " + arguments + " > out.txt 2> err.txt";
-    const int status = std::system(line.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string out() const { return contents(folder_ / "out.txt"); }
-  std::string err() const { return contents(folder_ / "err.txt"); }
-  void expectPage(const std::string& report, const std::vector<std::string>& all_words) const {
-    const std::string page = contents(folder_ / report / "index.html");
-    for (const std::string& words : all_words) EXPECT_NE(page.find(words), std::string::npos) << words;
-    EXPECT_NE(page.find("<svg"), std::string::npos);
-    EXPECT_TRUE(fs::exists(folder_ / report / "calibration.yaml"));
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(CalibrateTool, TellsBadInputInOneLineWithItsName) {
   std::ofstream(folder_ / "odd.csv") << "t_s,\x1b[31mroll\n0,1\n1,2\n";
@@ -118,7 +44,7 @@ TEST_F(CalibrateTool, ReadsTheLogsOfAutopilots) {
   writeBytes(madePx4Flight(0.93, 0.21).bytes, folder_ / "flight.ulg");
   writeBytes(madeArduPilotFlight(0.93, 0.21).bytes, folder_ / "flight.bin");
   for (const std::string name : {"flight.ulg", "flight.bin"}) {
-    ASSERT_EQ(run("attitude " + name + " -o loop.yaml"), 0) << err() << out();
+    ASSERT_EQ(run("attitude " + name + " --axis roll -o loop.yaml"), 0) << err() << out();
     const YAML::Node roll = YAML::LoadFile(folder_ / "loop.yaml")["axes"]["roll"];
     EXPECT_NEAR(roll["model_without_delay"]["gain"].as<double>(), 0.93, 0.01);
     EXPECT_NEAR(roll["model_without_delay"]["tau"].as<double>(), 0.21, 0.01);
@@ -222,250 +148,10 @@ TEST_F(CalibrateTool, ReadsMillisecondsWithDecimalCommas) {
   expectPage("report", {"time since 2020-09-13T12:26:40Z [s]", "supported</span>"});
 }
 
-// What is no flight stands in text, YAML and page, for every command that reads flights.
-TEST_F(CalibrateTool, LeavesATumbleOutAndSaysSo) {
-  test::MadeStretches made;
-  made.tumbles = 4.0;
-  writeStretches(test::makeStretches(made, 1).signals, "tumble.csv");
-  for (const std::string command : {"attitude", "disturbance --mass 1.5", "drag", "mass"}) {
-    ASSERT_EQ(run(command + " tumble.csv -o out.yaml --report page"), 0) << err();
-    EXPECT_NE(out().find("s: upset, not commanded (tilt up to"), std::string::npos) << command << "\n"
-                                                                                    << out();
-    EXPECT_NE(contents(folder_ / "out.yaml").find("upset, not commanded"), std::string::npos) << command;
-    EXPECT_NE(contents(folder_ / "page/index.html").find("upset, not commanded"), std::string::npos)
-        << command;
-    fs::remove_all(folder_ / "page");
-  }
-  // So in one of several flights, whose others say nothing of it.
-  made.tumbles = 0.0;
-  writeStretches(test::makeStretches(made, 2).signals, "calm.csv");
-  ASSERT_EQ(run("attitude calm.csv tumble.csv --axis pitch -o out.yaml"), 0) << err();
-  EXPECT_NE(out().find("left out: tumble.csv: "), std::string::npos) << out();
-  const YAML::Node flights = YAML::LoadFile(folder_ / "out.yaml")["axes"]["pitch"]["flights"];
-  ASSERT_EQ(flights.size(), 2u);
-  const auto upset = [](const YAML::Node& flight) {
-    return std::any_of(flight["left_out"].begin(), flight["left_out"].end(), [](const YAML::Node& one) {
-      return one["reason"].as<std::string>().find("upset") != std::string::npos;
-    });
-  };
-  EXPECT_TRUE(upset(flights[1]));
-  EXPECT_FALSE(upset(flights[0]));
-  ASSERT_EQ(run("attitude tumble.csv"), 0);
-  EXPECT_NE(out().find("yaw_rate is not identified: the log has no yaw_rate_cmd and no yaw_rate"),
-            std::string::npos)
-      << out();
-}
-
-// From a flight with a known loop to the numbers that fly: within the intervals, and by their source.
-TEST_F(CalibrateTool, HandsOutWhatFlewWithinItsIntervals) {
-  const test::MadeLoop made;
-  ASSERT_EQ(run("attitude flight.csv -o roll.yaml --vehicle multirotor"), 0) << err();
-  const YAML::Node roll = YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"];
-  const YAML::Node model = roll["model_without_delay"];
-  EXPECT_TRUE(model["supported"].as<bool>());
-  EXPECT_GT(model["validation_percent"].as<double>(), 50.0);
-  const auto holds = [](const YAML::Node& interval, double truth, double margin) {
-    EXPECT_LE(interval[0].as<double>() - margin, truth);
-    EXPECT_GE(interval[1].as<double>() + margin, truth);
-  };
-  holds(model["intervals_95"]["gain"], made.gain, 0.0);
-  // Holding the command onto the response's rows delays it by up to a row.
-  holds(model["intervals_95"]["tau"], made.tau + made.delay, 0.012);
-  const std::string problem = std::string(SOURCE_FOLDER) + "/region_maps/problems/multirotor_lateral.yaml";
-  ASSERT_EQ(run("apply roll.yaml --problem " + problem + " -o lateral.yaml"), 0) << err();
-  const YAML::Node a = YAML::LoadFile(folder_ / "lateral.yaml")["model"];
-  EXPECT_NEAR(-1.0 / a["A"][2][2].as<double>(), model["tau"].as<double>(), 1e-6);
-  EXPECT_NEAR(-a["B"][2][0].as<double>() / a["A"][2][2].as<double>(), model["gain"].as<double>(), 1e-6);
-  const std::string config = std::string(SOURCE_FOLDER) + "/launch/config/";
-  ASSERT_EQ(run("apply roll.yaml --options " + config + "firefly.yaml -o firefly.yaml"), 0) << err();
-  const YAML::Node options = YAML::LoadFile(folder_ / "firefly.yaml");
-  EXPECT_NEAR(options["nonlinear"]["roll_time"].as<double>(), model["tau"].as<double>(), 1e-6);
-  EXPECT_NEAR(options["nonlinear"]["roll_gain"].as<double>(), model["gain"].as<double>(), 1e-6);
-  EXPECT_NE(options["provenance"].as<std::string>().find("flight.csv"), std::string::npos);
-  // The same flight of a fixed wing goes into neither.
-  EXPECT_EQ(run("apply roll.yaml --options " + config + "techpod.yaml -o techpod.yaml"), 2);
-  EXPECT_NE(err().find("vehicle.kind: must be fixed_wing"), std::string::npos) << err();
-  EXPECT_EQ(run("apply roll.yaml -o x.yaml"), 2);
-  EXPECT_EQ(run("apply roll.yaml --problem " + problem + " --options " + config + "firefly.yaml -o x.yaml"),
-            2);
-}
-
-// Eq. 45 of a made second-order roll loop, into the file of the fixed wing.
-TEST_F(CalibrateTool, HandsOutEq45OfAFixedWing) {
-  test::MadeLoop made;
-  made.order = LoopOrder::kSecond;
-  made.delay = 0.0;
-  made.duration = 60.0;
-  made.response_rate = made.command_rate = 100.0;
-  writeFlight(made, 7, "wing.csv");
-  ASSERT_EQ(run("attitude wing.csv -o roll.yaml --vehicle fixed_wing"), 0) << err();
-  const YAML::Node model =
-      YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["model_second_order_without_delay"];
-  const std::string config = std::string(SOURCE_FOLDER) + "/launch/config/techpod.yaml";
-  ASSERT_EQ(run("apply roll.yaml --options " + config + " -o techpod.yaml"), 0) << err();
-  const YAML::Node options = YAML::LoadFile(folder_ / "techpod.yaml")["model"];
-  for (const auto& [key, truth] : std::vector<std::pair<std::string, double>>{
-           {"a0", made.a0}, {"a1", made.a1}, {"b0", made.gain * made.a0}}) {
-    EXPECT_NEAR(options[key].as<double>(), model[key].as<double>(), 1e-4) << key;
-    EXPECT_NEAR(options[key].as<double>(), truth, 0.05 * truth) << key;
-  }
-}
-
-// A flight of every kind: what the tool writes, apply reads without an unknown key.
-TEST_F(CalibrateTool, EveryKindThatIsWrittenIsRead) {
-  for (const int flight : {0, 1, 2}) {
-    std::ofstream file(folder_ / ("all" + std::to_string(flight) + ".csv"));
-    file << "t_s,vx_mps,vy_mps,vz_mps,vn_mps,ve_mps,tas_mps,roll_rad,pitch_rad,yaw_rad,thrust_cmd\n";
-    for (int i = 0; i < 1200; ++i) {
-      const double course = 0.01 * i + 0.1 * flight;
-      file << 0.05 * i << "," << 15 * std::cos(course) << "," << 15 * std::sin(course) << ",0,"
-           << 15 * std::cos(course) << "," << 15 * std::sin(course) << "," << 15 + 0.1 * (i % 3)
-           << ",0.01,0.02," << course << "," << 14 + 0.1 * flight << "\n";
-    }
-  }
-  writeFlight({}, 2, "b.csv");
-  writeFlight({}, 3, "c.csv");
-  const std::string source = SOURCE_FOLDER;
-  for (const std::string logs : {" all0.csv", " all0.csv all1.csv all2.csv"}) {
-    for (const std::string kind : {"drag", "mass", "wind", "heading", "disturbance"}) {
-      if (logs.size() > 10 && (kind == "wind" || kind == "heading")) continue;
-      ASSERT_EQ(run(kind + logs + " -o " + kind + ".yaml --quiet"), 0) << err();
-      run("apply " + kind + ".yaml --problem " + source +
-          "/region_maps/problems/multirotor_lateral.yaml -o out.yaml");
-      EXPECT_NE(err().find("vehicle.kind: must be multirotor"), std::string::npos) << kind << logs << err();
-    }
-  }
-  for (const std::string logs : {" flight.csv --validation flight.csv", " flight.csv b.csv c.csv"}) {
-    ASSERT_EQ(run("attitude" + logs + " -o attitude.yaml --quiet"), 0) << err();
-    EXPECT_EQ(run("apply attitude.yaml --options " + source + "/launch/config/firefly.yaml -o o.yaml"), 0)
-        << logs << err();
-  }
-  EXPECT_NE(contents(folder_ / "o.yaml").find("b.csv"), std::string::npos);
-}
-
-// The wing of the flights above, and a flight that is slow.
-TEST_F(CalibrateTool, RefusesFlightsOfTwoKindsOfVehicle) {
-  for (const double speed : {2.0, 15.0}) {
-    std::ofstream file(folder_ / (speed < 10.0 ? "slow.csv" : "fast.csv"));
-    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
-    for (int i = 0; i < 1200; ++i) {
-      const double course = 0.01 * i;
-      file << 0.05 * i << "," << speed * std::cos(course) << "," << speed * std::sin(course)
-           << ",0,0.01,0.02," << course << "\n";
-    }
-  }
-  EXPECT_EQ(run("drag slow.csv fast.csv -o drag.yaml"), 2);
-  EXPECT_NE(err().find("fast.csv: the vehicle is a fixed_wing"), std::string::npos) << err();
-  EXPECT_NE(err().find("that of slow.csv a multirotor"), std::string::npos) << err();
-  ASSERT_EQ(run("drag slow.csv fast.csv --vehicle multirotor -o drag.yaml"), 0) << err();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "drag.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
-  // A flight that does not tell leaves it to the others.
-  ASSERT_EQ(run("attitude flight.csv slow.csv -o roll.yaml"), 0) << err();
-  EXPECT_NE(out().find("slow.csv: roll is not identified: the log has no roll_cmd"), std::string::npos)
-      << out();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["vehicle"]["kind"].as<std::string>(), "multirotor");
-  EXPECT_EQ(run("heading slow.csv fast.csv --vehicle multirotor"), 2);
-  EXPECT_NE(err().find("heading: takes one log"), std::string::npos) << err();
-}
-
 TEST_F(CalibrateTool, WritesAReport) {
   ASSERT_EQ(run("attitude flight.csv --report report --quiet"), 0) << err();
   expectPage("report", {"what was used", "measured and modelled", "validation", "frequency response"});
   EXPECT_TRUE(out().empty());
-}
-
-TEST_F(CalibrateTool, TakesAnotherFlightForValidation) {
-  writeFlight({}, 2, "other.csv");
-  ASSERT_EQ(run("attitude flight.csv --validation other.csv -o roll.yaml"), 0) << err();
-  const YAML::Node yaml = YAML::LoadFile(folder_ / "roll.yaml");
-  EXPECT_EQ(yaml["data"]["validation"]["file"].as<std::string>(), "other.csv");
-  EXPECT_FALSE(yaml["axes"]["roll"]["validation"]["by_halves"].as<bool>());
-  EXPECT_GT(yaml["axes"]["roll"]["validation"]["validation_percent"].as<double>(), 90.0);
-}
-
-TEST_F(CalibrateTool, MakesOneModelOfSeveralFlights) {
-  test::MadeLoop made;
-  made.gain = 0.9;
-  writeFlight(made, 2, "b.csv");
-  made.gain = 1.1;
-  writeFlight(made, 3, "c.csv");
-  ASSERT_EQ(run("attitude flight.csv b.csv c.csv -o loops.yaml --report report"), 0) << err();
-  const YAML::Node yaml = YAML::LoadFile(folder_ / "loops.yaml");
-  ASSERT_EQ(yaml["data"]["training"].size(), 3u);
-  EXPECT_EQ(yaml["data"]["training"][1]["file"].as<std::string>(), "b.csv");
-  const YAML::Node roll = yaml["axes"]["roll"];
-  EXPECT_EQ(roll["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
-  ASSERT_EQ(roll["flights"].size(), 3u);
-  EXPECT_EQ(roll["flights"][2]["file"].as<std::string>(), "c.csv");
-  EXPECT_GT(roll["flights"][0]["validation_percent"].as<double>(), 80.0);
-  EXPECT_TRUE(roll["validation"]["by_flights"].as<bool>());
-  const YAML::Node gain = roll["with_delay"]["parameters"]["gain"];
-  EXPECT_NEAR(gain["value"].as<double>(), 1.0, 0.02);
-  EXPECT_NEAR(gain["between_flights"].as<double>(), 0.1, 0.02);
-  EXPECT_NEAR(gain["interval_95"][1].as<double>() - gain["value"].as<double>(), 4.3027 * 0.1 / std::sqrt(3.0),
-              0.05);
-  EXPECT_NE(out().find("the intervals hold the spread between 3 flights"), std::string::npos) << out();
-  expectPage("report", {"flight.csv", "c.csv", "What each flight says", "by the others' model"});
-  ASSERT_EQ(run("attitude flight.csv -o roll.yaml"), 0) << err();
-  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["interval_holds_for"].as<std::string>(),
-            "this flight alone");
-}
-
-TEST_F(CalibrateTool, FindsDragAndBoundsOfSeveralFlights) {
-  for (const int flight : {1, 2}) {
-    std::ofstream file(folder_ / ("fast" + std::to_string(flight) + ".csv"));
-    file << "t_s,vx_mps,vy_mps,vz_mps,roll_rad,pitch_rad,yaw_rad\n";
-    const double drag = 0.2 + 0.02 * flight;
-    double velocity = 0.0;
-    for (int i = 0; i < 3000; ++i) {
-      const double time = 0.02 * i;
-      const double pitch = 0.1 * std::sin(0.5 * time);
-      file << time << "," << velocity << "," << velocity << ",0," << -pitch << "," << pitch << ",0\n";
-      velocity += 0.02 * (9.8066 * std::tan(pitch) - drag * velocity);
-    }
-  }
-  ASSERT_EQ(run("drag fast1.csv fast2.csv --window 1:0:30 --window 2:30:60 -o drag.yaml --report drag"), 0)
-      << err();
-  const YAML::Node yaml = YAML::LoadFile(folder_ / "drag.yaml");
-  ASSERT_EQ(yaml["data"].size(), 2u);
-  EXPECT_EQ(yaml["data"][1]["file"].as<std::string>(), "fast2.csv");
-  EXPECT_EQ(yaml["windows"][1][0][1].as<double>(), 60.0);
-  ASSERT_EQ(yaml["flights"].size(), 2u);
-  EXPECT_NEAR(yaml["flights"][1]["drag_x"].as<double>(), 0.24, 0.01);
-  EXPECT_NEAR(yaml["parameters"]["drag_x"]["value"].as<double>(), 0.23, 0.01);
-  EXPECT_EQ(yaml["interval_holds_for"].as<std::string>(), "the vehicle, between flights");
-  expectPage("drag", {"What each flight says", "fast2.csv"});
-  // A flight without a window of its own is used as a whole.
-  const auto mean = [this](const std::string& windows) {
-    EXPECT_EQ(run("disturbance fast1.csv fast2.csv --drag 0.22 0.22 0 -o one.yaml" + windows), 0) << err();
-    return YAML::LoadFile(folder_ / "one.yaml")["axes"]["x"]["mean"].as<double>();
-  };
-  EXPECT_DOUBLE_EQ(mean(" --window 1:0:30"), mean(" --window 1:0:30 --window 2:-1:100"));
-  EXPECT_NE(mean(" --window 1:0:30"), mean(" --window 1:0:30 --window 2:0:10"));
-  ASSERT_EQ(run("disturbance fast1.csv fast2.csv --drag 0.22 0.22 0 -o bound.yaml"), 0) << err();
-  EXPECT_EQ(YAML::LoadFile(folder_ / "bound.yaml")["data"].size(), 2u);
-}
-
-TEST_F(CalibrateTool, TellsWhatIsWrongWithSeveralFlights) {
-  std::ofstream(folder_ / "still.csv") << "t_s,roll_cmd_rad,roll_rad\n0,0,0\n0.02,0,0\n0.04,0,0\n";
-  fs::copy_file(folder_ / "flight.csv", folder_ / "copy.csv");
-  EXPECT_EQ(run("attitude flight.csv copy.csv"), 2);
-  EXPECT_NE(err().find("copy.csv: is the same flight as flight.csv"), std::string::npos) << err();
-  EXPECT_EQ(run("wind flight.csv still.csv"), 2);
-  EXPECT_NE(err().find("takes one log"), std::string::npos) << err();
-  EXPECT_EQ(run("attitude flight.csv still.csv --window 3:1:2"), 2);
-  EXPECT_NE(err().find("must be that of a log, 1 to 2"), std::string::npos) << err();
-  EXPECT_EQ(run("attitude flight.csv still.csv -o still.csv"), 2);
-  ASSERT_EQ(run("attitude flight.csv still.csv -o roll.yaml --strict"), 1) << err();
-  EXPECT_NE(out().find("Left out: still.csv: roll: "), std::string::npos) << out();
-  EXPECT_NE(out().find("hold for this flight alone"), std::string::npos) << out();
-  // Each flight with a window of its own.
-  writeFlight({}, 2, "b.csv");
-  ASSERT_EQ(run("attitude flight.csv b.csv --window 1:2:20 --window 2:5:28 -o roll.yaml"), 0) << err();
-  const YAML::Node flights = YAML::LoadFile(folder_ / "roll.yaml")["axes"]["roll"]["flights"];
-  EXPECT_EQ(flights[0]["windows"][0][1].as<double>(), 20.0);
-  EXPECT_EQ(flights[1]["windows"][0][0].as<double>(), 5.0);
 }
 
 TEST_F(CalibrateTool, CutsAFlightWhereItsClockWasSet) {

@@ -11,8 +11,6 @@
 namespace polyfly_ros {
 namespace {
 
-using polyfly::Range;
-
 constexpr std::uint32_t kQueue = 10;
 constexpr double kLogInterval = 1.0;  // between two warnings [s]
 constexpr double kEarly = 0.25;       // share of the period by which odometry may come before its step is due
@@ -40,29 +38,10 @@ OptionTable tableOf(polyfly::GuidanceOptions& options) {
 LateralNode::Setup LateralNode::readSetup(const ros::NodeHandle& private_handle) {
   Setup setup;
   ParameterReader reader(private_handle);
-  polyfly::visitGuidance(setup.guidance, reader);
-  int direction = 1;
-  reader("path/loiter_direction", direction, "", Range{-1.0, 1.0});
-  if (direction == 0) throw polyfly::Error("path/loiter_direction: must be 1 (right) or -1 (left)");
-  setup.guidance.loiter.direction =
-      direction > 0 ? polyfly::TurnDirection::kRight : polyfly::TurnDirection::kLeft;
-  setup.tight_turns = polyfly::tightTurnsOf(
-      reader.text("path/tight_turns", "keep, refuse or widen turns that are too tight", "keep"),
-      "path/tight_turns");
-  reader("path/wind_expected", setup.wind_expected, "m/s", Range{0.0, 100.0});
-  reader("path/turn_share", setup.turn_share, "", Range{0.1, 1.0});
-  reader("output/attitude_target", setup.publish_attitude);
-  reader("output/pitch", setup.attitude.pitch, "rad", Range{-0.5, 0.5});
-  reader("output/thrust", setup.attitude.thrust, "", Range{-1.0, 1.0});
-  reader("output/stream_in_standby", setup.stream_in_standby);
-  reader("input/require_engaged", setup.require_engaged);
-  reader("input/watch_autopilot", setup.watch_autopilot);
-  reader("input/autopilot_timeout", setup.autopilot_timeout, "s", Range{0.1, 60.0});
-  setup.engaged_modes = reader.text("input/engaged_modes", "modes of the autopilot that follow", "OFFBOARD");
-  reader("input/imu_timeout", setup.imu_timeout, "s", Range{0.0, 10.0});
-  reader.refuseUnknown(
-      {"horizon", "weights", "limits", "safety", "model", "path", "guidance", "output", "input"});
-  polyfly::checkGuidance(setup.guidance, private_handle.getNamespace());
+  polyfly::visitLateralParameters(setup, reader);
+  reader.passOver(polyfly::kInForceGroup);
+  reader.refuseUnknown({polyfly::kLateralGroups.begin(), polyfly::kLateralGroups.end()});
+  polyfly::finishParameters(&setup, private_handle.getNamespace());
   return setup;
 }
 
@@ -79,6 +58,7 @@ LateralNode::LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
       bounds_(table_.bounds()),
       reconfigure_(private_handle, table_, [this] { onReconfigure(); }),
       guidance_(setup.guidance, private_handle.getNamespace()),
+      in_force_(private_handle, "fixed_wing", [this](polyfly::OptionsText& text) { writeInForce(text); }),
       diagnostics_(handle, private_handle, private_handle.getNamespace()),
       autopilot_(setup.engaged_modes, setup.autopilot_timeout,
                  private_handle.getNamespace() + "/input/engaged_modes"),
@@ -126,6 +106,12 @@ void LateralNode::onReconfigure() {
     bounds_.settle(table_.values());
   }
   guidance_.setTuning(setup_.guidance.weights, setup_.guidance.limits, setup_.guidance.safety);
+  in_force_.hasChanged("reconfigure");
+}
+
+void LateralNode::writeInForce(polyfly::OptionsText& text) const {
+  text.text(std::string(polyfly::kInForceGroup) + "/law", "lateral_nmpc");
+  polyfly::visitLateralParameters(setup_, text);
 }
 
 // A step is due at a fixed rate, and made as soon as the state of that period is in.
@@ -160,6 +146,7 @@ void LateralNode::onTimer() {
   }
   diagnostics_.update();
   reconfigure_.publish();
+  in_force_.publish();
   reconfigure_.writeParameters();
 }
 
@@ -224,7 +211,7 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
 // With the wind that is expected or, where it is stronger, the present one.
 polyfly::TurnPlan LateralNode::turnPlan() const {
   polyfly::TurnPlan plan;
-  plan.tight = setup_.tight_turns;
+  plan.tight = polyfly::tightTurnsOf(setup_.tight_turns, "path/tight_turns");
   plan.conditions.airspeed = setup_.guidance.airspeed_nominal;
   plan.conditions.wind_speed = std::max(setup_.wind_expected, shown_.wind.norm());
   plan.conditions.roll = setup_.turn_share * setup_.guidance.limits.roll_reference;

@@ -1,13 +1,16 @@
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "command.hpp"
+#include "export_choice.hpp"
 #include "export_online.hpp"
-#include "export_proven/export_proven.hpp"
 #include "polyfly_base/error.hpp"
-#include "region_maps/region_map.hpp"
+#include "polyfly_base/outputs.hpp"
+#include "polyfly_base/write_file.hpp"
+#include "progress.hpp"
+#include "signals.hpp"
 
 namespace polyfly {
 namespace {
@@ -20,15 +23,23 @@ const char kExportFooter[] =
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
   NAME.json    Sizes of tables, greatest numbers of operations, bounds, checksums.
 
---type double answers as the map does, bit for bit. --type float answers within a bound that the command
-proves. Where it cannot, nothing is written. region_maps/export/README.md says what is proven.
+--type double answers as the map does, bit for bit. --type float and --type int16 answer within a bound that
+the command proves. Code of int16 has no floating-point numbers: signals are integers with scales of their
+own, which NAME.h states. Where a bound cannot be proven, nothing is written. region_maps/export/README.md
+says what is proven.
+
+With --flash-limit, the command takes the first of these that fits: the map in double and in float; the
+map reduced, and reduced with --separate (offline_mpt reduce), in double and in float; the same three in
+int16. With --type, only that type. Of a reduced map it writes DIR/NAME.map too, for check_certificate.
+If nothing fits, it says how many bytes each would take.
 
 --online writes code that solves the problem for each parameter instead: small where the map does not fit, but
 slower, and without a proof. MAP may be a problem file then.
 
 Examples:
   offline_mpt export lateral.map -o code --name lateral
-  offline_mpt export lateral.map -o code --name lateral --type float
+  offline_mpt export lateral.map -o code --name lateral --type int16
+  offline_mpt export lateral.map -o code --name lateral --flash-limit 16k
   offline_mpt export lateral.map -o code --name lateral --online --type float
   check_certificate --export code --map lateral.map
   cc -std=c99 -ffp-contract=off code/lateral.c code/lateral_test.c -o lateral_test && ./lateral_test)";
@@ -36,45 +47,41 @@ Examples:
 struct ExportArguments {
   std::string map;
   std::string folder;
-  ExportOptions options;
-  /// 0: none. [bytes]
-  std::uint64_t flash_limit = 0;
-  bool chooses_type = false;
+  ExportRequest request;
+  double time_limit = 0.0;
+  bool quiet = false;
   bool is_online = false;
-  /// 0: the solver's default.
+  /// Of --online. 0: the solver's default.
   std::uint32_t iteration_limit = 0;
 };
 
-/// The asked type, or else the first of double and float whose tables fit the limit.
-ProvenExport fittingExport(const RegionMap& map, const ExportArguments& arguments) {
-  std::vector<ExportType> types = {arguments.options.type};
-  if (arguments.chooses_type) types = {ExportType::kDouble, ExportType::kFloat};
-  std::string needs;
-  for (const ExportType type : types) {
-    ExportOptions options = arguments.options;
-    options.type = type;
-    ProvenExport result = proveExport(map, std::move(options));
-    const std::size_t bytes = exportTableBytes(map, result.options);
-    if (arguments.flash_limit == 0 || bytes <= arguments.flash_limit) return result;
-    needs += (needs.empty() ? "" : ", ") + std::to_string(bytes) + " bytes in " +
-             (type == ExportType::kDouble ? "double" : "float");
-  }
-  throw Error("--flash-limit: the tables of " + map.path() + " need " + needs +
-              "; `offline_mpt reduce` may write a smaller map");
-}
-
 ExitCode exportMap(const ExportArguments& arguments) {
+  const std::string& name = arguments.request.name;
   if (arguments.is_online) {
-    if (arguments.flash_limit != 0) throw Error("--flash-limit: is of maps, not of --online");
-    exportOnline({arguments.map,
-                  arguments.folder,
-                  {arguments.options.name, arguments.options.type, arguments.iteration_limit}});
+    if (arguments.request.flash_limit != 0) throw Error("--flash-limit: is of maps, not of --online");
+    exportOnline(
+        {arguments.map, arguments.folder, {name, arguments.request.type, arguments.iteration_limit}});
     return ExitCode::kDone;
   }
   if (arguments.iteration_limit != 0) throw Error("--iteration-limit: needs --online");
-  checkExportOutputs(arguments.folder, arguments.options.name, {arguments.map});
+  checkExportOutputs(arguments.folder, name, {arguments.map});
+  const std::string reduced = arguments.folder + "/" + name + ".map";
+  const bool may_reduce = arguments.request.flash_limit != 0;
+  if (may_reduce) checkOutputs({{reduced, Output::Kind::kFile, Output::Folder::kIsMade}}, {arguments.map});
+  // Of no phase anything can be kept.
+  endOnSignal(arguments.folder + ": interrupted: nothing was written", arguments.time_limit);
   const RegionMap map = RegionMap::open(arguments.map);
-  writeExport(map, fittingExport(map, arguments), arguments.folder);
+  Progress progress(arguments.quiet);
+  ExportRequest request = arguments.request;
+  request.progress = [&progress](const std::string& text) { progress.show(text, -1.0); };
+  const ChosenExport chosen = chooseExport(map, reduced, request);
+  progress.finish();
+  ignoreSignals();
+  const RegionMap exported = chosen.reduced ? chosen.reduced->view(reduced) : RegionMap::open(arguments.map);
+  writeExport(exported, chosen.proven, arguments.folder);
+  if (chosen.reduced) writeFileAtomically(reduced, chosen.reduced->bytes());
+  if (!arguments.quiet)
+    std::printf("%s/%s.c: %s\n", arguments.folder.c_str(), name.c_str(), chosen.summary.c_str());
   return ExitCode::kDone;
 }
 
@@ -88,20 +95,19 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
   command->add_option("-o,--output", arguments->folder, "Folder to write to. It is made where it is missing.")
       ->required();
   command
-      ->add_option("--name", arguments->options.name, "Prefix of files and identifiers: letters, digits, _.")
+      ->add_option("--name", arguments->request.name, "Prefix of files and identifiers: letters, digits, _.")
       ->required();
-  const std::map<std::string, ExportType> types = {{"double", ExportType::kDouble},
-                                                   {"float", ExportType::kFloat}};
+  const std::map<std::string, ExportType> types = {
+      {"double", ExportType::kDouble}, {"float", ExportType::kFloat}, {"int16", ExportType::kInt16}};
   command
-      ->add_option("--type", arguments->options.type,
-                   "Type of all numbers: double or float (default: double).")
+      ->add_option("--type", arguments->request.type,
+                   "Type of all numbers: double, float or int16 (default: double).")
       ->transform(oneOf(types));
   CLI::Option* const type = command->get_option("--type");
   command
-      ->add_option(
-          "--flash-limit", arguments->flash_limit,
-          "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Without --type, "
-          "double is taken where it fits, else float.")
+      ->add_option("--flash-limit", arguments->request.flash_limit,
+                   "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Map and type "
+                   "are chosen to fit.")
       ->transform(byteCount(1));
   command->add_flag("--online", arguments->is_online, "Write a solver instead of the map's look-up.");
   command
@@ -110,8 +116,12 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
                    "variable and "
                    "row, and 30).")
       ->check(wholeNumber(1, 65535));
+  command
+      ->add_option("--time-limit", arguments->time_limit, "Stop after this many seconds (default: no limit).")
+      ->check(numberFrom(0.0));
+  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors.");
   command->callback([arguments, type, &exit_code] {
-    arguments->chooses_type = arguments->flash_limit != 0 && type->count() == 0;
+    arguments->request.chooses_type = arguments->request.flash_limit != 0 && type->count() == 0;
     exit_code = exportMap(*arguments);
   });
 }

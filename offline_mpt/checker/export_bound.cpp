@@ -14,9 +14,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 double roundedUp(double value) { return std::nextafter(value, kInfinity); }
 
 /// The box of the code, and all parameters that are rounded into it.
-Box widened(Box box) {
+Box widened(const LookupTables& code) {
+  Box box = code.box;
   for (std::size_t i = 0; i < box.size(); ++i) {
-    const double rounding = roundedUp(2.0 * (box.greatest(i) * kFloats.unit + kFloats.smallest));
+    const double rounding = roundedUp(2.0 * code.parameter_error[i]);
     box.lower[i] -= rounding;
     box.upper[i] += rounding;
   }
@@ -25,8 +26,8 @@ Box widened(Box box) {
 
 }  // namespace
 
-ExportProof::ExportProof(const Map& map, const LookupTables& code)
-    : regions_(map), map_(lookupOf(map)), code_(code), cell_(map_.box) {
+ExportProof::ExportProof(const Map& map, const LookupTables& code, const ProofWatch& watch)
+    : regions_(map), watch_(watch), map_(lookupOf(map)), code_(code), cell_(map_.box) {
   require(code_.p == map_.p && code_.q == map_.q,
           "the code has other numbers of parameters or inputs than the map");
   answers_.error.assign(map_.q, 0.0);
@@ -38,9 +39,11 @@ ExportedAnswers ExportProof::run() {
   compareBoxes();
   comparePlanes();
   descend(code_.root(), map_.root());
-  const Box code_box = widened(code_.box);
+  addJumps();
+  if (!code_.greatest_input.empty()) addSaturation();
+  const Box code_box = widened(code_);
   cell_ = Cell(code_box);
-  findMargin(code_.root());
+  visitCandidates(code_, code_.root(), [this](const Candidate& candidate) { boundRows(candidate); });
   return answers_;
 }
 
@@ -113,18 +116,20 @@ void ExportProof::descend(std::uint32_t code_child, std::uint32_t map_child) {
   }
 }
 
-/// Visits the parts of the cell in which no candidate [first, end) has only rows of a computed value at most `limit`.
-void ExportProof::withoutHeld(const LookupTables& tables, const std::vector<Candidate>& leaf,
-                              std::size_t first, std::size_t end, double limit,
-                              const std::function<void()>& visit) {
-  if (first == end) {
+/// Visits the parts of the cell in which each of the candidates violates a row, which is none of `shared`, by more than
+/// `limit` as computed.
+void ExportProof::withoutHeld(const LookupTables& tables, const Candidates& candidates, double limit,
+                              const std::vector<std::uint32_t>& shared, const std::function<void()>& visit) {
+  if (candidates.first == candidates.end) {
     visit();
     return;
   }
   const std::size_t size = cell_.size();
-  for (const std::uint32_t row : leaf[first].rows) {
+  const Candidates others = {candidates.first + 1, candidates.end};
+  for (const std::uint32_t row : candidates.first->rows) {
+    if (std::find(shared.begin(), shared.end(), row) != shared.end()) continue;
     addOutsideRow(tables, row, limit);
-    if (!cell_.isEmpty()) withoutHeld(tables, leaf, first + 1, end, limit, visit);
+    if (!cell_.isEmpty()) withoutHeld(tables, others, limit, shared, visit);
     cell_.shrink(size);
     // The other parts hold this row.
     addRow(tables, row, limit);
@@ -135,41 +140,66 @@ void ExportProof::withoutHeld(const LookupTables& tables, const std::vector<Cand
 /// Visits the candidates of a leaf that a look-up may choose, with the part of the cell in which it may.
 void ExportProof::choices(const LookupTables& tables, const std::vector<Candidate>& leaf, bool visits_outside,
                           const Visit& visit) {
-  const std::size_t size = cell_.size();
-  std::size_t ordinary = 0;
-  while (ordinary < leaf.size() && !leaf[ordinary].is_fallback) ++ordinary;
   const auto within = [&](const Candidate& candidate) {
     const std::size_t before = cell_.size();
     for (const std::uint32_t row : candidate.rows) addRow(tables, row, tables.tolerance);
     if (!cell_.isEmpty()) visit(&candidate);
     cell_.shrink(before);
   };
-  for (std::size_t i = 0; i < ordinary; ++i) within(leaf[i]);
-  // A fallback region counts its handicap at least, so an ordinary one whose violation is less comes before it.
+  const Candidate* const begin = leaf.data();
+  const Candidate* const end = begin + leaf.size();
+  const Candidate* const fallback =
+      std::find_if(begin, end, [](const Candidate& candidate) { return candidate.is_fallback; });
+  for (const Candidate* candidate = begin; candidate != fallback; ++candidate) within(*candidate);
+  // A fallback region counts its handicap beyond its own violation. So each ordinary one violates a row by more than
+  // the handicap, and by more than the fallback region violates any of its rows. That is no row of both.
   const double limit = std::min(tables.handicap, tables.tolerance);
-  if (ordinary != leaf.size()) {
-    withoutHeld(tables, leaf, 0, ordinary, limit, [&] {
-      for (std::size_t i = ordinary; i < leaf.size(); ++i) within(leaf[i]);
-    });
-  }
-  if (visits_outside) withoutHeld(tables, leaf, 0, leaf.size(), tables.tolerance, [&] { visit(nullptr); });
-  cell_.shrink(size);
+  for (const Candidate* candidate = fallback; candidate != end; ++candidate)
+    withoutHeld(tables, {begin, fallback}, limit, candidate->rows, [&] { within(*candidate); });
+  if (visits_outside) withoutHeld(tables, {begin, end}, tables.tolerance, {}, [&] { visit(nullptr); });
+}
+
+void ExportProof::look() {
+  if (watch_.stop != nullptr && *watch_.stop) throw Stopped();
+  if (watch_.progress) watch_.progress(pairs_);
 }
 
 void ExportProof::compare(std::uint32_t code_leaf, std::uint32_t map_leaf) {
+  look();
+  ++pairs_;
+  const std::vector<Candidate>& offered = code_.leaves[code_leaf];
   choices(map_, map_.leaves[map_leaf], false, [&](const Candidate* map_choice) {
-    choices(code_, code_.leaves[code_leaf], true, [&](const Candidate* code_choice) {
+    const bool is_offered = std::any_of(offered.begin(), offered.end(), [map_choice](const Candidate& other) {
+      return other.region == map_choice->region;
+    });
+    choices(code_, offered, true, [&](const Candidate* code_choice) {
+      const LeafRegion place(code_leaf, map_choice->region);
       if (code_choice == nullptr) {
-        answers_.missing.emplace(code_leaf, map_choice->region);
+        answers_.missing.insert(place);
+      } else if (code_choice->is_fallback && !map_choice->is_fallback && !is_offered) {
+        boundLaws(*code_choice, *map_choice,
+                  jumps_.try_emplace(place, std::vector<double>(map_.q, 0.0)).first->second);
       } else {
-        boundLaws(*code_choice, *map_choice);
+        boundLaws(*code_choice, *map_choice, answers_.error);
       }
     });
   });
 }
 
-/// The greatest difference of two laws in the cell.
-void ExportProof::boundLaws(const Candidate& code, const Candidate& map) {
+/// Fallback regions reach under ordinary regions, with laws that differ by any amount there. So a leaf that rounding
+/// may lead to should hold the ordinary region too.
+void ExportProof::addJumps() {
+  const std::vector<double> others = answers_.error;
+  for (const auto& [place, errors] : jumps_) {
+    for (std::size_t j = 0; j < errors.size(); ++j) {
+      if (errors[j] > others[j]) answers_.jumps.insert(place);
+      answers_.error[j] = std::max(answers_.error[j], errors[j]);
+    }
+  }
+}
+
+/// Raises `error` to the greatest difference of two laws in the cell.
+void ExportProof::boundLaws(const Candidate& code, const Candidate& map, std::vector<double>& error) {
   const std::size_t p = map_.p;
   std::vector<double> difference(p);
   for (std::size_t j = 0; j < map_.q; ++j) {
@@ -187,36 +217,56 @@ void ExportProof::boundLaws(const Candidate& code, const Candidate& map) {
     own *= 4.0 * std::numeric_limits<double>::epsilon();
     const double rounding = code_.law_error[code_row] + map_.law_error[map_row] + own;
     // Less than what is stated already, all over the box.
-    if ((anywhere + rounding) * (1.0 + 1e-9) <= answers_.error[j]) continue;
+    if ((anywhere + rounding) * (1.0 + 1e-9) <= std::max(error[j], answers_.error[j])) continue;
     for (const double sign : {1.0, -1.0}) {
       for (std::size_t i = 0; i < p; ++i) difference[i] = sign * (a[i] - b[i]);
       const double bound = cell_.upperBound(difference, sign * (a[p] - b[p]));
       require(!std::isnan(bound), "the laws' difference has no bound");
-      answers_.error[j] = std::max(answers_.error[j], roundedUp(roundedUp(bound + rounding)));
+      error[j] = std::max(error[j], roundedUp(roundedUp(bound + rounding)));
     }
   }
 }
 
-/// All leaves of the code, with the cell of each.
-void ExportProof::findMargin(std::uint32_t child) {
+/// Visits all candidates of all leaves, with the cell in which the look-up may choose each.
+void ExportProof::visitCandidates(const LookupTables& tables, std::uint32_t child,
+                                  const std::function<void(const Candidate&)>& visit) {
   const std::size_t size = cell_.size();
-  if (child < code_.node_plane.size()) {
+  if (child < tables.node_plane.size()) {
     for (std::size_t side = 0; side < 2; ++side) {
-      addRow(code_, 2 * code_.node_plane[child] + static_cast<std::uint32_t>(side), 0.0);
-      if (!cell_.isEmpty()) findMargin(code_.children[child][side]);
+      addRow(tables, 2 * tables.node_plane[child] + static_cast<std::uint32_t>(side), 0.0);
+      if (!cell_.isEmpty()) visitCandidates(tables, tables.children[child][side], visit);
       cell_.shrink(size);
     }
     return;
   }
-  for (const Candidate& candidate : code_.leaves[child - code_.node_plane.size()]) {
-    for (const std::uint32_t row : candidate.rows) addRow(code_, row, code_.tolerance);
-    boundRows(candidate);
+  for (const Candidate& candidate : tables.leaves[child - tables.node_plane.size()]) {
+    for (const std::uint32_t row : candidate.rows) addRow(tables, row, tables.tolerance);
+    visit(candidate);
     cell_.shrink(size);
   }
 }
 
+/// Code that limits its inputs differs more from answers of the map beyond the limit, and nowhere else.
+void ExportProof::addSaturation() {
+  std::vector<double> excess(map_.q, 0.0);
+  visitCandidates(map_, map_.root(), [&](const Candidate& candidate) {
+    std::vector<double> gain(map_.p);
+    for (std::size_t j = 0; j < map_.q; ++j) {
+      const std::size_t row = std::size_t{candidate.law} * map_.q + j;
+      const double* const law = map_.laws.data() + row * (map_.p + 1);
+      for (const double sign : {1.0, -1.0}) {
+        for (std::size_t i = 0; i < map_.p; ++i) gain[i] = sign * law[i];
+        const double bound = cell_.upperBound(gain, sign * law[map_.p]) + map_.law_error[row];
+        excess[j] = std::max(excess[j], roundedUp(roundedUp(bound) - code_.greatest_input[j]));
+      }
+    }
+  });
+  for (std::size_t j = 0; j < map_.q; ++j) answers_.error[j] = roundedUp(answers_.error[j] + excess[j]);
+}
+
 /// How far outside of its region the code may use the law of this candidate.
 void ExportProof::boundRows(const Candidate& candidate) {
+  look();
   const std::size_t p = map_.p;
   require(candidate.region < regions_.regions.size(), "a candidate of the code is no region of the map");
   const Map::Region& region = regions_.regions[candidate.region];
@@ -253,10 +303,10 @@ void requireSameTables(const Map& map, const LookupTables& code) {
   }
 }
 
-ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code) {
-  if (code.is_float) return ExportProof(map, code.tables).run();
+ExportedAnswers exportedAnswers(const Map& map, const ExportedCode& code, const ProofWatch& watch) {
+  if (code.type != CodeType::kDouble) return ExportProof(map, code.tables, watch).run();
   requireSameTables(map, code.tables);
-  return {std::vector<double>(map.q, 0.0), {}, map.tolerance};
+  return {std::vector<double>(map.q, 0.0), {}, {}, map.tolerance};
 }
 
 }  // namespace checker

@@ -34,7 +34,7 @@ void requireWord(const std::string& facts, const std::string& key, const std::st
 void confirmExport(const std::string& facts, const std::string& code, const Map& map) {
   const ExportedCode exported = readCode(code);
   requireWord(facts, "name", exported.name);
-  requireWord(facts, "type", exported.is_float ? "float" : "double");
+  requireWord(facts, "type", nameOf(exported.type));
   requireWord(facts, "map", "xxh64:" + hexText(map.checksum));
   requireWord(facts, "problem", "xxh64:" + hexText(xxh64(map.problem)));
   const ExportedAnswers proven = exportedAnswers(map, exported);

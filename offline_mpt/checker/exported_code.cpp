@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "integer_tables.hpp"
 #include "lookup_tables.hpp"
 
 namespace checker {
@@ -14,13 +15,16 @@ class CodeText {
     require(end != std::string::npos, "the code has no tolerance");
     const std::size_t first = text.rfind(' ', end) + 1;
     name_ = text.substr(first, end - first);
-    is_float_ = text.compare(first - 6, 6, "float ") == 0;
-    require(is_float_ || text.compare(first - 7, 7, "double ") == 0,
-            "the code is neither of float nor of double");
+    const auto follows = [&](const std::string& word) {
+      return first >= word.size() && text.compare(first - word.size(), word.size(), word) == 0;
+    };
+    require(follows("double ") || follows("float ") || follows("int32_t "),
+            "the code is none of double, float and int16");
+    type_ = follows("double ") ? CodeType::kDouble : follows("float ") ? CodeType::kFloat : CodeType::kInt16;
   }
 
   const std::string& name() const { return name_; }
-  bool isFloat() const { return is_float_; }
+  CodeType type() const { return type_; }
 
   bool has(const std::string& table) const { return place(table) != std::string::npos; }
 
@@ -70,6 +74,17 @@ class CodeText {
     return number(text_.c_str() + first + key.size(), &rest);
   }
 
+  /// The exponent of a signal that the code compares with its header.
+  int exponent(const std::string& signal, std::size_t i) const {
+    const std::string key = "_" + signal + "_" + std::to_string(i) + "_EXPONENT != ";
+    const std::size_t first = text_.find(key);
+    require(first != std::string::npos && text_.find(key, first + 1) == std::string::npos,
+            "the code must have the exponent of " + signal + " " + std::to_string(i) + " once");
+    const long value = std::strtol(text_.c_str() + first + key.size(), nullptr, 10);
+    require(value >= -200 && value <= 200, "an exponent of the code is out of range");
+    return static_cast<int>(value);
+  }
+
   /// A macro of a whole number.
   std::uint32_t macro(const std::string& key) const {
     const std::string define = "#define " + key + " ";
@@ -83,12 +98,12 @@ class CodeText {
 
   /// As a compiler reads the constant: of a float, to the nearest float.
   double number(const char* at, char** rest) const {
-    return is_float_ ? static_cast<double>(std::strtof(at, rest)) : std::strtod(at, rest);
+    return type_ == CodeType::kFloat ? static_cast<double>(std::strtof(at, rest)) : std::strtod(at, rest);
   }
 
   const std::string& text_;
   std::string name_;
-  bool is_float_ = false;
+  CodeType type_ = CodeType::kDouble;
 };
 
 void readTree(const CodeText& code, LookupTables& tables) {
@@ -146,13 +161,39 @@ void checkIndices(const LookupTables& tables) {
   }
 }
 
+/// What the integers of the tables stand for.
+IntegerScales integerScales(const CodeText& code, const LookupTables& tables) {
+  IntegerScales scales;
+  for (std::size_t i = 0; i < tables.p; ++i) scales.theta.push_back(code.exponent("THETA", i));
+  for (std::size_t j = 0; j < tables.q; ++j) scales.u.push_back(code.exponent("U", j));
+  scales.plane = static_cast<int>(code.macro("PLANE_EXPONENT"));
+  scales.plane_unit = code.macro("PLANE_UNIT");
+  scales.law_unit = code.macro("LAW_UNIT");
+  scales.not_held = code.macro("NOT_HELD");
+  scales.greatest_input = code.macro("GREATEST_INPUT");
+  scales.law_shift = code.indices("law_shift");
+  return scales;
+}
+
 }  // namespace
+
+const char* nameOf(CodeType type) {
+  switch (type) {
+    case CodeType::kDouble:
+      return "double";
+    case CodeType::kFloat:
+      return "float";
+    case CodeType::kInt16:
+      return "int16";
+  }
+  return "";
+}
 
 ExportedCode readCode(const std::string& text) {
   const CodeText code(text);
   ExportedCode result;
   result.name = code.name();
-  result.is_float = code.isFloat();
+  result.type = code.type();
   LookupTables& tables = result.tables;
   const std::vector<double> box = code.reals("box");
   require(!box.empty() && box.size() % 2 == 0, "the code's box has wrong sizes");
@@ -173,7 +214,11 @@ ExportedCode readCode(const std::string& text) {
   tables.handicap =
       code.macro("FIRST_FALLBACK") == code.macro("REGION_COUNT") ? 0.0 : code.scalar("handicap");
   checkIndices(tables);
-  boundRounding(tables, result.is_float ? kFloats : kDoubles);
+  if (result.type == CodeType::kInt16) {
+    scaleIntegers(integerScales(code, tables), tables);
+  } else {
+    boundRounding(tables, result.type == CodeType::kFloat ? kFloats : kDoubles);
+  }
   return result;
 }
 

@@ -16,8 +16,7 @@ double errorOf(const double* entries, const LookupTables& tables, const Arithmet
   double underflow = static_cast<double>(2 * p + 2) * arithmetic.smallest;
   for (std::size_t i = 0; i < p; ++i) {
     const double greatest = tables.box.greatest(i);
-    const double rounding =
-        arithmetic.rounds_parameters ? greatest * arithmetic.unit + arithmetic.smallest : 0.0;
+    const double rounding = tables.parameter_error[i];
     from_parameters += std::abs(entries[i]) * rounding;
     size += std::abs(entries[i]) * (greatest + rounding);
     // An entry may be flushed to zero too.
@@ -60,6 +59,9 @@ void boundRounding(LookupTables& tables, const Arithmetic& arithmetic) {
   const std::size_t stride = tables.p + 1;
   tables.plane_error.clear();
   tables.law_error.clear();
+  tables.parameter_error.assign(tables.p, 0.0);
+  for (std::size_t i = 0; i < tables.p && arithmetic.rounds_parameters; ++i)
+    tables.parameter_error[i] = tables.box.greatest(i) * arithmetic.unit + arithmetic.smallest;
   for (std::size_t at = 0; at < tables.planes.size(); at += stride)
     tables.plane_error.push_back(errorOf(tables.planes.data() + at, tables, arithmetic));
   for (std::size_t at = 0; at < tables.laws.size(); at += stride)

@@ -36,6 +36,10 @@ struct LookupTables {
 
   /// Bounds of |computed - exact| in the box: of a . theta - c for each plane, of each row of each law.
   std::vector<double> plane_error, law_error;
+  /// Greatest rounding of each parameter of the box on its way to the look-up.
+  std::vector<double> parameter_error;
+  /// Greatest size of each input that the code can answer; empty: no limit.
+  std::vector<double> greatest_input;
 
   std::uint32_t root() const { return node_plane.empty() ? root_leaf : 0; }
 };
@@ -60,12 +64,17 @@ void boundRounding(LookupTables& tables, const Arithmetic& arithmetic);
 
 LookupTables lookupOf(const Map& map);
 
-/// What NAME.c holds.
+enum class CodeType { kDouble, kFloat, kInt16 };
+
+/// What NAME.c holds. Tables of integers are scaled to the map's units; all of them are exact as doubles.
 struct ExportedCode {
   std::string name;
-  bool is_float = false;
+  CodeType type = CodeType::kDouble;
   LookupTables tables;
 };
+
+/// The name of a type in NAME.json.
+const char* nameOf(CodeType type);
 
 /// Reads the tables of NAME.c. Throws Refused where they are not as the code needs them.
 ExportedCode readCode(const std::string& text);

@@ -46,7 +46,7 @@ class ExportCommand : public testing::Test {
 };
 
 TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
-  for (const char* const type : {"double", "float"}) {
+  for (const char* const type : {"double", "float", "int16"}) {
     const Outcome result = exportMap({"--name", "clip", "--type", type});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})
@@ -90,26 +90,29 @@ TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
     const std::string facts = readBytes(path("code/clip.json"));
     return std::stoi(facts.substr(facts.find("\"table_bytes\": ") + 15));
   };
-  const int in_double = bytes("double");
-  const int in_float = bytes("float");
+  const int in_double = bytes("double"), in_float = bytes("float"), in_int16 = bytes("int16");
   ASSERT_LT(in_float, in_double);
-  const auto typeWithin = [&](int limit) {
-    EXPECT_EQ(exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)}).exit_code, 0);
+  ASSERT_LT(in_int16, in_float);
+  const auto typeWithin = [&](int limit) -> std::string {
+    const Outcome result = exportMap({"--name", "clip", "--flash-limit", std::to_string(limit)});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
     const std::string facts = readBytes(path("code/clip.json"));
-    return facts.find("\"type\": \"double\"") != std::string::npos ? "double" : "float";
+    const std::size_t first = facts.find("\"type\": \"") + 9;
+    return facts.substr(first, facts.find('"', first) - first);
   };
-  EXPECT_STREQ(typeWithin(in_double), "double");
-  EXPECT_STREQ(typeWithin(in_double - 1), "float");
-  EXPECT_STREQ(typeWithin(in_float), "float");
-  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", std::to_string(in_float - 1)});
+  EXPECT_EQ(typeWithin(in_double), "double");
+  EXPECT_EQ(typeWithin(in_double - 1), "float");
+  EXPECT_EQ(typeWithin(in_float), "float");
+  EXPECT_EQ(typeWithin(in_int16), "int16");
+  EXPECT_EQ(confirm().exit_code, 0);
+  // No map in no type is smaller than this.
+  const Outcome refused = exportMap({"--name", "clip", "--flash-limit", "60"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find(std::to_string(in_double) + " bytes in double, " + std::to_string(in_float) +
-                             " bytes in float"),
-            std::string::npos)
-      << refused.err;
-  EXPECT_EQ(
-      exportMap({"--name", "clip", "--type", "double", "--flash-limit", std::to_string(in_float)}).exit_code,
-      2);
+  for (const std::string& need : {std::to_string(in_double) + " bytes as the map in double",
+                                  std::to_string(in_float) + " bytes as the map in float",
+                                  std::to_string(in_int16) + " bytes as the map in int16"})
+    EXPECT_NE(refused.err.find(need), std::string::npos) << refused.err;
+  EXPECT_EQ(exportMap({"--name", "clip", "--type", "double", "--flash-limit", "60"}).exit_code, 2);
 }
 
 TEST_F(ExportCommand, BadOptionsEndInOneLineAndWriteNothing) {

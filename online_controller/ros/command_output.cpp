@@ -27,16 +27,10 @@ Message& taken(boost::shared_ptr<Message>& message, const std_msgs::Header& head
 
 }  // namespace
 
-OutputOptions OutputOptions::read(ParameterReader& reader) {
+OutputOptions readOutputOptions(ParameterReader& reader) {
   OutputOptions options;
-  reader("output/roll_pitch_yawrate_thrust", options.roll_pitch_yawrate_thrust);
-  reader("output/attitude_target", options.attitude_target);
-  reader("output/hover_thrust", options.thrust.hover_thrust, "", polyfly::Range{0.01, 0.99});
-  reader("output/thrust_least", options.thrust.least, "", polyfly::Range{0.0, 1.0});
-  reader("output/thrust_greatest", options.thrust.greatest, "", polyfly::Range{0.0, 1.0});
-  reader("output/thrust_polynomial", options.thrust.polynomial);
-  if (!options.roll_pitch_yawrate_thrust && !options.attitude_target)
-    throw polyfly::Error("output: one of roll_pitch_yawrate_thrust and attitude_target must be true");
+  visitOutputOptions(options, reader);
+  polyfly::checkOutputOptions(options);
   return options;
 }
 

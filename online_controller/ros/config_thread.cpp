@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "online_controller_ros/in_force_text.hpp"
 #include "online_controller_ros/law_sources.hpp"
 #include "online_controller_ros/map_swap.hpp"
 #include "polyfly_base/error.hpp"
@@ -38,17 +39,22 @@ std::string joined(const std::array<std::string, 3>& paths) {
 }  // namespace
 
 ConfigThread::ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
-                           const LawSetup& setup, const LegacyNames& names, ActiveLaws& laws,
-                           FlightRecord& record)
+                           const Start& start, ActiveLaws& laws, FlightRecord& record)
     : handle_(onQueue(handle, queue_)),
       private_handle_(onQueue(private_handle, queue_)),
-      setup_(setup),
+      setup_(start.setup),
+      start_(start.parameters),
       laws_(laws),
       record_(record),
-      table_(tableOf(setup_, names)),
+      table_(tableOf(setup_, start.names)),
       bounds_(table_.bounds()),
       reconfigure_(
           private_handle_, table_, [this] { apply(); }, "explicit_maps", [this] { return fixedInMaps(); }),
+      law_(laws.active()),
+      in_force_(
+          private_handle_, "multirotor",
+          [this](polyfly::OptionsText& text) { writeInForce(start_, setup_, law_, text); },
+          [this] { return !laws_.pending(); }),
       display_(handle_),
       diagnostics_(handle_, private_handle_, record, laws),
       swap_service_(handle_.advertiseService("swap_maps", &ConfigThread::onSwapMaps, this)),
@@ -59,6 +65,7 @@ void ConfigThread::apply() {
     bounds_.check(table_.values(), ros::SteadyTime::now().toSec());
   laws_.stage(setup_);
   noteInForce();
+  in_force_.hasChanged("reconfigure");
 }
 
 void ConfigThread::noteInForce() {
@@ -107,6 +114,7 @@ bool ConfigThread::onSwapMaps(online_controller::SwapMaps::Request& request,
     response.message =
         joined(request.robust != 0 ? setup_.files.robust_maps : setup_.files.maps) + waitForSwap();
     reconfigure_.hasChanged();
+    in_force_.hasChanged("region maps");
     ROS_INFO("region maps: %s", response.message.c_str());
   } catch (const polyfly::Error& error) {
     response.success = 0;
@@ -123,6 +131,14 @@ std::string ConfigThread::waitForSwap() const {
   return laws_.pending() ? " (from the next control period on; there is none at present)" : "";
 }
 
+// The control thread changes it, on the service select_law.
+void ConfigThread::tellOfLaw() {
+  const polyfly::Law law = laws_.active();
+  if (law == law_) return;
+  law_ = law;
+  in_force_.hasChanged("law");
+}
+
 void ConfigThread::onTick() {
   laws_.reclaim();
   const FlightSnapshot* snapshot = record_.latest.read();
@@ -131,6 +147,8 @@ void ConfigThread::onTick() {
   if (snapshot != nullptr) display_.show(*snapshot);
   diagnostics_.update(snapshot);
   reconfigure_.publish();
+  tellOfLaw();
+  in_force_.publish();
   if (++ticks_ % kTicksPerWrite == 0) reconfigure_.writeParameters();
 }
 

@@ -2,7 +2,6 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
 #include <exception>
 #include <limits>
 
@@ -27,21 +26,36 @@ ControllerNode::Setup ControllerNode::readSetup(const ros::NodeHandle& private_h
   setup.laws = LawSetup::read(reader);
   setup.flight = FlightSetup::read(reader);
   visitNodeOptions(setup.node, reader);
-  setup.output = OutputOptions::read(reader);
+  setup.output = readOutputOptions(reader);
   visitRealTimeOptions(setup.real_time, reader);
-  setup.in_publisher = answersInPublisher(
-      reader.text("real_time/answer", "auto, publisher or thread", "auto"), setup.real_time);
+  setup.answer = reader.text("real_time/answer", "auto, publisher or thread", "auto");
+  setup.in_publisher = answersInPublisher(setup.answer, setup.real_time);
+  reader("provenance", setup.provenance);
+  reader.passOver(polyfly::kInForceGroup);
   for (const char* name : kRemoved) {
     if (reader.given(name)) ROS_WARN("MPC does not use the parameter %s any more; it is ignored", name);
   }
-  std::vector<std::string> groups(polyfly::kOptionGroups.begin(), polyfly::kOptionGroups.end());
-  groups.erase(std::find(groups.begin(), groups.end(), polyfly::kSharedGroup));
-  reader.refuseUnknown(groups);
+  reader.refuseUnknown(polyfly::ownGroups());
   if (!has_legacy_names) {  // else the import has told
     for (const std::string& name : reader.unread())
       ROS_WARN("MPC does not know the parameter %s", name.c_str());
   }
   return setup;
+}
+
+polyfly::MultirotorParameters ControllerNode::Setup::parameters() const {
+  polyfly::MultirotorParameters all;
+  all.odometry_frame = flight.odometry_frame;
+  if (flight.pilot != polyfly::PilotRule::kWhenPresent)
+    all.use_rc_teleop = flight.pilot == polyfly::PilotRule::kRequired;
+  all.provenance = provenance;
+  all.answer = answer;
+  all.flight = flight.flight;
+  all.node = node;
+  all.joy = flight.joy;
+  all.output = output;
+  all.real_time = real_time;
+  return all;
 }
 
 ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
@@ -68,7 +82,7 @@ ControllerNode::ControllerNode(const ros::NodeHandle& handle, const ros::NodeHan
       odometry_(handle_, setup.in_publisher, process,
                 {[this](const nav_msgs::Odometry& message) { onOdometry(message); }, [this] { finish(); }},
                 lock_, queue_, record_),
-      config_thread_(handle, private_handle, setup.laws, names, laws_, record_),
+      config_thread_(handle, private_handle, {setup.laws, setup.parameters(), names}, laws_, record_),
       control_thread_(queue_, "mpc_control",
                       {[real_time = setup.real_time] {
                          const std::string refused = becomeRealTime(real_time);
@@ -86,13 +100,14 @@ void ControllerNode::onOdometry(const nav_msgs::Odometry& message) {
   const polyfly::ControlReport& report = flight_.onOdometry(state, frame_fits);
   times.step = clock.lap();
   // A yaw that was refused must not reach the autopilot either: then the last one stays.
+  // The heading stays as the odometry has it: the autopilot's own is taken to be that.
   const bool accepted = flight_.lastRefusal() == polyfly::ControlReason::kNone;
   if (flight_.sends()) output_.publish(report.command, message.header, accepted ? yawOf(state) : kNan);
   times.output = clock.lap();
 
   Answered& answered = record(message.header, times);
   answered.by_odometry = true;
-  answered.state = state;
+  answered.state = polyfly::aligned(state, laws_.laws().options().heading_misalignment);
   answered.accepted = accepted;
   answered.restarted = flight_.restarted();
 }

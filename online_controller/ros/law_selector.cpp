@@ -20,11 +20,10 @@ LawSelector::LawSelector(ros::NodeHandle& handle, ActiveLaws& laws, std::functio
 bool LawSelector::onSelect(online_controller::SelectLaw::Request& request,
                            online_controller::SelectLaw::Response& response) {
   before_();
-  polyfly::LawSwitch& laws = laws_.flight();
   try {
-    response.success = static_cast<unsigned char>(laws.select(polyfly::lawOfName(request.law)));
+    response.success = static_cast<unsigned char>(laws_.select(polyfly::lawOfName(request.law)));
     response.message = (response.success != 0 ? "" : request.law + " is not loaded; ") +
-                       std::string(polyfly::lawName(laws.active())) + " flies";
+                       std::string(polyfly::lawName(laws_.active())) + " flies";
   } catch (const polyfly::Error& error) {
     response.success = 0;
     response.message = error.what();
@@ -35,7 +34,7 @@ bool LawSelector::onSelect(online_controller::SelectLaw::Request& request,
 
 void LawSelector::publish() {
   std_msgs::String message;
-  message.data = polyfly::lawName(laws_.flight().active());
+  message.data = polyfly::lawName(laws_.active());
   publisher_.publish(message);
 }
 

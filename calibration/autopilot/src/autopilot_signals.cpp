@@ -68,7 +68,8 @@ constexpr Place kPx4[] = {{"roll_cmd", "vehicle_attitude_setpoint", "roll_body"}
                           {"airspeed", "airspeed_validated", "true_airspeed_m_s"},
                           {"vn", "vehicle_global_position", "vel_n"},
                           {"ve", "vehicle_global_position", "vel_e"},
-                          {"airspeed", "airspeed", "true_airspeed_m_s"}};
+                          {"airspeed", "airspeed", "true_airspeed_m_s"},
+                          {"voltage", "battery_status", "voltage_v"}};
 
 constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"roll_cmd", "ATT", "RollIn", kDegrees},
@@ -117,7 +118,9 @@ constexpr Place kArduPilot[] = {{"roll_cmd", "ATT", "DesRoll", kDegrees},
                                 {"ve", "EKF1", "VE"},
                                 {"ve", "GPS", "Spd", 1.0, 0.0, Place::Angle::kEast},
                                 {"airspeed", "ARSP", "Airspeed"},
-                                {"airspeed", "NTUN", "Arspd"}};
+                                {"airspeed", "NTUN", "Arspd"},
+                                {"voltage", "BAT", "Volt"},
+                                {"voltage", "CURR", "Volt"}};
 
 double angleOf(double w, double x, double y, double z, Place::Angle angle) {
   switch (angle) {

@@ -10,6 +10,8 @@ namespace polyfly {
 namespace {
 
 constexpr const char* kProvenanceOption = "provenance";
+// Thrusts at which a curve is tested.
+constexpr int kCurveProbes = 1000;
 
 bool hasAny(const YamlEdits& edits, std::initializer_list<const char*> groups) {
   const YAML::Node& root = edits.root();
@@ -57,6 +59,74 @@ void putMass(const CalibrationDocument& calibration, YamlEdits* edits) {
     edits->putNumber("output", "hover_thrust", calibration.positiveParameter("hover_command"));
 }
 
+double statedNumber(const YamlEdits& edits, const std::string& group, const std::string& key) {
+  const YAML::Node& root = edits.root();
+  const YAML::Node map = root[group];
+  const std::string field = group + "/" + key;
+  if (!map.IsDefined() || !map.IsMap() || !map[key].IsDefined())
+    edits.refuse(field, "must be stated: the thrust curve is tested over what the controller may ask for");
+  return edits.numberOf(map[key], field);
+}
+
+// Whether the node takes the curve between these thrusts: it must rise, within 0 and 1.
+bool isUsable(const std::vector<double>& polynomial, double least, double greatest) {
+  double before = -1.0;
+  for (int i = 0; i <= kCurveProbes; ++i) {
+    const double thrust = least + (greatest - least) * i / kCurveProbes;
+    double command = 0.0;
+    for (auto c = polynomial.rbegin(); c != polynomial.rend(); ++c) command = command * thrust + *c;
+    if (!(command > before && command >= 0.0 && command <= 1.0)) return false;
+    before = command;
+  }
+  return true;
+}
+
+std::vector<double> numbersOf(const YamlField& list) {
+  std::vector<double> numbers;
+  for (const YamlField& one : list.items()) numbers.push_back(one.number());
+  return numbers;
+}
+
+// The curve, and what it needs: the output that has it, and the mass by which its thrusts were computed.
+void putThrustCurve(const CalibrationDocument& calibration, YamlEdits* edits) {
+  calibration.requireSupport({"curve"});
+  const YamlField curve = calibration.at({"curve"});
+  const std::vector<double> polynomial = numbersOf(curve.at("polynomial"));
+  const std::vector<double> thrusts = numbersOf(curve.at("thrusts"));
+  if (polynomial.size() < 2) curve.at("polynomial").fail("must have two coefficients or more");
+  if (thrusts.size() < 2) curve.at("thrusts").fail("must have two thrusts or more");
+  const double mass = curve.at("mass").number();
+  if (!(mass > 0.0)) curve.at("mass").fail("must be greater than 0");
+  const double least = mass * statedNumber(*edits, "controller", "thrust_min");
+  const double greatest = mass * statedNumber(*edits, "controller", "thrust_max");
+  if (!isUsable(polynomial, least, greatest)) {
+    edits->refuse("controller/thrust_min, controller/thrust_max",
+                  "the curve must rise from 0 to 1 at most over what the controller may ask for, " +
+                      eightDigits(least) + " to " + eightDigits(greatest) + " N; it was flown from " +
+                      eightDigits(thrusts.front()) + " to " + eightDigits(thrusts.back()) + " N, which is " +
+                      eightDigits(thrusts.front() / mass) + " to " + eightDigits(thrusts.back() / mass) +
+                      " m/s^2");
+  }
+  std::string validity =
+      "flown at " + eightDigits(thrusts.front()) + " to " + eightDigits(thrusts.back()) + " N";
+  if (curve.has("voltage_range")) {
+    const std::vector<double> range = numbersOf(curve.at("voltage_range"));
+    if (range.size() != 2) curve.at("voltage_range").fail("must be [least, greatest]");
+    validity += " and " + eightDigits(range[0]) + " to " + eightDigits(range[1]) + " V";
+  } else {
+    validity += " and a voltage that is not known";
+  }
+  edits->putNumbers("output", "thrust_polynomial", polynomial, validity);
+  edits->putFlag("output", "attitude_target", true);
+  edits->putNumber("vehicle", "mass", mass);
+}
+
+void putHeading(const CalibrationDocument& calibration, YamlEdits* edits) {
+  edits->putNumber(
+      "vehicle", "heading_misalignment",
+      calibration.nonzeroParameter("heading_misalignment", "the headings agree, nothing is to be corrected"));
+}
+
 // Whether the guidance predicts over a delay: then its model may hold one.
 bool compensatesDelay(const YamlEdits& edits) {
   const YAML::Node& root = edits.root();
@@ -98,13 +168,15 @@ AppliedOptions applyToOptions(const std::string& options, const std::string& sou
     if (kind == "attitude" && !wing) putLoops(calibration, &edits);
     if (kind == "drag" && !wing) putRotorDrag(calibration, &edits);
     if (kind == "mass" && !wing) putMass(calibration, &edits);
+    if (kind == "thrust" && !wing) putThrustCurve(calibration, &edits);
+    if (kind == "heading" && !wing) putHeading(calibration, &edits);
     const std::vector<std::string> fields = edits.takeFields();
     if (fields.empty())
       throw Error(file.source + ": kind " + kind + ": has nothing for the options of " + source);
     provenance += (provenance.empty() ? "" : "; ") + calibration.provenanceText(fields);
   }
   putProvenance(provenance, &edits);
-  return {edits.finish(), edits.changes()};
+  return {edits.finish(), edits.changes(), wing};
 }
 
 }  // namespace polyfly

@@ -16,8 +16,8 @@ constexpr double kUncorrelated = 0.1;
 // end.
 constexpr Eigen::Index kLagFactor = 3;
 
-double autocovariance(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& starts,
-                      Eigen::Index lag) {
+double autocovariance(const Eigen::Ref<const Eigen::VectorXd>& values,
+                      const std::vector<Eigen::Index>& starts, Eigen::Index lag) {
   double sum = 0.0;
   for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
     const Eigen::Index count = starts[i + 1] - starts[i] - lag;
@@ -26,21 +26,15 @@ double autocovariance(const Eigen::VectorXd& values, const std::vector<Eigen::In
   return sum;
 }
 
-// sum over k of weight(k) (M_k + M_k'), where M_k sums the products of samples k apart in one segment.
+// Diagonal of the sum over k of weight(k) (M_k + M_k'), where M_k sums the products of samples k apart in one segment.
+// The whole matrix would cost as much again for each column, and nobody asks for it.
 template <class Weight>
-Eigen::MatrixXd laggedProducts(const Eigen::MatrixXd& influence, const std::vector<Eigen::Index>& starts,
-                               Eigen::Index lags, Weight weight) {
-  Eigen::MatrixXd sum = weight(0) * influence.transpose() * influence;
-  for (Eigen::Index lag = 1; lag <= lags; ++lag) {
-    Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(influence.cols(), influence.cols());
-    for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
-      const Eigen::Index count = starts[i + 1] - starts[i] - lag;
-      if (count > 0) {
-        cross.noalias() +=
-            influence.middleRows(starts[i], count).transpose() * influence.middleRows(starts[i] + lag, count);
-      }
-    }
-    sum += weight(lag) * (cross + cross.transpose());
+Eigen::VectorXd laggedSquares(const Eigen::MatrixXd& influence, const std::vector<Eigen::Index>& starts,
+                              Eigen::Index lags, Weight weight) {
+  Eigen::VectorXd sum = weight(0) * influence.colwise().squaredNorm().transpose();
+  for (Eigen::Index column = 0; column < influence.cols(); ++column) {
+    for (Eigen::Index lag = 1; lag <= lags; ++lag)
+      sum[column] += 2.0 * weight(lag) * autocovariance(influence.col(column), starts, lag);
   }
   return sum;
 }
@@ -103,22 +97,22 @@ RobustCovariance robustCovariance(const Eigen::MatrixXd& jacobian, const Eigen::
   const Eigen::Index lags = kLagFactor * correlationLength(residuals, starts);
   // Residuals that are larger where the loop is moved, and residuals that are alike everywhere: the wider
   // counts.
-  const Eigen::MatrixXd scores =
+  const Eigen::VectorXd scores =
       samples / degrees *
-      laggedProducts(score.asDiagonal() * reaction, starts, lags, [lags](Eigen::Index lag) {
+      laggedSquares(score.asDiagonal() * reaction, starts, lags, [lags](Eigen::Index lag) {
         return 1.0 - static_cast<double>(lag) / static_cast<double>(lags + 1);
       });
   const Colour colour = colourOf(score, starts, lags);
   // The fit has taken some of the residuals' own movement out of them.
   const double taken =
       colour.independent_samples / std::max(1.0, colour.independent_samples - static_cast<double>(leading));
-  const Eigen::MatrixXd stationary =
-      taken * laggedProducts(reaction, starts, lags, [&colour](Eigen::Index lag) {
+  const Eigen::VectorXd stationary =
+      taken * laggedSquares(reaction, starts, lags, [&colour](Eigen::Index lag) {
         return colour.covariances[static_cast<std::size_t>(lag)];
       });
   Eigen::VectorXd widening(leading);
   for (Eigen::Index i = 0; i < leading; ++i) {
-    widening[i] = std::sqrt(std::max(1.0, std::max(scores(i, i), stationary(i, i)) / white(i, i)));
+    widening[i] = std::sqrt(std::max(1.0, std::max(scores[i], stationary[i]) / white(i, i)));
   }
   return {widening.asDiagonal() * white * widening.asDiagonal(), static_cast<double>(lags) / samples};
 }

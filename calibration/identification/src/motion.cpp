@@ -1,9 +1,9 @@
 #include "identification/motion.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "attitude_signals.hpp"
 #include "identification/excitation.hpp"
 #include "identification/flight_phases.hpp"
 #include "interpolate.hpp"
@@ -13,42 +13,6 @@ namespace polyfly {
 namespace {
 
 constexpr double kLeastStretch = 1.0;  // [s]
-
-TimeSeries clean(const FlightSignals& signals, const std::string& name) {
-  TimeSeries series = cleaned(signals.at(name));
-  if (series.time.empty()) throw Error(signals.source + ": " + name + ": no sample");
-  return series;
-}
-
-// Direction of thrust in W. Sine and cosine of yaw are interpolated: the angle itself may wrap.
-class Attitude {
- public:
-  explicit Attitude(const FlightSignals& signals)
-      : roll_(clean(signals, "roll")),
-        pitch_(clean(signals, "pitch")),
-        yaw_sine_(clean(signals, "yaw")),
-        yaw_cosine_(yaw_sine_) {
-    for (double& value : yaw_sine_.value) value = std::sin(value);
-    for (double& value : yaw_cosine_.value) value = std::cos(value);
-  }
-
-  double yaw(double time) const {
-    return std::atan2(interpolated(yaw_sine_, time), interpolated(yaw_cosine_, time));
-  }
-
-  Eigen::Vector3d up(double time) const {
-    return Eigen::AngleAxisd(yaw(time), Eigen::Vector3d::UnitZ()) *
-           (Eigen::AngleAxisd(interpolated(pitch_, time), Eigen::Vector3d::UnitY()) *
-            (Eigen::AngleAxisd(interpolated(roll_, time), Eigen::Vector3d::UnitX()) *
-             Eigen::Vector3d::UnitZ()));
-  }
-
- private:
-  TimeSeries roll_;
-  TimeSeries pitch_;
-  TimeSeries yaw_sine_;
-  TimeSeries yaw_cosine_;
-};
 
 std::vector<double> smoothed(const std::vector<double>& time, const std::vector<double>& value,
                              double half_width) {
@@ -74,7 +38,7 @@ std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSigna
     windows = windowsWithout({{velocity.time.front(), velocity.time.back()}}, signals.not_flight);
   }
   for (const char* name : {"vx", "vy", "vz", "roll", "pitch", "yaw", "thrust_cmd"}) {
-    if (signals.has(name)) windows = cutAtFarSteps(windows, clean(signals, name).time);
+    if (signals.has(name)) windows = cutAtFarSteps(windows, usableSignal(signals, name).time);
   }
   std::vector<LoopSegment> found = cutSegments(record, windows, 0.0);
   found.erase(std::remove_if(found.begin(), found.end(),
@@ -85,7 +49,7 @@ std::vector<LoopSegment> stretches(const TimeSeries& velocity, const FlightSigna
 
 // Fills one stretch from row `from` on.
 void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>& velocity,
-                const Attitude& attitude, const TimeSeries* thrust, const MotionOptions& options,
+                const AttitudeSignals& attitude, const TimeSeries* thrust, const MotionOptions& options,
                 Eigen::Index from, Motion* motion) {
   const std::size_t count = time.size();
   std::array<std::vector<double>, 3> speed;
@@ -133,11 +97,11 @@ void addStretch(const std::vector<double>& time, const std::array<TimeSeries, 3>
 }  // namespace
 
 Motion motionOf(const FlightSignals& signals, const MotionOptions& options) {
-  const std::array<TimeSeries, 3> velocity = {clean(signals, "vx"), clean(signals, "vy"),
-                                              clean(signals, "vz")};
-  const Attitude attitude(signals);
+  const std::array<TimeSeries, 3> velocity = {usableSignal(signals, "vx"), usableSignal(signals, "vy"),
+                                              usableSignal(signals, "vz")};
+  const AttitudeSignals attitude(signals);
   TimeSeries thrust;
-  if (signals.has("thrust_cmd")) thrust = clean(signals, "thrust_cmd");
+  if (signals.has("thrust_cmd")) thrust = usableSignal(signals, "thrust_cmd");
   Motion motion;
   motion.source = signals.source;
   motion.thrust_known = options.mass > 0.0 && !thrust.time.empty();

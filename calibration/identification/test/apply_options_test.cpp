@@ -34,6 +34,17 @@ const std::string kRotorDrag = begin("drag", "multirotor") +
 const std::string kMass = begin("mass", "multirotor") +
                           "parameters:\n  mass: {value: 1.7, interval_95: [1.6, 1.8], supported: true}\n";
 
+// As toYaml writes it.
+const std::string kThrust =
+    begin("thrust", "multirotor") +
+    "curve:\n  polynomial: [0.05, 0.03, -0.0002]\n  supported: true\n  reasons: []\n  mass: 1.6\n"
+    "  thrusts: [9, 15.5, 22]\n  voltage: 15.6\n  voltage_range: [14.8, 16.4]\n  voltage_matters: true\n"
+    "parameters:\n  command_1: {value: 0.3, supported: true}\n";
+
+const std::string kHeading = begin("heading", "multirotor") +
+                             "parameters:\n  heading_misalignment: {value: -0.21, interval_95: [-0.23, "
+                             "-0.19], supported: true}\n";
+
 CalibrationFile fileOf(const std::string& text) {
   return {text, "calibration.yaml", {"calibration.yaml", "xxh64:2", ""}, false};
 }
@@ -104,6 +115,76 @@ TEST(ApplyToOptions, HoverThrustIsThatOfAShare) {
       "parameters:\n  hover_command: {value: 0.43, interval_95: [0.42, 0.44], supported: true}\n";
   const AppliedOptions applied = appliedTo(config("firefly"), {hover});
   EXPECT_EQ(YAML::Load(applied.text)["output"]["hover_thrust"].as<double>(), 0.43);
+}
+
+TEST(ApplyToOptions, AThrustCurveComesWithItsOutputAndItsMass) {
+  const std::string before = config("firefly");
+  const AppliedOptions applied = appliedTo(before, {kThrust});
+  const YAML::Node yaml = YAML::Load(applied.text);
+  EXPECT_EQ(yaml["output"]["thrust_polynomial"].as<std::vector<double>>(),
+            (std::vector<double>{0.05, 0.03, -0.0002}));
+  EXPECT_TRUE(yaml["output"]["attitude_target"].as<bool>());
+  EXPECT_EQ(yaml["vehicle"]["mass"].as<double>(), 1.6);
+  EXPECT_NE(applied.text.find("[0.05, 0.03, -0.0002]  # flown at 9 to 22 N and 14.8 to 16.4 V\n"),
+            std::string::npos)
+      << applied.text;
+  EXPECT_EQ(applied.changes.size(), 3u);
+  // Another curve takes the place of this one, and of its comment.
+  const std::string other =
+      replaced(replaced(kThrust, "0.03, -0.0002", "0.0295"), "  voltage_range: [14.8, 16.4]\n", "");
+  const AppliedOptions again = appliedTo(applied.text, {other});
+  EXPECT_NE(again.text.find(
+                "thrust_polynomial: [0.05, 0.0295]  # flown at 9 to 22 N and a voltage that is not known\n"),
+            std::string::npos)
+      << again.text;
+  EXPECT_EQ(again.changes,
+            std::vector<std::string>{"output/thrust_polynomial: [0.05, 0.03, -0.0002] to [0.05, 0.0295]"});
+  EXPECT_EQ(YAML::Load(again.text)["controller"]["stale_periods"].as<int>(), 10);
+  // In braces there is no place for a comment.
+  const AppliedOptions braces =
+      appliedTo(before + "output: {thrust_polynomial: [], attitude_target: no}\n", {kThrust});
+  EXPECT_NE(braces.text.find("output: {thrust_polynomial: [0.05, 0.03, -0.0002], attitude_target: true}"),
+            std::string::npos)
+      << braces.text;
+}
+
+TEST(ApplyToOptions, RefusesAThrustCurveThatTheNodeWouldNotFly) {
+  const auto refused = [](const std::string& options, const std::string& curve, const std::string& words) {
+    const std::string error = errorOf(options, curve);
+    EXPECT_NE(error.find(words), std::string::npos) << error;
+  };
+  const std::string firefly = config("firefly");
+  const std::string unsure =
+      replaced(kThrust, "supported: true\n  reasons: []", "supported: false\n  reasons: [\"Too little.\"]");
+  refused(firefly, unsure, "curve.supported: the data do not support these numbers");
+  refused(firefly, unsure, "Too little.");
+  // Falls from 28 N on, where 1.6 kg * 20 m/s^2 are asked for.
+  const std::string falls = replaced(kThrust, "0.03, -0.0002", "0.028, -0.0005");
+  refused(firefly, falls, "controller/thrust_min, controller/thrust_max: the curve must rise from 0 to 1");
+  refused(firefly, falls, "which is 5.625 to 13.75 m/s^2");
+  refused("vehicle: {mass: 1}\n", kThrust, "controller/thrust_min: must be stated");
+  refused(replaced(firefly, "controller:\n", "output:\n  thrust_polynomial: none\ncontroller:\n"), kThrust,
+          "output/thrust_polynomial: must be a list in brackets");
+  refused(config("techpod"), replaced(kThrust, "multirotor", "unknown"),
+          "kind thrust: has nothing for the options");
+  refused(config("techpod"), kThrust, "vehicle.kind: must be fixed_wing");
+  refused(firefly, replaced(kThrust, "mass: 1.6", "mass: 0"), "curve.mass: must be greater than 0");
+  refused(firefly, replaced(kThrust, "[0.05, 0.03, -0.0002]", "[0.05]"),
+          "must have two coefficients or more");
+  refused(firefly, replaced(kThrust, "  mass:", "  weight: 3\n  mass:"), "weight");
+}
+
+TEST(ApplyToOptions, AHeadingIsWrittenWhereItDiffersFromZero) {
+  const AppliedOptions applied = appliedTo(config("firefly"), {kHeading});
+  EXPECT_EQ(YAML::Load(applied.text)["vehicle"]["heading_misalignment"].as<double>(), -0.21);
+  EXPECT_NE(errorOf(config("firefly"), replaced(kHeading, "-0.19", "0.01"))
+                .find("must not hold 0: the headings agree"),
+            std::string::npos);
+  EXPECT_NE(errorOf(config("firefly"), replaced(kHeading, "supported: true", "supported: false"))
+                .find("heading_misalignment.supported: the data do not support"),
+            std::string::npos);
+  EXPECT_NE(errorOf(config("techpod"), replaced(kHeading, "multirotor", "unknown")).find("has nothing"),
+            std::string::npos);
 }
 
 TEST(ApplyToOptions, AFixedWingTakesEq45AsItsGuidancePredicts) {

@@ -1,103 +1,22 @@
+// Heading, mass and disturbance of made motions, and what is said of bad ones.
 #include "identification/motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "identification/motion_output.hpp"
-#include "identification/several_motions.hpp"
+#include "made_motion.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kMass = 1.52;       // [kg]
-constexpr double kGravity = 9.8066;  // [m/s^2]
-
-struct MadeMotion {
-  double duration = 120.0;               // [s]
-  Eigen::Vector3d drag{0.3, 0.2, 0.15};  // [1/s]
-  // Standard deviation of the disturbance, correlated over 0.5 s [m/s^2].
-  double gust = 0.2;
-  // Standard deviation of the velocity noise [m/s].
-  double noise = 0.005;
-  // Step of the disturbance along x in the second half [m/s^2].
-  double step = 0.0;
-  // True: the drag acts along heading, left and up of the body.
-  bool drag_turns = false;
-};
-
-// A multirotor that tilts and turns, by Euler's method in small steps; yaw wraps. `gusts` are the
-// disturbances along x.
-FlightSignals makeMotion(const MadeMotion& made, std::uint32_t seed, std::vector<double>* gusts = nullptr) {
-  constexpr double kStep = 1e-3;
-  constexpr int kEach = 10;
-  constexpr double kMemory = 0.5;
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  FlightSignals signals;
-  signals.source = "made motion";
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  Eigen::Vector3d disturbance = Eigen::Vector3d::Zero();
-  const auto put = [&signals](const char* name, double time, double value) {
-    signals.series[name].time.push_back(time);
-    signals.series[name].value.push_back(value);
-  };
-  for (int i = 0; i < static_cast<int>(made.duration / kStep); ++i) {
-    const double t = i * kStep;
-    const double roll = 0.15 * std::sin(0.9 * t) + 0.05 * std::sin(2.3 * t);
-    const double pitch = 0.12 * std::sin(1.1 * t + 1.0);
-    const double yaw = std::remainder(0.3 * t, 2.0 * 3.14159265358979);
-    const double thrust = kMass * kGravity * (1.0 + 0.1 * std::sin(0.7 * t));
-    // Third column of Rz(yaw) Ry(pitch) Rx(roll), written out.
-    const Eigen::Vector3d up(
-        std::cos(yaw) * std::sin(pitch) * std::cos(roll) + std::sin(yaw) * std::sin(roll),
-        std::sin(yaw) * std::sin(pitch) * std::cos(roll) - std::cos(yaw) * std::sin(roll),
-        std::cos(pitch) * std::cos(roll));
-    const Eigen::Vector3d more(t > 0.5 * made.duration ? made.step : 0.0, 0.0, 0.0);
-    if (i % kEach == 0) {
-      put("roll", t, roll);
-      put("pitch", t, pitch);
-      put("yaw", t, yaw);
-      put("thrust_cmd", t, thrust);
-      put("vx", t, velocity.x() + made.noise * normal(random));
-      put("vy", t, velocity.y() + made.noise * normal(random));
-      put("vz", t, velocity.z() + made.noise * normal(random));
-      if (gusts != nullptr) gusts->push_back(disturbance.x() + more.x());
-    }
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-    if (made.drag_turns) turn << std::cos(yaw), -std::sin(yaw), 0, std::sin(yaw), std::cos(yaw), 0, 0, 0, 1;
-    velocity += kStep * (thrust / kMass * up - Eigen::Vector3d(0.0, 0.0, kGravity) -
-                         turn * made.drag.asDiagonal() * turn.transpose() * velocity + disturbance + more);
-    for (double& one : disturbance) {
-      one += -one * kStep / kMemory + made.gust * std::sqrt(2.0 * kStep / kMemory) * normal(random);
-    }
-  }
-  return signals;
-}
-
-TEST(Motion, FindsTheDragOfTheRotorsAlongTheBody) {
-  int inside = 0;
-  constexpr int kFlights = 20;
-  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
-    MadeMotion made;
-    made.gust = 0.03;
-    made.drag_turns = true;
-    const auto found = fitDrag(motionOf(makeMotion(made, seed), {})).parameters;
-    ASSERT_EQ(found.size(), 6u);
-    for (const std::size_t axis : {0u, 1u}) {
-      const FittedParameter& drag = found[4 + axis];
-      EXPECT_EQ(drag.name, axis == 0 ? "drag_forward" : "drag_left");
-      const double truth = made.drag[static_cast<Eigen::Index>(axis)];
-      inside += drag.least() <= truth && truth <= drag.greatest() ? 1 : 0;
-      EXPECT_NEAR(drag.value, truth, 0.02);
-      EXPECT_TRUE(drag.supported);
-    }
-  }
-  EXPECT_GE(inside, 2 * kFlights * 9 / 10);
-}
+using test::kGravity;
+using test::kMass;
+using test::MadeMotion;
+using test::makeMotion;
 
 TEST(Motion, FindsTheHeadingMisalignmentWithinItsInterval) {
   int inside = 0;
@@ -130,53 +49,20 @@ TEST(Motion, TooLittleTiltTellsNoHeading) {
   EXPECT_FALSE(fit.warnings.empty());
 }
 
-// Without drag, about half of the estimates are negative, and none may be handed out.
-TEST(Motion, ADragThatIsNotAboveZeroIsNotSupported) {
-  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
-    MadeMotion made;
-    made.gust = 0.05;
-    made.drag.setZero();
-    const MotionFit fit = fitDrag(motionOf(makeMotion(made, seed), {}));
-    for (const FittedParameter& one : fit.parameters) {
-      const bool drag = one.name.rfind("drag", 0) == 0;
-      EXPECT_TRUE(!drag || one.least() > 0.0 || !one.supported) << one.name;
-    }
-    EXPECT_FALSE(fit.warnings.empty());
+TEST(Motion, AHeadingThatDriftsOrAScaleThatIsOffIsNotSupported) {
+  FlightSignals signals = makeMotion({}, 1);
+  TimeSeries& yaw = signals.series["yaw"];
+  for (std::size_t i = 0; i < yaw.time.size(); ++i) yaw.value[i] -= 0.003 * yaw.time[i];
+  MotionFit fit = fitHeading(motionOf(signals, {}));
+  EXPECT_FALSE(fit.parameters.front().supported);
+  EXPECT_NE(fit.warnings.at(0).find("a heading drifts"), std::string::npos);
+  signals = makeMotion({}, 1);
+  for (const char* name : {"vx", "vy"}) {
+    for (double& value : signals.series[name].value) value *= 3.28;
   }
-}
-
-TEST(Motion, FindsDragWithinItsInterval) {
-  int inside = 0;
-  constexpr int kFlights = 20;
-  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
-    MadeMotion made;
-    made.gust = 0.03;  // calm air
-    MotionOptions options;
-    options.mass = kMass;
-    const auto found = fitDrag(motionOf(makeMotion(made, seed), options)).parameters;
-    ASSERT_EQ(found.size(), 8u);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const FittedParameter& drag = found[2 * axis];
-      const double truth = made.drag[static_cast<Eigen::Index>(axis)];
-      inside += drag.least() <= truth && truth <= drag.greatest() ? 1 : 0;
-      EXPECT_NEAR(drag.value, truth, 0.02);
-    }
-  }
-  // At least 54 of 60 intervals hold the true value.
-  EXPECT_GE(inside, 54);
-}
-
-TEST(Motion, FindsDragWithoutAKnownThrust) {
-  MadeMotion made;
-  made.drag.z() = 0.0;
-  made.gust = 0.02;
-  FlightSignals signals = makeMotion(made, 2);
-  signals.series.erase("thrust_cmd");
-  const auto found = fitDrag(motionOf(signals, {})).parameters;
-  ASSERT_EQ(found.size(), 6u);
-  EXPECT_NEAR(found[0].value, made.drag.x(), 0.02);
-  EXPECT_NEAR(found[2].value, made.drag.y(), 0.02);
-  EXPECT_THROW(fitMass(motionOf(signals, {}), {}), Error);
+  fit = fitHeading(motionOf(signals, {}));
+  EXPECT_FALSE(fit.parameters.front().supported);
+  EXPECT_NE(fit.warnings.at(0).find("of another unit"), std::string::npos);
 }
 
 TEST(Motion, FindsMassAndHoverThrust) {
@@ -309,49 +195,6 @@ TEST(Motion, NamesWhatIsMissing) {
   EXPECT_THROW(motionOf(signals, options), Error);
 }
 
-// Circles through the air at 15 m/s that the airspeed sensor shows as 15 / scale.
-FlightSignals makeCircles(double north, double east, double scale, double turns) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise(0.0, 0.2);
-  FlightSignals signals;
-  signals.source = "made circles";
-  constexpr int kSamples = 1500;
-  for (int i = 0; i < kSamples; ++i) {
-    const double time = 0.1 * i;
-    const double course = turns * 6.283185307 * i / kSamples;
-    const double speed = 15.0 + std::sin(0.4 * time);
-    const auto put = [&](const char* name, double value) {
-      signals.series[name].time.push_back(time);
-      signals.series[name].value.push_back(value + noise(random));
-    };
-    put("vn", speed * std::cos(course) + north);
-    put("ve", speed * std::sin(course) + east);
-    put("airspeed", speed / scale);
-  }
-  return signals;
-}
-
-TEST(Wind, FindsWindAndScaleOfTheAirspeed) {
-  const WindFit found = fitWind(makeCircles(3.0, -5.0, 1.08, 3.0), {});
-  EXPECT_TRUE(found.warnings.empty());
-  EXPECT_NEAR(found.parameters[0].value, 3.0, 0.1);
-  EXPECT_NEAR(found.parameters[1].value, -5.0, 0.1);
-  EXPECT_NEAR(found.parameters[2].value, 1.08, 0.01);
-  for (const FittedParameter& parameter : found.parameters) EXPECT_GT(parameter.standard_error, 0.0);
-  ASSERT_EQ(found.traces.size(), 1u);
-  EXPECT_EQ(found.traces[0].measured.size(), found.north.size());
-}
-
-TEST(Wind, SaysWhereItTellsNothing) {
-  const auto straight = fitWind(makeCircles(3.0, -5.0, 1.0, 0.2), {}).warnings;
-  ASSERT_EQ(straight.size(), 1u);
-  EXPECT_NE(straight[0].find("Fly circles"), std::string::npos);
-  EXPECT_THROW(fitWind(makeCircles(0.0, 0.0, 1.0, 1.0), {{900.0, 901.0}}), Error);
-  const auto knots = fitWind(makeCircles(3.0, -5.0, 0.514, 3.0), {}).warnings;
-  ASSERT_EQ(knots.size(), 1u);
-  EXPECT_NE(knots[0].find("another unit"), std::string::npos);
-}
-
 TEST(MotionOutput, HasTheFormOfProblemFiles) {
   MotionCalibration calibration;
   calibration.kind = "disturbance";
@@ -362,99 +205,6 @@ TEST(MotionOutput, HasTheFormOfProblemFiles) {
   calibration.bounds = {bound};
   EXPECT_NE(toYaml(calibration).find("  - {name: d_y, unit: m/s^2, range: [-0.3, 0.25]}\n"),
             std::string::npos);
-}
-
-// Flights whose drag along x differs by a tenth (standard deviation).
-std::vector<FlightSignals> makeFlightsOfOneVehicle(std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<FlightSignals> flights;
-  for (int i = 0; i < 3; ++i) {
-    MadeMotion made;
-    made.duration = 60.0;
-    made.gust = 0.03;
-    made.drag.x() *= 1.0 + 0.1 * normal(random);
-    flights.push_back(makeMotion(made, random()));
-    for (auto& [name, series] : flights.back().series) {
-      for (double& time : series.time) time += 1e5 * i;
-    }
-  }
-  return flights;
-}
-
-std::vector<Motion> motionsOf(const std::vector<FlightSignals>& flights, const MotionOptions& options) {
-  std::vector<Motion> motions;
-  for (const FlightSignals& flight : flights) motions.push_back(motionOf(flight, options));
-  return motions;
-}
-
-TEST(SeveralMotions, IntervalsHoldTheMeanOfTheVehicle) {
-  int inside = 0;
-  MotionOptions options;
-  options.mass = kMass;
-  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
-    const auto flights = makeFlightsOfOneVehicle(seed);
-    const Motion joint = motionOf(joinFlights(flights).signals, options);
-    const SeveralFit found = fitDragOf(joint, motionsOf(flights, options));
-    ASSERT_EQ(found.flights.size(), 3u);
-    const FittedParameter& drag = found.parameters[0];
-    ASSERT_EQ(drag.name, "drag_x");
-    const double truth = MadeMotion().drag.x();
-    inside += drag.least() <= truth && truth <= drag.greatest() ? 1 : 0;
-    EXPECT_LT(drag.half_width, truth);
-    // The picture is that of the values that are told.
-    const MotionTrace& trace = found.traces.front();
-    EXPECT_DOUBLE_EQ(trace.modelled[7], found.parameters[1].value - drag.value * trace.depends[7]);
-  }
-  EXPECT_GE(inside, 18);
-}
-
-TEST(SeveralMotions, AreOneRecordOnOneClock) {
-  const auto flights = makeFlightsOfOneVehicle(1);
-  const JoinedFlights joined = joinFlights(flights);
-  EXPECT_EQ(joined.signals.at("vx").time.front(), 0.0);
-  EXPECT_LT(joined.signals.at("vx").time.back(), 400.0);
-  const Motion joint = motionOf(joined.signals, {});
-  EXPECT_EQ(joint.starts.size(), 4u);
-  ASSERT_EQ(joined.spans.size(), 3u);
-  EXPECT_GT(joined.spans[1].from, joined.spans[0].to);
-  const auto bounds = boundDisturbance(joint, {}, {});
-  EXPECT_GT(bounds[0].independent_samples,
-            1.5 * boundDisturbance(motionOf(flights[0], {}), {}, {})[0].independent_samples);
-}
-
-TEST(SeveralMotions, LeaveOutOfEachWhatIsNoFlight) {
-  auto flights = makeFlightsOfOneVehicle(1);
-  flights[0].places = {"a", "b"};
-  flights[1].places = {"b", "c"};
-  flights[2].places = {"b"};
-  const double start = flights[1].at("vx").time.front();
-  flights[1].not_flight = {{{start + 5.0, start + 8.0}, "upset"}};
-  const JoinedFlights joined = joinFlights(flights);
-  EXPECT_EQ(joined.signals.places, std::vector<std::string>{"b"});
-  const Motion motion = motionOf(joined.signals, {});
-  const double from = joined.spans[1].from;
-  EXPECT_TRUE(std::none_of(motion.time.begin(), motion.time.end(),
-                           [from](double time) { return time > from + 5.01 && time < from + 7.99; }));
-  EXPECT_TRUE(std::any_of(motion.time.begin(), motion.time.end(),
-                          [from](double time) { return time > from + 9.0 && time < from + 10.0; }));
-}
-
-TEST(SeveralMotions, FindMassOrSayWhyNot) {
-  auto flights = makeFlightsOfOneVehicle(2);
-  const MotionOptions options;
-  const SeveralFit found =
-      fitMassOf(motionOf(joinFlights(flights).signals, options), motionsOf(flights, options), options);
-  EXPECT_NEAR(found.parameters[0].value, kMass, 0.01);
-  EXPECT_NEAR(found.parameters[1].value, kMass * kGravity, 0.1);
-  EXPECT_EQ(found.parameters[0].name, "mass");
-  flights[1].series.erase("thrust_cmd");
-  EXPECT_THROW(
-      fitMassOf(motionOf(joinFlights(flights).signals, options), motionsOf(flights, options), options),
-      Error);
-  flights = makeFlightsOfOneVehicle(2);
-  flights[1].thrust_is_share = true;
-  EXPECT_THROW(joinFlights(flights), Error);
 }
 
 TEST(Motion, ABoundBeyondGravityIsNotSupported) {

@@ -1,6 +1,7 @@
 #include "validation_ros/bag_reader.hpp"
 
 #include <geometry_msgs/Vector3Stamped.h>
+#include <std_msgs/String.h>
 
 #include <algorithm>
 #include <functional>
@@ -12,6 +13,7 @@
 
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "validation_ros/topic_reader.hpp"
 
 namespace polyfly_ros {
@@ -72,6 +74,8 @@ class LogBuilder {
     log_.disturbances.push_back(
         {message.header.stamp.toSec(), {message.vector.x, message.vector.y, message.vector.z}});
   }
+
+  void add(const std_msgs::String& message) { log_.parameters.push_back({time_, message.data}); }
 
   // What the stamps of odometry and commands are worth; the topics are those they came on.
   std::vector<FlightLog::TopicClock> clocks(const std::string& odometry, const std::string& command) const {
@@ -203,6 +207,7 @@ class BagReader {
     }
     use<online_controller::ControllerStatus>(topics_.status);
     use<geometry_msgs::Vector3Stamped>(topics_.disturbance);
+    use<std_msgs::String>(parametersTopic());
     reader_.read();
     const auto clocks = builder_.clocks(fullName(topics_.odometry), fullName(topics_.command));
     FlightLog log = builder_.finish();
@@ -216,7 +221,7 @@ class BagReader {
  private:
   void scan(const BagProgress& progress) {
     reader_.scan({topics_.odometry, topics_.trajectory, topics_.pose, topics_.command, topics_.status,
-                  topics_.disturbance},
+                  topics_.disturbance, topics_.parameters},
                  progress);
     prefix_ = reader_.findPrefix(topics_.name_space, topics_.command);
   }
@@ -254,6 +259,17 @@ class BagReader {
       builder_.setTime(time);
       builder_.add(message);
     };
+  }
+
+  // The topic lies in the private namespace of the controller, whose name is free. Of several nodes, which fly beside
+  // the one, that on the uppermost level counts.
+  std::string parametersTopic() const {
+    std::string shortest;
+    for (const std::string& name : reader_.topicsOf<std_msgs::String>()) {
+      const bool fits = name.rfind(prefix_, 0) == 0 && polyfly::endsWith(name, "/" + topics_.parameters);
+      if (fits && (shortest.empty() || name.size() < shortest.size())) shortest = name;
+    }
+    return shortest.empty() ? fullName(topics_.parameters) : shortest;
   }
 
   template <class Message>

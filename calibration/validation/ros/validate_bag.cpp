@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ namespace {
 
 constexpr int kPassed = 0;
 constexpr int kThresholdBroken = 1;
+// In the folder of the report: what the bag tells of the parameters, to fly again.
+constexpr const char* kParametersFile = "/parameters_in_force.yaml";
 
 struct Arguments {
   std::vector<std::string> bags;
@@ -53,9 +56,10 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "flew; further ones are compared with it.")
       ->required()
       ->type_name("FILE");
-  app.add_option("--options", arguments.options,
-                 "Options file (YAML) of the controller that flew: vehicle, controller (default: the "
-                 "controller's defaults).")
+  app.add_option(
+         "--options", arguments.options,
+         "Options file (YAML) of the controller that flew: vehicle, controller (default: what the bag "
+         "tells, else the controller's defaults).")
       ->type_name("FILE");
   app.add_option("--json", arguments.json, "Write the results to this file as JSON.")->type_name("FILE");
   app.add_option("--report", arguments.report, "Write index.html and summary.json into this folder.")
@@ -102,6 +106,10 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->group(group);
   app.add_option("--disturbance", topics.disturbance,
                  "Topic of type geometry_msgs/Vector3Stamped, the true disturbance; may be missing.")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--parameters", topics.parameters,
+                 "Topic of type std_msgs/String, the parameters in force, below any node; may be missing.")
       ->capture_default_str()
       ->group(group);
 
@@ -152,8 +160,11 @@ void checkResults(const Arguments& arguments, const polyfly::MapChoice& maps) {
       outputs.push_back({folder + name, Output::Kind::kText, Output::Folder::kIsMade});
   };
   if (!arguments.report.empty()) {
-    for (std::size_t number = 1; number <= arguments.bags.size(); ++number)
-      addPage(flightFolder(arguments, arguments.report, number));
+    for (std::size_t number = 1; number <= arguments.bags.size(); ++number) {
+      const std::string folder = flightFolder(arguments, arguments.report, number);
+      addPage(folder);
+      outputs.push_back({folder + kParametersFile, Output::Kind::kText, Output::Folder::kIsMade});
+    }
     if (arguments.bags.size() > 1) addPage(arguments.report);
   }
   if (!arguments.explore.empty()) {
@@ -195,16 +206,23 @@ polyfly::OnlineOracle robustOracle(const polyfly::RegionMap& map) {
   return polyfly::onlineRobustLaw(std::string(map.problemText()), map.path() + ": problem");
 }
 
+// The options that the bag tells, else the defaults.
+polyfly::MultirotorOptions optionsOf(const polyfly::FlightLog& log) {
+  const auto told = polyfly::parametersTold(log);
+  return told ? polyfly::optionsInForce(*told) : polyfly::MultirotorOptions{};
+}
+
 // Reads, replays, judges; writes what belongs to this flight alone.
 polyfly::ValidationReport judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
-                                const polyfly::MultirotorOptions& options, const Arguments& arguments,
-                                polyfly_ros::ValidationTopics* topics) {
+                                const std::optional<polyfly::MultirotorOptions>& given,
+                                const Arguments& arguments, polyfly_ros::ValidationTopics* topics) {
   polyfly_ros::BagProgress progress;
   if (!arguments.quiet && isatty(STDERR_FILENO) != 0) progress = polyfly::showReadProgress;
   const polyfly::FlightLog log = polyfly_ros::readBag(
       bag, arguments.topics, progress, arguments.quiet ? polyfly::Ask() : polyfly::promptIfTerminal());
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
+  const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
   const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
   polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
@@ -224,6 +242,8 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
   }
   if (!arguments.report.empty()) {
     polyfly::writeReport({log, samples, maps.flown, options, report, pages}, report_folder);
+    if (report.parameters)
+      polyfly::writeFileAtomically(report_folder + kParametersFile, report.parameters->text);
   }
   return report;
 }
@@ -246,9 +266,8 @@ int run(const Arguments& arguments) {
   for (const polyfly::RegionMap& map : maps) views.push_back(&map);
   const polyfly::MapChoice choice = polyfly::chooseMaps(views);
   checkResults(arguments, choice);
-  const polyfly::MultirotorOptions options = arguments.options.empty()
-                                                 ? polyfly::MultirotorOptions{}
-                                                 : polyfly::loadControllerOptions(arguments.options);
+  std::optional<polyfly::MultirotorOptions> options;
+  if (!arguments.options.empty()) options = polyfly::loadControllerOptions(arguments.options);
   std::unique_ptr<polyfly_ros::ValidationTopics> topics;
   if (!arguments.topics_bag.empty()) {
     topics = std::make_unique<polyfly_ros::ValidationTopics>(arguments.topics_bag);

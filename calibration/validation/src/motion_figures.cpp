@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "report_parts.hpp"
 #include "validation/motion_report.hpp"
@@ -12,6 +13,7 @@ using Style = Series::Style;
 // Greatest number of dots of a scatter plot.
 constexpr std::size_t kScatterDots = 3000;
 constexpr std::size_t kCirclePoints = 180;
+constexpr std::size_t kModelPoints = 80;
 constexpr std::size_t kQuantilePoints = 400;
 
 std::vector<double> residualOf(const MotionTrace& trace) {
@@ -43,9 +45,11 @@ ReportFigure selectionFigure(const MotionCalibration& calibration) {
   ReportFigure result;
   result.heading = "What was used";
   result.caption =
-      "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
+      calibration.curve
+          ? "The thrust command of the log; shaded: the stretches that the numbers come from."
+          : "All velocities that the log holds in flight; shaded: the stretches that the numbers come from.";
   if (calibration.data.size() > 1) result.caption += " One flight after the other, with pauses between.";
-  Panel panel = timePanel("", "velocity [m/s]");
+  Panel panel = timePanel("", calibration.curve ? "thrust command" : "velocity [m/s]");
   const MotionTrace& trace = calibration.traces.front();
   for (std::size_t i = 0; i + 1 < trace.starts.size(); ++i) {
     if (trace.starts[i + 1] > trace.starts[i])
@@ -121,19 +125,20 @@ Panel scatterPanel(const MotionTrace& trace) {
   line.label = "model";
   line.color = palette::kVermilion;
   const std::size_t stride = trace.depends.size() / kScatterDots + 1;
-  std::size_t least = 0;
-  std::size_t greatest = 0;
-  for (std::size_t i = 0; i < trace.depends.size(); ++i) {
-    if (trace.depends[i] < trace.depends[least]) least = i;
-    if (trace.depends[i] > trace.depends[greatest]) greatest = i;
-    if (i % stride != 0) continue;
+  for (std::size_t i = 0; i < trace.depends.size(); i += stride) {
     dots.x.push_back(trace.depends[i]);
     dots.y.push_back(trace.measured[i]);
   }
-  // Every model here is a straight line in what it depends on.
-  for (const std::size_t end : {least, greatest}) {
-    line.x.push_back(trace.depends[end]);
-    line.y.push_back(trace.modelled[end]);
+  // Every model here is a function of what it depends on.
+  std::vector<std::size_t> order(trace.depends.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&trace](std::size_t one, std::size_t other) {
+    return trace.depends[one] < trace.depends[other];
+  });
+  for (std::size_t i = 0; i < kModelPoints && !order.empty(); ++i) {
+    const std::size_t place = order[i * (order.size() - 1) / (kModelPoints - 1)];
+    line.x.push_back(trace.depends[place]);
+    line.y.push_back(trace.modelled[place]);
   }
   panel.series = {dots, line};
   return panel;

@@ -79,7 +79,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
         controller.onSilence(log.silences.at(event.index));
         break;
       case FlightLog::EventKind::kOdometry: {
-        const VehicleState& state = log.odometry.at(event.index);
+        const VehicleState state = aligned(log.odometry.at(event.index), options.heading_misalignment);
         if (!answered.empty() && answered.count(state.stamp) == 0) break;
         const std::optional<Reference> reference = schedule.sample(state.stamp);
         ReplaySample sample;

@@ -262,6 +262,7 @@ std::string toHtml(const ReportContent& content) {
   for (const ReportFigure& figure : figures) {
     writeFigureSection(figure, out);
   }
+  writeParameters(content.validation, out);
   writeNumbers(content.validation, out);
   return out.str();
 }

@@ -59,6 +59,9 @@ tr.bad td { color: var(--bad); font-weight: 600; }
 .track i { position: absolute; top: 0; bottom: 0; background: var(--blue); min-width: 2px; }
 .track i.bad { background: #d55e00; }
 .scroll { overflow-x: auto; }
+.facts td, .facts th { text-align: left; vertical-align: top; overflow-wrap: anywhere; }
+.facts td:first-child { white-space: nowrap; }
+section > p + table, table + p { margin-top: 10px; }
 .mark { display: inline-block; padding: 1px 9px; border-radius: 9px; font-size: 13px; font-weight: 600; vertical-align: 2px; }
 .mark.good { background: #e0f2ec; color: var(--good); }
 .mark.bad { background: #fbe6da; color: var(--bad); }

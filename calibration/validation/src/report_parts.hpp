@@ -87,6 +87,7 @@ ReportFigure heatFigure(const ReportContent& content);
 ReportFigure distanceFigure(const ReportContent& content);
 
 /// Sections of the page; nothing where there is nothing to tell.
+void writeParameters(const ValidationReport& report, std::ostream& out);
 void writeExcursions(const ValidationReport& report, std::ostream& out);
 void writeProposals(const ValidationReport& report, std::ostream& out);
 void writeComparisons(const ValidationReport& report, std::ostream& out);

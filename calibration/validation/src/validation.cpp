@@ -132,6 +132,11 @@ ValidationReport validate(const FlightLog& log, const std::vector<ReplaySample>&
   report.warnings = recordWarnings(log, report.commands);
   const std::vector<std::string> of_flight = flightWarnings(log, samples, maps, options);
   report.warnings.insert(report.warnings.end(), of_flight.begin(), of_flight.end());
+  report.parameters = parametersTold(log);
+  if (report.parameters) {
+    const std::vector<std::string> of_parameters = parameterWarnings(*report.parameters, maps, options);
+    report.warnings.insert(report.warnings.end(), of_parameters.begin(), of_parameters.end());
+  }
   report.hold = holdOffset(log, samples);
   return report;
 }

@@ -171,6 +171,22 @@ Json json(const RecordingShare& share) {
           {"whole", share.isWhole()}};
 }
 
+Json json(const ParametersTold& parameters) {
+  Json out = {{"node", parameters.node}, {"law", parameters.law}, {"provenance", parameters.provenance}};
+  out["axes"] = Json::array();
+  for (const ParametersTold::Axis& axis : parameters.axes) {
+    out["axes"].push_back({{"map", axis.map},
+                           {"map_checksum", axis.map_checksum},
+                           {"problem", axis.problem},
+                           {"calibration", axis.calibration}});
+  }
+  out["changes"] = Json::array();
+  for (const ParametersTold::Change& change : parameters.changes)
+    out["changes"].push_back(
+        {{"at_s", change.time}, {"cause", change.cause}, {"parameters", change.parameters}});
+  return out;
+}
+
 Json json(const ValidationReport& report) {
   Json out;
   out["verdict"] = nameOf(report.verdict());
@@ -199,6 +215,7 @@ Json json(const ValidationReport& report) {
   out["status"] = json(report.statuses);
   out["hold"] = report.hold ? json(*report.hold) : Json();
   out["recording"] = report.share ? json(*report.share) : Json();
+  out["parameters"] = report.parameters ? json(*report.parameters) : Json();
   out["broken"] = report.broken;
   out["warnings"] = report.warnings;
   out["comparisons"] = Json::array();

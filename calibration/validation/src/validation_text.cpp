@@ -117,6 +117,16 @@ void writeCommands(const CommandValidation& commands, std::ostream& out) {
       << ", yaw rate " << commands.yaw_rate_violations << ", not finite " << commands.not_finite << "\n";
 }
 
+void writeParametersText(const ParametersTold& parameters, std::ostream& out) {
+  out << "  in force: law " << parameters.law << ", told by " << parameters.node << "\n  calibrated options: "
+      << (parameters.provenance.empty() ? "no provenance is stated" : parameters.provenance) << "\n";
+  for (const ParametersTold::Change& change : parameters.changes) {
+    out << "  changed at " << change.time << " s (" << change.cause << "):";
+    for (const std::string& one : change.parameters) out << " " << one << ";";
+    out << "\n";
+  }
+}
+
 }  // namespace
 
 const char* nameOf(Verdict verdict) { return kVerdictNames[static_cast<std::size_t>(verdict)]; }
@@ -176,6 +186,7 @@ std::string toText(const ValidationReport& report) {
       << 100.0 * report.coverage << " %: " << report.outside_map_samples << " samples outside a map, for "
       << report.outside_map_time << " s\n";
   if (report.share) out << "  read: " << describe(*report.share) << "\n";
+  if (report.parameters) writeParametersText(*report.parameters, out);
   for (const AxisValidation& axis : report.axes) writeAxis(axis, out);
   writeCommands(report.commands, out);
   out << "\n  status:";

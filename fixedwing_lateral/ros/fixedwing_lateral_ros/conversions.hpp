@@ -9,6 +9,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral/lateral_parameters.hpp"
 #include "fixedwing_lateral/turn_limits.hpp"
 
 // The only place where messages become values and frames change: the world from east-north-up to
@@ -44,10 +45,7 @@ bool isEmpty(const fixedwing_lateral::Mission& message) noexcept;
 void fillTwist(double roll_reference, geometry_msgs::TwistStamped& message) noexcept;
 
 /// Roll and pitch [rad] at the present heading, rates ignored; thrust in [0, 1], ignored when negative.
-struct AttitudeOptions {
-  double pitch = 0.0;  ///< positive nose up [rad]
-  double thrust = -1.0;
-};
+using polyfly::AttitudeOptions;
 void fillAttitude(double roll_reference, double heading, const AttitudeOptions& options,
                   mavros_msgs::AttitudeTarget& message) noexcept;
 

@@ -15,11 +15,13 @@
 #include <string>
 
 #include "fixedwing_lateral/guidance.hpp"
+#include "fixedwing_lateral/lateral_parameters.hpp"
 #include "fixedwing_lateral_ros/autopilot_watch.hpp"
 #include "fixedwing_lateral_ros/conversions.hpp"
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_base/time_source.hpp"
 #include "polyfly_ros/option_table.hpp"
+#include "polyfly_ros/parameters_in_force.hpp"
 #include "polyfly_ros/reconfigure_server.hpp"
 
 namespace polyfly_ros {
@@ -33,24 +35,7 @@ class LateralNode {
   LateralNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle);
 
  private:
-  struct Setup {
-    polyfly::GuidanceOptions guidance;
-    AttitudeOptions attitude;
-    bool publish_attitude = false;
-    bool require_engaged = false;
-    bool watch_autopilot = false;
-    /// Greatest age of the autopilot's state [s].
-    double autopilot_timeout = 3.0;
-    std::string engaged_modes;
-    bool stream_in_standby = false;
-    polyfly::TightTurns tight_turns = polyfly::TightTurns::kKeep;
-    /// Wind speed for which missions are checked [m/s].
-    double wind_expected = 0.0;
-    /// Share of the roll reference's limit that turns may use; the rest is for gusts.
-    double turn_share = 0.9;
-    /// Greatest age of an angular rate; after it the odometry's rate is used [s].
-    double imu_timeout = 0.2;
-  };
+  using Setup = polyfly::LateralParameters;
 
   static Setup readSetup(const ros::NodeHandle& private_handle);
   LateralNode(ros::NodeHandle handle, ros::NodeHandle private_handle, const Setup& setup);
@@ -66,6 +51,7 @@ class LateralNode {
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
   void onReconfigure();
+  void writeInForce(polyfly::OptionsText& text) const;
   void requireFrame(const std::string& frame) const;
   void checkEarlyMission();
   void tellOfClock();
@@ -84,6 +70,7 @@ class LateralNode {
   polyfly::ChangeBounds bounds_;
   ReconfigureServer reconfigure_;
   polyfly::LateralGuidance guidance_;
+  ParametersInForce in_force_;
   ros::Publisher twist_publisher_, attitude_publisher_, status_publisher_, marker_publisher_;
   ros::Subscriber odometry_subscriber_, imu_subscriber_, hud_subscriber_, wind_subscriber_,
       mission_subscriber_, engaged_subscriber_, autopilot_subscriber_;

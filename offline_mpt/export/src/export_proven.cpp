@@ -1,8 +1,13 @@
 #include "export_proven/export_proven.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "export_bound.hpp"
+#include "leaf_rows.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -10,23 +15,95 @@
 
 namespace polyfly {
 
+namespace {
+
+/// The map's candidates with the rows that they need. Code of doubles tests what the map tests.
+std::vector<ChosenCandidate> neededRows(const RegionMap& map, const LeafRows& rows) {
+  std::vector<ChosenCandidate> chosen;
+  for (std::uint32_t i = 0; i < map.leafCount(); ++i) {
+    const LeafView leaf = map.leaf(i);
+    for (std::uint32_t k = 0; k < leaf.count; ++k) {
+      const std::uint32_t region = leaf.candidates[k];
+      chosen.push_back({i, region, rows.testsOf(i, region, leaf.testsOf(k))});
+    }
+  }
+  return chosen;
+}
+
+/// Adds regions to leaves, with the rows that they need, or without `rows` with all. False where all were there.
+bool addCandidates(const std::set<checker::LeafRegion>& places, const LeafRows* rows,
+                   std::vector<ChosenCandidate>& chosen) {
+  std::set<checker::LeafRegion> known;
+  for (const ChosenCandidate& candidate : chosen) known.emplace(candidate.leaf, candidate.region);
+  const std::size_t before = chosen.size();
+  for (const checker::LeafRegion& place : places) {
+    const auto [leaf, region] = place;
+    if (known.insert(place).second)
+      chosen.push_back({leaf, region, rows ? rows->testsOf(leaf, region) : MapContent::kAllRows});
+  }
+  return chosen.size() != before;
+}
+
+enum class AddedRows { kNeeded, kAll };
+
+/// Proves code with one tolerance. Leaves get the candidates that they lack. Nothing where the code may have no answer
+/// though the map has one.
+std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Map& checked,
+                                         const checker::ProofWatch& watch, AddedRows added,
+                                         ExportOptions& options) {
+  constexpr int kMostRepairs = 4;
+  options.chosen.clear();
+  const checker::ExportedCode first = checker::readCode(exportSource(map, options));
+  const LeafRows rows(checked, first.tables);
+  const LeafRows* const of_added = added == AddedRows::kNeeded ? &rows : nullptr;
+  if (options.type != ExportType::kDouble) options.chosen = neededRows(map, rows);
+  for (int repairs = 0;; ++repairs) {
+    const checker::ExportedAnswers proven =
+        checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)), watch);
+    bool lacks = false;
+    if (repairs < kMostRepairs) {
+      lacks = addCandidates(proven.missing, of_added, options.chosen);
+      lacks = addCandidates(proven.jumps, of_added, options.chosen) || lacks;
+    }
+    if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin};
+    if (!lacks) return std::nullopt;
+  }
+}
+
+/// Whether an error is less than a half of another one, and none is greater.
+bool isMuchBetter(const ExportBound& bound, const ExportBound& than) {
+  constexpr double kMuch = 0.5;
+  bool is_less = false;
+  for (std::size_t j = 0; j < bound.error.size(); ++j) {
+    if (bound.error[j] > than.error[j]) return false;
+    is_less = is_less || bound.error[j] < kMuch * than.error[j];
+  }
+  return is_less;
+}
+
+}  // namespace
+
 // The checker proves the bound. It reads the code's text and shares nothing with what wrote it. Where the code may
 // have no answer though the map has one, its leaves get more candidates; failing that, it gets a greater tolerance.
-ProvenExport proveExport(const RegionMap& map, ExportOptions options) {
+ProvenExport proveExport(const RegionMap& map, ExportOptions options, const ExportProofOptions& proof) {
   constexpr int kRounds = 4;
   constexpr double kGrowth = 4.0;
   try {
     const checker::Map checked{std::string(map.file())};
     for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
-      options.extra.clear();
-      for (const bool is_repaired : {false, true}) {
-        const checker::ExportedAnswers proven =
-            checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)));
-        if (proven.missing.empty()) return {std::move(options), {proven.error, proven.margin}};
-        if (is_repaired) break;
-        for (const auto& [leaf, region] : proven.missing) options.extra.push_back({leaf, region});
-      }
+      const checker::ProofWatch watch = {proof.stop, proof.progress};
+      const std::optional<ExportBound> bound =
+          proveRepaired(map, checked, watch, AddedRows::kNeeded, options);
+      if (!bound) continue;
+      if (options.type == ExportType::kDouble) return {std::move(options), *bound};
+      // A candidate that was added for a steep law may differ much where its rows hold by the tolerance only.
+      ExportOptions whole = options;
+      const std::optional<ExportBound> other = proveRepaired(map, checked, watch, AddedRows::kAll, whole);
+      if (other && isMuchBetter(*other, *bound)) return {std::move(whole), *other};
+      return {std::move(options), *bound};
     }
+  } catch (const checker::Stopped&) {
+    throw Error(map.path() + ": the proof of its code was interrupted");
   } catch (const checker::Refused& refused) {
     throw Error(map.path() + ": its code could not be proven: " + refused.what());
   }

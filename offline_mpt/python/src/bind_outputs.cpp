@@ -52,16 +52,22 @@ void explorePage(const LoadedMap& map, const Path& path, const std::optional<Num
 ExportType exportType(const std::string& name) {
   if (name == "double") return ExportType::kDouble;
   if (name == "float") return ExportType::kFloat;
-  throw Error("type: must be double or float, got '" + name + "'");
+  if (name == "int16") return ExportType::kInt16;
+  throw Error("type: must be double, float or int16, got '" + name + "'");
 }
 
 void exportCode(const LoadedMap& map, const std::string& name, const Path& folder, const std::string& type) {
   ExportOptions options;
   options.name = name;
   options.type = exportType(type);
-  const ProvenExport proven = watched(py::none(), [&](Watch&) {
+  const ProvenExport proven = watched(py::none(), [&](Watch& watch) {
     checkExportOutputs(folder.string(), name, {map.file()});
-    return proveExport(map.map(), options);
+    ExportProofOptions proof;
+    proof.stop = &watch.stop();
+    proof.progress = [&watch](std::uint64_t pairs) {
+      watch.look("compared " + std::to_string(pairs) + " pairs of leaves");
+    };
+    return proveExport(map.map(), options, proof);
   });
   const py::gil_scoped_release release;
   writeExport(map.map(), proven, folder.string());
@@ -75,7 +81,8 @@ void bindOutputs(py::class_<LoadedMap>& type) {
            "[s] and the parameters.")
       .def("export", &exportCode, py::arg("name"), py::arg("folder") = ".", py::arg("type") = "double",
            "Writes the map as C99 code: NAME.c, NAME.h, NAME_test.c, NAME.json. type: double gives the same "
-           "answers, float answers within a proven bound. Raises Error and writes nothing where that cannot "
+           "answers, float and int16 answer within a proven bound. Raises Error and writes nothing where "
+           "that cannot "
            "be proven.");
 }
 

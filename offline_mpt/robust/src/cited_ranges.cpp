@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "mpc_core/calibration_document.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
 #include "polyfly_base/yaml_field.hpp"
@@ -51,12 +52,31 @@ void refuseUnsupported(const YamlField& file, const std::string& name, const Yam
                        " (supported: false): fly longer, or write the range as numbers");
 }
 
-Cited cite(const YamlField& channel, const std::string& folder) {
+/// A file that `calibrate` wrote is read by the rules of `calibrate apply`. Another one may have what is read here, and
+/// where its flights are from.
+void checkCitedFile(const std::string& text, const std::string& place, const std::string& problem) {
+  const YamlField file = YamlField::parse(text, place);
+  if (!file.has("polyfly_calibration")) {
+    file.checkKeys({"disturbances"}, {"kind", "data", "share", "confidence", "axes"});
+    for (const YamlField& entry : file.at("disturbances").items())
+      entry.checkKeys({"name", "unit", "range"}, {});
+    return;
+  }
+  const CalibrationDocument calibration({text, place, {}, false});
+  if (calibration.kind() != "disturbance")
+    file.at("kind").fail("must be disturbance where a range is cited, got '" + calibration.kind() + "'");
+  // No other vehicle flies these maps.
+  calibration.requireVehicle("multirotor", problem);
+}
+
+Cited cite(const YamlField& channel, const std::string& folder, const std::string& problem) {
   const YamlField from = channel.at("range");
   from.checkKeys({"from", "name"}, {});
   const std::string path = from.at("from").text(), name = from.at("name").name();
   const std::string place = (std::filesystem::path(folder) / path).string();
-  const YamlField file = YamlField::parse(readText(place), place);
+  const std::string text = readText(place);
+  checkCitedFile(text, place, problem);
+  const YamlField file = YamlField::parse(text, place);
   for (const YamlField& entry : file.at("disturbances").items()) {
     if (entry.at("name").name() != name) continue;
     if (entry.at("unit").unit() != channel.at("unit").unit())
@@ -101,7 +121,7 @@ std::string withCitedRanges(const std::string& text, const std::string& path) {
   std::size_t done = 0;
   for (const YamlField& channel : root.at("model").at("disturbances").items()) {
     if (!channel.has("range") || !channel.at("range").has("from")) continue;
-    const Cited cited = cite(channel, folder);
+    const Cited cited = cite(channel, folder, path);
     const Place place = nextCitation(text, done);
     if (place.open == std::string::npos)
       channel.at("range").fail("must be written as range: {from: FILE, name: NAME} on one line");

@@ -89,6 +89,33 @@ TEST_F(CitedRanges, SeveralChannelsEachHaveTheirOwn) {
   EXPECT_DOUBLE_EQ(problem.disturbances[1].upper, 0.5);
 }
 
+TEST_F(CitedRanges, AreThoseOfAMultirotorAndOfKnownKeys) {
+  const std::string begin = "polyfly_calibration: 1\nkind: disturbance\nvehicle: {kind: ";
+  const std::string end =
+      ", reason: \"It circles.\"}\ndata: {file: a.bag}\ndisturbances:\n  - {name: d_y, unit: m/s^2, range: "
+      "[-1, 1]}\n"
+      "axes:\n  y: {supported: true}\n";
+  const auto told = [&](const std::string& text) {
+    write("data/bounds.yaml", text);
+    return refusal("{from: data/bounds.yaml, name: d_y}");
+  };
+  EXPECT_EQ(told(begin + "multirotor" + end), "");
+  EXPECT_EQ(told(begin + "unknown" + end), "");
+  const std::string wing = told(begin + "fixed_wing" + end);
+  EXPECT_NE(wing.find("bounds.yaml:3: vehicle.kind: must be multirotor"), std::string::npos) << wing;
+  EXPECT_NE(wing.find("It circles."), std::string::npos) << wing;
+  EXPECT_NE(told(begin + "multirotor" + end + "odd: 1\n").find("odd"), std::string::npos);
+  EXPECT_NE(told(begin + "multirotor" + end + "  z: {suported: false}\n").find("suported"),
+            std::string::npos);
+  const std::string mass =
+      "polyfly_calibration: 1\nkind: mass\ndata: {file: a.bag}\nparameters: {mass: {value: 1}}\n";
+  EXPECT_NE(told(mass).find("kind: must be disturbance"), std::string::npos);
+  const std::string own = "disturbances:\n  - {name: d_y, unit: m/s^2, range: [-1, 1]";
+  EXPECT_EQ(told(own + "}\n"), "");
+  EXPECT_NE(told(own + ", supported: false}\n").find("supported"), std::string::npos);
+  EXPECT_NE(told(own + "}\nrage: 1\n").find("rage"), std::string::npos);
+}
+
 TEST_F(CitedRanges, RefuseWhatIsNotThere) {
   EXPECT_NE(refusal("{from: data/none.yaml, name: d_y}").find("data/none.yaml"), std::string::npos);
   EXPECT_NE(refusal("{from: data/bounds.yaml, name: d_z}").find("must be a disturbance of"),

@@ -9,8 +9,8 @@
 namespace polyfly {
 namespace {
 
-constexpr std::array<const char*, 6> kCalibrationKinds = {"attitude", "drag",    "disturbance",
-                                                          "mass",     "heading", "wind"};
+constexpr std::array<const char*, 7> kCalibrationKinds = {"attitude", "drag",    "disturbance", "mass",
+                                                          "thrust",   "heading", "wind"};
 // Value of the key polyfly_calibration.
 constexpr int kCalibrationFormat = 1;
 
@@ -20,7 +20,8 @@ std::string kindOf(const YamlField& root) {
   root.at("polyfly_calibration").integer(kCalibrationFormat, kCalibrationFormat);
   const YamlField kind = root.at("kind");
   if (std::find(kCalibrationKinds.begin(), kCalibrationKinds.end(), kind.text()) == kCalibrationKinds.end())
-    kind.fail("must be attitude, drag, disturbance, mass, heading or wind, got '" + kind.text() + "'");
+    kind.fail("must be attitude, drag, disturbance, mass, thrust, heading or wind, got '" + kind.text() +
+              "'");
   return kind.text();
 }
 
@@ -108,14 +109,30 @@ double CalibrationDocument::supportedAbove0(const std::vector<std::string>& plac
   return value;
 }
 
+std::pair<double, double> CalibrationDocument::intervalOf(const std::string& name) const {
+  const YamlField interval = at({"parameters", name, "interval_95"});
+  const std::vector<YamlField> ends = interval.items();
+  if (ends.size() != 2) interval.fail("must be [least, greatest]");
+  return {ends[0].number(), ends[1].number()};
+}
+
+double CalibrationDocument::nonzeroParameter(const std::string& name, const char* meaning) const {
+  const double value = supported({"parameters", name}, "value");
+  if (file_.force) return value;
+  const auto [least, greatest] = intervalOf(name);
+  if (!(least > 0.0 || greatest < 0.0)) {
+    at({"parameters", name, "interval_95"})
+        .fail(std::string("must not hold 0: ") + meaning + " (calibrate apply --force takes the number)");
+  }
+  return value;
+}
+
 double CalibrationDocument::positiveParameter(const std::string& name) const {
   const std::vector<std::string> place = {"parameters", name};
   const double value = supported(place, "value");
   if (value < 0.0) at(place).at("value").fail("must not be negative");
   if (file_.force) return value;
-  const std::vector<YamlField> ends = at(place).at("interval_95").items();
-  if (ends.size() != 2) at(place).at("interval_95").fail("must be [least, greatest]");
-  if (!(ends[0].number() > 0.0))
+  if (!(intervalOf(name).first > 0.0))
     at(place).at("interval_95").fail("must be above 0 (calibrate apply --force takes the number)");
   return value;
 }
@@ -154,8 +171,11 @@ std::string CalibrationDocument::provenanceText(const std::vector<std::string>& 
   for (const std::string& field : fields) text += (text.empty() ? "" : ", ") + field;
   text += " from " + file_.provenance.file + " (" + file_.provenance.checksum + ") of ";
   const std::vector<YamlField> all = flights();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    text += (i > 0 ? ", " : "") + textAt(all[i], "file") + " (" + textAt(all[i], "checksum") + ")";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string recorded = textAt(all[i], "recorded");
+    text += (i > 0 ? ", " : "") + textAt(all[i], "file") + " (" + textAt(all[i], "checksum") +
+            (recorded.empty() ? ")" : ", " + recorded + ")");
+  }
   return text;
 }
 

@@ -102,13 +102,11 @@ void checkDisturbance(const YamlField& root) {
 constexpr std::initializer_list<const char*> kMotionParameters = {
     "drag_x",        "drag_y",     "drag_z",    "drag_forward",   "drag_left",
     "offset_x",      "offset_y",   "offset_z",  "mass",           "hover_thrust",
-    "hover_command", "wind_north", "wind_east", "airspeed_scale", "heading_misalignment"};
+    "hover_command", "wind_north", "wind_east", "airspeed_scale", "heading_misalignment",
+    "command_1",     "command_2",  "command_3", "command_4",      "voltage_exponent",
+    "drift",         "drag_climb"};
 
-// Kinds that hold fitted parameters.
-void checkMotion(const YamlField& root) {
-  root.checkKeys(
-      {"polyfly_calibration", "kind", "data", "parameters"},
-      {"tool_version", "vehicle", "windows", "interval_holds_for", "remarks", "flights", "warnings"});
+void checkParameters(const YamlField& root) {
   const YamlField parameters = root.at("parameters");
   parameters.checkKeys({}, kMotionParameters);
   for (const char* name : kMotionParameters) {
@@ -120,6 +118,24 @@ void checkMotion(const YamlField& root) {
   for (const YamlField& flight : root.at("flights").items()) flight.checkKeys({"file"}, kMotionParameters);
 }
 
+// Kinds that hold fitted parameters.
+void checkMotion(const YamlField& root) {
+  root.checkKeys(
+      {"polyfly_calibration", "kind", "data", "parameters"},
+      {"tool_version", "vehicle", "windows", "interval_holds_for", "remarks", "flights", "warnings"});
+  checkParameters(root);
+}
+
+void checkThrust(const YamlField& root) {
+  root.checkKeys(
+      {"polyfly_calibration", "kind", "data", "curve", "parameters"},
+      {"tool_version", "vehicle", "windows", "interval_holds_for", "remarks", "flights", "warnings"});
+  root.at("curve").checkKeys({"polynomial", "thrusts", "mass"},
+                             {"supported", "reasons", "voltage", "voltage_range", "voltage_matters", "lag",
+                              "delay", "fit_percent", "validation_percent"});
+  checkParameters(root);
+}
+
 }  // namespace
 
 void checkCalibrationKeys(const YamlField& root, const std::string& kind) {
@@ -127,6 +143,8 @@ void checkCalibrationKeys(const YamlField& root, const std::string& kind) {
     checkAttitude(root);
   } else if (kind == "disturbance") {
     checkDisturbance(root);
+  } else if (kind == "thrust") {
+    checkThrust(root);
   } else {
     checkMotion(root);
   }

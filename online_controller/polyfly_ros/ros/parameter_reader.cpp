@@ -71,6 +71,17 @@ void ParameterReader::operator()(const char* key, std::vector<double>& field) {
     refuseValue(handle_.resolveName(key), "must be a list of numbers");
 }
 
+void ParameterReader::operator()(const char* key, std::string& field) {
+  if (given(key)) field = requiredText(key, "a text that is not empty");
+}
+
+void ParameterReader::passOver(const std::string& group) {
+  const std::string prefix = handle_.resolveName(group) + "/";
+  for (const std::string& name : allNames()) {
+    if (startsWith(name, prefix)) read_.insert(name);
+  }
+}
+
 bool ParameterReader::flag(const std::string& key, bool& value) {
   const bool is_set = handle_.hasParam(key);
   (*this)(key.c_str(), value);

@@ -14,7 +14,8 @@ namespace polyfly_ros {
 class ActiveLaws {
  public:
   /// Throws Error naming file, signal and rule.
-  explicit ActiveLaws(const LawSetup& setup) : laws_(std::make_unique<Laws>(setup)) {}
+  explicit ActiveLaws(const LawSetup& setup)
+      : laws_(std::make_unique<Laws>(setup)), active_(laws_->flight().active()) {}
 
   // The control thread's.
   Laws& laws() noexcept { return *laws_; }
@@ -29,6 +30,16 @@ class ActiveLaws {
     return swapped;
   }
 
+  /// From the next step on. False, and nothing changes, when there is no such law.
+  bool select(polyfly::Law law) noexcept {
+    const bool selected = laws_->flight().select(law);
+    active_.store(laws_->flight().active(), std::memory_order_relaxed);
+    return selected;
+  }
+
+  // Any thread's.
+  polyfly::Law active() const noexcept { return active_.load(std::memory_order_relaxed); }
+
   // The other thread's.
   /// Builds laws and stages them. Throws Error, and nothing changes, when they cannot be built.
   void stage(const LawSetup& setup) { next_.stage(std::make_unique<Laws>(setup)); }
@@ -40,6 +51,7 @@ class ActiveLaws {
   std::unique_ptr<Laws> laws_;
   polyfly::ObjectSwap<Laws> next_;
   std::atomic<std::int64_t> swaps_{0};
+  std::atomic<polyfly::Law> active_;
 };
 
 }  // namespace polyfly_ros

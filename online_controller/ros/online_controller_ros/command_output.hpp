@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "online_controller/types/node_options.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "online_controller/types/types.hpp"
@@ -16,18 +17,10 @@
 
 namespace polyfly_ros {
 
-/// In which messages commands leave.
-struct OutputOptions {
-  /// Whether mav_msgs/RollPitchYawrateThrust is sent.
-  bool roll_pitch_yawrate_thrust = true;
-  /// Whether mavros_msgs/AttitudeTarget is sent.
-  bool attitude_target = false;
-  /// Thrust curve of the AttitudeTarget.
-  polyfly::ThrustCurveOptions thrust;
+using polyfly::OutputOptions;
 
-  /// Throws Error naming a parameter.
-  static OutputOptions read(ParameterReader& reader);
-};
+/// Throws Error naming a parameter.
+OutputOptions readOutputOptions(ParameterReader& reader);
 
 /// Publishes commands. Each message is made beforehand and shared: neighbours in the same nodelet manager
 /// get it without a copy, so it does not change afterwards.

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "online_controller/parameters/multirotor_parameters.hpp"
 #include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/callback_thread.hpp"
 #include "online_controller_ros/flight_diagnostics.hpp"
@@ -13,6 +14,7 @@
 #include "online_controller_ros/flight_snapshot.hpp"
 #include "polyfly_base/change_bounds.hpp"
 #include "polyfly_ros/option_table.hpp"
+#include "polyfly_ros/parameters_in_force.hpp"
 #include "polyfly_ros/reconfigure_server.hpp"
 
 namespace polyfly_ros {
@@ -20,9 +22,18 @@ namespace polyfly_ros {
 /// The thread for all that control must not wait for: changes of options and maps, display, diagnostics.
 class ConfigThread {
  public:
-  /// `names` are further names under which options can be changed. Keeps references to the last two.
-  ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const LawSetup& setup,
-               const LegacyNames& names, ActiveLaws& laws, FlightRecord& record);
+  /// How the node starts.
+  struct Start {
+    const LawSetup& setup;
+    /// Tells what of the parameters does not change in flight.
+    const polyfly::MultirotorParameters& parameters;
+    /// Further names under which options can be changed.
+    const LegacyNames& names;
+  };
+
+  /// Keeps references to the last two.
+  ConfigThread(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, const Start& start,
+               ActiveLaws& laws, FlightRecord& record);
   ConfigThread(const ConfigThread&) = delete;
   ConfigThread& operator=(const ConfigThread&) = delete;
 
@@ -33,6 +44,7 @@ class ConfigThread {
   bool onSwapMaps(online_controller::SwapMaps::Request& request,
                   online_controller::SwapMaps::Response& response);
   std::string waitForSwap() const;
+  void tellOfLaw();
   void onTick();
 
   // Queue of this thread; outlives all that is served on it.
@@ -41,6 +53,7 @@ class ConfigThread {
   ros::NodeHandle private_handle_;
   // Setup that was staged last.
   LawSetup setup_;
+  polyfly::MultirotorParameters start_;
   ActiveLaws& laws_;
   FlightRecord& record_;
   // Options of setup_.
@@ -48,6 +61,9 @@ class ConfigThread {
   // Bounds on changes of the table's values.
   polyfly::ChangeBounds bounds_;
   ReconfigureServer reconfigure_;
+  // Law that was told last.
+  polyfly::Law law_;
+  ParametersInForce in_force_;
   FlightDisplay display_;
   FlightDiagnostics diagnostics_;
   ros::ServiceServer swap_service_;

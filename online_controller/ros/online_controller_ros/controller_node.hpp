@@ -4,6 +4,7 @@
 #include <ros/node_handle.h>
 
 #include "online_controller/realtime/try_lock.hpp"
+#include "online_controller/types/node_options.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller_ros/active_laws.hpp"
 #include "online_controller_ros/answered.hpp"
@@ -22,16 +23,6 @@
 
 namespace polyfly_ros {
 
-/// What the node needs beyond the controller's own options.
-struct NodeOptions {
-  int stale_periods = 10;  ///< control periods without odometry after which it counts as silent
-};
-
-template <class Options, class Visit>
-void visitNodeOptions(Options& options, Visit&& visit) {
-  visit("controller/stale_periods", options.stale_periods, "control periods", polyfly::Range{2.0, 10000.0});
-}
-
 /// The controller on ROS topics: odometry and references in, attitude commands and status out. Topics and
 /// parameters are listed in online_controller/README.md. It has two threads: one for control, and one for
 /// configuration, which control does not wait for. Odometry may be answered in the thread that brings it, see
@@ -47,11 +38,18 @@ class ControllerNode {
   struct Setup {
     LawSetup laws;
     FlightSetup flight;
-    NodeOptions node;
+    polyfly::NodeOptions node;
     OutputOptions output;
     RealTimeOptions real_time;
+    // Value of real_time/answer.
+    std::string answer;
+    // Where calibrated numbers come from.
+    std::string provenance;
     // True when odometry is answered in the thread that brings it.
     bool in_publisher = true;
+
+    // All but what the laws are made from.
+    polyfly::MultirotorParameters parameters() const;
   };
 
   static Setup readSetup(const ros::NodeHandle& private_handle, bool has_legacy_names);

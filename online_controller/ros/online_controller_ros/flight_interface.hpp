@@ -13,6 +13,7 @@
 #include "online_controller/estimation/vehicle_observer.hpp"
 #include "online_controller/estimation/velocity_check.hpp"
 #include "online_controller/flight/flight_supervisor.hpp"
+#include "online_controller/types/node_options.hpp"
 #include "online_controller_ros/answered.hpp"
 #include "online_controller_ros/law_setup.hpp"
 #include "polyfly_base/time_source.hpp"
@@ -20,35 +21,7 @@
 
 namespace polyfly_ros {
 
-/// Where a sensor_msgs/Joy has what; the defaults are those of mav_control_rw's ACI remote control. A
-/// negative scale turns an axis round.
-struct JoyLayout {
-  int axis_forward = 0;
-  int axis_left = 1;
-  int axis_up = 2;
-  int axis_turn = 3;
-  int axis_mode = 4;  ///< up to -0.5 manual, from 0.5 on position, between them neither; -1: always position
-  int button_on = 0;  ///< 1: the remote control is on; -1: always
-  double scale_forward = 1.0;
-  double scale_left = 1.0;
-  double scale_up = 1.0;
-  double scale_turn = 1.0;
-};
-
-template <class Options, class Visit>
-void visitJoyLayout(Options& options, Visit&& visit) {
-  const polyfly::Range index{-1.0, 100.0}, scale{-10.0, 10.0};
-  visit("rc/axis_forward", options.axis_forward, "", index);
-  visit("rc/axis_left", options.axis_left, "", index);
-  visit("rc/axis_up", options.axis_up, "", index);
-  visit("rc/axis_turn", options.axis_turn, "", index);
-  visit("rc/axis_mode", options.axis_mode, "", index);
-  visit("rc/button_on", options.button_on, "", index);
-  visit("rc/scale_forward", options.scale_forward, "", scale);
-  visit("rc/scale_left", options.scale_left, "", scale);
-  visit("rc/scale_up", options.scale_up, "", scale);
-  visit("rc/scale_turn", options.scale_turn, "", scale);
-}
+using polyfly::JoyLayout;
 
 /// Sticks that a message does not have are at rest; without its mode axis or button it is off.
 polyfly::RemoteControl toRemoteControl(const sensor_msgs::Joy& message, const JoyLayout& layout);

@@ -13,6 +13,9 @@ namespace {
 /// Share of the tolerance by which fallback regions stand behind ordinary ones, of a type whose rounding
 /// exceeds the map's own handicap.
 constexpr double kFloatHandicap = 0.5;
+/// Tolerances in greatest rounding errors of a half-space.
+constexpr double kFloatTolerance = 64.0;
+constexpr double kInt16Tolerance = 2.0;
 
 double rounded(double value, ExportType type) {
   if (type == ExportType::kDouble) return value;
@@ -77,20 +80,29 @@ struct Offer {
   std::uint32_t tests = MapContent::kAllRows;
 };
 
+/// `chosen` are those of the leaf.
 std::vector<Offer> offersOf(const RegionMap& map, std::uint32_t number,
-                            const std::vector<ExtraCandidate>& extra) {
+                            const std::vector<ChosenCandidate>& chosen) {
   const LeafView leaf = map.leaf(number);
   std::vector<Offer> offers;
   for (std::uint32_t i = 0; i < leaf.count; ++i) offers.push_back({leaf.candidates[i], leaf.testsOf(i)});
-  for (const ExtraCandidate& candidate : extra) {
-    if (candidate.leaf == number) offers.push_back({candidate.region});
+  for (auto own = chosen.begin(); own != chosen.end(); ++own) {
+    const auto same = std::find_if(offers.begin(), offers.end(),
+                                   [own](const Offer& offer) { return offer.region == own->region; });
+    if (same == offers.end()) {
+      offers.push_back({own->region, own->tests});
+    } else {
+      same->tests = own->tests;
+    }
   }
   const auto is_ordinary = [&map](const Offer& offer) { return offer.region < map.firstFallback(); };
   std::stable_partition(offers.begin(), offers.end(), is_ordinary);
   return offers;
 }
 
-void addTree(const RegionMap& map, const std::vector<ExtraCandidate>& extra, CodeTables& tables) {
+void addTree(const RegionMap& map, const std::vector<ChosenCandidate>& chosen, CodeTables& tables) {
+  std::vector<std::vector<ChosenCandidate>> of_leaf(map.leafCount());
+  for (const ChosenCandidate& candidate : chosen) of_leaf[candidate.leaf].push_back(candidate);
   for (std::size_t i = 0; i < map.nodeCount(); ++i) {
     const MapContent::Node& node = map.node(i);
     tables.node_plane.push_back(node.plane);
@@ -99,7 +111,7 @@ void addTree(const RegionMap& map, const std::vector<ExtraCandidate>& extra, Cod
   }
   for (std::uint32_t i = 0; i < map.leafCount(); ++i) {
     tables.leaf_first.push_back(static_cast<std::uint32_t>(tables.candidate_region.size()));
-    for (const Offer& offer : offersOf(map, i, extra)) {
+    for (const Offer& offer : offersOf(map, i, of_leaf[i])) {
       tables.candidate_region.push_back(offer.region);
       tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
       const RegionView region = map.region(offer.region);
@@ -112,12 +124,9 @@ void addTree(const RegionMap& map, const std::vector<ExtraCandidate>& extra, Cod
   tables.candidate_first.push_back(static_cast<std::uint32_t>(tables.rows.size()));
 }
 
-}  // namespace
-
-CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
+void fillReals(const RegionMap& map, const ExportOptions& options, CodeTables& tables) {
   const ExportType type = options.type;
   const std::size_t p = map.parameters().size();
-  CodeTables tables;
   tables.planes = rounded(map.plane(0), map.planeCount() * (p + 1), type);
   tables.laws = rounded(map.law(0), map.lawCount() * map.inputs().size() * (p + 1), type);
   tables.box = roundedBox(widenedBox(map), type);
@@ -125,10 +134,33 @@ CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
     tables.tolerance = map.tolerance();
     tables.handicap = format::kHandicap * map.tolerance();
   } else {
-    tables.tolerance = floatTolerance(map, tables, options.tolerance);
+    tables.tolerance = floatTolerance(map, tables, kFloatTolerance * options.tolerance);
     tables.handicap = rounded(kFloatHandicap * tables.tolerance, type);
   }
-  addTree(map, options.extra, tables);
+}
+
+}  // namespace
+
+const char* toString(ExportType type) {
+  switch (type) {
+    case ExportType::kDouble:
+      return "double";
+    case ExportType::kFloat:
+      return "float";
+    case ExportType::kInt16:
+      return "int16";
+  }
+  return "";
+}
+
+CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
+  CodeTables tables;
+  if (options.type == ExportType::kInt16) {
+    fillFixedPoint(map, widenedBox(map), kInt16Tolerance * options.tolerance, tables);
+  } else {
+    fillReals(map, options, tables);
+  }
+  addTree(map, options.chosen, tables);
   for (std::size_t i = 0; i < map.regionCount(); ++i) tables.region_law.push_back(map.region(i).law);
   return tables;
 }

@@ -1,13 +1,28 @@
 #include <cstdio>
 
 #include "code_tables.hpp"
+#include "costly_point.hpp"
 #include "map_facts.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr std::size_t kDoubleBytes = 8;
-constexpr std::size_t kFloatBytes = 4;
+/// Of a number, and of the tolerance.
+struct NumberBytes {
+  std::size_t number, sum;
+};
+
+NumberBytes bytesOf(ExportType type) {
+  switch (type) {
+    case ExportType::kDouble:
+      return {8, 8};
+    case ExportType::kFloat:
+      return {4, 4};
+    case ExportType::kInt16:
+      return {2, 4};
+  }
+  return {};
+}
 
 std::string errorList(const ExportBound& bound) {
   std::string text = "[";
@@ -16,9 +31,10 @@ std::string errorList(const ExportBound& bound) {
   return text + "]";
 }
 
-std::size_t bytesOf(const CodeTables& tables, ExportType type) {
-  const std::size_t real = type == ExportType::kDouble ? kDoubleBytes : kFloatBytes;
-  std::size_t bytes = real * (tables.planes.size() + tables.laws.size() + tables.box.size() + 1);
+std::size_t tableBytes(const CodeTables& tables, ExportType type) {
+  const auto [number, sum] = bytesOf(type);
+  std::size_t bytes = number * (tables.planes.size() + tables.laws.size() + tables.box.size()) + sum;
+  bytes += tables.fixed.law_shift.size();
   for (const std::vector<std::uint32_t>* table :
        {&tables.node_plane, &tables.node_child, &tables.leaf_first, &tables.candidate_region,
         &tables.candidate_first, &tables.rows, &tables.region_law}) {
@@ -30,22 +46,26 @@ std::size_t bytesOf(const CodeTables& tables, ExportType type) {
 }  // namespace
 
 std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options) {
-  return bytesOf(codeTables(map, options), options.type);
+  return tableBytes(codeTables(map, options), options.type);
 }
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
   const CodeCost cost = codeCost(map, tables);
+  const CodeCost reached = costlyPoint(map, options).cost;
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
-  return "{\n  \"name\": \"" + options.name + "\",\n  \"type\": \"" + keys.at("real") +
+  return "{\n  \"name\": \"" + options.name + "\",\n  \"type\": \"" + std::string(toString(options.type)) +
          "\",\n  \"version\": \"" + keys.at("version") + "\",\n  \"map\": \"" + keys.at("checksum") +
          "\",\n  \"problem\": \"" + keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
          ",\n  \"inputs\": " + keys.at("m") + ",\n  \"regions\": " + keys.at("regions") +
-         ",\n  \"table_bytes\": " + number(bytesOf(tables, options.type)) +
+         ",\n  \"table_bytes\": " + number(tableBytes(tables, options.type)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"nodes\": " + number(cost.nodes) +
          ", \"rows\": " + number(cost.rows) + ", \"multiply_adds\": " + number(cost.multiply_adds) +
-         ", \"comparisons\": " + number(cost.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
+         ", \"comparisons\": " + number(cost.comparisons) +
+         "},\n  \"costliest_vector\": {\"nodes\": " + number(reached.nodes) +
+         ", \"rows\": " + number(reached.rows) + ", \"multiply_adds\": " + number(reached.multiply_adds) +
+         ", \"comparisons\": " + number(reached.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
          ",\n  \"margin\": " + roundedUp(bound.margin) + "\n}\n";
 }
 

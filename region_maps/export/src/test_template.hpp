@@ -10,9 +10,7 @@ inline constexpr char kTestTemplate[] =
  * Define @NAME@_TEST_NO_MAIN to call @name@_test() from a program of your own, for example on a board. Define
  * @NAME@_TEST_BEGIN() and @NAME@_TEST_END() to count cycles around each look-up. */
 #include "@name@.h"
-
-#include <float.h>
-
+@float_include@
 #if !defined(@NAME@_TEST_BEGIN)
 #define @NAME@_TEST_BEGIN()
 #define @NAME@_TEST_END()
@@ -21,26 +19,27 @@ inline constexpr char kTestTemplate[] =
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
 #define @NAME@_TEST_TABLE PROGMEM
-#define @NAME@_TEST_REAL(element) pgm_read_float(&(element))
+#define @NAME@_TEST_@number@(element) @avr_read@(&(element))
 #define @NAME@_TEST_U8(element) pgm_read_byte(&(element))
 #else
 #define @NAME@_TEST_TABLE
-#define @NAME@_TEST_REAL(element) (element)
+#define @NAME@_TEST_@number@(element) (element)
 #define @NAME@_TEST_U8(element) (element)
 #endif
 
 #define VECTORS @vectors@u
+#define SPECIALS @specials@u
 
 int @name@_test(void);
 
-/* Parameters: vertices of the box, points within, points on and beside facets, points outside. */
+/* Parameters: one with many operations (@name@.json tells how many), vertices of the box, points within, points on and beside facets, points outside. */
 static const @real@ vector_theta[VECTORS][@p@] @NAME@_TEST_TABLE = @theta@;
 /* Statuses that the map answers. */
 static const unsigned char vector_status[VECTORS] @NAME@_TEST_TABLE = @status@;
 /* Inputs that the map answers; without an answer, the value that must stay. */
 static const @real@ vector_u[VECTORS][@m@] @NAME@_TEST_TABLE = @u@;
 /* Greatest difference that is allowed of each input: the stated bound, and the rounding of this comparison. */
-static const @real@ vector_tolerance[@m@] = @tolerance@;
+static const @sum@ vector_tolerance[@m@] = @tolerance@;
 
 /* Whether status or u differ. Without OK, u must stay as vector `number` has it. */
 static int differs(const @real@ theta[@p@], @name@_status status, unsigned int number)
@@ -52,12 +51,12 @@ static int differs(const @real@ theta[@p@], @name@_status status, unsigned int n
     int wrong;
 
     for (j = 0u; j < @m@u; ++j) {
-        expected[j] = @NAME@_TEST_REAL(vector_u[number][j]);
+        expected[j] = @NAME@_TEST_@number@(vector_u[number][j]);
         u[j] = expected[j];
     }
     if (status == @NAME@_OK) {
         for (j = 0u; j < @m@u; ++j) {
-            u[j] = @prefix@_MAX;
+            u[j] = @greatest@;
         }
     }
     @NAME@_TEST_BEGIN();
@@ -65,8 +64,10 @@ static int differs(const @real@ theta[@p@], @name@_status status, unsigned int n
     @NAME@_TEST_END();
     wrong = (found == status) ? 0 : 1;
     for (j = 0u; (j < @m@u) && (wrong == 0); ++j) {
-        const @real@ difference = (u[j] > expected[j]) ? (u[j] - expected[j]) : (expected[j] - u[j]);
-        const @real@ allowed = (status == @NAME@_OK) ? vector_tolerance[j] : @zero@;
+        const @sum@ found_u = u[j];
+        const @sum@ expected_u = expected[j];
+        const @sum@ difference = (found_u > expected_u) ? (found_u - expected_u) : (expected_u - found_u);
+        const @sum@ allowed = (status == @NAME@_OK) ? vector_tolerance[j] : @zero@;
 
         wrong = (difference <= allowed) ? 0 : 1;
     }
@@ -75,11 +76,7 @@ static int differs(const @real@ theta[@p@], @name@_status status, unsigned int n
 
 int @name@_test(void)
 {
-    /* Neither is a constant for the compiler, so that the quotients are computed as the program runs. */
-    volatile @real@ zero = @zero@;
-    const @real@ infinity = @one@ / zero;
-    @real@ theta[@p@];
-    const @real@ special[3] = {zero / zero, infinity, -infinity};
+@special_values@    @real@ theta[@p@];
     unsigned int wrong = 0u;
     unsigned int i;
     unsigned int j;
@@ -87,17 +84,17 @@ int @name@_test(void)
 
     for (k = 0u; k < VECTORS; ++k) {
         for (i = 0u; i < @p@u; ++i) {
-            theta[i] = @NAME@_TEST_REAL(vector_theta[k][i]);
+            theta[i] = @NAME@_TEST_@number@(vector_theta[k][i]);
         }
         wrong += (unsigned int)differs(theta, (@name@_status)@NAME@_TEST_U8(vector_status[k]), k);
     }
     for (i = 0u; i < @p@u; ++i) {
-        for (j = 0u; j < 3u; ++j) {
+        for (j = 0u; j < SPECIALS; ++j) {
             for (k = 0u; k < @p@u; ++k) {
-                theta[k] = @NAME@_TEST_REAL(vector_theta[0][k]);
+                theta[k] = @NAME@_TEST_@number@(vector_theta[0][k]);
             }
             theta[i] = special[j];
-            wrong += (unsigned int)differs(theta, @NAME@_NOT_FINITE, 0u);
+            wrong += (unsigned int)differs(theta, @special_status@, 0u);
         }
     }
     return (wrong < 100u) ? (int)wrong : 100;
@@ -109,6 +106,19 @@ int main(void)
     return @name@_test();
 }
 #endif
+)code";
+
+/// Numbers that are not finite.
+inline constexpr char kFloatingSpecialValues[] =
+    R"code(    /* Neither is a constant for the compiler, so that the quotients are computed as the program runs. */
+    volatile @real@ zero = @zero@;
+    const @real@ infinity = @one@ / zero;
+    const @real@ special[SPECIALS] = {zero / zero, infinity, -infinity};
+)code";
+
+/// Values beyond the range of integers are limited to it.
+inline constexpr char kFixedSpecialValues[] =
+    R"code(    const int16_t special[SPECIALS] = {32767, -32767};
 )code";
 
 }  // namespace polyfly

@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include "costly_point.hpp"
 #include "map_facts.hpp"
 #include "test_template.hpp"
 
@@ -14,8 +15,11 @@ constexpr std::size_t kWithin = 24;
 constexpr std::size_t kFacets = 24;
 constexpr std::size_t kOutside = 8;
 constexpr std::uint64_t kSeed = 1;
-/// What stays in u where there is no answer.
+/// What stays in u where there is no answer, and as an integer.
 constexpr double kUntouched = 0.5;
+constexpr double kUntouchedWord = 77.0;
+/// Greatest size of an integer.
+constexpr double kGreatest = 32767.0;
 /// Distance from the box, in ranges, within which float may take a parameter for inside.
 constexpr double kBesideBox = 1e-3;
 /// Part of the tolerance that the comparison itself may round away, relative to u.
@@ -29,10 +33,15 @@ struct Vectors {
 
 class VectorMaker {
  public:
-  VectorMaker(const RegionMap& map, ExportType type, double margin)
-      : map_(map), type_(type), margin_(margin), random_(kSeed) {}
+  VectorMaker(const RegionMap& map, const ExportOptions& options, double margin)
+      : map_(map),
+        type_(options.type),
+        exponents_(exportExponents(map, options)),
+        margin_(margin),
+        random_(kSeed) {}
 
-  Vectors make() {
+  Vectors make(const CostlyPoint& costly) {
+    if (!costly.theta.empty()) add(costly.theta);
     const std::size_t p = map_.parameters().size();
     for (std::size_t i = 0; i < kVertices; ++i) {
       std::vector<double> theta(p);
@@ -99,21 +108,45 @@ class VectorMaker {
   }
 
   void add(std::vector<double> theta) {
-    if (type_ == ExportType::kFloat) {
-      for (double& value : theta) value = static_cast<float>(value);
-    }
+    if (!round(theta)) return;
     std::vector<double> u(map_.inputs().size(), kUntouched);
     const Lookup found = map_.evaluate(theta.data(), u.data());
     const bool is_inside = found.status == LookupStatus::kInside;
-    const bool may_differ = type_ == ExportType::kFloat && found.status == LookupStatus::kOutsidePartition &&
+    const bool may_differ = type_ != ExportType::kDouble && found.status == LookupStatus::kOutsidePartition &&
                             !isClearlyOutside(theta);
     // Rounding puts vertices just outside of the box: the code's box is as much wider.
     const bool is_beside_box =
-        type_ == ExportType::kFloat && found.status == LookupStatus::kOutsideBox && isInBox(theta);
+        type_ != ExportType::kDouble && found.status == LookupStatus::kOutsideBox && isInBox(theta);
     if (may_differ || is_beside_box) return;
-    vectors_.theta.insert(vectors_.theta.end(), theta.begin(), theta.end());
+    for (std::size_t k = 0; k < theta.size(); ++k)
+      vectors_.theta.push_back(number(theta[k], exponents_.theta, k));
     vectors_.status.push_back(is_inside ? 0 : 1);
-    vectors_.u.insert(vectors_.u.end(), u.begin(), u.end());
+    const bool is_untouched = type_ == ExportType::kInt16 && !is_inside;
+    for (std::size_t j = 0; j < u.size(); ++j)
+      vectors_.u.push_back(is_untouched ? kUntouchedWord : limited(number(u[j], exponents_.u, j)));
+  }
+
+  /// Integers are limited as the code limits its inputs.
+  double limited(double u) const {
+    return type_ == ExportType::kInt16 ? std::min(std::max(u, -kGreatest), kGreatest) : u;
+  }
+
+  /// The value as the code has it: of integers, the nearest one.
+  double number(double value, const std::vector<int>& exponents, std::size_t i) const {
+    return type_ == ExportType::kInt16 ? std::nearbyint(std::ldexp(value, exponents[i])) : value;
+  }
+
+  /// Rounds to the code's numbers. False where one is beyond their range.
+  bool round(std::vector<double>& theta) const {
+    bool is_in_range = true;
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      if (type_ == ExportType::kFloat) theta[k] = static_cast<float>(theta[k]);
+      if (type_ != ExportType::kInt16) continue;
+      const double word = number(theta[k], exponents_.theta, k);
+      is_in_range = is_in_range && std::abs(word) <= kGreatest;
+      theta[k] = std::ldexp(word, -exponents_.theta[k]);
+    }
+    return is_in_range;
   }
 
   bool isInBox(const std::vector<double>& theta) const {
@@ -127,30 +160,49 @@ class VectorMaker {
 
   const RegionMap& map_;
   const ExportType type_;
+  const ExportExponents exponents_;
   const double margin_;
   std::mt19937_64 random_;
   Vectors vectors_;
 };
 
+/// Greatest differences of the code's answers from those of the vectors, which are rounded themselves.
+std::vector<double> comparedWithin(const RegionMap& map, const ExportOptions& options,
+                                   const ExportBound& bound, const std::vector<double>& u) {
+  const std::size_t m = map.inputs().size();
+  const ExportExponents exponents = exportExponents(map, options);
+  std::vector<double> tolerance(m, 0.0);
+  for (std::size_t j = 0; j < m && options.type != ExportType::kDouble; ++j) {
+    if (options.type == ExportType::kInt16) {
+      tolerance[j] = std::ceil(std::ldexp(bound.error[j], exponents.u[j]) + 0.5);
+      continue;
+    }
+    double greatest = 0.0;
+    for (std::size_t i = j; i < u.size(); i += m) greatest = std::max(greatest, std::abs(u[i]));
+    tolerance[j] = bound.error[j] + kComparison * greatest;
+  }
+  return tolerance;
+}
+
 }  // namespace
 
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
-  const Vectors vectors = VectorMaker(map, options.type, bound.margin).make();
+  const Vectors vectors = VectorMaker(map, options, bound.margin).make(costlyPoint(map, options));
   const std::size_t m = map.inputs().size();
-  std::vector<double> tolerance(m, 0.0);
-  for (std::size_t j = 0; j < m && options.type != ExportType::kDouble; ++j) {
-    double greatest = 0.0;
-    for (std::size_t i = j; i < vectors.u.size(); i += m)
-      greatest = std::max(greatest, std::abs(vectors.u[i]));
-    tolerance[j] = bound.error[j] + kComparison * greatest;
-  }
+  const std::vector<double> tolerance = comparedWithin(map, options, bound, vectors.u);
   Replacements keys = sharedKeys(map, options);
   keys["vectors"] = std::to_string(vectors.status.size());
   keys["theta"] = initialiser(vectors.theta, map.parameters().size(), options.type);
   keys["status"] = initialiser(vectors.status, 0);
   keys["u"] = initialiser(vectors.u, m, options.type);
   keys["tolerance"] = initialiser(tolerance, 0, options.type);
+  const bool is_fixed = options.type == ExportType::kInt16;
+  keys["specials"] = is_fixed ? "2" : "3";
+  keys["special_status"] = keys["NAME"] + (is_fixed ? "_OUTSIDE" : "_NOT_FINITE");
+  keys["special_values"] = replaced(is_fixed ? kFixedSpecialValues : kFloatingSpecialValues, keys);
+  keys["float_include"] = is_fixed ? "" : "\n#include <float.h>\n";
+  keys["greatest"] = is_fixed ? "32767" : keys["most"];
   return replaced(kTestTemplate, keys);
 }
 

@@ -13,6 +13,15 @@
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
+namespace {
+
+std::string inDigits(XXH64_hash_t hash) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return std::string("xxh64:") + digits.data();
+}
+
+}  // namespace
 
 Provenance provenanceOf(const std::string& path) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes read at once
@@ -27,11 +36,10 @@ Provenance provenanceOf(const std::string& path) {
     XXH64_update(state.get(), piece.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (!file.eof()) throw Error(path + ": cannot be read to its end");
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx",
-                static_cast<unsigned long long>(XXH64_digest(state.get())));
-  return {std::filesystem::path(path).filename().string(), std::string("xxh64:") + digits.data(), ""};
+  return {std::filesystem::path(path).filename().string(), inDigits(XXH64_digest(state.get())), ""};
 }
+
+std::string checksumOf(const std::string& text) { return inDigits(XXH64(text.data(), text.size(), 0)); }
 
 std::string yamlString(const std::string& text) {
   std::string result = "\"";

@@ -27,9 +27,10 @@ namespace polyfly {
 /// | gyro_x, gyro_y, gyro_z | rates about the body's axes, by the gyro [rad/s] |
 /// | specific_force_x, specific_force_y | along the body's x and y, by the accelerometer [m/s^2] |
 /// | height | up positive, above any level [m] |
+/// | voltage | of the battery [V] |
 ///
-/// The last three lines serve to check the others only: units (signal_units.hpp), and where the vehicle flies
-/// (flight_phases.hpp).
+/// Rates of the gyro, specific_force_x and _y, and the height serve to check the others only: units
+/// (signal_units.hpp), and where the vehicle flies (flight_phases.hpp).
 struct FlightSignals {
   /// File that the signals come from.
   std::string source;
@@ -69,7 +70,7 @@ std::vector<std::string> clockRemarks(const FlightSignals& signals);
 /// column is not there, a name is not one of the above, or there is no column of times.
 FlightSignals signalsFromCsv(const CsvLog& log, const std::map<std::string, std::string>& choice);
 
-/// Whether the signal only serves to check others.
+/// Whether the signal only serves others: it tells of no motion by itself.
 bool isAuxiliary(const std::string& name);
 
 /// A sentence for each of the four loops that recordedAxes does not give, on what is missing, and one on the

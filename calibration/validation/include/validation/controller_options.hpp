@@ -11,4 +11,7 @@ namespace polyfly {
 /// replay are passed over. Throws Error naming file, line, key and rule.
 MultirotorOptions loadControllerOptions(const std::string& path);
 
+/// As loadControllerOptions, from text; `source` is used in errors.
+MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source);
+
 }  // namespace polyfly

@@ -71,6 +71,14 @@ struct FlightLog {
     double start = 0.0;
   };
 
+  /// All parameters of the controller as it told them, see validation/parameters_told.hpp.
+  struct Parameters {
+    /// Receive time of the recorder [s].
+    double time = 0.0;
+    /// YAML.
+    std::string text;
+  };
+
   /// File of the record, for messages and titles.
   std::string source;
   /// Every irregularity of the file, as clauses without its name.
@@ -88,6 +96,8 @@ struct FlightLog {
   std::vector<Command> commands;
   /// Status messages. Empty if not recorded.
   std::vector<Status> statuses;
+  /// Parameters in force. Empty if not recorded.
+  std::vector<Parameters> parameters;
   /// True disturbances. Empty if not recorded.
   std::vector<Disturbance> disturbances;
 

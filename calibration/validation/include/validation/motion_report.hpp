@@ -8,7 +8,7 @@
 
 namespace polyfly {
 
-/// The pictures of a disturbance, drag, mass or wind: what was used of the flight; of each trace measured
+/// The pictures of a disturbance, drag, mass, thrust, heading or wind: what was used of the flight; of each trace measured
 /// against model over time with residuals, their quantiles, and the model against what it depends on; of wind
 /// the circle of velocities.
 std::vector<ReportFigure> motionFigures(const MotionCalibration& calibration);

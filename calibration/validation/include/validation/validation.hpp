@@ -13,6 +13,7 @@
 #include "validation/map_proposal.hpp"
 #include "validation/map_use.hpp"
 #include "validation/online_oracle.hpp"
+#include "validation/parameters_told.hpp"
 #include "validation/replay.hpp"
 
 namespace polyfly {
@@ -140,6 +141,9 @@ struct ValidationReport {
   StatusValidation statuses;
   /// Offset at the final rest. None if the reference does not rest at the end.
   std::optional<HoldOffset> hold;
+
+  /// What the controller told of its parameters. None if that was not recorded.
+  std::optional<ParametersTold> parameters;
 
   /// Sentences on why this record may not say what it seems to say.
   std::vector<std::string> warnings;

@@ -19,6 +19,7 @@ struct BagTopics {
   std::string command = "command/roll_pitch_yawrate_thrust";
   std::string status = "controller_status";              ///< may be missing
   std::string disturbance = "ground_truth/disturbance";  ///< may be missing
+  std::string parameters = "parameters_in_force";        ///< of any node in the namespace; may be missing
 };
 
 /// Asked which topic is meant where none bears the name: the index of one of `choices`, or none.

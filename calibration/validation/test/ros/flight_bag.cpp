@@ -5,6 +5,7 @@
 #include <mav_msgs/RollPitchYawrateThrust.h>
 #include <nav_msgs/Odometry.h>
 #include <online_controller/ControllerStatus.h>
+#include <std_msgs/String.h>
 
 #include <functional>
 #include <map>
@@ -82,6 +83,11 @@ void writeFlight(const FlightLog& log, const FlightBagOptions& options, rosbag::
     } else if (event.kind == FlightLog::EventKind::kReference && options.references) {
       arrive(now, "command/pose", poseOf(log.references[event.index].trajectory));
     }
+  }
+  for (const FlightLog::Parameters& told : log.parameters) {
+    std_msgs::String message;
+    message.data = told.text;
+    arrive(ros::Time(told.time), "controller/parameters_in_force", message);
   }
   const ros::Duration shift(options.arrival_shift);
   for (const FlightLog::Command& command : log.commands) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "flight_bag.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "region_maps/write_map.hpp"
 #include "synthetic_flight.hpp"
 
@@ -204,6 +205,36 @@ TEST_F(ValidateBag, optionsOfTheNodeBearOnTheReplay) {
   EXPECT_EQ(runWith({"--options", folder_ / "heavy.yaml"}), kThresholdBroken);
   std::ofstream(folder_ / "default.yaml") << "vehicle: {mass: 1.52}\n";
   EXPECT_EQ(runWith({"--options", folder_ / "default.yaml"}), kPassed);
+}
+
+// What the bag tells is what the replay uses, and what --options and --map are held against.
+TEST_F(ValidateBag, readsTheParametersInForce) {
+  std::string told =
+      "in_force:\n  node: \"/firefly/controller\"\n  change: \"start\"\n  law: \"explicit_linear\"\n  "
+      "maps:\n";
+  constexpr const char* kNames[] = {"longitudinal", "lateral", "vertical"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    told += "    " + std::string(kNames[axis]) + ": {name: \"made\", problem: \"" +
+            polyfly::checksumOf(std::string(maps_.axes()[axis]->problemText())) + "\"}\n";
+  }
+  told += "law: \"explicit_linear\"\nprovenance: \"vehicle/mass from mass.yaml\"\nvehicle:\n  mass: 1.52\n";
+  log_.parameters = {{log_.odometry.front().stamp, told}};
+  writeFlightBag(log_, folder_ / "flight.bag");
+  EXPECT_EQ(runWith({"--strict", "--report", folder_ / "report"}), kPassed) << output_ << errors_;
+  EXPECT_NE(output_.find("in force: law explicit_linear, told by /firefly/controller"), std::string::npos)
+      << output_;
+  EXPECT_EQ(contents(folder_ / "report/parameters_in_force.yaml"), told);
+  const auto json = nlohmann::json::parse(contents(folder_ / "report/summary.json"));
+  EXPECT_EQ(json["parameters"]["provenance"], "vehicle/mass from mass.yaml");
+  // Another mass flew than these options have, and it is the replay's without them.
+  const std::string mass = "mass: 1.52";
+  log_.parameters[0].text.replace(told.find(mass), mass.size(), "mass: 1.6");
+  writeFlightBag(log_, folder_ / "flight.bag");
+  EXPECT_EQ(runWith({}), kThresholdBroken);
+  std::ofstream(folder_ / "options.yaml") << "vehicle: {mass: 1.52}\n";
+  EXPECT_EQ(runWith({"--strict", "--options", folder_ / "options.yaml"}), kThresholdBroken);
+  EXPECT_NE(output_.find("not those that were in force: vehicle/mass 1.52 (in force 1.6)"), std::string::npos)
+      << output_;
 }
 
 TEST_F(ValidateBag, badInputHasItsOwnExitCode) {

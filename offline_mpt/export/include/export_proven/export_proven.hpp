@@ -1,5 +1,8 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,10 +18,17 @@ struct ProvenExport {
   ExportBound bound;
 };
 
+struct ExportProofOptions {
+  const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early: Error
+  /// Called now and then from the calling thread, with pairs of leaves that are compared. Their number is not known
+  /// before.
+  std::function<void(std::uint64_t pairs)> progress;
+};
+
 /// Proves how far the code's answers are from the map's (region_maps/export/README.md). `options` are those that are
-/// asked for; those of the result may have more candidates and a greater tolerance. Throws Error where the code cannot
-/// be proven or made.
-ProvenExport proveExport(const RegionMap& map, ExportOptions options);
+/// asked for; those of the result may have other candidates and a greater tolerance. Throws Error where the code cannot
+/// be proven or made, and when stopped.
+ProvenExport proveExport(const RegionMap& map, ExportOptions options, const ExportProofOptions& proof = {});
 
 /// To be called before the work. Throws Error where `name` is no name of code, `folder` is empty, or one of the four
 /// files of writeExport cannot be written or is one of `inputs` (checkOutputs).

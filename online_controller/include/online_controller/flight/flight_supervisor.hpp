@@ -32,8 +32,9 @@ class FlightSupervisor {
   /// be freed then.
   void setLaw(ControlLaw& law, const MultirotorOptions& vehicle) noexcept;
 
-  /// One control period. `frame_fits`: the odometry's frame is the one agreed.
-  const ControlReport& onOdometry(const VehicleState& state, bool frame_fits = true) noexcept;
+  /// One control period. `frame_fits`: the odometry's frame is the one agreed. All else is told of the vehicle with the
+  /// heading of vehicle/heading_misalignment.
+  const ControlReport& onOdometry(const VehicleState& reported, bool frame_fits = true) noexcept;
 
   /// One control period of silence, which has been long enough, at time `now` [s].
   const ControlReport& onSilence(double now) noexcept;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 namespace polyfly {
 
@@ -15,5 +17,10 @@ constexpr std::array<const char*, 13> kOptionGroups{
 
 /// Its options without a group; `provenance` is the text of `calibrate apply` on where numbers come from.
 constexpr std::array<const char*, 4> kSingleOptions{"law", "odometry_frame", "use_rc_teleop", "provenance"};
+
+/// The groups in which every key must be known.
+std::vector<std::string> ownGroups();
+/// The groups that a YAML file may have: kOptionGroups, and what a node tells of itself.
+std::vector<std::string> knownGroups();
 
 }  // namespace polyfly

@@ -44,6 +44,9 @@ struct MultirotorOptions {
   double roll_trim = 0.0;
   /// Command at which odometry sees no pitch [rad].
   double pitch_trim = 0.0;
+  /// Heading of the vehicle minus that of the odometry's attitude, about the z axis of W; see `aligned` [rad].
+  /// FlightSupervisor takes it into account; a law alone does not.
+  double heading_misalignment = 0.0;
   /// Nominal time between odometry messages [s].
   double control_period = 0.01;
   double yaw_gain = 1.8;            ///< K_yaw [1/s]
@@ -99,6 +102,8 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("vehicle/gravity", options.gravity, "m/s^2", Range{1.0, 30.0, 1.05});
   visit("vehicle/roll_trim", options.roll_trim, "rad", Range{-0.2, 0.2, 1.0, 0.05});
   visit("vehicle/pitch_trim", options.pitch_trim, "rad", Range{-0.2, 0.2, 1.0, 0.05});
+  visit("vehicle/heading_misalignment", options.heading_misalignment, "rad",
+        Range{-3.1415927, 3.1415927, 1.0, 0.05});
   visit("controller/control_period", options.control_period, "s", Range{0.0005, 1.0});
   visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0, 4.0, 0.1});
   visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0, 4.0, 0.1});

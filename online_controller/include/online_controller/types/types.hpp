@@ -19,6 +19,14 @@ struct VehicleState {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();    ///< [rad/s], body frame
 };
 
+/// The state of a vehicle whose heading is that of the odometry's attitude plus `misalignment` [rad], about the z axis of
+/// W. Position, velocity and rates stay: they are known in W or in the body.
+inline VehicleState aligned(VehicleState state, double misalignment) noexcept {
+  if (misalignment != 0.0)
+    state.attitude = Eigen::AngleAxisd(misalignment, Eigen::Vector3d::UnitZ()) * state.attitude;
+  return state;
+}
+
 /// What to track at one instant, in W.
 struct Reference {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< [m]

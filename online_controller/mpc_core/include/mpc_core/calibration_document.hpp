@@ -49,6 +49,9 @@ class CalibrationDocument {
   /// negative value is refused by force too.
   double positiveParameter(const std::string& name) const;
 
+  /// The same of a fitted parameter of any sign, whose interval must not hold 0; `meaning` says what it would mean.
+  double nonzeroParameter(const std::string& name, const char* meaning) const;
+
   /// The ends of `range` of each disturbance, by the letter of its axis; requireSupport({"axes", letter}) tells
   /// whether the data support them.
   std::vector<std::pair<std::string, std::pair<double, double>>> disturbances() const;
@@ -59,6 +62,8 @@ class CalibrationDocument {
   std::string provenanceText(const std::vector<std::string>& fields) const;
 
  private:
+  // Both ends of the interval of a fitted parameter.
+  std::pair<double, double> intervalOf(const std::string& name) const;
   // The flights that the numbers are from.
   std::vector<YamlField> flights() const;
 

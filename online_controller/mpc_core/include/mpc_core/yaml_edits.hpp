@@ -24,6 +24,12 @@ class YamlEdits {
   void setNumber(const YAML::Node& scalar, const std::string& field, double value);
   /// Sets `key` of the map `group` at the top; adds key and group where they are missing.
   void putNumber(const std::string& group, const std::string& key, double value);
+  /// The same for a list of numbers in brackets. The comment stands behind it where the group is not in braces, in place
+  /// of one that stands there.
+  void putNumbers(const std::string& group, const std::string& key, const std::vector<double>& values,
+                  const std::string& comment);
+  /// The same for true or false.
+  void putFlag(const std::string& group, const std::string& key, bool value);
   /// The same for a text of one line at the top, which is given in double quotes.
   void putText(const std::string& key, const std::string& value);
 
@@ -43,6 +49,10 @@ class YamlEdits {
   };
 
   void replaceScalar(const YAML::Node& scalar, const std::string& text);
+  void replaceList(const YAML::Node& list, bool in_braces, const std::string& text,
+                   const std::string& comment);
+  // A line for a key that the group lacks; adds the group where it is missing.
+  void add(const std::string& group, const std::string& line);
   void insert(const YAML::Node& group, const std::string& name, const std::string& line);
 
   std::string text_;

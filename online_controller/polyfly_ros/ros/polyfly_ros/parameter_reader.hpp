@@ -22,6 +22,11 @@ class ParameterReader {
   void operator()(const char* key, bool& field);
   void operator()(const char* key, std::vector<double>& field);  ///< a list of numbers
 
+  void operator()(const char* key, std::string& field);  ///< a text that is not empty
+
+  /// What stands below this group counts as read.
+  void passOver(const std::string& group);
+
   /// Whether the parameter is set, of whatever type. It counts as read from then on.
   bool given(const std::string& key);
 

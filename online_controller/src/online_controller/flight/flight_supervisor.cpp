@@ -118,7 +118,8 @@ Reference FlightSupervisor::stop() const noexcept {
   return reference;
 }
 
-const ControlReport& FlightSupervisor::onOdometry(const VehicleState& state, bool frame_fits) noexcept {
+const ControlReport& FlightSupervisor::onOdometry(const VehicleState& reported, bool frame_fits) noexcept {
+  const VehicleState state = aligned(reported, vehicle_.heading_misalignment);
   OdometryGate::Verdict verdict;
   verdict.refusal = ControlReason::kWrongFrame;
   if (frame_fits) verdict = gate_.check(state);

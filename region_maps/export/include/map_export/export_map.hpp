@@ -5,29 +5,35 @@
 #include <string>
 #include <vector>
 
+#include "region_maps/map_content.hpp"
 #include "region_maps/region_map.hpp"
 
 /// C code of a region map, for processors that read no file (region_maps/export/README.md).
 namespace polyfly {
 
-/// Type of the numbers in the tables, of the parameters and of the inputs.
-enum class ExportType { kDouble, kFloat };
+/// Type of the numbers in the tables, of the parameters and of the inputs. Of kInt16, a number x stands for the integer
+/// nearest to x * 2^e, with an exponent e of each signal.
+enum class ExportType { kDouble, kFloat, kInt16 };
 
-/// A leaf of the map and a region.
-struct ExtraCandidate {
+/// double, float, int16
+const char* toString(ExportType type);
+
+/// A leaf of the map, a region, and the rows to test of it as MapContent::tests has them.
+struct ChosenCandidate {
   std::uint32_t leaf = 0;
   std::uint32_t region = 0;
+  std::uint32_t tests = MapContent::kAllRows;
 };
 
 struct ExportOptions {
   /// Prefix of all identifiers and of the files' names, see checkExportName.
   std::string name;
   ExportType type = ExportType::kDouble;
-  /// Of float, the tolerance of look-ups in greatest rounding errors of a half-space. Double has that of the map.
-  double tolerance = 64.0;
-  /// Candidates that leaves have besides those of the map, with all rows of their region. Rounding may lead a
-  /// parameter beside a leaf's cell into it, where none of the map's candidates holds the parameter.
-  std::vector<ExtraCandidate> extra;
+  /// Of float and int16, the tolerance of look-ups is the type's own one times this. Double has that of the map.
+  double tolerance = 1.0;
+  /// Candidates that leaves have besides those of the map, and candidates of the map with other rows to test. Rounding
+  /// may lead a parameter beside a leaf's cell into it, where none of the map's candidates holds the parameter.
+  std::vector<ChosenCandidate> chosen;
 };
 
 /// What is proven of the exported code, to be stated in its header.
@@ -53,6 +59,12 @@ std::string exportHeader(const RegionMap& map, const ExportOptions& options, con
 
 /// The text of NAME_test.c: a program that returns 0 where the compiled code answers within the bound.
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
+
+/// The exponents of the parameters and of the inputs of kInt16; of the other types, none.
+struct ExportExponents {
+  std::vector<int> theta, u;
+};
+ExportExponents exportExponents(const RegionMap& map, const ExportOptions& options);
 
 /// The text of NAME.json: sizes of tables, greatest number of operations, bound, checksums.
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);

@@ -15,6 +15,9 @@ struct Provenance {
 /// Reads the file once, in pieces. Throws Error when it cannot be read.
 Provenance provenanceOf(const std::string& path);
 
+/// Checksum of a text, in the form of Provenance::checksum.
+std::string checksumOf(const std::string& text);
+
 /// A string in double quotes for YAML, with what needs it escaped.
 std::string yamlString(const std::string& text);
 

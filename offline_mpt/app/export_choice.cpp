@@ -1,0 +1,121 @@
+#include "export_choice.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "offline_mpt/reduce_proven.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+enum class MapKind { kGiven, kReduced, kSeparated };
+
+const char* wordOf(MapKind kind) {
+  switch (kind) {
+    case MapKind::kGiven:
+      return "the map";
+    case MapKind::kReduced:
+      return "the reduced map";
+    case MapKind::kSeparated:
+      return "the separated map";
+  }
+  return "";
+}
+
+/// Tries maps and types in turn. Each map is reduced once.
+class ExportChoice {
+ public:
+  ExportChoice(const RegionMap& map, const std::string& reduced_name, const ExportRequest& request)
+      : map_(map), reduced_name_(reduced_name), request_(request) {}
+
+  ChosenExport choose() {
+    using Types = std::vector<ExportType>;
+    const std::vector<Types> stages =
+        request_.chooses_type
+            ? std::vector<Types>{{ExportType::kDouble, ExportType::kFloat}, {ExportType::kInt16}}
+            : std::vector<Types>{{request_.type}};
+    for (const Types& types : stages) {
+      for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced, MapKind::kSeparated}) {
+        for (const ExportType type : types) {
+          std::optional<ChosenExport> fitting = attempt(kind, type);
+          if (fitting) return std::move(*fitting);
+        }
+      }
+    }
+    throw Error("--flash-limit: of " + map_.path() + ", the tables need " + needs_);
+  }
+
+ private:
+  /// Without a limit, each one fits, or throws its error.
+  std::optional<ChosenExport> attempt(MapKind kind, ExportType type) {
+    const std::string what = std::string(wordOf(kind)) + " in " + toString(type);
+    try {
+      if (kind != MapKind::kGiven && !reduceAs(kind)) return std::nullopt;
+      const std::optional<RegionMap> reduced =
+          kind == MapKind::kGiven ? std::nullopt
+                                  : std::optional<RegionMap>(imageOf(kind)->view(reduced_name_));
+      const RegionMap& map = reduced ? *reduced : map_;
+      ExportOptions options;
+      options.name = request_.name;
+      options.type = type;
+      ExportProofOptions proof;
+      proof.progress = [this, &what](std::uint64_t pairs) {
+        request_.progress("proof of " + what + ": compared " + std::to_string(pairs) + " pairs of leaves");
+      };
+      ProvenExport proven = proveExport(map, std::move(options), proof);
+      const std::size_t bytes = exportTableBytes(map, proven.options);
+      const std::string size = std::to_string(bytes) + " bytes";
+      if (request_.flash_limit == 0 || bytes <= request_.flash_limit)
+        return ChosenExport{std::move(proven), std::move(imageOf(kind)), size + " of tables, " + what};
+      note(size + " as " + what);
+    } catch (const Error& error) {
+      if (request_.flash_limit == 0) throw;
+      note("no number as " + what + " (" + error.what() + ")");
+    }
+    return std::nullopt;
+  }
+
+  void note(const std::string& need) { needs_ += (needs_.empty() ? "" : ", ") + need; }
+
+  std::unique_ptr<MapImage>& imageOf(MapKind kind) { return images_[static_cast<std::size_t>(kind)]; }
+
+  /// False where the map cannot be reduced so, which is noted once.
+  bool reduceAs(MapKind kind) {
+    const auto place = static_cast<std::size_t>(kind);
+    if (imageOf(kind) || is_refused_[place]) return !is_refused_[place];
+    is_refused_[place] = true;
+    ReduceOptions reduce;
+    reduce.separate = kind == MapKind::kSeparated;
+    reduce.threads = defaultThreads();
+    reduce.progress = [this](std::uint64_t done, std::uint64_t total) {
+      request_.progress("joined regions of " + std::to_string(done) + " of " + std::to_string(total) +
+                        " laws");
+    };
+    ReductionOptions proof;
+    proof.threads = reduce.threads;
+    ProvenReduction proven = reduceProven(map_, reduced_name_, reduce, proof);
+    if (!proven.report.passed()) throw Error("its reduction could not be proven");
+    imageOf(kind) = std::make_unique<MapImage>(std::move(proven.image));
+    is_refused_[place] = false;
+    return true;
+  }
+
+  const RegionMap& map_;
+  const std::string& reduced_name_;
+  const ExportRequest& request_;
+  std::unique_ptr<MapImage> images_[3];
+  bool is_refused_[3] = {};
+  std::string needs_;
+};
+
+}  // namespace
+
+ChosenExport chooseExport(const RegionMap& map, const std::string& reduced_name,
+                          const ExportRequest& request) {
+  return ExportChoice(map, reduced_name, request).choose();
+}
+
+}  // namespace polyfly

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/laws/linear_tuning.hpp"
+#include "online_controller/types/flight_options.hpp"
+#include "online_controller/types/moment_model.hpp"
+#include "online_controller/types/node_options.hpp"
+#include "online_controller/types/options.hpp"
+
+namespace polyfly {
+
+/// Paths of three files: longitudinal, lateral, vertical. All empty where there are none.
+using AxisPaths = std::array<std::string, 3>;
+
+/// All that a multirotor's node reads from its private parameters.
+struct MultirotorParameters {
+  /// Name of the law that flies first.
+  std::string law = "explicit_linear";
+  std::string odometry_frame;
+  /// Whether a pilot is required; not set: once one was there.
+  std::optional<bool> use_rc_teleop;
+  /// Where calibrated numbers come from: the text of `calibrate apply`.
+  std::string provenance;
+  /// Value of real_time/answer.
+  std::string answer = "auto";
+  AxisPaths maps;
+  AxisPaths robust_maps;
+  AxisPaths problems;
+  MultirotorOptions controller;
+  NonlinearMpcOptions nonlinear;
+  LinearTuning linear{};
+  MomentModel moments;
+  FlightOptions flight;
+  NodeOptions node;
+  JoyLayout joy;
+  OutputOptions output;
+  RealTimeOptions real_time;
+};
+
+template <class Paths, class Visit>
+void visitAxisPaths(const char* longitudinal, const char* lateral, const char* vertical, Paths& paths,
+                    Visit&& visit) {
+  visit(longitudinal, paths[0]);
+  visit(lateral, paths[1]);
+  visit(vertical, paths[2]);
+}
+
+/// The one list of all parameters, made of the lists of the groups. Calls visit(key, field, unit, range) for numbers,
+/// and visit(key, field) for what has no range.
+template <class Parameters, class Visit>
+void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
+  visit("law", parameters.law);
+  visit("odometry_frame", parameters.odometry_frame);
+  visit("use_rc_teleop", parameters.use_rc_teleop);
+  visit("provenance", parameters.provenance);
+  visitAxisPaths("maps/longitudinal", "maps/lateral", "maps/vertical", parameters.maps, visit);
+  visitAxisPaths("robust_maps/longitudinal", "robust_maps/lateral", "robust_maps/vertical",
+                 parameters.robust_maps, visit);
+  visitAxisPaths("problems/longitudinal", "problems/lateral", "problems/vertical", parameters.problems,
+                 visit);
+  visitOptions(parameters.controller, visit);
+  visitNodeOptions(parameters.node, visit);
+  visitLinearTuning(parameters.linear, visit);
+  visitNonlinearOptions(parameters.nonlinear, visit);
+  visitMomentModel(parameters.moments, visit);
+  visitFlightOptions(parameters.flight, visit);
+  visitJoyLayout(parameters.joy, visit);
+  visitOutputOptions(parameters.output, visit);
+  visit("real_time/answer", parameters.answer);
+  visitRealTimeOptions(parameters.real_time, visit);
+}
+
+/// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node
+/// would not start with them: unknown keys, types, ranges, limits that contradict each other, the thrust curve.
+/// Maps and problem files are not read.
+MultirotorParameters parseMultirotorParameters(const std::string& text, const std::string& source);
+
+}  // namespace polyfly

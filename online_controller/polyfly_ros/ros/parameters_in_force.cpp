@@ -1,0 +1,53 @@
+#include "polyfly_ros/parameters_in_force.hpp"
+
+#include <std_msgs/String.h>
+
+#include <utility>
+
+namespace polyfly_ros {
+namespace {
+
+constexpr const char* kName = "parameters_in_force";
+constexpr bool kLatchedText = true;
+
+}  // namespace
+
+ParametersInForce::ParametersInForce(const ros::NodeHandle& private_handle, std::string vehicle, Write write,
+                                     Settled settled)
+    : node_(private_handle.getNamespace()),
+      vehicle_(std::move(vehicle)),
+      write_(std::move(write)),
+      settled_(std::move(settled)) {
+  ros::NodeHandle handle(private_handle);
+  publisher_ = handle.advertise<std_msgs::String>(kName, 1, kLatchedText);
+  publish();
+  service_ = handle.advertiseService(kName, &ParametersInForce::onRequest, this);
+}
+
+void ParametersInForce::hasChanged(const std::string& cause) {
+  if (causes_.find(cause) == std::string::npos) causes_ += (causes_.empty() ? "" : ", ") + cause;
+}
+
+void ParametersInForce::publish() {
+  if (causes_.empty() || !settled_()) return;
+  const std::string space = polyfly::kInForceGroup;
+  polyfly::OptionsText text;
+  text.text(space + "/node", node_);
+  text.text(space + "/vehicle", vehicle_);
+  text.text(space + "/change", causes_);
+  write_(text);
+  causes_.clear();
+  text_ = text.yaml();
+  std_msgs::String message;
+  message.data = text_;
+  publisher_.publish(message);
+}
+
+bool ParametersInForce::onRequest(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  publish();
+  response.success = 1;
+  response.message = text_;
+  return true;
+}
+
+}  // namespace polyfly_ros

@@ -1,0 +1,72 @@
+#include "online_controller_ros/in_force_text.hpp"
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "mpc_core/calibration_provenance.hpp"
+#include "online_controller_ros/law_sources.hpp"
+#include "polyfly_base/provenance.hpp"
+
+namespace polyfly_ros {
+namespace {
+
+constexpr std::array<const char*, 3> kInForceAxes{"longitudinal", "lateral", "vertical"};
+
+std::string hexadecimal(std::uint64_t checksum) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum));
+  return digits.data();
+}
+
+std::vector<std::vector<double>> rowsOf(const Eigen::MatrixXd& matrix) {
+  std::vector<std::vector<double>> rows(static_cast<std::size_t>(matrix.rows()));
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      rows[static_cast<std::size_t>(row)].push_back(matrix(row, column));
+  }
+  return rows;
+}
+
+// The model x' = A x + B u, and the text that it is from, if it is not made from the options.
+void writeProblem(const std::string& space, const polyfly::MpcProblem& problem, polyfly::OptionsText& text) {
+  if (!problem.text.empty()) text.text(space + "/problem", polyfly::checksumOf(problem.text));
+  const std::string calibrations = polyfly::calibrationsOf(problem.text);
+  if (!calibrations.empty()) text.text(space + "/calibration", calibrations);
+  text.matrix(space + "/A", rowsOf(problem.A_c));
+  text.matrix(space + "/B", rowsOf(problem.B_c));
+}
+
+void writeMaps(const char* name, const MapSet& set, polyfly::OptionsText& text) {
+  for (std::size_t axis = 0; axis < set.maps.size(); ++axis) {
+    const std::string space = std::string(polyfly::kInForceGroup) + "/" + name + "/" + kInForceAxes.at(axis);
+    const polyfly::RegionMap& map = set.maps[axis];
+    text.text(space + "/name", std::string(map.name()));
+    text.text(space + "/checksum", hexadecimal(map.checksum()));
+    writeProblem(space, set.problems.at(axis), text);
+  }
+}
+
+}  // namespace
+
+void writeInForce(const polyfly::MultirotorParameters& start, const LawSetup& setup, polyfly::Law law,
+                  polyfly::OptionsText& text) {
+  polyfly::MultirotorParameters now = start;
+  now.law = polyfly::lawName(law);
+  now.maps = setup.files.maps;
+  now.robust_maps = setup.files.robust_maps;
+  now.problems = setup.files.problems;
+  now.controller = setup.controller;
+  now.nonlinear = setup.nonlinear;
+  now.linear = setup.linear;
+  now.moments = setup.moments;
+  const std::string space = polyfly::kInForceGroup;
+  text.text(space + "/law", now.law);
+  writeMaps("maps", setup.sources->explicit_maps, text);
+  writeMaps("robust_maps", setup.sources->robust_maps, text);
+  for (std::size_t axis = 0; axis < setup.sources->problems.size(); ++axis)
+    writeProblem(space + "/linear/" + kInForceAxes.at(axis), setup.sources->problems.at(axis), text);
+  polyfly::visitMultirotorParameters(now, text);
+}
+
+}  // namespace polyfly_ros
