@@ -127,7 +127,7 @@ def safe_filter(folder, real):
     with open(os.path.join(place, "filter.json")) as file:
         told = json.load(file)
     with open(os.path.join(folder, "safe_%s.yaml" % real)) as file:
-        declared = re.search(r"wish: .*error: ([0-9.e-]+)", file.read())
+        declared = re.search(r"name: a,.*error: ([0-9.e-]+)", file.read())
     bound = max(told.get("error_bound", [0.0]))
     result = {
         "regions": told["regions"], "flash_bytes": flash, "ram_bytes": ram, "stack_bytes": stack, "inputs": len(instructions),
@@ -139,12 +139,12 @@ def safe_filter(folder, real):
         "different_answers": differences(answers, rows + noisy, real) if len(answers) == len(thetas) else len(thetas)}
     result["holds"] = all(value <= bar for value, bar in zip((flash, stack, max(instructions)), BARS))
     # The proof of the set counts on this error of the input.
-    result["error_is_proven"] = bound <= (float(declared.group(1)) if declared else 0.0)
+    result["error_allowed"] = float(declared.group(1)) if declared else 0.0
     return result, rows
 
 
 def is_sound(result):
-    return result["error_is_proven"] and not any(result[key] for key in (
+    return result["error_bound"] <= result["error_allowed"] and not any(result[key] for key in (
         "states_outside", "states_outside_with_noise", "without_solution", "different_answers"))
 
 
@@ -175,7 +175,7 @@ def table(head, rows):
     return text + "".join("<tr>" + "".join("<td>%s</td>" % cell for cell in row) + "</tr>" for row in rows) + "</table>"
 
 
-def filter_section(filters, pictures):
+def filter_section(filters, integer_bound, pictures):
     rows = []
     for real, result in filters.items():
         numbers = (result["instructions_median"], result["instructions_greatest"], AXES * result["instructions_greatest"])
@@ -189,16 +189,16 @@ def filter_section(filters, pictures):
         "<h2>A filter of (state, wish), with an invariant set</h2>",
         "<p>Another program for the same task (<code>region_maps/problems/safety/double_integrator.yaml</code>): the input that is nearest "
         "to the wish and keeps the state in the maximal robust control invariant set. The noise of the benchmark, 0.01 in both states, is "
-        "its disturbance. It has 3 parameters, and no horizon.</p>",
+        "its disturbance. It has 3 parameters, and no horizon. The caller limits the wish to the input's range, which changes no answer.</p>",
         table(("", "regions", "flash (code and tables)", "RAM without stack", "stack", "instructions, median", "greatest",
                "greatest, 32 states", "states outside", "within"), rows),
         "<p>The greatest number is that of %s inputs: both flights, samples of the box, and samples beside the worst of them. No path has "
         "more than %d multiply-adds and %d comparisons in float. The stack is the sum of all functions. In float, the error of the input "
-        "is proven to be at most %.2g m/s^2; the set of that map allows 0.02, and 1e-6 for the rounding of the state. With noise, "
-        "%d states of another flight leave the limits.</p>"
+        "is proven to be at most %.2g m/s^2; the set of that map allows %.2g, and 1e-6 for the rounding of the state. In int16 it is "
+        "%.2g m/s^2, so the proof does not hold there. With noise, %d states of another flight leave the limits.</p>"
         % ("{:,}".format(single["inputs"]), single["multiply_adds_bound"], single["comparisons_bound"], single["error_bound"],
-           sum(result["states_outside_with_noise"] for result in filters.values())),
-        "<p>Flown by the code in float, from the same start. It changes the wish in %d of %d steps.</p>" % (single["changed"], single["steps"]),
+           single["error_allowed"], integer_bound, sum(result["states_outside_with_noise"] for result in filters.values())),
+        "<p>Flown by the code in float, from the same start. It changes the limited wish in %d of %d steps.</p>" % (single["changed"], single["steps"]),
         pictures]
 
 
@@ -232,7 +232,7 @@ def page(summary, measured, pictures):
         "the middle is applied. %d states leave the limits: the horizon has no terminal set.</p>"
         % (summary["without_solution"], benchmark.STEPS, summary["states_outside"]),
         pictures["published"],
-        *filter_section(summary["filter"], pictures["filter"]),
+        *filter_section(summary["filter"], summary["int16_error_bound"], pictures["filter"]),
         "<h2>On a board of your own</h2><p>Compile <code>filter_test.c</code> with <code>FILTER_TEST_NO_MAIN</code>, define "
         "<code>FILTER_TEST_BEGIN()</code> and <code>FILTER_TEST_END()</code> to read a cycle counter, for example DWT_CYCCNT, and call "
         "<code>filter_test()</code>. Its last vector is the one with the most operations that was met.</p></body></html>", ""])
@@ -254,6 +254,8 @@ def main(folder):
     summary["headline"] += [["steps without a solution", summary["without_solution"], ""], ["states outside", summary["states_outside"], ""]]
     flights = {real: safe_filter(folder, real) for real in ("double", "float")}
     summary["filter"] = {real: result for real, (result, _) in flights.items()}
+    with open(os.path.join(folder, "safe_int16", "filter.json")) as file:
+        summary["int16_error_bound"] = max(json.load(file)["error_bound"])
     for real, (result, _) in flights.items():
         summary["headline"] += [["filter of (state, wish), %s: instructions, greatest" % real, result["instructions_greatest"], ""],
                                 ["filter of (state, wish), %s: states outside" % real, result["states_outside"], ""]]
