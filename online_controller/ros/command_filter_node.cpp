@@ -19,8 +19,6 @@ namespace {
 using Status = online_controller::CommandFilterStatus;
 
 constexpr int kFilterQueue = 1;
-// A command that comes earlier after another would be held for less than the period of the maps.
-constexpr double kLeastPeriod = 0.5;
 constexpr double kWarningPeriod = 1.0;  // [s]
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -74,6 +72,8 @@ polyfly::AttitudeCommand toCommand(const mav_msgs::RollPitchYawrateThrust& messa
 
 void fillFilterAxis(const polyfly::FilterAxisReport& report, online_controller::CommandFilterAxis& message) {
   message.status = static_cast<std::uint8_t>(report.status);
+  message.position = report.xi[0];
+  message.velocity = report.xi[1];
   message.wish = report.wish;
   message.input = report.input;
 }
@@ -128,7 +128,7 @@ bool CommandFilterNode::hasState() const {
 void CommandFilterNode::onWish(const mav_msgs::RollPitchYawrateThrust& message) {
   const ros::Time stamp = message.header.stamp;
   const double since = (stamp - answered_stamp_).toSec();
-  if (answered_ && since >= 0.0 && since < kLeastPeriod * filter_->period() && !stamp.isZero()) {
+  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() && !stamp.isZero()) {
     ++status_.early;
     return;
   }

@@ -1,4 +1,5 @@
-"""Page and summary of TinyMPC's microcontroller benchmark; fails where map and online solver answer differently.
+"""Page and summary of TinyMPC's microcontroller benchmark. Fails where map and online solver answer differently, where the filter of
+(state, wish) leaves the limits, and where it is within the bars in no type.
 
 usage: embedded.py FOLDER, after embedded.sh exported map and solvers there.
 """
@@ -7,11 +8,13 @@ import ctypes
 import json
 import math
 import os
+import re
 import shutil
 import statistics
 import subprocess
 import sys
 
+import embedded_filter as safety
 import embedded_program as benchmark
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -21,6 +24,10 @@ VARIANTS = (
     ("online_double", "online solver, double", "double", "filter_solve(&workspace, theta, u)", True),
     ("online_float", "online solver, float", "float", "filter_solve(&workspace, theta, u)", True),
 )
+# What the filter of (state, wish) is to need at most for 2 states: bytes of flash and of stack, instructions.
+BARS = (24000, 128, 1700)
+AXES = 16  # of 32 states
+NOISE_SEED = 1
 FLAGS = ["-std=c99", "-O2", "-ffp-contract=off"]
 TARGET = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
 FLASH = 1 << 20  # of the board that the benchmark ran on [bytes]
@@ -37,10 +44,14 @@ def run(command, folder=None):
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
 
 
+def compile_library(place):
+    run(["cc", *FLAGS, "-shared", "-fPIC", "filter.c", "-o", "filter.so"], place)
+
+
 def fly_map(folder):
     """Rows (theta, u, wish, whether the map has an answer), and the last state. From rest at 0. Without an answer the
     greatest input towards the middle is applied."""
-    run(["cc", *FLAGS, "-shared", "-fPIC", "filter.c", "-o", "filter.so"], os.path.join(folder, "map_double"))
+    compile_library(os.path.join(folder, "map_double"))
     library = ctypes.CDLL(os.path.abspath(os.path.join(folder, "map_double", "filter.so")))
     x = v = 0.0
     rows = []
@@ -49,7 +60,7 @@ def fly_map(folder):
         found = ctypes.c_double(0.0)
         has_answer = library.filter_evaluate((ctypes.c_double * 4)(*theta), ctypes.byref(found)) == 0
         u = found.value if has_answer else math.copysign(benchmark.INPUT_LIMIT, -x)
-        rows.append((theta, u, benchmark.wishes(theta)[0], has_answer))
+        rows.append((theta, u, benchmark.wish_at(x, v, t), has_answer))
         x, v = benchmark.advance(x, v, u)
     return rows, (x, v)
 
@@ -58,20 +69,24 @@ def is_outside(x, v):
     return max(abs(x), abs(v)) > benchmark.STATE_LIMIT + 1e-9
 
 
-def count(folder, variant, rows):
-    """(bytes of flash, bytes of RAM, rows (status, instructions, u)) on the emulated processor."""
+def count(folder, variant, thetas):
+    """(bytes of flash, RAM and stack, rows (status, instructions, u)) on the emulated processor. The stack is the sum of all functions."""
     name, _, real, call, has_workspace = variant
+    size = len(thetas[0])
     place = os.path.join(folder, name)
     with open(os.path.join(place, "embedded_inputs.h"), "w") as file:
-        numbers = ",\n".join("{%s}" % ", ".join("(REAL)%r" % value for value in theta) for theta, _, _, _ in rows)
-        file.write("#define REAL %s\n#define INPUT_COUNT %du\nstatic const REAL inputs[INPUT_COUNT][4] = {%s};\n" % (real, len(rows), numbers))
+        numbers = ",\n".join("{%s}" % ", ".join("(REAL)%r" % value for value in theta) for theta in thetas)
+        file.write("#define REAL %s\n#define PARAMETER_COUNT %d\n#define INPUT_COUNT %du\n"
+                   "static const REAL inputs[INPUT_COUNT][PARAMETER_COUNT] = {%s};\n" % (real, size, len(thetas), numbers))
     with open(os.path.join(place, "answer.c"), "w") as file:
-        file.write('#include "filter.h"\n%s\nint embeddedAnswer(const %s theta[4], %s u[1]);\n'
-                   "int embeddedAnswer(const %s theta[4], %s u[1]) { return (int)%s; }\n"
-                   % ("static filter_workspace workspace;" if has_workspace else "", real, real, real, real, call))
+        file.write('#include "filter.h"\n%s\nint embeddedAnswer(const %s theta[%d], %s u[1]);\n'
+                   "int embeddedAnswer(const %s theta[%d], %s u[1]) { return (int)%s; }\n"
+                   % ("static filter_workspace workspace;" if has_workspace else "", real, size, real, real, size, real, call))
     for file in ("embedded_count.c", "embedded_memory.ld"):
         shutil.copy(os.path.join(HERE, file), place)
-    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-c", "filter.c", "-o", "filter.o"], place)
+    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-fstack-usage", "-c", "filter.c", "-o", "filter.o"], place)
+    with open(os.path.join(place, "filter.su")) as file:
+        stack = sum(int(line.split("\t")[1]) for line in file)
     flash = int(run(["arm-none-eabi-size", "filter.o"], place).stdout.splitlines()[1].split()[0])
     run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-nostartfiles", "-T", "embedded_memory.ld", "embedded_count.c", "answer.c", "filter.c",
          "-o", "count.elf"], place)
@@ -83,7 +98,7 @@ def count(folder, variant, rows):
         answers.append((status, instructions, (u - (1 << 32) if u >> 31 else u) * 1e-9))
     with open(os.path.join(place, "filter.json")) as file:
         ram = json.load(file).get("workspace_bytes", 0)
-    return flash, ram, answers
+    return flash, ram, stack, answers
 
 
 def differences(answers, rows, real):
@@ -92,14 +107,55 @@ def differences(answers, rows, real):
                for (status, _, u), (_, expected, _, has_answer) in zip(answers, rows) if has_answer)
 
 
+def states_outside(rows, last):
+    """Of the states that inputs led to."""
+    return sum(is_outside(x, v) for x, v in [theta[:2] for theta, _, _, _ in rows[1:]] + [last])
+
+
+def safe_filter(folder, real):
+    """(results of the filter of (state, wish), rows of its flight). Flown by the exported code itself, without noise and with it."""
+    place = os.path.join(folder, "safe_" + real)
+    variant = ("safe_" + real, "", real, "filter_evaluate(theta, u)", False)
+    compile_library(place)
+    evaluate = safety.compiled(place, real)
+    rows, last = safety.fly(evaluate)
+    noisy, noisy_last = safety.fly(evaluate, NOISE_SEED)
+    thetas = [theta for theta, _, _, _ in rows + noisy] + safety.sampled()
+    flash, ram, stack, answers = count(folder, variant, thetas)
+    near = safety.nearby(thetas, [answer[1] for answer in answers])
+    instructions = [answer[1] for answer in answers] + [answer[1] for answer in count(folder, variant, near)[3]]
+    with open(os.path.join(place, "filter.json")) as file:
+        told = json.load(file)
+    with open(os.path.join(folder, "safe_%s.yaml" % real)) as file:
+        declared = re.search(r"name: a,.*error: ([0-9.e-]+)", file.read())
+    bound = max(told.get("error_bound", [0.0]))
+    result = {
+        "regions": told["regions"], "flash_bytes": flash, "ram_bytes": ram, "stack_bytes": stack, "inputs": len(instructions),
+        "instructions_median": statistics.median(answer[1] for answer in answers[:len(rows)]), "instructions_greatest": max(instructions),
+        "multiply_adds_bound": told["worst_case"]["multiply_adds"], "comparisons_bound": told["worst_case"]["comparisons"],
+        "error_bound": bound, "changed": sum(abs(row[1] - row[0][2]) > bound for row in rows), "steps": len(rows),
+        "states_outside": states_outside(rows, last), "states_outside_with_noise": states_outside(noisy, noisy_last),
+        "without_solution": sum(not row[3] for row in rows + noisy),
+        "different_answers": differences(answers, rows + noisy, real) if len(answers) == len(thetas) else len(thetas)}
+    result["holds"] = all(value <= bar for value, bar in zip((flash, stack, max(instructions)), BARS))
+    # The proof of the set counts on this error of the input.
+    result["error_allowed"] = float(declared.group(1)) if declared else 0.0
+    return result, rows
+
+
+def is_sound(result):
+    return result["error_bound"] <= result["error_allowed"] and not any(result[key] for key in (
+        "states_outside", "states_outside_with_noise", "without_solution", "different_answers"))
+
+
 def gnuplot(lines):
-    script = 'set terminal svg size 1040,300 font "sans,12" background "white"\nset grid lc rgb "#dddddd"\nset xlabel "time [s]"\n'
+    script = 'set terminal svg size 1040,300 font "sans,12" background "white"\nset grid lc rgb "#dddddd"\nset xlabel "time [s]"\nset key outside\n'
     svg = subprocess.run(["gnuplot"], input=script + "\n".join(lines), capture_output=True, text=True, check=True).stdout
     return svg[svg.index("<svg"):]
 
 
-def draw(folder, rows):
-    path = os.path.join(folder, "flight.csv")
+def draw(folder, name, rows):
+    path = os.path.join(folder, name + ".csv")
     with open(path, "w") as file:
         file.writelines("%.6g %.6g %.6g %.6g %.6g %d\n" % (benchmark.STEP * t, theta[0], theta[1], u, wish, has_answer)
                         for t, (theta, u, wish, has_answer) in enumerate(rows))
@@ -108,7 +164,7 @@ def draw(folder, rows):
     state = limits % (benchmark.STATE_LIMIT, -benchmark.STATE_LIMIT)
     inputs = limits % (benchmark.INPUT_LIMIT, -benchmark.INPUT_LIMIT)
     missing = curve % (path, "($6 == 0 ? $2 : 1/0)", "points pt 7 ps 0.4", "#d55e00", "no solution")
-    return gnuplot(['set ylabel "x [m], v [m/s]"', "plot " + ", ".join(
+    return gnuplot(['set ylabel "x [m], v [m/s]"', "set yrange [-2:2]", "plot " + ", ".join(
         [curve % (path, "2", "lines lw 2", "#0072b2", "x"), curve % (path, "3", "lines lw 2", "#56b4e9", "v"), missing, state])]) + gnuplot(
         ['set ylabel "u [m/s^2]"', "set yrange [-6:6]", "plot " + ", ".join(
             [curve % (path, "5", "lines", "#9aa4ae", "wish"), curve % (path, "4", "lines lw 2", "#0072b2", "u"), inputs])])
@@ -117,6 +173,33 @@ def draw(folder, rows):
 def table(head, rows):
     text = "<table><tr>" + "".join("<th>%s</th>" % cell for cell in head) + "</tr>"
     return text + "".join("<tr>" + "".join("<td>%s</td>" % cell for cell in row) + "</tr>" for row in rows) + "</table>"
+
+
+def filter_section(filters, integer_bound, pictures):
+    rows = []
+    for real, result in filters.items():
+        numbers = (result["instructions_median"], result["instructions_greatest"], AXES * result["instructions_greatest"])
+        rows.append(("map, " + real, result["regions"], "{:,} B".format(result["flash_bytes"]), "%d B" % result["ram_bytes"],
+                     "%d B" % result["stack_bytes"], *("{:,.0f}".format(number) for number in numbers),
+                     "%d of %d" % (result["states_outside"], result["steps"]), "yes" if result["holds"] else "no"))
+    rows.append(("at most", "", "{:,} B".format(BARS[0]), "0 B", "%d B" % BARS[1], "", "{:,}".format(BARS[2]),
+                 "{:,}".format(AXES * BARS[2]), "0", ""))
+    single = filters["float"]
+    return [
+        "<h2>A filter of (state, wish), with an invariant set</h2>",
+        "<p>Another program for the same task (<code>region_maps/problems/safety/double_integrator.yaml</code>): the input that is nearest "
+        "to the wish and keeps the state in the maximal robust control invariant set. The noise of the benchmark, 0.01 in both states, is "
+        "its disturbance. It has 3 parameters, and no horizon. The caller limits the wish to the input's range, which changes no answer.</p>",
+        table(("", "regions", "flash (code and tables)", "RAM without stack", "stack", "instructions, median", "greatest",
+               "greatest, 32 states", "states outside", "within"), rows),
+        "<p>The greatest number is that of %s inputs: both flights, samples of the box, and samples beside the worst of them. No path has "
+        "more than %d multiply-adds and %d comparisons in float. The stack is the sum of all functions. In float, the error of the input "
+        "is proven to be at most %.2g m/s^2; the set of that map allows %.2g, and 1e-6 for the rounding of the state. In int16 it is "
+        "%.2g m/s^2, so the proof does not hold there. With noise, %d states of another flight leave the limits.</p>"
+        % ("{:,}".format(single["inputs"]), single["multiply_adds_bound"], single["comparisons_bound"], single["error_bound"],
+           single["error_allowed"], integer_bound, sum(result["states_outside_with_noise"] for result in filters.values())),
+        "<p>Flown by the code in float, from the same start. It changes the limited wish in %d of %d steps.</p>" % (single["changed"], single["steps"]),
+        pictures]
 
 
 def page(summary, measured, pictures):
@@ -142,11 +225,14 @@ def page(summary, measured, pictures):
         "<li>Their solvers stopped at a tolerance of 1e-2. Map and solver here are exact up to rounding.</li>"
         "<li>Instructions of an emulator are not milliseconds of a board: memory and caches are not in them.</li>"
         "<li>The online solver's greatest number is of these inputs. Its iteration limit bounds all others.</li>"
+        "<li>The filter of (state, wish) is another program. It has one wish, the published one nine. It keeps all states to come in the "
+        "limits, the published one nine.</li>"
         "<li>Binaries of TinyMPC and OSQP were not run in the emulator.</li></ul>",
-        "<h2>What the filter does</h2><p>Flown by the map. The program has no solution in %d of %d steps; there the greatest input towards "
+        "<h2>What the published filter does</h2><p>Flown by the map. The program has no solution in %d of %d steps; there the greatest input towards "
         "the middle is applied. %d states leave the limits: the horizon has no terminal set.</p>"
         % (summary["without_solution"], benchmark.STEPS, summary["states_outside"]),
-        pictures,
+        pictures["published"],
+        *filter_section(summary["filter"], summary["int16_error_bound"], pictures["filter"]),
         "<h2>On a board of your own</h2><p>Compile <code>filter_test.c</code> with <code>FILTER_TEST_NO_MAIN</code>, define "
         "<code>FILTER_TEST_BEGIN()</code> and <code>FILTER_TEST_END()</code> to read a cycle counter, for example DWT_CYCCNT, and call "
         "<code>filter_test()</code>. Its last vector is the one with the most operations that was met.</p></body></html>", ""])
@@ -154,11 +240,10 @@ def page(summary, measured, pictures):
 
 def main(folder):
     rows, last = fly_map(folder)
-    states = [theta[:2] for theta, _, _, _ in rows[1:]] + [last]
-    summary = {"without_solution": sum(not row[3] for row in rows), "states_outside": sum(is_outside(x, v) for x, v in states), "variants": {}}
+    summary = {"without_solution": sum(not row[3] for row in rows), "states_outside": states_outside(rows, last), "variants": {}}
     measured, wrong = [], 0
     for variant in VARIANTS:
-        flash, ram, answers = count(folder, variant, rows)
+        flash, ram, _, answers = count(folder, variant, [row[0] for row in rows])
         instructions = [answer[1] for answer in answers]
         different = differences(answers, rows, variant[2]) if len(answers) == len(rows) else len(rows)
         wrong += different
@@ -167,11 +252,19 @@ def main(folder):
                                            "instructions_greatest": measured[-1][4], "different_answers": different}
     summary["headline"] = [[title + ": instructions, greatest", worst, ""] for title, _, _, _, worst in measured]
     summary["headline"] += [["steps without a solution", summary["without_solution"], ""], ["states outside", summary["states_outside"], ""]]
+    flights = {real: safe_filter(folder, real) for real in ("double", "float")}
+    summary["filter"] = {real: result for real, (result, _) in flights.items()}
+    with open(os.path.join(folder, "safe_int16", "filter.json")) as file:
+        summary["int16_error_bound"] = max(json.load(file)["error_bound"])
+    for real, (result, _) in flights.items():
+        summary["headline"] += [["filter of (state, wish), %s: instructions, greatest" % real, result["instructions_greatest"], ""],
+                                ["filter of (state, wish), %s: states outside" % real, result["states_outside"], ""]]
     with open(os.path.join(folder, "summary.json"), "w") as file:
         json.dump(summary, file, indent=2)
     with open(os.path.join(folder, "report", "index.html"), "w") as file:
-        file.write(page(summary, measured, draw(folder, rows)))
-    return 1 if wrong else 0
+        file.write(page(summary, measured, {"published": draw(folder, "flight", rows), "filter": draw(folder, "safe_flight", flights["float"][1])}))
+    sound = all(is_sound(result) for result in summary["filter"].values())
+    return 0 if not wrong and sound and any(result["holds"] for result in summary["filter"].values()) else 1
 
 
 if __name__ == "__main__":

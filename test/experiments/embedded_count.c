@@ -6,7 +6,7 @@
 #include "embedded_inputs.h"
 
 /* Returns 0 where u is an answer. */
-int embeddedAnswer(const REAL theta[4], REAL u[1]);
+int embeddedAnswer(const REAL theta[PARAMETER_COUNT], REAL u[1]);
 
 extern uint32_t stack_top[];
 
@@ -35,7 +35,7 @@ static uint32_t instructionsOf(uint32_t start, uint32_t end) {
   return (ticks * 10u + 128u) / 256u;
 }
 
-static int noAnswer(const REAL theta[4], REAL u[1]) {
+static int noAnswer(const REAL theta[PARAMETER_COUNT], REAL u[1]) {
   (void)theta;
   (void)u;
   return 0;

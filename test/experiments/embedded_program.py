@@ -40,6 +40,11 @@ def wishes(theta):
     return result
 
 
+def wish_at(x, v, t):
+    """r_0 in step t."""
+    return wishes((x, v, math.sin(STEP * t), math.cos(STEP * t)))[0]
+
+
 def states(x, v, inputs):
     """(x_k, v_k) for k = 1 .. 9."""
     result = []

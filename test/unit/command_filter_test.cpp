@@ -30,6 +30,8 @@ struct Fence {
   double period = kPeriod;
   std::string unit = "m/s^2";
   double strength = 2.0;
+  /// Of the attitude behind its command [s]. 0: none.
+  double lag = 0.0;
 
   std::string text() const {
     std::ostringstream out;
@@ -42,13 +44,29 @@ struct Fence {
         << "]}\n  A: [[0, 1], [0, 0]]\n  B: [[0], [1]]\n  B_d: [[0], [1]]\n";
     return out.str();
   }
+
+  // The acceleration is the third state.
+  std::string laggingText() const {
+    std::ostringstream out;
+    out << "polyfly_problem: 1\nname: fence_" << axis << "\ntype: safety_filter\nsampling_time: " << period
+        << "\nmargin: 0.01\nmodel:\n  states:\n    - {name: p_" << axis
+        << ", unit: m, range: [-2, 2]}\n    - {name: v_" << axis
+        << ", unit: m/s, range: [-1.5, 1.5]}\n    - {name: a_" << axis << ", unit: m/s^2, range: ["
+        << -strength - 0.5 << ", " << strength + 0.5 << "]}\n  inputs:\n    - {name: a_" << axis
+        << "_cmd, unit: m/s^2, range: [" << -strength << ", " << strength
+        << "]}\n  disturbances:\n    - {name: w_" << axis << ", unit: m/s^2, range: [" << -kWind << ", "
+        << kWind << "]}\n  A: [[0, 1, 0], [0, 0, 1], [0, 0, " << -1.0 / lag << "]]\n  B: [[0], [0], ["
+        << 1.0 / lag << "]]\n  B_d: [[0], [1], [0]]\n";
+    return out.str();
+  }
 };
 
 class CommandFilterTest : public ::testing::Test {
  protected:
   RegionMap map(const Fence& fence) {
     const std::string file = scratch_.file("fence_" + std::to_string(++count_));
-    const SafetyFilterProblem given = parseSafetyFilter(fence.text(), "fence.yaml");
+    const SafetyFilterProblem given =
+        parseSafetyFilter(fence.lag > 0.0 ? fence.laggingText() : fence.text(), "fence.yaml");
     const ParametricProgram program =
         filterProgram(parseSafetyFilter(withSafeSet(given, computeSafeSet(given)), "fence.yaml"));
     writeMap(encode(program, explore(program)), file);
@@ -133,6 +151,83 @@ TEST_F(CommandFilterTest, KeepsTheFenceAgainstAWildController) {
     EXPECT_GT(changed, 500);
     EXPECT_GT(farthest, 1.8);
   }
+}
+
+// A wild controller on a vehicle whose attitude follows its command with a lag, in the worst wind.
+struct LaggingFlight {
+  int changed = 0;
+  int outside = 0;
+  /// Of position and velocity, in parts of their ranges.
+  double farthest = 0.0;
+  /// Between the acceleration and what the filter took for it.
+  double error = 0.0;  // [m/s^2]
+};
+
+constexpr double kLag = 0.2;
+
+LaggingFlight flyWithLag(CommandFilter& filter, const MultirotorOptions& options) {
+  LaggingFlight flight;
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const double decay = std::exp(-kPeriod / kLag);
+  double thrust = options.mass * options.gravity;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = p, a = p;
+  AttitudeCommand wish = hover(options);
+  for (int k = 0; k < 3000; ++k) {
+    const double x = a.x() * options.mass / thrust, y = a.y() * options.mass / thrust;
+    const Eigen::Vector3d lift(x, y, std::sqrt(1.0 - x * x - y * y));
+    VehicleState state;
+    state.position = p;
+    state.velocity = v;
+    state.attitude = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), lift);
+    if (k % 20 == 0) {
+      wish.roll = 0.5 * unit(random);
+      wish.pitch = 0.5 * unit(random);
+    }
+    const FilterReport& report = filter.step(state, wish);
+    if (report.status == FilterStatus::kChanged) ++flight.changed;
+    if (report.status == FilterStatus::kOutside) ++flight.outside;
+    flight.error = std::max(
+        {flight.error, std::abs(report.axes[0].xi[2] - a.x()), std::abs(report.axes[1].xi[2] - a.y())});
+    thrust = report.command.thrust;
+    const Eigen::Vector3d u = acceleration(report.command, eulerAngles(state.attitude).yaw, options);
+    const Eigen::Vector3d wind =
+        kWind * Eigen::Vector3d(unit(random) < 0 ? -1 : 1, unit(random) < 0 ? -1 : 1, 0.0);
+    // The exact solution for a held command; z is not filtered, and stays.
+    const Eigen::Vector3d left = a - u;
+    p += kPeriod * v + 0.5 * kPeriod * kPeriod * (u + wind) + kLag * (kPeriod - kLag * (1.0 - decay)) * left;
+    v += kPeriod * (u + wind) + kLag * (1.0 - decay) * left;
+    a = u + decay * left;
+    p.z() = v.z() = a.z() = 0.0;
+    flight.farthest =
+        std::max({flight.farthest, p.cwiseAbs().maxCoeff() / 2.0, v.cwiseAbs().maxCoeff() / 1.5});
+  }
+  return flight;
+}
+
+TEST_F(CommandFilterTest, KeepsTheFenceWhereTheAttitudeLags) {
+  const auto made = [this](double lag) {
+    std::vector<RegionMap> maps;
+    for (const char* axis : {"x", "y"}) {
+      Fence fence;
+      fence.axis = axis;
+      fence.lag = lag;
+      maps.push_back(map(fence));
+    }
+    return CommandFilter(std::move(maps), options_);
+  };
+  CommandFilter knowing = made(kLag);
+  const LaggingFlight kept = flyWithLag(knowing, options_);
+  EXPECT_EQ(kept.outside, 0);
+  EXPECT_GT(kept.changed, 500);
+  EXPECT_LE(kept.farthest, 1.0);
+  EXPECT_GT(kept.farthest, 0.8);
+  EXPECT_LT(kept.error, 1e-9);
+  // Maps of position and velocity alone do not know of the lag, and that is too little here.
+  CommandFilter ignorant = made(0.0);
+  const LaggingFlight left = flyWithLag(ignorant, options_);
+  EXPECT_GT(left.outside, 0);
+  EXPECT_GT(left.farthest, 1.0);
 }
 
 TEST_F(CommandFilterTest, OutsideTheLeastViolationIsSentAndLeadsBack) {
@@ -261,6 +356,10 @@ TEST_F(CommandFilterTest, RefusesWhatDoesNotFit) {
   other.unit = "rad";
   has(complaint(pair({"x"}, other)), "parameters: must be");
   has(complaint(pair({"x"}, {"w"})), "parameters: must be");
+  // The lag of thrust is not measured.
+  Fence climb{"z"};
+  climb.lag = 0.2;
+  has(complaint(pair({"x"}, climb)), "parameters: must be");
   options_.thrust_max = 11.0;
   has(complaint(pair({"x"}, {"z"})), "need a thrust of");
 }

@@ -1,55 +1,26 @@
 #include "validation_ros/bag_reader.hpp"
 
 #include <geometry_msgs/Vector3Stamped.h>
-#include <ros/exception.h>
-#include <ros/serialization.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
-#include "bags/message_layout.hpp"
-#include "bags/scan_bag.hpp"
 #include "online_controller_ros/conversions.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/read_text.hpp"
+#include "validation_ros/topic_reader.hpp"
 
 namespace polyfly_ros {
 namespace {
 
-using polyfly::endsWith;
 using polyfly::Error;
 using polyfly::FlightLog;
-
-template <class Message>
-std::string typeOf() {
-  return ros::message_traits::DataType<Message>::value();
-}
-
-// The namespace in which the bag's only vehicle lives, with slashes on both sides.
-std::string findNamespace(const std::string& path, const std::map<std::string, std::string>& types,
-                          const std::string& command) {
-  std::vector<std::string> found;
-  for (const auto& [topic, type] : types) {
-    if (type == typeOf<mav_msgs::RollPitchYawrateThrust>() && endsWith(topic, "/" + command)) {
-      found.push_back(topic.substr(0, topic.size() - command.size()));
-    }
-  }
-  if (found.size() > 1) {
-    std::string names;
-    for (const std::string& name : found) names += " " + name;
-    throw Error(path + ": holds commands of several vehicles, in the namespaces" + names +
-                ": choose one with --namespace");
-  }
-  return found.empty() ? "/" : found.front();
-}
 
 // Collects the log while messages come in the order of the record, then settles what that order leaves open:
 // messages of different topics reach a recorder in another order than they reached the node. The node's own
@@ -216,27 +187,14 @@ class LogBuilder {
   std::string refusal_;
 };
 
-// A message as it stands in the bag, until all of them can be put in order.
-struct HeldMessage {
-  std::string topic;
-  // Receive time of the recorder [s].
-  double time = 0.0;
-  std::vector<std::uint8_t> bytes;
-};
-
 class BagReader {
  public:
   BagReader(const std::string& path, const BagTopics& topics, const BagProgress& progress,
             const BagQuestion& ask)
-      : path_(path), topics_(topics), ask_(ask), builder_(path) {
+      : path_(path), topics_(topics), ask_(ask), reader_(path), builder_(path) {
     scan(progress);
-    if (types_.empty()) throw Error(path_ + ": holds no message" + remarks());
-    findPrefix();
-    if (!askForTopics()) return;
     // The second scan holds the messages of the topics that were named now.
-    held_.clear();
-    scan(progress);
-    findPrefix();
+    if (askForTopics()) scan(progress);
   }
 
   FlightLog read() {
@@ -245,48 +203,34 @@ class BagReader {
     const bool has_trajectory = use<trajectory_msgs::MultiDOFJointTrajectory>(topics_.trajectory);
     const bool has_pose = use<geometry_msgs::PoseStamped>(topics_.pose);
     if (!has_trajectory && !has_pose) {
-      missing(fullName(topics_.trajectory) + " nor on " + fullName(topics_.pose));
+      reader_.missing(fullName(topics_.trajectory) + " nor on " + fullName(topics_.pose));
     }
     use<online_controller::ControllerStatus>(topics_.status);
     use<geometry_msgs::Vector3Stamped>(topics_.disturbance);
     use<std_msgs::String>(parametersTopic());
-    readMessages();
+    reader_.read();
     const auto clocks = builder_.clocks(fullName(topics_.odometry), fullName(topics_.command));
     FlightLog log = builder_.finish();
     check(log);
     log.clocks = clocks;
-    log.share = share();
-    log.remarks = health_.remarks;
-    for (const auto& [topic, count] : misfits_) {
-      log.remarks.push_back("topic " + topic + ": " + std::to_string(count) +
-                            " messages are not what their definition says and were left out");
-    }
+    log.share = reader_.share();
+    log.remarks = reader_.remarks();
     return log;
   }
 
  private:
-  using Handler = std::function<void(const HeldMessage&)>;
-
-  void findPrefix() {
-    prefix_ = topics_.name_space.empty() ? findNamespace(path_, types_, topics_.command)
-                                         : "/" + topics_.name_space + "/";
-    while (prefix_.find("//") != std::string::npos) prefix_.erase(prefix_.find("//"), 1);
-  }
-
-  template <class Message>
-  std::vector<std::string> topicsOf() const {
-    std::vector<std::string> names;
-    for (const auto& [name, type] : types_) {
-      if (type == typeOf<Message>()) names.push_back(name);
-    }
-    return names;
+  void scan(const BagProgress& progress) {
+    reader_.scan({topics_.odometry, topics_.trajectory, topics_.pose, topics_.command, topics_.status,
+                  topics_.disturbance, topics_.parameters},
+                 progress);
+    prefix_ = reader_.findPrefix(topics_.name_space, topics_.command);
   }
 
   // Whether a topic was named by somebody who was asked, in place of one that is not there.
   template <class Message>
   bool askFor(const char* what, std::string* topic) {
-    const std::vector<std::string> choices = topicsOf<Message>();
-    if (types_.count(fullName(*topic)) > 0 || choices.empty() || !ask_) return false;
+    const std::vector<std::string> choices = reader_.topicsOf<Message>();
+    if (reader_.has(fullName(*topic)) || choices.empty() || !ask_) return false;
     const auto answer =
         ask_(path_ + ": no message on " + fullName(*topic) + ". Which topic is the " + what + "?", choices);
     if (answer) *topic = choices[*answer];
@@ -296,151 +240,65 @@ class BagReader {
   bool askForTopics() {
     bool named = askFor<nav_msgs::Odometry>("odometry", &topics_.odometry);
     named = askFor<mav_msgs::RollPitchYawrateThrust>("command", &topics_.command) || named;
-    if (types_.count(fullName(topics_.pose)) == 0) {
+    if (!reader_.has(fullName(topics_.pose))) {
       named = askFor<trajectory_msgs::MultiDOFJointTrajectory>("reference", &topics_.trajectory) || named;
     }
-    if (types_.count(fullName(topics_.trajectory)) == 0) {
+    if (!reader_.has(fullName(topics_.trajectory))) {
       named = askFor<geometry_msgs::PoseStamped>("reference", &topics_.pose) || named;
     }
     return named;
-  }
-
-  // Holds the messages of all topics that may be wanted; the namespace is not known before the end.
-  void scan(const BagProgress& progress) {
-    polyfly::BagVisitor visitor;
-    visitor.progress = progress;
-    visitor.wants = [this](const polyfly::BagConnection& connection) {
-      types_[connection.topic] = connection.type;
-      definitions_[connection.topic].insert(connection.md5sum);
-      const std::string* names[] = {&topics_.odometry,  &topics_.trajectory, &topics_.pose,
-                                    &topics_.command,   &topics_.status,     &topics_.disturbance,
-                                    &topics_.parameters};
-      return std::any_of(std::begin(names), std::end(names),
-                         [&](const std::string* name) { return endsWith("/" + connection.topic, *name); });
-    };
-    visitor.message = [this](const polyfly::BagMessage& message) {
-      held_.push_back(
-          {message.connection->topic, message.time(), {message.data, message.data + message.size}});
-    };
-    health_ = polyfly::scanBag(path_, visitor);
-    std::stable_sort(held_.begin(), held_.end(),
-                     [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
-  }
-
-  // Of the topics that the flight consists of. Messages that do not fit their definition were not read.
-  polyfly::RecordingShare share() const {
-    std::set<std::string> topics;
-    for (const auto& [topic, handler] : handlers_) topics.insert(topic);
-    polyfly::RecordingShare share = polyfly::recordingShare(health_, topics);
-    for (const auto& [topic, count] : misfits_) share.messages.read -= static_cast<double>(count);
-    return share;
-  }
-
-  std::string remarks() const {
-    std::string text;
-    for (const std::string& remark : health_.remarks) text += "; " + remark;
-    return text;
   }
 
   std::string fullName(const std::string& topic) const {
     return !topic.empty() && topic.front() == '/' ? topic : prefix_ + topic;
   }
 
-  [[noreturn]] void missing(const std::string& topic, const std::string& hint = "") const {
-    std::string known;
-    for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
-    throw Error(path_ + ": no message on " + topic + "; the bag has " + known + hint + remarks());
+  template <class Message>
+  std::function<void(const Message&, double)> addToLog() {
+    return [this](const Message& message, double time) {
+      builder_.setTime(time);
+      builder_.add(message);
+    };
   }
 
   // The topic lies in the private namespace of the controller, whose name is free. Of several nodes, which fly beside
   // the one, that on the uppermost level counts.
   std::string parametersTopic() const {
     std::string shortest;
-    for (const std::string& name : topicsOf<std_msgs::String>()) {
-      const bool fits = name.rfind(prefix_, 0) == 0 && endsWith(name, "/" + topics_.parameters);
+    for (const std::string& name : reader_.topicsOf<std_msgs::String>()) {
+      const bool fits = name.rfind(prefix_, 0) == 0 && polyfly::endsWith(name, "/" + topics_.parameters);
       if (fits && (shortest.empty() || name.size() < shortest.size())) shortest = name;
     }
     return shortest.empty() ? fullName(topics_.parameters) : shortest;
   }
 
-  // Whether the topic is in the bag; from then on its messages are read.
   template <class Message>
   bool use(const std::string& topic) {
-    const std::string name = fullName(topic);
-    const auto found = types_.find(name);
-    if (found == types_.end()) return false;
-    if (found->second != typeOf<Message>()) {
-      throw Error(path_ + ": topic " + name + ": must be " + typeOf<Message>() + ", is " + found->second);
-    }
-    for (const std::string& md5sum : definitions_.at(name)) {
-      if (md5sum != ros::message_traits::MD5Sum<Message>::value()) {
-        throw Error(path_ + ": topic " + name + ": recorded with another definition of " + typeOf<Message>());
-      }
-    }
-    // Lengths inside are checked before anything is made that they ask for.
-    const auto layout = std::make_shared<polyfly::MessageLayout>(
-        typeOf<Message>(), ros::message_traits::Definition<Message>::value());
-    handlers_[name] = [this, name, layout](const HeldMessage& held) {
-      if (!layout->fits(held.bytes.data(), held.bytes.size())) {
-        ++misfits_[name];
-        return;
-      }
-      Message message;
-      // The stream reads only, through a pointer that is not const.
-      ros::serialization::IStream stream(const_cast<std::uint8_t*>(held.bytes.data()),
-                                         static_cast<std::uint32_t>(held.bytes.size()));
-      ros::serialization::deserialize(stream, message);
-      try {
-        builder_.setTime(held.time);
-        builder_.add(message);
-      } catch (const Error& error) {
-        throw Error(path_ + ": topic " + name + ": " + error.what());
-      }
-    };
-    return true;
+    return reader_.use<Message>(fullName(topic), addToLog<Message>());
   }
 
   template <class Message>
   void require(const std::string& topic, const std::string& option) {
-    if (use<Message>(topic)) return;
-    std::string names;
-    for (const std::string& name : topicsOf<Message>()) names += (names.empty() ? "" : ", ") + name;
-    missing(fullName(topic),
-            names.empty() ? "" : "; " + typeOf<Message>() + " is on " + names + ": choose with " + option);
-  }
-
-  void readMessages() {
-    for (HeldMessage& held : held_) {
-      const auto handler = handlers_.find(held.topic);
-      if (handler != handlers_.end()) handler->second(held);
-      held.bytes = {};
-    }
+    reader_.require<Message>(fullName(topic), option, addToLog<Message>());
   }
 
   void check(const FlightLog& log) const {
-    if (log.odometry.empty()) missing(fullName(topics_.odometry));
-    if (log.commands.empty()) missing(fullName(topics_.command));
+    if (log.odometry.empty()) reader_.missing(fullName(topics_.odometry));
+    if (log.commands.empty()) reader_.missing(fullName(topics_.command));
     if (log.references.empty()) {
       throw Error(path_ + ": no usable reference" +
                   (builder_.refusedReferences() > 0 ? ", the last one: " + builder_.refusal() : "") +
-                  remarks());
+                  reader_.remarkText());
     }
   }
 
   std::string path_;
   BagTopics topics_;
   BagQuestion ask_;
+  TopicReader reader_;
   LogBuilder builder_;
-  polyfly::BagHealth health_;
-  std::map<std::string, std::string> types_;
-  // Checksums by topic.
-  std::map<std::string, std::set<std::string>> definitions_;
-  std::vector<HeldMessage> held_;
-  // Number of misfits by topic.
-  std::map<std::string, std::size_t> misfits_;
   // Prefix of the topics in the vehicle's namespace, with slashes on both sides.
   std::string prefix_;
-  std::map<std::string, Handler> handlers_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "validation/flight_log.hpp"
+#include "validation_ros/topic_reader.hpp"
 
 namespace polyfly_ros {
 
@@ -24,9 +25,6 @@ struct BagTopics {
 /// Asked which topic is meant where none bears the name: the index of one of `choices`, or none.
 using BagQuestion = std::function<std::optional<std::size_t>(const std::string& question,
                                                              const std::vector<std::string>& choices)>;
-
-/// Told the share of the file that was read, 0..1.
-using BagProgress = std::function<void(double)>;
 
 /// Reads a flight. Odometry, commands and one of trajectory and pose must be there. What is damaged is left
 /// out and told in the log's remarks: a bag that was cut off or has no index gives its whole chunks

@@ -14,6 +14,10 @@
 
 namespace polyfly {
 
+/// A command that follows another within this part of the maps' period is dropped: the other would be held for less
+/// than the proof assumes.
+constexpr double kLeastFilterPeriod = 0.5;
+
 /// What the filter did. Worse ones have greater numbers; a step reports the worst of its axes.
 enum class FilterStatus : std::uint8_t {
   /// The wish is safe, and was sent as it came.
@@ -30,6 +34,9 @@ enum class FilterStatus : std::uint8_t {
 
 struct FilterAxisReport {
   FilterStatus status = FilterStatus::kPassed;
+  /// What the map looked up, without the wish: position [m], velocity [m/s], and where the map has them the measured
+  /// acceleration and the input of the step before [m/s^2].
+  std::array<double, 4> xi{};
   double wish = 0.0;   ///< [m/s^2]
   double input = 0.0;  ///< [m/s^2]
   LookupStatus lookup = LookupStatus::kNotFinite;
@@ -53,7 +60,8 @@ struct FilterReport {
 class CommandFilter {
  public:
   /// Maps of one to three of the world's axes x, y, z: parameters p_x [m], v_x [m/s], perhaps a_x_before, and
-  /// a_x_wish [m/s^2], input a_x [m/s^2]. Throws Error for other maps, two of one axis, different periods, and
+  /// a_x_wish [m/s^2], input a_x [m/s^2]. Where the attitude lags behind its command, maps of x and y may have the
+  /// acceleration as third state a_x, and then the input a_x_cmd. Throws Error for other maps, two of one axis, different periods, and
   /// where the vehicle's limits of thrust cannot make all accelerations in the ranges of the inputs.
   CommandFilter(std::vector<RegionMap> maps, const MultirotorOptions& options);
 
@@ -66,11 +74,18 @@ class CommandFilter {
   /// Sampling time of the maps [s].
   double period() const noexcept { return maps_[0].period(); }
 
+  /// Problem of the map of the axis x, y or z (0, 1 or 2). Null where it has no map.
+  const SafetyFilterProblem* problem(std::size_t axis) const noexcept {
+    return axes_[axis].map < 0 ? nullptr : &axes_[axis].problem;
+  }
+
  private:
   /// The map of one axis, with what its problem says.
   struct Axis {
     /// Index of the map; -1: none.
     int map = -1;
+    /// Whether the acceleration is a state.
+    bool lags = false;
     bool delayed = false;
     SafetyFilterProblem problem;
     /// The input of the last step.
@@ -79,13 +94,16 @@ class CommandFilter {
 
   void bind(int map);
   void checkThrust() const;
-  FilterAxisReport filter(Axis& axis, double position, double velocity, double wish) const noexcept;
+  bool bindAxis(int map, std::size_t at, SafetyFilterProblem& problem);
+  FilterAxisReport filter(Axis& axis, const std::array<double, 3>& state, double wish) const noexcept;
   AttitudeCommand commandOf(const Eigen::Vector3d& acceleration, double yaw, double yaw_rate) const noexcept;
 
   MultirotorOptions options_;
   std::vector<RegionMap> maps_;
   std::array<Axis, 3> axes_;
   FailsafePolicy failsafe_;
+  /// That was sent last.
+  double thrust_;  // [N]
   FilterReport report_;
 };
 

@@ -30,13 +30,19 @@ bool allFinite(const VehicleState& state) {
   return state.position.allFinite() && state.velocity.allFinite() && state.attitude.coeffs().allFinite();
 }
 
+/// Acceleration in the world with this attitude and thrust [m/s^2].
+Eigen::Vector3d accelerationOf(const Eigen::Quaterniond& attitude, double thrust,
+                               const MultirotorOptions& options) {
+  const Eigen::Vector3d gravity(0.0, 0.0, options.gravity);
+  return attitude * Eigen::Vector3d::UnitZ() * (thrust / options.mass) - gravity;
+}
+
 /// Acceleration in the world at this yaw [m/s^2].
 Eigen::Vector3d accelerationOf(const AttitudeCommand& command, double yaw, const MultirotorOptions& options) {
   const Eigen::Quaterniond attitude = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                                       Eigen::AngleAxisd(command.pitch, Eigen::Vector3d::UnitY()) *
                                       Eigen::AngleAxisd(command.roll, Eigen::Vector3d::UnitX());
-  const Eigen::Vector3d gravity(0.0, 0.0, options.gravity);
-  return attitude * Eigen::Vector3d::UnitZ() * (command.thrust / options.mass) - gravity;
+  return accelerationOf(attitude, command.thrust, options);
 }
 
 }  // namespace
@@ -69,7 +75,7 @@ double leastViolation(const SafetyFilterProblem& problem, const double* xi) noex
 }
 
 CommandFilter::CommandFilter(std::vector<RegionMap> maps, const MultirotorOptions& options)
-    : options_(options), maps_(std::move(maps)), failsafe_(options) {
+    : options_(options), maps_(std::move(maps)), failsafe_(options), thrust_(options.mass * options.gravity) {
   if (maps_.empty() || maps_.size() > axes_.size())
     throw Error("safety filter: one to three maps are needed, got " + std::to_string(maps_.size()));
   for (std::size_t i = 0; i < maps_.size(); ++i) bind(static_cast<int>(i));
@@ -87,27 +93,40 @@ void CommandFilter::bind(int map) {
   if (!problem.safe_set) throw Error(source + ": safe_set: missing");
   if (problem.sampling_time != maps_[0].period())
     throw Error(source + ": sampling_time: all maps must have the same");
-  const std::vector<Signal>& parameters = file.parameters();
-  const std::size_t count = problem.delay > 0.0 ? 4 : 3;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const std::string name = kAxes[i];
-    const bool fits = parameters.size() == count && file.inputs().size() == 1 &&
-                      isSignal(parameters[0], "p_" + name, "m") &&
-                      isSignal(parameters[1], "v_" + name, "m/s") &&
-                      isSignal(parameters[count - 1], "a_" + name + "_wish", "m/s^2") &&
-                      isSignal(file.inputs()[0], "a_" + name, "m/s^2");
-    if (!fits) continue;
-    if (axes_[i].map >= 0) throw Error(file.path() + ": another map has the axis " + name);
-    if (problem.inputs[0].lower > 0.0 || problem.inputs[0].upper < 0.0)
-      throw Error(source + ": model.inputs[0].range: must hold 0, which level flight needs");
-    axes_[i].map = map;
-    axes_[i].delayed = count == 4;
-    axes_[i].problem = std::move(problem);
-    return;
+  for (std::size_t at = 0; at < axes_.size(); ++at) {
+    if (bindAxis(map, at, problem)) return;
   }
   throw Error(file.path() +
-              ": parameters: must be p, v, perhaps a_before, and a_wish of axis x, y or z, "
-              "with the input a: p_x [m], v_x [m/s], a_x_wish [m/s^2], a_x [m/s^2]");
+              ": parameters: must be p_x [m], v_x [m/s], a_x_wish [m/s^2] with the input a_x, or p_x, "
+              "v_x, a_x, a_x_cmd_wish with the input a_x_cmd, before the wish perhaps the input_before; x "
+              "stands for x, y or z, with a_x as a state for x or y");
+}
+
+// Whether the map is of this axis. Then the axis has it.
+bool CommandFilter::bindAxis(int map, std::size_t at, SafetyFilterProblem& problem) {
+  const RegionMap& file = maps_[static_cast<std::size_t>(map)];
+  const std::string name = kAxes[at];
+  const bool lags = problem.stateCount() == 3 && at < 2;
+  const std::string input = lags ? "a_" + name + "_cmd" : "a_" + name;
+  std::vector<std::pair<std::string, const char*>> expected = {{"p_" + name, "m"}, {"v_" + name, "m/s"}};
+  if (lags) expected.emplace_back("a_" + name, "m/s^2");
+  if (problem.delay > 0.0) expected.emplace_back(input + "_before", "m/s^2");
+  expected.emplace_back(input + "_wish", "m/s^2");
+  const std::vector<Signal>& parameters = file.parameters();
+  if (parameters.size() != expected.size() || file.inputs().size() != 1 ||
+      !isSignal(file.inputs()[0], input, "m/s^2"))
+    return false;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (!isSignal(parameters[i], expected[i].first, expected[i].second)) return false;
+  }
+  if (axes_[at].map >= 0) throw Error(file.path() + ": another map has the axis " + name);
+  if (problem.inputs[0].lower > 0.0 || problem.inputs[0].upper < 0.0)
+    throw Error(file.path() + ": problem text: model.inputs[0].range: must hold 0, which level flight needs");
+  axes_[at].map = map;
+  axes_[at].lags = lags;
+  axes_[at].delayed = problem.delay > 0.0;
+  axes_[at].problem = std::move(problem);
+  return true;
 }
 
 void CommandFilter::checkThrust() const {
@@ -131,17 +150,22 @@ void CommandFilter::checkThrust() const {
   }
 }
 
-FilterAxisReport CommandFilter::filter(Axis& axis, double position, double velocity,
+FilterAxisReport CommandFilter::filter(Axis& axis, const std::array<double, 3>& state,
                                        double wish) const noexcept {
   FilterAxisReport report;
+  report.xi = {state[0], state[1]};
   report.wish = wish;
   report.input = wish;
   if (axis.map < 0) return report;
   const RegionMap& map = maps_[static_cast<std::size_t>(axis.map)];
   const Signal& input = axis.problem.inputs[0];
   const Signal& range = axis.problem.wishes[0];
-  std::array<double, 4> theta = {position, velocity, axis.before, axis.before};
-  theta[axis.delayed ? 3 : 2] = std::clamp(wish, range.lower, range.upper);
+  std::size_t size = 2;
+  if (axis.lags) report.xi[size++] = state[2];
+  if (axis.delayed) report.xi[size++] = axis.before;
+  std::array<double, 5> theta{};
+  std::copy(report.xi.begin(), report.xi.end(), theta.begin());
+  theta[size] = std::clamp(wish, range.lower, range.upper);
   double u = 0.0;
   report.lookup = map.evaluate(theta.data(), &u).status;
   if (report.lookup == LookupStatus::kInside) {
@@ -175,18 +199,20 @@ const FilterReport& CommandFilter::step(const VehicleState& state, const Attitud
   const double yaw = eulerAngles(state.attitude).yaw;
   const AttitudeCommand taken = wished ? wish : levelCommand(options_, {});
   Eigen::Vector3d acceleration = accelerationOf(taken, yaw, options_);
+  const Eigen::Vector3d measured = accelerationOf(state.attitude, thrust_, options_);
   report_.status = wished ? FilterStatus::kPassed : FilterStatus::kNoWish;
   report_.fallback = ControlStatus::kOptimal;
   bool changed = false;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     FilterAxisReport& axis = report_.axes[i];
-    axis = filter(axes_[i], state.position[at], state.velocity[at], acceleration[at]);
+    axis = filter(axes_[i], {state.position[at], state.velocity[at], measured[at]}, acceleration[at]);
     report_.status = std::max(report_.status, axis.status);
     changed = changed || axis.input != acceleration[at];
     acceleration[at] = axis.input;
   }
   report_.command = changed ? commandOf(acceleration, yaw, taken.yaw_rate) : taken;
+  thrust_ = report_.command.thrust;
   failsafe_.answered();
   return report_;
 }
@@ -194,8 +220,9 @@ const FilterReport& CommandFilter::step(const VehicleState& state, const Attitud
 const FilterReport& CommandFilter::stepWithoutState() noexcept {
   report_.status = FilterStatus::kNoState;
   report_.fallback = failsafe_.next(report_.command, {});
+  thrust_ = report_.command.thrust;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    report_.axes[i] = {FilterStatus::kNoState, 0.0, 0.0, LookupStatus::kNotFinite};
+    report_.axes[i] = {FilterStatus::kNoState, {}, 0.0, 0.0, LookupStatus::kNotFinite};
     // What flies is not known to the axis any more: level is the best guess.
     if (report_.fallback != ControlStatus::kHoldLast) axes_[i].before = 0.0;
   }

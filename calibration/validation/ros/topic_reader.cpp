@@ -1,0 +1,105 @@
+#include "validation_ros/topic_reader.hpp"
+
+#include <mav_msgs/RollPitchYawrateThrust.h>
+
+#include <algorithm>
+
+#include "polyfly_base/read_text.hpp"
+
+namespace polyfly_ros {
+
+using polyfly::Error;
+
+std::string TopicReader::findPrefix(const std::string& name_space, const std::string& command) const {
+  std::string prefix = "/" + name_space + "/";
+  if (name_space.empty()) {
+    std::vector<std::string> found;
+    for (const std::string& topic : topicsOf<mav_msgs::RollPitchYawrateThrust>()) {
+      if (polyfly::endsWith(topic, "/" + command))
+        found.push_back(topic.substr(0, topic.size() - command.size()));
+    }
+    if (found.size() > 1) {
+      std::string names;
+      for (const std::string& name : found) names += " " + name;
+      throw Error(path_ + ": holds commands of several vehicles, in the namespaces" + names +
+                  ": choose one with --namespace");
+    }
+    prefix = found.empty() ? "/" : found.front();
+  }
+  while (prefix.find("//") != std::string::npos) prefix.erase(prefix.find("//"), 1);
+  return prefix;
+}
+
+void TopicReader::scan(const std::vector<std::string>& names, const BagProgress& progress) {
+  held_.clear();
+  polyfly::BagVisitor visitor;
+  visitor.progress = progress;
+  visitor.wants = [&](const polyfly::BagConnection& connection) {
+    types_[connection.topic] = connection.type;
+    definitions_[connection.topic].insert(connection.md5sum);
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return polyfly::endsWith("/" + connection.topic, name);
+    });
+  };
+  visitor.message = [this](const polyfly::BagMessage& message) {
+    held_.push_back({message.connection->topic, message.time(), {message.data, message.data + message.size}});
+  };
+  health_ = polyfly::scanBag(path_, visitor);
+  std::stable_sort(held_.begin(), held_.end(),
+                   [](const HeldMessage& one, const HeldMessage& other) { return one.time < other.time; });
+  if (types_.empty()) throw Error(path_ + ": holds no message" + remarkText());
+}
+
+void TopicReader::checkType(const std::string& topic, const std::string& type,
+                            const std::string& md5sum) const {
+  const std::string& found = types_.at(topic);
+  if (found != type) throw Error(path_ + ": topic " + topic + ": must be " + type + ", is " + found);
+  for (const std::string& recorded : definitions_.at(topic)) {
+    if (recorded != md5sum)
+      throw Error(path_ + ": topic " + topic + ": recorded with another definition of " + type);
+  }
+}
+
+void TopicReader::missing(const std::string& topic, const std::string& hint) const {
+  std::string known;
+  for (const auto& [name, type] : types_) known += (known.empty() ? "" : ", ") + name;
+  throw Error(path_ + ": no message on " + topic + "; the bag has " + known + hint + remarkText());
+}
+
+void TopicReader::read() {
+  for (HeldMessage& held : held_) {
+    const auto handler = handlers_.find(held.topic);
+    if (handler == handlers_.end()) continue;
+    try {
+      handler->second(held);
+    } catch (const Error& error) {
+      throw Error(path_ + ": topic " + held.topic + ": " + error.what());
+    }
+    held.bytes = {};
+  }
+}
+
+polyfly::RecordingShare TopicReader::share() const {
+  std::set<std::string> topics;
+  for (const auto& [topic, handler] : handlers_) topics.insert(topic);
+  polyfly::RecordingShare share = polyfly::recordingShare(health_, topics);
+  for (const auto& [topic, count] : misfits_) share.messages.read -= static_cast<double>(count);
+  return share;
+}
+
+std::vector<std::string> TopicReader::remarks() const {
+  std::vector<std::string> remarks = health_.remarks;
+  for (const auto& [topic, count] : misfits_) {
+    remarks.push_back("topic " + topic + ": " + std::to_string(count) +
+                      " messages are not what their definition says and were left out");
+  }
+  return remarks;
+}
+
+std::string TopicReader::remarkText() const {
+  std::string text;
+  for (const std::string& remark : health_.remarks) text += "; " + remark;
+  return text;
+}
+
+}  // namespace polyfly_ros

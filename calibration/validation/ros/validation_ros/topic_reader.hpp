@@ -1,0 +1,129 @@
+#pragma once
+
+#include <ros/exception.h>
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bags/message_layout.hpp"
+#include "bags/recording_share.hpp"
+#include "bags/scan_bag.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly_ros {
+
+/// Told the share of the file that was read, 0..1.
+using BagProgress = std::function<void(double)>;
+
+template <class Message>
+std::string typeOf() {
+  return ros::message_traits::DataType<Message>::value();
+}
+
+/// The messages of a bag by topic and type, in the order in which the recorder received them. All of them are held until
+/// they are read, since a vehicle's namespace is not known before the bag's end.
+class TopicReader {
+ public:
+  explicit TopicReader(std::string path) : path_(std::move(path)) {}
+
+  /// Reads the file and holds the messages of all topics whose names end with one of `names`. A further scan forgets those
+  /// of the one before. Throws Error.
+  void scan(const std::vector<std::string>& names, const BagProgress& progress);
+
+  /// The namespace of the vehicle with slashes on both sides: the given one, or where that is empty, the one in which the
+  /// topic `command` of type mav_msgs/RollPitchYawrateThrust lies. Throws Error where there are several.
+  std::string findPrefix(const std::string& name_space, const std::string& command) const;
+
+  bool has(const std::string& topic) const { return types_.count(topic) > 0; }
+
+  template <class Message>
+  std::vector<std::string> topicsOf() const {
+    std::vector<std::string> names;
+    for (const auto& [name, type] : types_) {
+      if (type == typeOf<Message>()) names.push_back(name);
+    }
+    return names;
+  }
+
+  /// Whether the topic is in the bag. Then `take` will be called with each of its messages and its receive time [s]. Throws
+  /// Error where the topic has another type, or another definition of it.
+  template <class Message>
+  bool use(const std::string& topic, const std::function<void(const Message&, double)>& take) {
+    if (!has(topic)) return false;
+    checkType(topic, typeOf<Message>(), ros::message_traits::MD5Sum<Message>::value());
+    // Lengths inside are checked before anything is made that they ask for.
+    const auto layout = std::make_shared<polyfly::MessageLayout>(
+        typeOf<Message>(), ros::message_traits::Definition<Message>::value());
+    handlers_[topic] = [this, topic, layout, take](const HeldMessage& held) {
+      if (!layout->fits(held.bytes.data(), held.bytes.size())) {
+        ++misfits_[topic];
+        return;
+      }
+      Message message;
+      // The stream reads only, through a pointer that is not const.
+      ros::serialization::IStream stream(const_cast<std::uint8_t*>(held.bytes.data()),
+                                         static_cast<std::uint32_t>(held.bytes.size()));
+      ros::serialization::deserialize(stream, message);
+      take(message, held.time);
+    };
+    return true;
+  }
+
+  /// As use; throws Error naming `option` where the topic is not in the bag.
+  template <class Message>
+  void require(const std::string& topic, const std::string& option,
+               const std::function<void(const Message&, double)>& take) {
+    if (use<Message>(topic, take)) return;
+    std::string names;
+    for (const std::string& name : topicsOf<Message>()) names += (names.empty() ? "" : ", ") + name;
+    missing(topic,
+            names.empty() ? "" : "; " + typeOf<Message>() + " is on " + names + ": choose with " + option);
+  }
+
+  /// Throws the Error that no message of the topic is there.
+  [[noreturn]] void missing(const std::string& topic, const std::string& hint = "") const;
+
+  /// Hands over all held messages of the topics in use. An Error of a receiver gets the file and the topic.
+  void read();
+
+  /// Of the topics in use. Messages that do not fit their definition were not read.
+  polyfly::RecordingShare share() const;
+
+  /// Every irregularity of the file, as clauses without its name. Complete after `read`.
+  std::vector<std::string> remarks() const;
+
+  /// The irregularities of the file behind an error's sentence.
+  std::string remarkText() const;
+
+ private:
+  // A message as it stands in the bag, until all of them can be put in order.
+  struct HeldMessage {
+    std::string topic;
+    // Receive time of the recorder [s].
+    double time = 0.0;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  void checkType(const std::string& topic, const std::string& type, const std::string& md5sum) const;
+
+  std::string path_;
+  polyfly::BagHealth health_;
+  std::map<std::string, std::string> types_;
+  // Checksums by topic.
+  std::map<std::string, std::set<std::string>> definitions_;
+  std::vector<HeldMessage> held_;
+  // Number of misfits by topic.
+  std::map<std::string, std::size_t> misfits_;
+  std::map<std::string, std::function<void(const HeldMessage&)>> handlers_;
+};
+
+}  // namespace polyfly_ros
