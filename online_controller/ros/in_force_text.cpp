@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "mpc_core/calibration_provenance.hpp"
 #include "online_controller_ros/law_sources.hpp"
@@ -37,7 +38,7 @@ void writeProblem(const std::string& space, const polyfly::MpcProblem& problem, 
   text.matrix(space + "/B", rowsOf(problem.B_c));
 }
 
-void writeMaps(const char* name, const MapSet& set, polyfly::OptionsText& text) {
+void writeMaps(const char* name, const polyfly::MapSet& set, polyfly::OptionsText& text) {
   for (std::size_t axis = 0; axis < set.maps.size(); ++axis) {
     const std::string space = std::string(polyfly::kInForceGroup) + "/" + name + "/" + kInForceAxes.at(axis);
     const polyfly::RegionMap& map = set.maps[axis];
@@ -54,7 +55,7 @@ void writeInForce(const polyfly::MultirotorParameters& start, const LawSetup& se
   polyfly::MultirotorParameters now = start;
   now.law = polyfly::lawName(law);
   now.maps = setup.files.maps;
-  now.robust_maps = setup.files.robust_maps;
+  now.law_options = setup.law_options;
   now.problems = setup.files.problems;
   now.controller = setup.controller;
   now.nonlinear = setup.nonlinear;
@@ -62,8 +63,10 @@ void writeInForce(const polyfly::MultirotorParameters& start, const LawSetup& se
   now.moments = setup.moments;
   const std::string space = polyfly::kInForceGroup;
   text.text(space + "/law", now.law);
-  writeMaps("maps", setup.sources->explicit_maps, text);
-  writeMaps("robust_maps", setup.sources->robust_maps, text);
+  const std::vector<polyfly::LawType>& types = polyfly::lawTypes();
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (types[i].maps != nullptr) writeMaps(types[i].maps, setup.sources->maps[i], text);
+  }
   for (std::size_t axis = 0; axis < setup.sources->problems.size(); ++axis)
     writeProblem(space + "/linear/" + kInForceAxes.at(axis), setup.sources->problems.at(axis), text);
   polyfly::visitMultirotorParameters(now, text);

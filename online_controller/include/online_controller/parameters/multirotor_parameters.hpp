@@ -3,8 +3,10 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "nonlinear_mpc/nonlinear_mpc.hpp"
+#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/linear_tuning.hpp"
 #include "online_controller/types/flight_options.hpp"
 #include "online_controller/types/moment_model.hpp"
@@ -27,8 +29,10 @@ struct MultirotorParameters {
   std::string provenance;
   /// Value of real_time/answer.
   std::string answer = "auto";
-  AxisPaths maps;
-  AxisPaths robust_maps;
+  /// Of each law that has maps, in the order of lawTypes().
+  MapPaths maps = MapPaths(lawTypes().size());
+  /// The laws' own options, in the same order.
+  std::vector<std::vector<double>> law_options = defaultLawOptions(lawTypes());
   AxisPaths problems;
   MultirotorOptions controller;
   NonlinearMpcOptions nonlinear;
@@ -42,11 +46,10 @@ struct MultirotorParameters {
 };
 
 template <class Paths, class Visit>
-void visitAxisPaths(const char* longitudinal, const char* lateral, const char* vertical, Paths& paths,
-                    Visit&& visit) {
-  visit(longitudinal, paths[0]);
-  visit(lateral, paths[1]);
-  visit(vertical, paths[2]);
+void visitAxisPaths(const std::string& group, Paths& paths, Visit&& visit) {
+  visit((group + "/longitudinal").c_str(), paths[0]);
+  visit((group + "/lateral").c_str(), paths[1]);
+  visit((group + "/vertical").c_str(), paths[2]);
 }
 
 /// The one list of all parameters, made of the lists of the groups. Calls visit(key, field, unit, range) for numbers,
@@ -57,11 +60,11 @@ void visitMultirotorParameters(Parameters& parameters, Visit&& visit) {
   visit("odometry_frame", parameters.odometry_frame);
   visit("use_rc_teleop", parameters.use_rc_teleop);
   visit("provenance", parameters.provenance);
-  visitAxisPaths("maps/longitudinal", "maps/lateral", "maps/vertical", parameters.maps, visit);
-  visitAxisPaths("robust_maps/longitudinal", "robust_maps/lateral", "robust_maps/vertical",
-                 parameters.robust_maps, visit);
-  visitAxisPaths("problems/longitudinal", "problems/lateral", "problems/vertical", parameters.problems,
-                 visit);
+  for (std::size_t i = 0; i < lawTypes().size(); ++i) {
+    if (lawTypes()[i].maps != nullptr) visitAxisPaths(lawTypes()[i].maps, parameters.maps[i], visit);
+  }
+  visitAxisPaths("problems", parameters.problems, visit);
+  visitLawOptions(lawTypes(), parameters.law_options, visit);
   visitOptions(parameters.controller, visit);
   visitNodeOptions(parameters.node, visit);
   visitLinearTuning(parameters.linear, visit);

@@ -1,6 +1,5 @@
 #include "online_controller/parameters/multirotor_parameters.hpp"
 
-#include "online_controller/laws/law_registry.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "online_controller/types/thrust_curve.hpp"
 #include "polyfly_base/error.hpp"
