@@ -12,12 +12,13 @@ from ._polyfly import (CertifyReport, Defect, DiffReport, DiscreteModel, Error, 
                        RobustProblem, RobustProof, RobustSampling, Signal, SteadyState, VerifyReport, diff, load_problem,
                        load_program, load_robust_problem, is_robust_file, open, parse_problem, parse_robust_problem)
 from .law import Law, RobustLaw
+from .layer import Layer
 from .mat import load_mat
 from .mpc import MPC
 from .robust import RobustMPC
 
-__all__ = ["CertifyReport", "Defect", "DiffReport", "DiscreteModel", "Error", "Law", "LawDifference", "MPC", "MPLP",
-           "MPQP", "Map", "MapCover", "OnlineProgram", "OnlineRobust", "OutsideError", "Parameter", "Picture",
+__all__ = ["CertifyReport", "Defect", "DiffReport", "DiscreteModel", "Error", "Law", "LawDifference", "Layer", "MPC",
+           "MPLP", "MPQP", "Map", "MapCover", "OnlineProgram", "OnlineRobust", "OutsideError", "Parameter", "Picture",
            "Problem", "Program", "Region", "RobustLaw", "RobustMPC", "RobustProblem", "RobustProof", "RobustSampling",
            "Signal", "SteadyState", "VerifyReport", "diff", "is_robust_file", "load", "load_mat", "load_problem",
            "load_program", "load_robust_problem", "open", "parse_problem", "parse_robust_problem"]
