@@ -64,8 +64,8 @@ class Names(unittest.TestCase):
     def test_import_needs_numpy_alone(self):
         code = "import sys, numpy; before = set(sys.modules); import polyfly; print(sorted(set(sys.modules) - before))"
         printed = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
-        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.law", "polyfly.mat", "polyfly.mpc", "polyfly.robust",
-                          "polyfly.statement"], ast.literal_eval(printed))
+        self.assertEqual(["polyfly", "polyfly._polyfly", "polyfly.law", "polyfly.layer", "polyfly.mat", "polyfly.mpc",
+                          "polyfly.robust", "polyfly.statement"], ast.literal_eval(printed))
 
 
 class Interruption(unittest.TestCase):
