@@ -24,7 +24,9 @@ namespace {
 void* allocate(std::size_t size, std::size_t alignment) {
   ++allocations;
   void* memory = nullptr;
-  if (::posix_memalign(&memory, alignment, size > 0 ? size : 1) != 0) throw std::bad_alloc();
+  // posix_memalign takes no less than the size of a pointer.
+  const std::size_t least = alignment < sizeof(void*) ? sizeof(void*) : alignment;
+  if (::posix_memalign(&memory, least, size > 0 ? size : 1) != 0) throw std::bad_alloc();
   return memory;
 }
 
