@@ -5,12 +5,6 @@
 namespace checker {
 namespace {
 
-/// A row of the program: numbers that must be those of an expected row.
-struct ActualRow {
-  Vector entries;
-  std::string name;
-};
-
 /// The greatest difference, relative to the greatest entry.
 Fraction difference(const Vector& actual, const std::vector<Ball>& expected) {
   Fraction greatest, size;
@@ -52,15 +46,19 @@ class Match {
 
   /// Each expected row is exactly one row of the program, and the other way round.
   void rows(const std::vector<ExpectedRow>& expected) {
-    std::vector<ActualRow> open = actualRows();
+    std::vector<Vector> open = actualRows();
     require(open.size() == expected.size(), "the program has " + std::to_string(open.size()) +
                                                 " rows, the problem " + std::to_string(expected.size()));
     for (std::size_t k = 0; k < expected.size(); ++k) {
       const std::vector<Ball> wanted = joined(expected[k]);
-      const auto is_it = [&](const ActualRow& row) { return difference(row.entries, wanted) <= tolerance_; };
+      Fraction found;
+      const auto is_it = [&](const Vector& row) {
+        found = difference(row, wanted);
+        return found <= tolerance_;
+      };
       const auto at = std::find_if(open.begin(), open.end(), is_it);
       require(at != open.end(), "row " + std::to_string(k) + " of the problem is none of the program");
-      greatest_ = std::max(greatest_, difference(at->entries, wanted));
+      greatest_ = std::max(greatest_, found);
       open.erase(at);
     }
   }
@@ -82,22 +80,22 @@ class Match {
   }
 
   /// A z <= b + S theta, and those without z as A_theta theta <= b_theta.
-  std::vector<ActualRow> actualRows() const {
-    std::vector<ActualRow> result;
+  std::vector<Vector> actualRows() const {
+    std::vector<Vector> result;
     const Matrix &A = program_.at("A"), &S = program_.at("S"), &b = program_.at("b");
     const Matrix &A_theta = program_.at("A_theta"), &b_theta = program_.at("b_theta");
     for (std::size_t i = 0; i < A.rows; ++i) {
-      ActualRow row;
-      for (std::size_t j = 0; j < A.columns; ++j) row.entries.push_back(A.at(i, j));
-      for (std::size_t j = 0; j < S.columns; ++j) row.entries.push_back(S.at(i, j));
-      row.entries.push_back(b.at(i, 0));
+      Vector row;
+      for (std::size_t j = 0; j < A.columns; ++j) row.push_back(A.at(i, j));
+      for (std::size_t j = 0; j < S.columns; ++j) row.push_back(S.at(i, j));
+      row.push_back(b.at(i, 0));
       result.push_back(row);
     }
     for (std::size_t i = 0; i < A_theta.rows; ++i) {
-      ActualRow row;
-      row.entries.resize(A.columns);
-      for (std::size_t j = 0; j < A_theta.columns; ++j) row.entries.push_back(-A_theta.at(i, j));
-      row.entries.push_back(b_theta.at(i, 0));
+      Vector row;
+      row.resize(A.columns);
+      for (std::size_t j = 0; j < A_theta.columns; ++j) row.push_back(-A_theta.at(i, j));
+      row.push_back(b_theta.at(i, 0));
       result.push_back(row);
     }
     return result;

@@ -7,6 +7,7 @@
 
 #include "code_tables.hpp"
 #include "fixed_point_template.hpp"
+#include "floating_arithmetic.hpp"
 #include "header_template.hpp"
 #include "map_facts.hpp"
 #include "polyfly_base/error.hpp"

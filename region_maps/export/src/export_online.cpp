@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "code_tables.hpp"
+#include "floating_arithmetic.hpp"
 #include "map_facts.hpp"
 #include "online_header_template.hpp"
 #include "online_source_template.hpp"
@@ -167,6 +168,7 @@ std::string onlineSource(const OnlineTables& tables, const OnlineOptions& option
   const bool has_conditions = tables.conditionCount() > 0;
   keys["condition_table"] = has_conditions ? replaced(kOnlineConditionTable, keys) : "";
   keys["condition_test"] = has_conditions ? replaced(kOnlineConditionTest, keys) : "";
+  keys["arithmetic"] = replaced(kFloatingArithmetic, keys);
   return replaced(kOnlineSourceTemplate, keys);
 }
 

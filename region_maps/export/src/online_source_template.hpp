@@ -12,26 +12,7 @@ inline constexpr char kOnlineSourceTemplate[] =
  * blocks it. No heap, recursion, library function or writable static data. All loops are bounded by constants. */
 #include "@name@.h"
 
-#include <float.h>
-
-#if (FLT_RADIX != 2) || (@prefix@_MANT_DIG != @digits@)
-#error "@name@: @real@ must be IEEE 754 with @digits@ bits"
-#endif
-#if !defined(FLT_EVAL_METHOD) || (FLT_EVAL_METHOD != 0)
-#error "@name@: excess precision changes the answers; use the type's own precision (x86: -msse2 -mfpmath=sse)"
-#endif
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
-#error "@name@: fast-math changes the answers and drops the test for NaN"
-#endif
-#if defined(__FINITE_MATH_ONLY__)
-#if __FINITE_MATH_ONLY__ > 0
-#error "@name@: -ffinite-math-only drops the test for NaN"
-#endif
-#endif
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#endif
-
+@arithmetic@
 /* Sizes: parameters, inputs, variables, rows, sides of rows, sides that can be active at once. */
 #define P @p@u
 #define M @m@u

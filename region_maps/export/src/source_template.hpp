@@ -145,29 +145,6 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
 }
 )code";
 
-/// What only code of floating-point numbers needs.
-inline constexpr char kFloatingArithmetic[] =
-    R"code(#include <float.h>
-
-#if (FLT_RADIX != 2) || (@prefix@_MANT_DIG != @digits@)
-#error "@name@: @real@ must be IEEE 754 with @digits@ bits"
-#endif
-#if !defined(FLT_EVAL_METHOD) || (FLT_EVAL_METHOD != 0)
-#error "@name@: excess precision changes the answers; use the type's own precision (x86: -msse2 -mfpmath=sse)"
-#endif
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
-#error "@name@: fast-math changes the answers and drops the test for NaN"
-#endif
-#if defined(__FINITE_MATH_ONLY__)
-#if __FINITE_MATH_ONLY__ > 0
-#error "@name@: -ffinite-math-only drops the test for NaN"
-#endif
-#endif
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#endif
-)code";
-
 inline constexpr char kFloatingBoxTest[] =
     R"code(        /* Also true for NaN. */
         if (!((theta[i] >= -@prefix@_MAX) && (theta[i] <= @prefix@_MAX))) {

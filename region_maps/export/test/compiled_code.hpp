@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <string>
 
 #include "scratch_folder.hpp"
@@ -29,6 +30,34 @@ inline std::string logOf(const ScratchFolder& folder) {
 
 inline void saveText(const ScratchFolder& folder, const std::string& name, const std::string& text) {
   std::ofstream(folder.file(name)) << text;
+}
+
+/// The rules of MISRA C that cppcheck finds broken in the folder's code.c, whose numbers are floats at most. `macros` are
+/// further options of cppcheck.
+inline std::set<std::string> misraDeviations(const ScratchFolder& folder, const std::string& macros = "") {
+  // Cppcheck does not know the compiler's float.h, and would skip what #error guards.
+  const int code = runCommand(
+      folder,
+      "cppcheck --addon=misra --std=c99 --platform=unix32 --enable=style --suppress=missingIncludeSystem "
+      "-DFLT_RADIX=2 -DFLT_EVAL_METHOD=0 -DFLT_MANT_DIG=24 -DFLT_MAX=3.402823466e+38F -U__FAST_MATH__ " +
+          macros + " code.c");
+  EXPECT_EQ(code, 0) << logOf(folder);
+  const std::string log = logOf(folder);
+  std::set<std::string> rules;
+  const std::string mark = "[misra-c2012-";
+  for (std::size_t at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) {
+    const std::size_t begin = at + mark.size();
+    rules.insert(log.substr(begin, log.find(']', begin) - begin));
+  }
+  return rules;
+}
+
+/// That nothing deviates but what region_maps/export/README.md lists.
+inline void expectListedDeviations(const std::set<std::string>& rules, const ScratchFolder& folder) {
+  // An empty list would mean that nothing was checked.
+  EXPECT_EQ(rules.count("8.9"), 1u) << logOf(folder);
+  for (const std::string& found : rules)
+    EXPECT_TRUE((std::set<std::string>{"2.5", "8.7", "8.9"}.count(found)) != 0) << logOf(folder);
 }
 
 constexpr char kStrict[] = " -Wall -Wextra -Wconversion -pedantic -Werror -O2 -ffp-contract=off ";
