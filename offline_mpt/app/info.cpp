@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "polyfly_base/visible.hpp"
 #include "region_maps/region_map.hpp"
 
@@ -36,11 +37,7 @@ nlohmann::ordered_json signalsJson(const std::vector<Signal>& signals) {
 }
 
 /// As hexadecimal digits; empty for none.
-std::string checksumText(std::uint64_t checksum) {
-  char text[32] = "";
-  if (checksum != 0) std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(checksum));
-  return text;
-}
+std::string checksumText(std::uint64_t checksum) { return checksum != 0 ? hexDigits(checksum) : ""; }
 
 // What the problem's text tells of where its numbers are from: the lines under `provenance`, which
 // `calibrate` writes and which stand at its end.

@@ -1,7 +1,6 @@
 #include "online_controller_ros/in_force_text.hpp"
 
 #include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -13,12 +12,6 @@ namespace polyfly_ros {
 namespace {
 
 constexpr std::array<const char*, 3> kInForceAxes{"longitudinal", "lateral", "vertical"};
-
-std::string hexadecimal(std::uint64_t checksum) {
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum));
-  return digits.data();
-}
 
 std::vector<std::vector<double>> rowsOf(const Eigen::MatrixXd& matrix) {
   std::vector<std::vector<double>> rows(static_cast<std::size_t>(matrix.rows()));
@@ -43,7 +36,7 @@ void writeMaps(const char* name, const polyfly::MapSet& set, polyfly::OptionsTex
     const std::string space = std::string(polyfly::kInForceGroup) + "/" + name + "/" + kInForceAxes.at(axis);
     const polyfly::RegionMap& map = set.maps[axis];
     text.text(space + "/name", std::string(map.name()));
-    text.text(space + "/checksum", hexadecimal(map.checksum()));
+    text.text(space + "/checksum", polyfly::hexDigits(map.checksum()));
     writeProblem(space, set.problems.at(axis), text);
   }
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include "offline_mpt/partition.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "reduce/law_classes.hpp"
 #include "reduce/merge.hpp"
 #include "reduce/reduced_map.hpp"
@@ -243,9 +243,7 @@ class Reducer {
   }
 
   std::string notes() const {
-    char checksum[32];
-    std::snprintf(checksum, sizeof checksum, "%016llx", static_cast<unsigned long long>(map_.checksum()));
-    std::string text = "reduced_from: " + std::string(checksum) + "\n";
+    std::string text = "reduced_from: " + hexDigits(map_.checksum()) + "\n";
     text += "regions_before: " + std::to_string(map_.regionCount()) + "\n";
     text += "regions: " + std::to_string(entries_.size()) + "\n";
     text += "fallback_regions: " + std::to_string(fallbacks_.size()) + "\n";

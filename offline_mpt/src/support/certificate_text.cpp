@@ -5,13 +5,11 @@
 
 #include <cstdio>
 
+#include "polyfly_base/provenance.hpp"
+
 namespace polyfly {
 
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
+std::string hex(std::uint64_t value) { return hexDigits(value); }
 
 std::string hex(double value) {
   char text[40];

@@ -95,6 +95,17 @@ std::string commentText(const std::string& text) {
   return result;
 }
 
+std::string signalLines(const char* kind, const std::vector<Signal>& signals) {
+  std::string text;
+  char range[80];
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    std::snprintf(range, sizeof range, "%.6g .. %.6g ", signals[i].lower, signals[i].upper);
+    text += std::string(" * ") + kind + "[" + std::to_string(i) + "]: " + commentText(signals[i].name) +
+            ", " + range + commentText(signals[i].unit) + "\n";
+  }
+  return text;
+}
+
 std::string upperCase(const std::string& name) {
   std::string result = name;
   for (char& letter : result) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));

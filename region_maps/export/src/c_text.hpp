@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "map_export/export_map.hpp"
+#include "region_maps/signal.hpp"
 
 namespace polyfly {
 
@@ -30,6 +31,9 @@ std::size_t rowCount(std::size_t values, std::size_t width);
 
 /// The text without what would end a comment or a line of C.
 std::string commentText(const std::string& text);
+
+/// Lines of a comment: name, range and unit of each entry of kind[].
+std::string signalLines(const char* kind, const std::vector<Signal>& signals);
 
 /// Identifiers' prefix of macros: the name in upper case.
 std::string upperCase(const std::string& name);

@@ -11,13 +11,10 @@
 #include "header_template.hpp"
 #include "map_facts.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "polyfly_base/version.hpp"
 #include "region_maps/format.hpp"
 #include "source_template.hpp"
-
-// Compiles XXH64 into this file; nothing to link.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace polyfly {
 namespace {
@@ -94,17 +91,6 @@ std::string exponentText(const ExportExponents& exponents, const std::string& up
   };
   add("THETA", exponents.theta);
   add("U", exponents.u);
-  return text;
-}
-
-std::string signalText(const char* kind, const std::vector<Signal>& signals) {
-  std::string text;
-  char range[80];
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    std::snprintf(range, sizeof range, "%.6g .. %.6g ", signals[i].lower, signals[i].upper);
-    text += std::string(" * ") + kind + "[" + std::to_string(i) + "]: " + commentText(signals[i].name) +
-            ", " + range + commentText(signals[i].unit) + "\n";
-  }
   return text;
 }
 
@@ -193,22 +179,15 @@ void checkExportName(const std::string& name) {
   }
 }
 
-std::string checksumText(std::uint64_t checksum) {
-  char digits[24];
-  std::snprintf(digits, sizeof digits, "xxh64:%016llx", static_cast<unsigned long long>(checksum));
-  return digits;
-}
-
 Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
   const bool is_double = options.type == ExportType::kDouble;
   const bool is_fixed = options.type == ExportType::kInt16;
   const std::string real = is_fixed ? "int16_t" : toString(options.type);
-  const std::string_view problem = map.problemText();
   return {{"name", options.name},
           {"NAME", upperCase(options.name)},
           {"version", kVersion},
-          {"checksum", checksumText(map.checksum())},
-          {"problem_hash", checksumText(XXH64(problem.data(), problem.size(), 0))},
+          {"checksum", "xxh64:" + hexDigits(map.checksum())},
+          {"problem_hash", checksumOf(std::string(map.problemText()))},
           {"map_name", commentText(std::string(map.name()))},
           {"regions", std::to_string(map.regionCount())},
           {"p", std::to_string(map.parameters().size())},
@@ -276,7 +255,7 @@ ExportExponents exportExponents(const RegionMap& map, const ExportOptions& optio
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
   Replacements keys = sharedKeys(map, options);
-  keys["signals"] = signalText("theta", map.parameters()) + signalText("u", map.inputs());
+  keys["signals"] = signalLines("theta", map.parameters()) + signalLines("u", map.inputs());
   keys["bound"] = boundText(options, map, bound);
   keys["never"] = options.type == ExportType::kInt16 ? ", which no integer is" : "";
   keys["exponents"] = exponentText(exportExponents(map, options), keys.at("NAME"));

@@ -13,11 +13,8 @@
 #include "online_source_template.hpp"
 #include "online_test_template.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/provenance.hpp"
 #include "polyfly_base/version.hpp"
-
-// Compiles XXH64 into this file; nothing to link.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace polyfly {
 namespace {
@@ -74,17 +71,6 @@ void check(const OnlineTables& tables, const OnlineOptions& options) {
   }
 }
 
-std::string signalLines(const char* kind, const std::vector<Signal>& signals) {
-  std::string text;
-  char range[80];
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    std::snprintf(range, sizeof range, "%.6g .. %.6g ", signals[i].lower, signals[i].upper);
-    text += std::string(" * ") + kind + "[" + std::to_string(i) + "]: " + commentText(signals[i].name) +
-            ", " + range + commentText(signals[i].unit) + "\n";
-  }
-  return text;
-}
-
 std::size_t factorSize(const OnlineTables& tables) {
   return std::size_t{tables.activeLimit()} * (tables.activeLimit() + 1) / 2;
 }
@@ -94,7 +80,7 @@ Replacements onlineKeys(const OnlineTables& tables, const OnlineOptions& options
   return {{"name", options.name},
           {"NAME", upperCase(options.name)},
           {"version", kVersion},
-          {"problem_hash", checksumText(XXH64(tables.problem_text.data(), tables.problem_text.size(), 0))},
+          {"problem_hash", checksumOf(tables.problem_text)},
           {"program_name", commentText(tables.program_name)},
           {"p", number(tables.parameters.size())},
           {"m", number(tables.inputs.size())},

@@ -15,13 +15,15 @@
 namespace polyfly {
 namespace {
 
-std::string inDigits(XXH64_hash_t hash) {
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
-  return std::string("xxh64:") + digits.data();
-}
+std::string withKind(XXH64_hash_t hash) { return "xxh64:" + hexDigits(hash); }
 
 }  // namespace
+
+std::string hexDigits(std::uint64_t checksum) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(checksum));
+  return digits.data();
+}
 
 Provenance provenanceOf(const std::string& path) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes read at once
@@ -36,10 +38,10 @@ Provenance provenanceOf(const std::string& path) {
     XXH64_update(state.get(), piece.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (!file.eof()) throw Error(path + ": cannot be read to its end");
-  return {std::filesystem::path(path).filename().string(), inDigits(XXH64_digest(state.get())), ""};
+  return {std::filesystem::path(path).filename().string(), withKind(XXH64_digest(state.get())), ""};
 }
 
-std::string checksumOf(const std::string& text) { return inDigits(XXH64(text.data(), text.size(), 0)); }
+std::string checksumOf(const std::string& text) { return withKind(XXH64(text.data(), text.size(), 0)); }
 
 std::string yamlString(const std::string& text) {
   std::string result = "\"";

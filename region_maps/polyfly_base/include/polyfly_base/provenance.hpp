@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace polyfly {
@@ -14,6 +15,9 @@ struct Provenance {
 
 /// Reads the file once, in pieces. Throws Error when it cannot be read.
 Provenance provenanceOf(const std::string& path);
+
+/// A checksum as sixteen hexadecimal digits.
+std::string hexDigits(std::uint64_t checksum);
 
 /// Checksum of a text, in the form of Provenance::checksum.
 std::string checksumOf(const std::string& text);
