@@ -7,7 +7,8 @@ demoCommand() {
   buildBoth tools "$demo_tools" $demo_nodes
   own demo
   step maps "solving the region maps of the three axes" solveAxes
-  step flight "flying the figure over ROS topics" fly build/demo build/demo/maps
+  step flight "flying the figure over ROS topics" fly build/demo build/demo/maps \
+    overrides:="$PWD/launch/config/strong_push.yaml"
   step report "validating the flight from its bag" validateFlight build/demo build/demo/maps --explore build/demo/report
   say "The flight:"
   sayResult build/demo

@@ -65,8 +65,8 @@ import json, sys
 folder = sys.argv[1]
 with open(folder + "/summary.json") as file:
     summary = json.load(file)
-for key, unit in [("regions", ""), ("tracking_rms_m", "m"), ("constraint_violations", ""), ("coverage", ""),
-                  ("outside_map_samples", ""), ("max_qp_difference", ""), ("lookup_ns_p50", "ns"), ("lookup_ns_p99", "ns")]:
+for key, unit in [("regions", ""), ("regions_visited", ""), ("tracking_rms_m", "m"), ("constraint_violations", ""),
+                  ("coverage", ""), ("outside_map_samples", ""), ("max_qp_difference", ""), ("lookup_ns_p50", "ns"), ("lookup_ns_p99", "ns")]:
     if key in summary:
         print(f"  {key:24} {summary[key]:.6g} {unit}".rstrip())
 for name, value, unit in summary.get("headline", []):
