@@ -232,7 +232,7 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
   if (arguments.bags.size() == 1) propose(maps, arguments, &report);
   report.broken = polyfly::brokenThresholds(report, arguments.thresholds);
   if (!arguments.quiet) std::cout << polyfly::visibleLines(polyfly::toText(report));
-  if (topics != nullptr) topics->write(samples, report);
+  if (topics != nullptr) topics->write(samples, maps.flown, report);
   const std::string report_folder = flightFolder(arguments, arguments.report, number);
   std::vector<polyfly::ReportLink> pages;
   if (!arguments.explore.empty()) {

@@ -7,6 +7,8 @@
 #include <algorithm>
 
 #include "polyfly_base/error.hpp"
+#include "validation_ros/marker_colors.hpp"
+#include "validation_ros/slice_markers.hpp"
 
 namespace polyfly_ros {
 namespace {
@@ -70,7 +72,7 @@ void ValidationTopics::number(const std::string& topic, double stamp, double val
   bag_->write("/validation/" + topic, timeOf(stamp), message);
 }
 
-void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
+void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples, const polyfly::AxisMaps& maps,
                              const polyfly::ValidationReport& report) try {
   for (std::size_t axis = 0; axis < report.axes.size(); ++axis) writeAxis(samples, report.axes[axis], axis);
   for (const polyfly::ReplaySample& sample : samples) {
@@ -78,6 +80,7 @@ void ValidationTopics::write(const std::vector<polyfly::ReplaySample>& samples,
     number("tracking_error", sample.state.stamp, (sample.state.position - sample.reference.position).norm());
   }
   writePath(samples);
+  writeSlices(samples, maps);
 } catch (const rosbag::BagException& failure) {
   fail(failure);
 }
@@ -115,16 +118,21 @@ void ValidationTopics::writePath(const std::vector<polyfly::ReplaySample>& sampl
     point.x = sample.state.position.x();
     point.y = sample.state.position.y();
     point.z = sample.state.position.z();
-    std_msgs::ColorRGBA color;
-    const bool inside = insideAll(sample);
-    color.r = inside ? 0.0F : 0.84F;
-    color.g = inside ? 0.62F : 0.0F;
-    color.b = inside ? 0.45F : 0.0F;
-    color.a = 1.0F;
     path.points.push_back(point);
-    path.colors.push_back(color);
+    path.colors.push_back(insideAll(sample) ? kGreen : kRed);
   }
   bag_->write("/validation/markers", path.header.stamp, path);
+}
+
+void ValidationTopics::writeSlices(const std::vector<polyfly::ReplaySample>& samples,
+                                   const polyfly::AxisMaps& maps) {
+  if (samples.empty()) return;
+  for (std::size_t axis = 0; axis < maps.size(); ++axis) {
+    for (visualization_msgs::Marker& marker : sliceMarkers(samples, *maps[axis], axis)) {
+      marker.header.stamp = timeOf(samples.back().state.stamp);
+      bag_->write("/validation/slices", marker.header.stamp, marker);
+    }
+  }
 }
 
 void ValidationTopics::close() {

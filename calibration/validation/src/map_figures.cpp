@@ -9,6 +9,7 @@
 #include "online_controller/laws/axis.hpp"
 #include "region_maps/region_map.hpp"
 #include "report_parts.hpp"
+#include "validation/flight_slice.hpp"
 
 namespace polyfly {
 namespace {
@@ -17,25 +18,23 @@ using Style = Series::Style;
 
 // Greatest number of dots of a drawn cloud.
 constexpr std::size_t kDots = 900;
-// Number of regions up to which each has a line of its own in the picture.
+// Greatest number of regions that are named beside the picture.
 constexpr std::size_t kNamedRegions = 12;
 
-// Regions over time. Few regions get a named line each, many keep their numbers.
+// Regions over time. Each region that was visited has a line of its own; of many, evenly spaced ones are named.
 Panel regionPanel(const ReportContent& content, std::size_t axis) {
   const AxisValidation& used = content.validation.axes[axis];
-  std::set<std::int64_t> met;
+  std::set<std::int64_t> visited;
   for (const ReplaySample& sample : content.samples) {
-    if (sample.report.axis[axis].region >= 0) met.insert(sample.report.axis[axis].region);
+    if (sample.report.axis[axis].region >= 0) visited.insert(sample.report.axis[axis].region);
   }
-  const bool named = met.size() <= kNamedRegions;
+  const std::vector<std::int64_t> met(visited.begin(), visited.end());
   Panel panel = timePanel(
-      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions",
-      named ? "" : "region");
+      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions", "");
   panel.series = {overTime(content, "", kAxisColors[axis], [&](const ReplaySample& sample) {
     const std::int64_t region = sample.report.axis[axis].region;
-    if (region < 0) return kNothing;
-    return named ? static_cast<double>(std::distance(met.begin(), met.find(region)))
-                 : static_cast<double>(region);
+    const auto line = std::lower_bound(met.begin(), met.end(), region);
+    return region < 0 ? kNothing : static_cast<double>(std::distance(met.begin(), line));
   })};
   if (met.empty() && !content.samples.empty()) {  // nothing to fit a range to
     panel.x_range =
@@ -43,13 +42,9 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
   }
   panel.series[0].style = Style::kSteps;
   panel.series[0].width = 2.2;
-  if (!named) {
-    panel.y_range = padded(0.0, static_cast<double>(used.regions()), 1.0);
-    return panel;
-  }
-  for (const std::int64_t region : met) {
-    panel.y_ticks.emplace_back(static_cast<double>(panel.y_ticks.size()), "region " + std::to_string(region));
-  }
+  const std::size_t step = met.size() / (kNamedRegions + 1) + 1;
+  for (std::size_t line = 0; line < met.size(); line += step)
+    panel.y_ticks.emplace_back(static_cast<double>(line), "region " + std::to_string(met[line]));
   panel.y_range = {-0.6, std::max(0.6, static_cast<double>(met.size()) - 0.4)};
   return panel;
 }
@@ -60,38 +55,22 @@ ReportFigure regionFigure(const ReportContent& content) {
   ReportFigure result;
   result.heading = "Active region over time";
   result.caption =
-      "Which region's law answered each sample; a level line means that one affine law flew all along, a "
-      "jump "
-      "that the set of active constraints changed, a gap that there was no answer.";
+      "Which region's law answered each sample, of the regions that were visited. A level line means that one "
+      "affine law flew all along, a jump that the set of active constraints changed, a gap that there was no "
+      "answer.";
   // Height of a panel's title and axis [px].
   constexpr double kFrame = 110.0;
   double height = 0.0;
   std::vector<Panel> panels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     panels.push_back(regionPanel(content, axis));
-    const std::size_t lines = panels.back().y_ticks.size();
-    height = std::max(height, lines > 0 ? 40.0 + 18.0 * static_cast<double>(lines) : 130.0);
+    height = std::max(height, 40.0 + 18.0 * static_cast<double>(panels.back().y_ticks.size()));
   }
   result.figure = pageFigure(std::move(panels), static_cast<int>(height + kFrame));
   return result;
 }
 
 namespace {
-
-// The value of a parameter in the middle of all that the flight met, so that the slice shows where the flight
-// was.
-double medianOf(const ReportContent& content, std::size_t axis, std::size_t parameter) {
-  std::vector<double> values;
-  for (const ReplaySample& sample : content.samples) {
-    const AxisReport& report = sample.report.axis[axis];
-    if (report.lookup == LookupStatus::kInside) values.push_back(report.theta[parameter]);
-  }
-  const Signal& signal = content.maps[axis]->parameters()[parameter];
-  if (values.empty()) return std::clamp(0.0, signal.lower, signal.upper);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return std::clamp(*middle, signal.lower, signal.upper);
-}
 
 // The flight's parameters projected on the slice.
 Series visitedPoints(const ReportContent& content, std::size_t axis, const Slice& cut) {
@@ -142,15 +121,7 @@ std::optional<Slice> sliceNear(const RegionMap& map, SliceRequest request, const
 
 ReportFigure sliceFigure(const ReportContent& content, std::size_t axis) {
   const RegionMap& map = *content.maps[axis];
-  const AxisNames& names = kAxisNames[axis];
-  SliceRequest request;
-  request.x = names.position_error;
-  request.y = names.velocity_error;
-  for (std::size_t parameter = 0; parameter < map.parameters().size(); ++parameter) {
-    const std::string& name = map.parameters()[parameter].name;
-    if (name != request.x && name != request.y)
-      request.at.emplace_back(name, medianOf(content, axis, parameter));
-  }
+  const SliceRequest request = flightSlice(content.samples, map, axis);
   const Slice cut = slice(map, request);
   const Series points = visitedPoints(content, axis, cut);
   Panel whole = slicePanel(map, cut);
@@ -166,7 +137,7 @@ ReportFigure sliceFigure(const ReportContent& content, std::size_t axis) {
     panels.back().series = withHalo(points);
   }
   ReportFigure result;
-  result.heading = std::string("Partition, ") + names.axis + " axis";
+  result.heading = std::string("Partition, ") + kAxisNames[axis].axis + " axis";
   result.caption =
       "A slice of the map through " + unitOf(map, cut.x) + " and " + unitOf(map, cut.y) +
       " with the other parameters at their median of the flight: lines part the regions, colour is the "

@@ -304,6 +304,7 @@ TEST_F(ValidateBag, writesTopicsForRvizAndRqt) {
   }
   EXPECT_EQ(counts["/validation/tracking_error"], 300u);
   EXPECT_EQ(counts["/validation/markers"], 1u);
+  EXPECT_EQ(counts["/validation/slices"], 9u);
 }
 
 TEST_F(ValidateBag, writesOverNothingThatItReads) {
