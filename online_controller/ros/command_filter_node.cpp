@@ -61,6 +61,7 @@ const char* fallbackWords(polyfly::ControlStatus status) {
     case polyfly::ControlStatus::kManual:
     case polyfly::ControlStatus::kMotorsOff:
     case polyfly::ControlStatus::kSuboptimal:
+    case polyfly::ControlStatus::kLeastViolation:
       break;
   }
   return "";
@@ -128,7 +129,8 @@ bool CommandFilterNode::hasState() const {
 void CommandFilterNode::onWish(const mav_msgs::RollPitchYawrateThrust& message) {
   const ros::Time stamp = message.header.stamp;
   const double since = (stamp - answered_stamp_).toSec();
-  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() && !stamp.isZero()) {
+  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() &&
+      !stamp.isZero()) {
     ++status_.early;
     return;
   }

@@ -156,8 +156,8 @@ class Axis {
   /// is left alone. Where a map has no answer:
   /// - its problem is solved online: kOptimal with a look-up that is not kInside;
   /// - with options.solve_outside unset, the parameters are clipped to the map's box: kClipped;
-  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) scales the
-  ///   errors down until it has one, by 12 halvings: kClipped.
+  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) answers as at
+  ///   the nearest errors that have one, see NearestFeasible: kLeastViolation, with the working sets in `iterations`.
   ///
   /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
   /// nothing else, are then those of the model's input with the offset.
@@ -191,11 +191,13 @@ class Axis {
   int firstOutside(const Parameters& theta) const noexcept;
   ControlStatus answer(AxisReport& report, double& input) noexcept;
   double nextInput(const Prediction& at) const noexcept;
-  Lookup retreat(const Parameters& theta, double& input) const noexcept;
+  Lookup answerNearest(AxisReport& report, double& input) noexcept;
 
   std::unique_ptr<AxisLaw> law_;
   // Law for points where law_, a map, has no answer; nullptr: none.
   std::unique_ptr<AxisLaw> beyond_;
+  // Where a plan meets all bounds, for the map of a minimum-peak robust MPC; nullptr: none.
+  std::unique_ptr<NearestFeasible> feasible_set_;
   // True when beyond_ gave the answer of the last evaluate().
   bool answered_beyond_ = false;
   std::array<AxisEntry, kMaxParameters> entries_{};

@@ -29,6 +29,11 @@ const MpcProblem::Parameter* stateReference(const MpcProblem& problem, const cha
   return nullptr;
 }
 
+bool isError(AxisEntry entry) noexcept {
+  return entry == AxisEntry::kPositionError || entry == AxisEntry::kVelocityError ||
+         entry == AxisEntry::kAngleError;
+}
+
 /// Signals with the names of references must be those of these states: position, velocity, angle.
 void requireReferences(const AxisLaw& law, const AxisNames& names, const std::array<int, 3>& states) {
   const std::array<const char*, 3> signals{names.position_reference, names.velocity_reference,
@@ -73,6 +78,9 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
   bindSignals(names);
   readModel(law_->problem(), names);
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
+  std::vector<bool> errors;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
+  feasible_set_ = law_->feasibleSet(errors);
   if (options.look_ahead && law_->stages() > 0 && StageReferences::supports(law_->problem()))
     stage_references_.emplace(law_->problem());
   per_velocity_ = target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0);
@@ -325,38 +333,26 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
     lookup = law_->evaluate(clipped(report.theta).data(), &input);
     status = ControlStatus::kClipped;
   }
-  if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
-    lookup = retreat(report.theta, input);
-    status = ControlStatus::kClipped;
+  if (lookup.status == LookupStatus::kOutsidePartition && feasible_set_ != nullptr) {
+    lookup = answerNearest(report, input);
+    status = ControlStatus::kLeastViolation;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
   if (!answered_beyond_) report.region = lookup.region;
   return status;
 }
 
-// The feasible parameters are convex and hold the target, so the way to it enters them once.
-Lookup Axis::retreat(const Parameters& theta, double& input) const noexcept {
-  constexpr int kHalvings = 12;
-  double inside = 0.0, outside = 1.0;
-  Lookup found;
-  for (int k = 0; k <= kHalvings; ++k) {
-    const double share = k == 0 ? 0.0 : 0.5 * (inside + outside);
-    Parameters nearer = theta;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-      const bool error = entries_[i] == AxisEntry::kPositionError ||
-                         entries_[i] == AxisEntry::kVelocityError || entries_[i] == AxisEntry::kAngleError;
-      if (error) nearer[i] *= share;
-    }
-    const Lookup lookup = law_->evaluate(clipped(nearer).data(), &input);
-    if (lookup.status == LookupStatus::kInside) {
-      inside = share;
-      found = lookup;
-    } else {
-      if (k == 0) return lookup;
-      outside = share;
-    }
-  }
-  return found;
+// The errors are those that are measured, whatever their ranges. References count within theirs.
+Lookup Axis::answerNearest(AxisReport& report, double& input) noexcept {
+  const Parameters within = clipped(report.theta);
+  Parameters theta = report.theta;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+    if (!isError(entries_[i])) theta[i] = within[i];
+  Parameters nearest{};
+  const bool found = feasible_set_->find(theta.data(), nearest.data());
+  report.iterations = feasible_set_->iterations();
+  if (!found) return {};
+  return law_->evaluate(clipped(nearest).data(), &input);
 }
 
 }  // namespace polyfly
