@@ -63,7 +63,7 @@ SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_peri
 }
 
 /// A minimum-peak robust MPC answers for the whole disturbance: what an estimate took away would be answered
-/// twice.
+/// twice. Axis::disturbance() takes its constant part alone.
 MultirotorOptions offsetOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
   if (!axes[0].problem().minimum_peak) return options;
   options.integrator = false;
@@ -278,11 +278,12 @@ MultirotorController::Measured MultirotorController::measure(const VehicleState&
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   const TiltAngles tilt{angles.roll, angles.pitch};
   const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
+  const TiltAngles rate = worldTiltRate(angles, state.angular_velocity);
   return {tilt,
           angles.yaw,
-          {{{state.position.x(), state.velocity.x(), share * world.pitch},
-            {state.position.y(), state.velocity.y(), share * world.roll},
-            {state.position.z(), state.velocity.z(), 0.0}}}};
+          {{{state.position.x(), state.velocity.x(), share * world.pitch, share * rate.pitch},
+            {state.position.y(), state.velocity.y(), share * world.roll, share * rate.roll},
+            {state.position.z(), state.velocity.z(), 0.0, 0.0}}}};
 }
 
 void MultirotorController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
