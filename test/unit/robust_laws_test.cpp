@@ -401,6 +401,54 @@ TEST(RobustLaws, AttitudeLoopsOfSecondOrderFly) {
   EXPECT_LT(predicted.back().norm(), 0.1);
 }
 
+/// The tracking problem of an axis with the attitude loop of second order.
+MpcProblem secondOrderTracking(const std::string& axis) {
+  std::string text = readText(problemFile("multirotor_" + axis + ".yaml"));
+  const bool lateral = axis == "lateral";
+  const std::string angle = lateral ? "phi" : "theta", drive = lateral ? "-9.8066" : "9.8066";
+  const std::size_t model = text.find("\nmodel:"), weights = text.find("\nsampling_time:");
+  const std::string p = lateral ? "p_y" : "p_x", v = lateral ? "v_y" : "v_x";
+  std::string stated =
+      "\nmodel:\n  states: [{name: P, unit: m}, {name: V, unit: m/s}, {name: ANGLE, unit: rad}, "
+      "{name: ANGLE_rate, unit: rad/s}]\n"
+      "  inputs: [{name: ANGLE_cmd, unit: rad, range: [-0.4363323, 0.4363323]}]\n"
+      "  disturbances: [{name: d, unit: m/s^2}]\n"
+      "  A: [[0, 1, 0, 0], [0, -0.01, DRIVE, 0], [0, 0, 0, 1], [0, 0, -144, -19.2]]\n"
+      "  B: [[0], [0], [0], [129.6]]\n  B_d: [[0], [1], [0], [0]]\n  C: [[1, 0, 0, 0]]\n";
+  stated = replaced(replaced(replaced(replaced(stated, "ANGLE", angle), "DRIVE", drive), "P,", p + ","), "V,",
+                    v + ",");
+  text = text.substr(0, model) + stated + text.substr(weights);
+  text = replaced(text, "20, 20]", "20, 20, 0.1]");
+  text +=
+      "  - {name: e_" + angle + "_rate, role: error, of: " + angle + "_rate, unit: rad/s, range: [-6, 6]}\n";
+  return parseProblem(text, "second_order_" + axis);
+}
+
+// The observer and the targets know the loop: no offset in wind, and a moving reference is followed.
+TEST(RobustLaws, TheLinearLawFliesAttitudeLoopsOfSecondOrder) {
+  MultirotorController law({secondOrderTracking("longitudinal"), secondOrderTracking("lateral"),
+                            loadProblem(problemFile("multirotor_vertical.yaml"))},
+                           optionsOf());
+  EXPECT_EQ(law.previewLength(), 1);
+  SecondOrderPlant plant({}, 0.7, {0.8, -0.6, 0.4});
+  double greatest = 0.0;
+  while (plant.time() < 20.0) {
+    constexpr double kRate = 1.0, kRadius = 0.6;  // [rad/s], [m]
+    const double sine = std::sin(kRate * plant.time()), cosine = std::cos(kRate * plant.time());
+    Reference reference;
+    reference.yaw = 0.7;
+    reference.position = kRadius * Vector3d(cosine - 1.0, sine, 0.0);
+    reference.velocity = kRadius * kRate * Vector3d(-sine, cosine, 0.0);
+    reference.acceleration = kRadius * kRate * kRate * Vector3d(-cosine, -sine, 0.0);
+    reference.jerk = kRadius * kRate * kRate * kRate * Vector3d(sine, -cosine, 0.0);
+    ASSERT_EQ(law.step(plant.measure(), reference).status, ControlStatus::kOptimal);
+    if (plant.time() > 14.0)
+      greatest = std::max(greatest, (plant.state().position - reference.position).cwiseAbs().maxCoeff());
+    plant.advance(law.report().command, 0.01);
+  }
+  EXPECT_LT(greatest, 0.01);
+}
+
 TEST(RobustLaws, TheDerivativeOfTheAngleMustBeTheRate) {
   const std::string lateral = readText(problemFile("reference/robust_lateral_4.yaml"));
   const std::string no_lag = replaced(lateral, "[0, 0, 0, 1]", "[0, 0, -5, 1]");
