@@ -459,7 +459,7 @@ TEST(RobustLaws, TheDerivativeOfTheAngleMustBeTheRate) {
     const MultirotorController refused(maps.pointers(), optionsOf());
     FAIL() << "took an angle whose derivative is not the rate";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("a stable lag of first order, or of second where 'e_phi_rate'"),
+    EXPECT_NE(std::string(error.what()).find("a stable first-order lag, or second-order where 'e_phi_rate'"),
               std::string::npos)
         << error.what();
   }

@@ -258,7 +258,7 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
   if (has_lag_) {
     require(B(v, 0) == 0.0 && A(v, s) != 0.0, "the velocity must be driven by the angle, not by the input");
     require(isLag(problem),
-            "the angle must follow the input with a stable lag of first order, or of second where " +
+            "the angle must follow the input with a stable first-order lag, or second-order where " +
                 quoted(names.angle_rate_error) + " is a parameter");
   } else {
     require(B(v, 0) != 0.0, "the velocity must be driven by the input");
