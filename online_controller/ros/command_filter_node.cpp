@@ -129,8 +129,7 @@ bool CommandFilterNode::hasState() const {
 void CommandFilterNode::onWish(const mav_msgs::RollPitchYawrateThrust& message) {
   const ros::Time stamp = message.header.stamp;
   const double since = (stamp - answered_stamp_).toSec();
-  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() &&
-      !stamp.isZero()) {
+  if (answered_ && since >= 0.0 && since < polyfly::kLeastFilterPeriod * filter_->period() && !stamp.isZero()) {
     ++status_.early;
     return;
   }
