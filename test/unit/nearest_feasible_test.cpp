@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <random>
@@ -12,6 +15,7 @@
 
 #include "allocations.hpp"
 #include "offline_mpt/encode.hpp"
+#include "offline_mpt/reduce.hpp"
 #include "polyfly_base/error.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
@@ -191,6 +195,27 @@ TEST(NearestFeasible, LeavesWhatIsFeasible) {
   }
 }
 
+// Merged regions cover the same set.
+TEST(NearestFeasible, IsTheSameForAReducedMap) {
+  for (const char* file : files()) {
+    const Solved& solved = solvedOnce(file);
+    const std::string path = testing::TempDir() + "nearest_feasible_reduced.map";
+    writeMap(reduce(*solved.map).content, path);
+    const RegionMap reduced = RegionMap::open(path);
+    ASSERT_NE(reduced.reducedFrom(), 0u);
+    NearestFeasible set(*solved.map, solved.errors), again(reduced, solved.errors);
+    EXPECT_EQ(again.facetCount(), set.facetCount()) << file;
+    Points points(17);
+    for (int trial = 0; trial < 200; ++trial) {
+      const VectorXd theta = points.next(solved, 2.0).cwiseProduct(solved.halves());
+      VectorXd nearest(theta.size()), other(theta.size());
+      ASSERT_TRUE(set.find(theta.data(), nearest.data()));
+      ASSERT_TRUE(again.find(theta.data(), other.data()));
+      EXPECT_LT((nearest - other).cwiseQuotient(solved.halves()).norm(), kScaled) << file;
+    }
+  }
+}
+
 TEST(NearestFeasible, NeverAllocatesAndRefusesWhatIsNotFinite) {
   const Solved& solved = solvedOnce("reference/robust_lateral.yaml");
   NearestFeasible set(*solved.map, solved.errors);
@@ -208,7 +233,8 @@ TEST(NearestFeasible, NeverAllocatesAndRefusesWhatIsNotFinite) {
   EXPECT_TRUE(found);
 }
 
-TEST(NearestFeasible, RefusesAMapWhoseRegionsOverlap) {
+/// Two regions of one law, without half-spaces.
+MapContent twoRegions() {
   MapContent content;
   content.name = "made";
   content.solver_status = "complete";
@@ -218,11 +244,37 @@ TEST(NearestFeasible, RefusesAMapWhoseRegionsOverlap) {
   content.inputs = {{"u", "m", -1.0, 1.0}};
   content.laws = {1.0, 0.0};
   content.regions.resize(2);
-  content.first_fallback = 1;
   content.root = MapContent::kLeaf;
   content.leaves.push_back({0, 2});
   content.candidates = {0, 1};
-  const std::string path = testing::TempDir() + "nearest_feasible_overlap.map";
+  return content;
+}
+
+// x <= 0.3 and -0.2 <= x <= 0.8, joined: the planes at -0.2 and 0.3 bound one region each, and are no facets.
+TEST(NearestFeasible, OverlappingRegionsOfAReducedMapAreOneSet) {
+  MapContent content = twoRegions();
+  content.reduced_from = 1;
+  content.planes = {1.0, 0.3, 1.0, -0.2, 1.0, 0.8};
+  content.rows = {1, -2, 3};
+  content.regions[0].row_count = 1;
+  content.regions[1].first_row = 1;
+  content.regions[1].row_count = 2;
+  const std::string path = testing::TempDir() + "nearest_feasible_joined.map";
+  writeMap(content, path);
+  const RegionMap map = RegionMap::open(path);
+  NearestFeasible set(map, {true});
+  EXPECT_EQ(set.facetCount(), 1);
+  for (const double x : {-3.0, -0.5, 0.1, 0.5, 0.9}) {
+    double nearest = 0.0;
+    ASSERT_TRUE(set.find(&x, &nearest));
+    EXPECT_NEAR(nearest, std::clamp(x, -1.0, 0.8), kScaled);
+  }
+}
+
+TEST(NearestFeasible, RefusesAMapWithFallbackRegions) {
+  MapContent content = twoRegions();
+  content.first_fallback = 1;
+  const std::string path = testing::TempDir() + "nearest_feasible_fallback.map";
   writeMap(content, path);
   const RegionMap map = RegionMap::open(path);
   try {

@@ -12,7 +12,8 @@ class RegionMap;
 /// feasible set. Distances are Euclidean, in parameters whose ranges are mapped to [-1, 1].
 ///
 /// The set's facets are read off the map. Regions meet facet to facet, so a plane between two of them bounds one region
-/// from below and one from above. No region lies beyond a facet of the set, so its plane bounds all from one side.
+/// from below and one from above. No region lies beyond a facet of the set, so its plane bounds all from one side. Regions
+/// of a reduced map may overlap; of its planes those count beyond which no region lies.
 class NearestFeasible {
  public:
   /// Parameters with `movable` set may differ from what is asked for. Throws Error where the map has fallback regions,

@@ -14,6 +14,8 @@ namespace {
 
 // A half-space beyond the box by no more than this is the box's own [scaled].
 constexpr double kSameFace = 1e-9;
+// How far beyond a plane a region has a point, if the plane is no facet [scaled].
+constexpr double kBeyond = 1e-6;
 
 // The half-spaces of the set in scaled parameters: rows of a (p numbers) and c.
 struct HalfSpaces {
@@ -66,6 +68,68 @@ HalfSpaces outerHalfSpaces(const RegionMap& map, const std::vector<double>& midd
   return result;
 }
 
+// Whether a region has a point beyond the half-space a . s <= c.
+class RegionBeyond {
+ public:
+  RegionBeyond(const RegionMap& map, std::size_t region, const std::vector<double>& middle,
+               const std::vector<double>& half)
+      : parameters_(half.size()), rows_(map.region(region).row_count + 1) {
+    const RegionView view = map.region(region);
+    solver_ = BoundedQp(static_cast<int>(parameters_), static_cast<int>(rows_));
+    A_.resize(parameters_ * rows_);
+    upper_.resize(rows_);
+    for (std::size_t row = 0; row + 1 < rows_; ++row) {
+      const double sign = view.rows[row] > 0 ? 1.0 : -1.0;
+      const double* const plane = map.plane(static_cast<std::size_t>(std::abs(view.rows[row])) - 1);
+      upper_[row] = sign * plane[parameters_];
+      for (std::size_t j = 0; j < parameters_; ++j) {
+        A_[j * rows_ + row] = sign * plane[j] * half[j];
+        upper_[row] -= sign * plane[j] * middle[j];
+      }
+    }
+    std::vector<double> H(parameters_ * parameters_, 0.0);
+    for (std::size_t j = 0; j < parameters_; ++j) H[j * (parameters_ + 1)] = 1.0;
+    solver_.setConstantHessian(H.data());
+  }
+
+  bool operator()(const double* a, double c) {
+    for (std::size_t j = 0; j < parameters_; ++j) A_[j * rows_ + rows_ - 1] = -a[j];
+    upper_[rows_ - 1] = -c - kBeyond;
+    solver_.setRows(A_.data());
+    const std::vector<double> gradient(parameters_, 0.0), ones(parameters_, 1.0),
+        minus_ones(parameters_, -1.0);
+    const std::vector<double> open(rows_, -std::numeric_limits<double>::infinity());
+    return solver_.solve({gradient.data(), minus_ones.data(), ones.data(), open.data(), upper_.data()}) ==
+           QpStatus::kOptimal;
+  }
+
+ private:
+  std::size_t parameters_;
+  std::size_t rows_;
+  BoundedQp solver_{1};
+  std::vector<double> A_, upper_;
+};
+
+// Joined regions of a reduced map may overlap, so that a plane within the set bounds regions from one side only. It is
+// no facet, because others lie beyond it.
+HalfSpaces withoutInnerPlanes(const RegionMap& map, const HalfSpaces& found,
+                              const std::vector<double>& middle, const std::vector<double>& half) {
+  std::vector<bool> inner(found.c.size(), false);
+  for (std::size_t i = 0; i < map.regionCount(); ++i) {
+    RegionBeyond beyond(map, i, middle, half);
+    for (std::size_t row = 0; row < inner.size(); ++row)
+      inner[row] = inner[row] || beyond(found.a.data() + row * half.size(), found.c[row]);
+  }
+  HalfSpaces result;
+  for (std::size_t row = 0; row < inner.size(); ++row) {
+    if (inner[row]) continue;
+    const double* const a = found.a.data() + row * half.size();
+    result.a.insert(result.a.end(), a, a + half.size());
+    result.c.push_back(found.c[row]);
+  }
+  return result;
+}
+
 }  // namespace
 
 NearestFeasible::NearestFeasible(const RegionMap& map, const std::vector<bool>& movable) : movable_(movable) {
@@ -78,7 +142,8 @@ NearestFeasible::NearestFeasible(const RegionMap& map, const std::vector<bool>& 
     middle_.push_back(0.5 * (signal.lower + signal.upper));
     half_.push_back(0.5 * (signal.upper - signal.lower));
   }
-  const HalfSpaces set = outerHalfSpaces(map, middle_, half_);
+  HalfSpaces set = outerHalfSpaces(map, middle_, half_);
+  if (map.reducedFrom() != 0) set = withoutInnerPlanes(map, set, middle_, half_);
   const auto n = static_cast<int>(half_.size());
   const auto m = static_cast<int>(set.c.size());
   solver_ = BoundedQp(n, m);
