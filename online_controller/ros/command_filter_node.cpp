@@ -61,6 +61,7 @@ const char* fallbackWords(polyfly::ControlStatus status) {
     case polyfly::ControlStatus::kManual:
     case polyfly::ControlStatus::kMotorsOff:
     case polyfly::ControlStatus::kSuboptimal:
+    case polyfly::ControlStatus::kLeastViolation:
       break;
   }
   return "";

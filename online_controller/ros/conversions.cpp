@@ -68,6 +68,8 @@ const char* words(ControlStatus status) {
       return "motors off";
     case ControlStatus::kSuboptimal:
       return "suboptimal";
+    case ControlStatus::kLeastViolation:
+      return "least violation";
   }
   return "";
 }
@@ -200,6 +202,7 @@ void fillStatus(const polyfly::ControlReport& report,
                     static_cast<int>(ControlStatus::kManual) == Message::MANUAL &&
                     static_cast<int>(ControlStatus::kMotorsOff) == Message::MOTORS_OFF &&
                     static_cast<int>(ControlStatus::kSuboptimal) == Message::SUBOPTIMAL &&
+                    static_cast<int>(ControlStatus::kLeastViolation) == Message::LEAST_VIOLATION &&
                     static_cast<int>(ControlReason::kNone) == Message::REASON_NONE &&
                     static_cast<int>(ControlReason::kOutsideBox) == Message::REASON_OUTSIDE_BOX &&
                     static_cast<int>(ControlReason::kOutsidePartition) == Message::REASON_OUTSIDE_PARTITION &&

@@ -40,6 +40,7 @@ void FlightDiagnostics::summarise(diagnostic_updater::DiagnosticStatusWrapper& s
   const bool well = isAsAsked(snapshot_->report);
   const bool poor = polyfly::isOutsideMap(snapshot_->report) || control == polyfly::ControlStatus::kClipped ||
                     control == polyfly::ControlStatus::kSuboptimal ||
+                    control == polyfly::ControlStatus::kLeastViolation ||
                     control == polyfly::ControlStatus::kNoReference;
   const auto level = well ? DiagnosticStatus::OK : poor ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR;
   status.summary(level, std::string(polyfly::lawName(snapshot_->law)) + ": " + describe(snapshot_->report));
@@ -53,7 +54,15 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   if (lost > told_lost_) status.mergeSummary(DiagnosticStatus::WARN, "odometry missing");
   const std::int64_t outside = record_.outside_map.load(std::memory_order_relaxed);
   if (outside > told_outside_) status.mergeSummary(DiagnosticStatus::WARN, "left the maps");
+  const std::int64_t clipped = record_.clipped.load(std::memory_order_relaxed);
+  const std::int64_t without_plan = record_.without_plan.load(std::memory_order_relaxed);
+  if (clipped > told_clipped_)
+    status.mergeSummary(DiagnosticStatus::WARN, "clipped to the ranges of the maps");
+  if (without_plan > told_without_plan_)
+    status.mergeSummary(DiagnosticStatus::WARN, "no plan meets all bounds of the robust law");
   told_outside_ = outside;
+  told_clipped_ = clipped;
+  told_without_plan_ = without_plan;
   told_overruns_ = overruns;
   told_lost_ = lost;
   status.add("steps", record_.latency.count());
@@ -62,6 +71,8 @@ void FlightDiagnostics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   status.add("control periods overrun", overruns);
   status.add("odometry missing", lost);
   status.add("samples outside the maps", outside);
+  status.add("samples clipped to the maps", clipped);
+  status.add("samples without a plan", without_plan);
   status.add("odometry that waited", record_.waited.load(std::memory_order_relaxed));
   status.add("laws exchanged", laws_.swaps());
   if (snapshot_ == nullptr) return;

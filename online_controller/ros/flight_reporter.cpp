@@ -33,6 +33,8 @@ void FlightReporter::report(const Answered& answered, bool last) {
   logChange(answered);
   if (!answered.by_odometry) return;
   if (polyfly::isOutsideMap(answered.report)) ++record_.outside_map;
+  if (answered.report.status == polyfly::ControlStatus::kClipped) ++record_.clipped;
+  if (answered.report.status == polyfly::ControlStatus::kLeastViolation) ++record_.without_plan;
   record_.latency.record(answered.times.latency());
   record_.step.record(answered.times.step);
 }

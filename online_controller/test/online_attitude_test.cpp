@@ -90,6 +90,29 @@ TEST(Attitude, Equation40RoundTrip) {
   }
 }
 
+// Against the difference quotient along the rotation that the rates make.
+TEST(Attitude, TheRateOfTheTiltIsItsDerivative) {
+  constexpr double kStep = 1e-6;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Quaterniond attitude = Eigen::AngleAxisd(kPi * any(random), Eigen::Vector3d::UnitZ()) *
+                                        Eigen::AngleAxisd(0.8 * any(random), Eigen::Vector3d::UnitY()) *
+                                        Eigen::AngleAxisd(0.8 * any(random), Eigen::Vector3d::UnitX());
+    const Eigen::Vector3d rates(3.0 * any(random), 3.0 * any(random), 3.0 * any(random));
+    const auto tilt_after = [&](double time) {
+      const Eigen::Quaterniond turned =
+          attitude * Eigen::Quaterniond(Eigen::AngleAxisd(rates.norm() * time, rates.normalized()));
+      const polyfly::EulerAngles angles = polyfly::eulerAngles(turned);
+      return polyfly::bodyToWorldTilt({angles.roll, angles.pitch}, angles.yaw);
+    };
+    const TiltAngles before = tilt_after(-kStep), after = tilt_after(kStep);
+    const TiltAngles rate = polyfly::worldTiltRate(polyfly::eulerAngles(attitude), rates);
+    EXPECT_NEAR(rate.roll, (after.roll - before.roll) / (2.0 * kStep), 1e-7);
+    EXPECT_NEAR(rate.pitch, (after.pitch - before.pitch) / (2.0 * kStep), 1e-7);
+  }
+}
+
 TEST(Attitude, Equation41ByHand) {
   // T = 1.2, g = 9.8, roll 0.2, pitch -0.1: 11 / (0.980066577841242 * 0.995004165278026) = 11.280081...
   const TiltAngles tilt{0.2, -0.1};

@@ -71,7 +71,9 @@ int main(int argc, char** argv) {
   std::vector<std::string> folders;
   std::string problems, output;
   SoakOptions options;
-  app.add_option("--maps", folders, "folders of solved maps, which are swapped for each other")->required();
+  app.add_option("--maps", folders,
+                 "folders of multirotor_AXIS.map and aslquad_AXIS.map, which are swapped for each other")
+      ->required();
   app.add_option("--problems", problems, "folder of the problem files of the linear law")->required();
   app.add_option("--duration", options.duration, "simulated time [s]")->check(polyfly::numberAbove(0.0));
   app.add_option("--seed", options.seed, "the same seed, the same flight")
@@ -83,13 +85,16 @@ int main(int argc, char** argv) {
     polyfly::checkOutputs({{page, Output::Kind::kText, Output::Folder::kIsMade}}, {});
     SoakLaws laws;
     std::vector<polyfly::RegionMap> maps;
-    maps.reserve(3 * folders.size());
+    maps.reserve(6 * folders.size());
     for (const std::string& folder : folders) {
-      for (const char* axis : kAxes)
-        maps.push_back(polyfly::RegionMap::open(folder + "/multirotor_" + axis + ".map"));
-      const polyfly::RegionMap* first = &maps[maps.size() - 3];
+      for (const char* vehicle : {"/multirotor_", "/aslquad_"})
+        for (const char* axis : kAxes)
+          maps.push_back(polyfly::RegionMap::open(folder + vehicle + axis + ".map"));
+      const polyfly::RegionMap* first = &maps[maps.size() - 6];
       laws.maps.push_back({first, first + 1, first + 2});
+      laws.robust_maps.push_back({first + 3, first + 4, first + 5});
     }
+    options.laws.emplace_back("robust_explicit");
     for (std::size_t i = 0; i < 3; ++i)
       laws.problems[i] = polyfly::loadProblem(problems + "/multirotor_" + kAxes[i] + ".yaml");
     long resident = 0;

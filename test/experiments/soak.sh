@@ -4,11 +4,16 @@
 rm -rf "$output"
 mkdir -p "$output/report" "$output/problems"
 solveAxes > /dev/null || return
+solveAxes region_maps/problems/robust build/demo/maps aslquad > /dev/null || return
 # Maps of other weights, to be swapped for those of the demo.
 for axis in $map_axes; do
   sed -e 's/  Q: \[40,/  Q: [55,/' -e 's/  Q: \[60,/  Q: [80,/' "region_maps/problems/multirotor_$axis.yaml" > "$output/problems/multirotor_$axis.yaml"
 done
+for axis in $map_axes; do
+  sed 's/tie_break: {Q: \[40,/tie_break: {Q: [30,/' "region_maps/problems/robust/aslquad_$axis.yaml" > "$output/problems/aslquad_$axis.yaml"
+done
 solveAxes "$output/problems" "$output/maps" > /dev/null || return
+solveAxes "$output/problems" "$output/maps" aslquad > /dev/null || return
 status=0
 build/bin/soak --maps build/demo/maps "$output/maps" --problems region_maps/problems --output "$output" \
   --duration "${POLYFLY_SOAK_SECONDS:-1800}" --seed "${POLYFLY_SOAK_SEED:-1}" || status=$?

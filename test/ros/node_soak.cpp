@@ -43,11 +43,13 @@ struct Numbers {
   void operator()(const char*, const bool&) {}
 };
 
-online_controller::SwapMaps swapRequest(const std::string& folder) {
+online_controller::SwapMaps swapRequest(const std::string& folder, bool robust) {
+  const std::string start = folder + (robust ? "/aslquad_" : "/multirotor_");
   online_controller::SwapMaps swap;
-  swap.request.longitudinal = folder + "/multirotor_longitudinal.map";
-  swap.request.lateral = folder + "/multirotor_lateral.map";
-  swap.request.vertical = folder + "/multirotor_vertical.map";
+  swap.request.law = robust ? "robust_explicit" : "explicit_linear";
+  swap.request.longitudinal = start + "longitudinal.map";
+  swap.request.lateral = start + "lateral.map";
+  swap.request.vertical = start + "vertical.map";
   return swap;
 }
 
@@ -58,8 +60,11 @@ ros::Time NodeSoak::toTime(double seconds) { return addSeconds(ros::Time(kEpoch)
 NodeSoak::NodeSoak(std::vector<std::string> maps, const SoakTuning& tuning)
     : maps_(std::move(maps)), in_force_(tuning.options), offered_(tuning.options) {
   ros::NodeHandle private_handle("~");
-  for (const char* axis : kAxes)
+  for (const char* axis : kAxes) {
     private_handle.setParam(std::string("maps/") + axis, maps_.at(0) + "/multirotor_" + axis + ".map");
+    private_handle.setParam(std::string("robust_maps/") + axis, maps_.at(0) + "/aslquad_" + axis + ".map");
+  }
+  private_handle.setParam("controller/robust_estimate_time", tuning.options.robust_estimate_time);
   private_handle.setParam("use_rc_teleop", false);
   private_handle.setParam("odometry_frame", "world");
   private_handle.setParam("controller/stale_periods", kStalePeriods);
@@ -156,8 +161,9 @@ void NodeSoak::reconfigure(const SoakTuning& tuning) {
 // It answers when the maps fly, which takes a sample: so it is called aside.
 void NodeSoak::swapMaps(std::size_t set) {
   finishSwap();
-  swap_ = std::async(std::launch::async, [this, folder = maps_.at(set)] {
-    online_controller::SwapMaps swap = swapRequest(folder);
+  swaps_robust_ = !swaps_robust_;
+  swap_ = std::async(std::launch::async, [this, folder = maps_.at(set), robust = swaps_robust_] {
+    online_controller::SwapMaps swap = swapRequest(folder, robust);
     if (!ros::service::call(handle_.resolveName("swap_maps"), swap)) return std::string("no answer");
     return swap.response.success != 0 ? std::string() : swap.response.message;
   });
@@ -168,7 +174,7 @@ void NodeSoak::finishSwap() {
   if (!swap_.valid()) return;
   const std::string refusal = swap_.get();
   if (refusal == "no answer") failures_.push_back("swap_maps: no answer");
-  swapped_ += refusal.empty() ? 1 : 0;
+  if (refusal.empty()) ++(swaps_robust_ ? swapped_robust_ : swapped_);
 }
 
 void NodeSoak::select(polyfly::Law law) {

@@ -21,7 +21,7 @@ namespace polyfly_ros {
 /// until its status has come; the command, published before it, has come by then.
 class NodeSoak final : public polyfly_test::SoakController {
  public:
-  /// `maps`: folders of multirotor_AXIS.map. Sets the node's private parameters and starts it at time zero.
+  /// `maps`: folders of multirotor_AXIS.map and aslquad_AXIS.map. Sets the node's private parameters and starts it at time zero.
   NodeSoak(std::vector<std::string> maps, const polyfly_test::SoakTuning& tuning);
 
   polyfly_test::SoakAnswer onOdometry(const polyfly::VehicleState& state, bool frame_fits) override;
@@ -35,6 +35,8 @@ class NodeSoak final : public polyfly_test::SoakController {
   int unanswered() const noexcept { return unanswered_; }
   /// Swaps of maps that were granted.
   int swapped() const noexcept { return swapped_; }
+  /// Those of the robust law's maps.
+  int swappedRobust() const noexcept { return swapped_robust_; }
   /// Failures of services.
   const std::vector<std::string>& failures() const noexcept { return failures_; }
 
@@ -54,6 +56,9 @@ class NodeSoak final : public polyfly_test::SoakController {
   online_controller::ControllerStatus::ConstPtr status_;
   int unanswered_ = 0;
   int swapped_ = 0;
+  int swapped_robust_ = 0;
+  // Whether the last swap was one of the robust law's maps.
+  bool swaps_robust_ = false;
   std::vector<std::string> failures_;
   std::future<std::string> swap_;
 

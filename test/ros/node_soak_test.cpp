@@ -23,6 +23,7 @@ polyfly_test::SoakTuning tuningOf(const std::string& folder) {
     problems[i] = polyfly::loadProblem(folder + "/multirotor_" + axes[i] + ".yaml");
   SoakTuning tuning;
   tuning.linear = polyfly::linearTuning(problems);
+  tuning.options.robust_estimate_time = 1.0;
   return tuning;
 }
 
@@ -49,6 +50,7 @@ TEST(NodeSoak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   SoakOptions options;
   options.duration = parameters.param("duration", 100.0);
   options.seed = static_cast<std::uint32_t>(parameters.param("seed", 1));
+  options.laws.emplace_back("robust_explicit");
   polyfly_ros::NodeSoak controller(folders, tuning);
   const SoakResult result = soak(controller, tuning, static_cast<int>(folders.size()), options);
   const std::string output = parameters.param<std::string>("output", "");
@@ -63,6 +65,7 @@ TEST(NodeSoak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   EXPECT_GT(result.recoveries, static_cast<long>(options.duration / 20.0));
   EXPECT_GT(result.reconfigurations, static_cast<long>(options.duration / 10.0));
   EXPECT_GT(controller.swapped(), static_cast<int>(options.duration / 40.0));
+  EXPECT_GT(controller.swappedRobust(), 0);
   EXPECT_GT(result.failsafe, static_cast<long>(options.duration / 5.0));
   EXPECT_LT(result.allocated_growth, kTransit);
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <random>
 
+#include "online_controller/laws/law_registry.hpp"
 #include "polyfly_test/flight_figure.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 
@@ -34,6 +35,7 @@ class Soak {
         map_sets_(map_sets),
         random_(options.seed),
         options_(options),
+        law_count_(static_cast<int>(options.laws.size())),
         plant_(plantOptions(options.seed), startState()) {}
 
   SoakResult run(const std::function<void(double)>& progress) {
@@ -142,7 +144,7 @@ class Soak {
         ++result_.swaps;
         break;
       case 1:
-        controller_.select(static_cast<Law>(below(3)));
+        controller_.select(lawOfName(options_.laws.at(static_cast<std::size_t>(below(law_count_)))));
         ++result_.selections;
         break;
       default:
@@ -252,6 +254,7 @@ class Soak {
   int map_sets_;
   std::mt19937 random_;
   SoakOptions options_;
+  int law_count_;
   MultirotorPlant plant_;
   AttitudeCommand sent_{0.0, 0.0, 0.0, PlantOptions{}.mass* PlantOptions{}.gravity};
   ControlStatus status_ = ControlStatus::kNoReference;

@@ -86,6 +86,9 @@ class CoreController final : public SoakController {
     place("linear") =
         std::make_unique<MultirotorController>(tuned(sources_.problems, tuning_.linear), set->options);
     place("nonlinear") = std::make_unique<NonlinearController>(set->options, tuning_.nonlinear);
+    if (!sources_.robust_maps.empty())
+      place("robust_explicit") =
+          std::make_unique<MultirotorController>(sources_.robust_maps.at(map_set_), set->options);
     set->laws = std::make_unique<LawSwitch>(std::move(laws), lawOfName("explicit_linear"), set->options);
     return set;
   }
@@ -116,6 +119,8 @@ SoakResult soak(const SoakLaws& laws, const SoakOptions& options,
                 const std::function<void(double)>& progress) {
   SoakTuning tuning;
   tuning.linear = linearTuning(laws.problems);
+  // The vehicle's mass and the wind are not those of the robust maps.
+  tuning.options.robust_estimate_time = 1.0;
   CoreController controller(laws, tuning);
   return soak(controller, tuning, static_cast<int>(laws.maps.size()), options, progress);
 }

@@ -7,12 +7,28 @@
 
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
 #include "region_maps/write_map.hpp"
+#include "robust_mpc/robust_law.hpp"
 
 namespace polyfly_test {
 namespace {
+
+polyfly::RegionMap solveRobust(const std::string& axis, int weight) {
+  std::string text = polyfly::readText(polyfly::problemFile("robust/aslquad_" + axis + ".yaml"));
+  const std::string stated = "tie_break: {Q: [40,";
+  text.replace(text.find(stated), stated.size(), "tie_break: {Q: [" + std::to_string(weight) + ",");
+  const polyfly::RobustProblem problem = polyfly::parseRobustProblem(text, axis);
+  const polyfly::RoundedLaw law = polyfly::roundLaw(
+      problem,
+      polyfly::explicitLaw(problem, polyfly::projectFeasibleSet(polyfly::buildRobustProgram(problem))),
+      polyfly::ExploreStatus::kComplete);
+  const std::string path = testing::TempDir() + "soak_test_robust_" + axis + std::to_string(weight) + ".map";
+  polyfly::writeMap(polyfly::encode(law.program, law.partition), path);
+  return polyfly::RegionMap::open(path);
+}
 
 TEST(Soak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   SoakLaws laws;
@@ -33,8 +49,17 @@ TEST(Soak, BoundsHoldAndEveryFaultIsRecoveredFrom) {
   }
   laws.maps = {{&opened[0], &opened[1], &opened[2]}, {&opened[3], &opened[4], &opened[5]}};
 
+  std::vector<polyfly::RegionMap> robust;
+  robust.reserve(6);
+  for (const int weight : {40, 30}) {
+    for (const char* axis : {"longitudinal", "lateral", "vertical"})
+      robust.push_back(solveRobust(axis, weight));
+  }
+  laws.robust_maps = {{&robust[0], &robust[1], &robust[2]}, {&robust[3], &robust[4], &robust[5]}};
+
   SoakOptions options;
   options.duration = 150.0;
+  options.laws.emplace_back("robust_explicit");
   const SoakResult result = soak(laws, options);
   EXPECT_TRUE(result.violations.empty())
       << result.violations.size() << ", first: " << result.violations.front();

@@ -31,6 +31,8 @@ class FlightDiagnostics {
   std::int64_t told_overruns_ = 0;
   std::int64_t told_lost_ = 0;
   std::int64_t told_outside_ = 0;
+  std::int64_t told_clipped_ = 0;
+  std::int64_t told_without_plan_ = 0;
 };
 
 }  // namespace polyfly_ros

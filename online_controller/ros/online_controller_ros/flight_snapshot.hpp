@@ -54,6 +54,10 @@ struct FlightRecord {
   std::atomic<std::int64_t> overruns{0};
   /// Number of samples that a map did not hold, see polyfly::isOutsideMap.
   std::atomic<std::int64_t> outside_map{0};
+  /// Number of samples whose parameters were clipped to the maps' ranges.
+  std::atomic<std::int64_t> clipped{0};
+  /// Number of samples of the robust law at which no plan met all bounds.
+  std::atomic<std::int64_t> without_plan{0};
   /// Number of odometry messages that are missing between two that came.
   std::atomic<std::int64_t> lost{0};
   /// Number of odometry messages that came while something else was done.

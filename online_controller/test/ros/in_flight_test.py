@@ -15,7 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from mavros_msgs.msg import AttitudeTarget
 from online_controller.msg import ControllerStatus
-from online_controller.srv import SwapMaps
+from online_controller.srv import SelectLaw, SwapMaps
 from roslib.packages import find_node
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import MultiDOFJointTrajectory
@@ -131,6 +131,48 @@ class InFlightTest(MapsFixture):
             command, status = controller.exchange(accept=is_optimal)
             self.assertAlmostEqual(status.lateral.input, gain * 0.3 * -0.3, places=9)
         self.assertFalse(lateral("firmer.map", most_change=0.001).success)
+
+    def test_robust_maps_are_swapped_and_outside_of_them_the_violation_is_least(self):
+        def at(name):
+            return os.path.join(self.folder.name, name + ".map")
+
+        def exchange_at(wanted):  # the robust law decides each 0.08 s
+            return controller.exchange(accept=lambda s: abs(s.lateral.input - wanted) < 1e-9)
+
+        parameters = {"robust_maps/" + axis: at("robust_" + axis) for axis in ("longitudinal", "lateral", "vertical")}
+        parameters["law"] = "robust_explicit"
+        controller = self.fly(parameters)
+        diagnostics = Collector("/diagnostics", DiagnosticArray)
+        services = {name: rospy.ServiceProxy(controller.namespace + "/" + name, kind)
+                    for name, kind in (("swap_maps", SwapMaps), ("select_law", SelectLaw))}
+        for service in services.values():
+            service.wait_for_service(PATIENCE)
+        swap = services["swap_maps"]
+        controller.pose.publish(pose_at(0.0, 0.3, 0.0))
+        _, status = exchange_at(0.3 * -0.3)
+        self.assertEqual((status.law, status.status), ("robust_explicit", ControllerStatus.OPTIMAL))
+        for name, gain in (("robust_firmer", 1.2), ("robust_lateral", 1.0)):
+            answer = swap(law="robust_explicit", lateral=at(name))
+            self.assertTrue(answer.success, answer.message)
+            exchange_at(gain * 0.3 * -0.3)
+        refused = swap(law="robust_explicit", lateral=at("lateral"))
+        self.assertIn("must be of type robust_mpc", refused.message)
+        for law in ("explicit_linear", "robust_explicit"):
+            self.assertTrue(services["select_law"](law).success)
+            controller.exchange(accept=lambda s, law=law: s.law == law and s.status == ControllerStatus.OPTIMAL)
+
+        self.assertTrue(swap(law="robust_explicit", lateral=at("robust_narrow")).success)
+        controller.pose.publish(pose_at(0.0, -0.3, 0.0))
+        _, status = exchange_at(0.3 * 0.1)  # that of the nearest error with a plan
+        self.assertEqual(status.status, ControllerStatus.LEAST_VIOLATION)
+        self.assertEqual(status.reason, ControllerStatus.REASON_OUTSIDE_PARTITION)
+        self.assertAlmostEqual(status.lateral.theta[0], 0.3)
+        counted = diagnostics.wait(lambda m: any(
+            v.key == "samples without a plan" and int(v.value) > 0 for s in m.status for v in s.values))
+        self.assertIsNotNone(counted)
+        values = {v.key: v.value for s in counted.status for v in s.values}
+        self.assertEqual(values["samples clipped to the maps"], "0")
+        self.assertGreaterEqual(int(values["samples outside the maps"]), int(values["samples without a plan"]))
 
     def test_attitude_target_for_an_autopilot(self):
         controller = self.fly({"output/attitude_target": True, "output/hover_thrust": 0.4,

@@ -25,6 +25,29 @@
 namespace polyfly_ros {
 namespace {
 
+// Commands that arrived as bytes.
+std::atomic<long> deserialised_commands{0};
+
+}  // namespace
+}  // namespace polyfly_ros
+
+namespace ros {
+namespace serialization {
+
+// What roscpp calls before it reads a message from bytes.
+template <>
+struct PreDeserialize<mav_msgs::RollPitchYawrateThrust> {
+  static void notify(const PreDeserializeParams<mav_msgs::RollPitchYawrateThrust>&) {
+    ++polyfly_ros::deserialised_commands;
+  }
+};
+
+}  // namespace serialization
+}  // namespace ros
+
+namespace polyfly_ros {
+namespace {
+
 constexpr double kPatience = 20.0;  // until something must have happened [s]
 
 nav_msgs::Odometry::Ptr odometryAt(const ros::Time& stamp, double x = 0.0) {
@@ -170,6 +193,50 @@ TEST(InlineAnswer, OdometryOfTwoOriginsStopsNobody) {
   while (flight.count < before + 100 && ros::WallTime::now() < last) ros::WallDuration(0.01).sleep();
   // The odometry over TCP is still answered.
   EXPECT_GE(flight.count, before + 100);
+}
+
+// Zero-copy: what the node reads is the publisher's message, and what the subscriber gets is the node's. A message that was
+// serialised would not change any more with the object that was published.
+TEST(InlineAnswer, NothingIsSerialisedWithinAProcess) {
+  ros::NodeHandle handle("/shared");
+  nav_msgs::Odometry::Ptr published;
+  const ros::Time changed(300.0);
+  // Called before the node, because it subscribes first.
+  polyfly::TryLock lock;
+  WaitableQueue queue;
+  InlineCallbackQueue at_once(lock, queue);
+  ros::SubscribeOptions options;
+  options.init<nav_msgs::Odometry>("odometry", 1, [&](const nav_msgs::Odometry::ConstPtr& received) {
+    EXPECT_EQ(received.get(), published.get());
+    published->header.stamp = changed;
+  });
+  options.callback_queue = &at_once;
+  const ros::Subscriber before = handle.subscribe(options);
+  Flight flight("/shared");
+  const std::size_t commands = flight.count;
+  published = odometryAt(ros::Time(100.0));
+  const long deserialised = deserialised_commands;
+  flight.odometry.publish(published);
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kPatience);
+  while (flight.count == commands && ros::WallTime::now() < end) std::this_thread::yield();
+  ASSERT_EQ(flight.count, commands + 1);
+  EXPECT_EQ(flight.last.header.stamp, changed);
+  EXPECT_EQ(deserialised_commands, deserialised);
+}
+
+// The counter of the test above counts.
+TEST(InlineAnswer, ACommandFromBytesIsCounted) {
+  ros::SubscriptionCallbackHelperT<const mav_msgs::RollPitchYawrateThrust::ConstPtr&> subscriber(
+      [](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) {});
+  const ros::SerializedMessage bytes =
+      ros::serialization::serializeMessage(mav_msgs::RollPitchYawrateThrust());
+  ros::SubscriptionCallbackHelperDeserializeParams parameters;
+  parameters.buffer = bytes.message_start;
+  parameters.length = static_cast<std::uint32_t>(bytes.num_bytes - 4);
+  parameters.connection_header = boost::make_shared<ros::M_string>();
+  const long before = deserialised_commands;
+  EXPECT_NE(subscriber.deserialize(parameters), nullptr);
+  EXPECT_EQ(deserialised_commands, before + 1);
 }
 
 // In a node of its own whoever reads the connection answers: nobody else has to wake up.

@@ -1,5 +1,5 @@
-// make_test_maps FOLDER: writes small maps for the rostests: those of the three axes, one region each, damaged
-// ones, and a safety filter that passes every wish in its box.
+// make_test_maps FOLDER: writes small maps for the rostests: those of the three axes, one region each, of a tracking and of
+// a robust problem, damaged ones, and a safety filter that passes every wish in its box.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -39,6 +39,18 @@ polyfly::MapContent fenceContent() {
   return content;
 }
 
+/// A robust map that answers as the tracking map of this axis does at rest.
+polyfly::MapContent robustContent(std::size_t axis, const std::string& name) {
+  polyfly::MapContent content = polyfly_test::axisContent(axis);
+  content.problem_text = polyfly_test::robustAxisProblem(name);
+  content.period = 0.08;
+  // In the place of the previous input, which has no weight.
+  polyfly::Signal& velocity = content.parameters.at(content.parameters.size() - 2);
+  velocity.name = std::string("v_") + "xyz"[axis] + "_ref";
+  velocity.unit = "m/s";
+  return content;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -50,7 +62,15 @@ int main(int argc, char** argv) try {
   const std::vector<std::string> names{"longitudinal", "lateral", "vertical"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     polyfly::writeMap(polyfly_test::axisContent(i), folder + names[i] + ".map");
+    polyfly::writeMap(robustContent(i, names[i]), folder + "robust_" + names[i] + ".map");
   }
+  polyfly::MapContent robust_firmer = robustContent(1, names[1]);
+  for (std::size_t i = 0; i < 3; ++i) robust_firmer.laws[i] *= 1.2;
+  polyfly::writeMap(robust_firmer, folder + "robust_firmer.map");
+  // Feasible up to an error of 0.1 m to the left.
+  polyfly::MapContent robust_narrow = robustContent(1, names[1]);
+  polyfly_test::cutOff(robust_narrow, 0, 0.1);
+  polyfly::writeMap(robust_narrow, folder + "robust_narrow.map");
 
   polyfly::writeMap(fenceContent(), folder + "fence.map");
 

@@ -22,6 +22,8 @@ namespace polyfly_test {
 struct SoakLaws {
   std::vector<std::array<const polyfly::RegionMap*, 3>> maps;  ///< sets to be swapped, at least one
   std::array<polyfly::MpcProblem, 3> problems;
+  /// Maps of the robust law, as many sets; none: it does not fly.
+  std::vector<std::array<const polyfly::RegionMap*, 3>> robust_maps = {};
 };
 
 struct SoakOptions {
@@ -29,6 +31,8 @@ struct SoakOptions {
   double duration = 1800.0;
   /// Seed of the flight. The same seed gives the same flight.
   std::uint32_t seed = 1;
+  /// Names of the laws that are selected.
+  std::vector<std::string> laws = {"explicit_linear", "linear", "nonlinear"};
 };
 
 struct SoakResult {

@@ -31,16 +31,17 @@ struct AxisNames {
   const char* input_unit;
   const char* velocity_reference;
   const char* position_reference;
-  const char* angle_reference;  ///< nullptr where there is no lag state
+  const char* angle_reference;   ///< nullptr where there is no lag state
+  const char* angle_rate_error;  ///< of models whose attitude loop is of second order; nullptr as above
 };
 
 constexpr std::array<AxisNames, 3> kAxisNames{{
     {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad",
-     "v_x_ref", "p_x_ref", "theta_ref"},
+     "v_x_ref", "p_x_ref", "theta_ref", "e_theta_rate"},
     {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref",
-     "p_y_ref", "phi_ref"},
+     "p_y_ref", "phi_ref", "e_phi_rate"},
     {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref", "p_z_ref",
-     nullptr},
+     nullptr, nullptr},
 }};
 
 /// What is measured of one axis, in the world-aligned frame.
@@ -48,6 +49,7 @@ struct AxisSample {
   double position = 0.0;  ///< [m]
   double velocity = 0.0;  ///< [m/s]
   double angle = 0.0;     ///< specific force that accelerates the axis over g [rad]; 0 for the vertical
+  double rate = 0.0;      ///< derivative of `angle` under constant thrust [rad/s]
 };
 
 /// What the axis shall do, with the derivatives that the model needs to follow it without lag.
@@ -70,6 +72,7 @@ enum class AxisEntry : std::size_t {
   kVelocityReference,
   kPositionReference,
   kAngleReference,
+  kAngleRateError,
 };
 
 /// A value for each AxisEntry, from which the parameters are assembled in the law's order.
@@ -79,7 +82,7 @@ class AxisValues {
   double operator[](AxisEntry entry) const noexcept { return values_[static_cast<std::size_t>(entry)]; }
 
  private:
-  std::array<double, 8> values_{};
+  std::array<double, 9> values_{};
 };
 
 /// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
@@ -87,13 +90,14 @@ class AxisValues {
 struct AxisTarget {
   double angle = 0.0;  ///< [rad]
   double input = 0.0;  ///< u_ref, not limited [rad or m/s^2]
+  double rate = 0.0;   ///< derivative of `angle` [rad/s]
 };
 
 /// One axis of the linear controllers: signals bound by name, observer, target, law.
 ///
 /// The axis is a chain p' = v, v' = -drag v + G s + B_d d, where s is the input itself (vertical) or a tilt
-/// angle that follows the input with a first-order lag, s' = a s + b u. The numbers are read off the law's
-/// problem.
+/// angle that follows the input: with a lag of first order, s' = a s + b u, or of second, s'' = a s + c s' + b u, where
+/// the error of s' is a parameter. The numbers are read off the law's problem.
 class Axis {
  public:
   /// Throws Error naming the map or problem, the signal or field, and the rule.
@@ -105,7 +109,8 @@ class Axis {
   /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
   /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref, and (s_ref, u_ref) is its steady state. When a_ref
   /// changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
-  /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit.
+  /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit. A lag of second order has
+  /// u_ref = -(a s_ref + c s_ref') / b: the second derivative of a_ref is not known.
   AxisTarget target(const AxisReference& reference, double disturbance) const noexcept;
 
   /// Lets the observer take the sample, `periods` control periods after the last one, during which
@@ -113,9 +118,7 @@ class Axis {
   void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
 
   void reset() noexcept;
-  void setDisturbance(double disturbance) noexcept {
-    observer_.setDisturbance(disturbance / disturbance_gain_);
-  }
+  void setDisturbance(double disturbance) noexcept;
 
   /// Goes on with the observer of another axis of the same model; one whose states stand in another order
   /// is ignored.
@@ -156,8 +159,8 @@ class Axis {
   /// is left alone. Where a map has no answer:
   /// - its problem is solved online: kOptimal with a look-up that is not kInside;
   /// - with options.solve_outside unset, the parameters are clipped to the map's box: kClipped;
-  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) scales the
-  ///   errors down until it has one, by 12 halvings: kClipped.
+  /// - a minimum-peak robust MPC without a plan that meets all bounds (the disturbance was beyond its range) answers as at
+  ///   the nearest errors that have one, see NearestFeasible: kLeastViolation, with the working sets in `iterations`.
   ///
   /// `input_offset` is added to u_ref and `previous_input`, and the report's input has it: the bounds, and
   /// nothing else, are then those of the model's input with the offset.
@@ -167,14 +170,18 @@ class Axis {
   /// The input that follows the reference without error, not limited; 0 where the law is not told of it.
   double inputReference(const AxisReference& reference) const noexcept { return goalOf(reference).input; }
 
-  /// The observer's estimate [m/s^2]; 0 with options.offset_free unset, and for a minimum-peak robust MPC. That law
-  /// already accounts for the whole disturbance, so compensating an estimate would count it twice.
-  double disturbance() const noexcept { return offset_free_ ? observer_.disturbance() : 0.0; }
+  /// The estimate that the targets remove [m/s^2]: the observer's, or 0 with options.offset_free unset. For a minimum-peak
+  /// robust MPC it is the constant part alone, the observer's estimate behind a lag of options.robust_estimate_time. That
+  /// law accounts for all that varies, so compensating it would count it twice.
+  double disturbance() const noexcept {
+    if (law_->problem().minimum_peak) return constant_part_;
+    return offset_free_ ? observer_.disturbance() : 0.0;
+  }
   const MpcProblem& problem() const noexcept { return law_->problem(); }
 
-  /// Of the lag s' = a s + b u: -b / a [1], -1 / a [s]; not for the vertical axis.
+  /// Of the lag: its steady gain -b / a [1], and its time -1 / a or c / a [s]; not for the vertical axis.
   double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
-  double lagTime() const noexcept { return -1.0 / lag_pole_; }
+  double lagTime() const noexcept { return has_rate_ ? lag_damping_ / lag_pole_ : -1.0 / lag_pole_; }
 
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
@@ -185,17 +192,20 @@ class Axis {
   AxisTarget goalOf(const AxisReference& reference) const noexcept;
   void bindSignals(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
+  bool isLag(const MpcProblem& problem) const noexcept;
   const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }
   Parameters parametersAt(const AxisValues& values) const noexcept;
   Parameters clipped(const Parameters& theta) const noexcept;
   int firstOutside(const Parameters& theta) const noexcept;
   ControlStatus answer(AxisReport& report, double& input) noexcept;
   double nextInput(const Prediction& at) const noexcept;
-  Lookup retreat(const Parameters& theta, double& input) const noexcept;
+  Lookup answerNearest(AxisReport& report, double& input) noexcept;
 
   std::unique_ptr<AxisLaw> law_;
   // Law for points where law_, a map, has no answer; nullptr: none.
   std::unique_ptr<AxisLaw> beyond_;
+  // Where a plan meets all bounds, for the map of a minimum-peak robust MPC; nullptr: none.
+  std::unique_ptr<NearestFeasible> feasible_set_;
   // True when beyond_ gave the answer of the last evaluate().
   bool answered_beyond_ = false;
   std::array<AxisEntry, kMaxParameters> entries_{};
@@ -206,20 +216,27 @@ class Axis {
   double input_upper_ = 0.0;
 
   bool has_lag_ = false;
+  // Whether the lag is of second order.
+  bool has_rate_ = false;
   bool has_input_reference_ = false;
   int position_state_ = 0;
   int velocity_state_ = 1;
   int angle_state_ = 2;
+  int rate_state_ = 3;
   double velocity_gain_ = 0.0;                    // dv'/dv = -drag [1/s]
   double drive_gain_ = 0.0;                       // dv'/ds
   double disturbance_gain_ = 0.0;                 // dv'/dd
-  double lag_pole_ = 0.0;                         // ds'/ds [1/s]
-  double lag_gain_ = 0.0;                         // ds'/du
+  double lag_pole_ = 0.0;                         // ds'/ds [1/s], or ds''/ds [1/s^2]
+  double lag_damping_ = 0.0;                      // ds''/ds' [1/s]
+  double lag_gain_ = 0.0;                         // ds'/du, or ds''/du
   double stage_period_ = 0.0;                     // Ts of the problem [s]
-  std::array<std::array<double, 3>, 3> stage_{};  // A over Ts, for predictions
-  std::array<double, 3> stage_input_{};           // B over Ts
+  std::array<std::array<double, 4>, 4> stage_{};  // A over Ts, for predictions
+  std::array<double, 4> stage_input_{};           // B over Ts
   bool offset_free_ = true;
   DisturbanceObserver observer_;
+  // Of a minimum-peak robust MPC: share of the estimate that a control period adds to the constant part; 0: none.
+  double constant_share_ = 0.0;
+  double constant_part_ = 0.0;
   // Where the law can look ahead and options.look_ahead is set.
   std::optional<StageReferences> stage_references_;
   bool looks_ahead_ = false;

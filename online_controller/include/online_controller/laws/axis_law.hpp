@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "online_controller/laws/nearest_feasible.hpp"
 #include "region_maps/lookup.hpp"
 #include "region_maps/signal.hpp"
 
@@ -32,6 +33,11 @@ class AxisLaw {
   /// For a map of a tracking problem: a law that solves the same problem online, with the parameters in the
   /// same order; nullptr for others. Throws Error.
   virtual std::unique_ptr<AxisLaw> onlineEquivalent() const { return nullptr; }
+
+  /// For a map of a minimum-peak robust MPC: its feasible set, see NearestFeasible; nullptr for others. Throws Error.
+  virtual std::unique_ptr<NearestFeasible> feasibleSet(const std::vector<bool>& /*movable*/) const {
+    return nullptr;
+  }
 
   /// The stages of the problem that can have references of their own; 0: none.
   virtual int stages() const noexcept { return 0; }

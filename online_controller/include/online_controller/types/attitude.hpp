@@ -32,6 +32,10 @@ TiltAngles bodyToWorldTilt(const TiltAngles& body, double yaw) noexcept;
 
 constexpr double kLeastTiltCosine = 0.5;  ///< a tilt of 60 degrees
 
+/// Derivative of bodyToWorldTilt(roll and pitch, yaw) while the vehicle turns at `rates` about its body's axes [rad/s].
+/// The cosine of the pitch counts as at least kLeastTiltCosine.
+TiltAngles worldTiltRate(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept;
+
 /// cos(roll) cos(pitch), at least kLeastTiltCosine, so that the thrust of Eq. 41 stays finite and positive
 /// however far the vehicle is tilted.
 double tiltCosine(const TiltAngles& tilt) noexcept;

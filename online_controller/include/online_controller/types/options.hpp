@@ -82,6 +82,9 @@ struct MultirotorOptions {
   double coupling_drift = 0.005;
   /// Whether the disturbance estimate is used (Eq. 5-6).
   bool offset_free = true;
+  /// Robust law: lag behind the observer of the constant part of the disturbance, which the targets then remove; 0: none
+  /// is removed [s].
+  double robust_estimate_time = 0.0;
   /// Where a map has no answer: true solves its problem online, false clips to its box.
   bool solve_outside = true;
   /// True: the law linear reads the reference of each stage. False: that of the sample counts for all.
@@ -124,6 +127,7 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));
   visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});
   visit("controller/offset_free", options.offset_free);
+  visit("controller/robust_estimate_time", options.robust_estimate_time, "s", Range{0.0, 100.0, 10.0, 2.0});
   visit("controller/solve_outside", options.solve_outside);
   visit("controller/look_ahead", options.look_ahead);
   visit("controller/integrator", options.integrator);

@@ -45,8 +45,8 @@ struct AttitudeCommand {
   double thrust = 0.0;    ///< along body z [N]
 };
 
-/// Why the command is what it is. Up to kLevel worse states have greater numbers; the step reports the worst
-/// of the axes.
+/// Why the command is what it is. Up to kLevel worse states have greater numbers; kLeastViolation stands between
+/// kClipped and kHoldLast. The step reports the worst of the axes.
 enum class ControlStatus : std::uint8_t {
   /// Answer of the law. With a reason: outside its map, by solving the map's problem online.
   kOptimal = 0,
@@ -68,13 +68,15 @@ enum class ControlStatus : std::uint8_t {
   kMotorsOff = 8,
   /// Answer of the law within all limits, but the search was ended before the optimum.
   kSuboptimal = 9,
+  /// Robust law: no plan meets all bounds. Its answer at the nearest parameters that have one, see NearestFeasible.
+  kLeastViolation = 10,
 };
-constexpr int kControlStatusCount = 10;
+constexpr int kControlStatusCount = 11;
 
 /// Whether what is sent is a law's answer to the sample.
 constexpr bool isAnswer(ControlStatus status) noexcept {
   return status == ControlStatus::kOptimal || status == ControlStatus::kClipped ||
-         status == ControlStatus::kSuboptimal;
+         status == ControlStatus::kSuboptimal || status == ControlStatus::kLeastViolation;
 }
 
 /// Why an axis had no answer or a changed one.
@@ -101,7 +103,7 @@ enum class ControlReason : std::uint8_t {
   kPilot = 10,
 };
 
-constexpr int kMaxParameters = 8;
+constexpr int kMaxParameters = 9;
 
 /// What one axis did in one step.
 struct AxisReport {
@@ -145,7 +147,7 @@ struct ControlReport {
 };
 
 /// Whether an explicit law's map did not hold a parameter, and the answer comes from another place: solved online
-/// (kOptimal), or looked up at other parameters (kClipped).
+/// (kOptimal), or looked up at other parameters (kClipped, kLeastViolation).
 constexpr bool isOutsideMap(const ControlReport& report) noexcept {
   return isAnswer(report.status) &&
          (report.reason == ControlReason::kOutsideBox || report.reason == ControlReason::kOutsidePartition);

@@ -29,6 +29,11 @@ const MpcProblem::Parameter* stateReference(const MpcProblem& problem, const cha
   return nullptr;
 }
 
+bool isError(AxisEntry entry) noexcept {
+  return entry == AxisEntry::kPositionError || entry == AxisEntry::kVelocityError ||
+         entry == AxisEntry::kAngleError || entry == AxisEntry::kAngleRateError;
+}
+
 /// Signals with the names of references must be those of these states: position, velocity, angle.
 void requireReferences(const AxisLaw& law, const AxisNames& names, const std::array<int, 3>& states) {
   const std::array<const char*, 3> signals{names.position_reference, names.velocity_reference,
@@ -71,8 +76,17 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
       offset_free_(options.offset_free && !law_->problem().minimum_peak),
       observer_(law_->problem(), observerOptions(law_->problem(), names, options)) {
   bindSignals(names);
+  if (law_->problem().minimum_peak && options.robust_estimate_time > 0.0) {
+    if (!has_input_reference_)
+      throw Error(law_->place(names.axis) + "parameter " + quoted(names.input_reference) +
+                  ": missing, and controller/robust_estimate_time needs it");
+    constant_share_ = 1.0 - std::exp(-options.control_period / options.robust_estimate_time);
+  }
   readModel(law_->problem(), names);
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
+  std::vector<bool> errors;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
+  feasible_set_ = law_->feasibleSet(errors);
   if (options.look_ahead && law_->stages() > 0 && StageReferences::supports(law_->problem()))
     stage_references_.emplace(law_->problem());
   per_velocity_ = target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0);
@@ -109,6 +123,7 @@ double Axis::shift(int stage) const noexcept {
 
 void Axis::reset() noexcept {
   observer_.reset();
+  constant_part_ = 0.0;
   law_->reset();
   if (beyond_ != nullptr) beyond_->reset();
   answered_beyond_ = false;
@@ -116,9 +131,15 @@ void Axis::reset() noexcept {
 
 void Axis::transferState(const Axis& other) noexcept {
   if (position_state_ != other.position_state_ || velocity_state_ != other.velocity_state_ ||
-      angle_state_ != other.angle_state_)
+      angle_state_ != other.angle_state_ || has_rate_ != other.has_rate_ || rate_state_ != other.rate_state_)
     return;
   observer_.transferState(other.observer_);
+  if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
+}
+
+void Axis::setDisturbance(double disturbance) noexcept {
+  observer_.setDisturbance(disturbance / disturbance_gain_);
+  if (constant_share_ > 0.0) constant_part_ = observer_.disturbance();
 }
 
 void Axis::bindSignals(const AxisNames& names) {
@@ -143,7 +164,11 @@ void Axis::bindSignals(const AxisNames& names) {
   for (const ExpectedSignal& reference : references)
     if (stateReference(law_->problem(), reference.name) != nullptr) expected.push_back(reference);
   if (has_lag_) expected.push_back({names.angle_error, "rad", AxisEntry::kAngleError, true});
-  static_assert(kMaxParameters >= 8, "an axis has up to eight parameters");
+  has_rate_ =
+      has_lag_ && std::any_of(law_->parameters().begin(), law_->parameters().end(),
+                              [&](const Signal& signal) { return signal.name == names.angle_rate_error; });
+  if (has_rate_) expected.push_back({names.angle_rate_error, "rad/s", AxisEntry::kAngleRateError, true});
+  static_assert(kMaxParameters >= 9, "an axis has up to nine parameters");
 
   std::vector<bool> found(expected.size(), false);
   size_ = 0;
@@ -181,9 +206,21 @@ void Axis::bindSignals(const AxisNames& names) {
   input_upper_ = input.upper;
 }
 
+// The angle follows the input, and nothing else.
+bool Axis::isLag(const MpcProblem& problem) const noexcept {
+  const auto& A = problem.A_c;
+  const int p = position_state_, v = velocity_state_, s = angle_state_, last = has_rate_ ? rate_state_ : s;
+  if (A(last, p) != 0.0 || A(last, v) != 0.0 || problem.Bd_c(last, 0) != 0.0 || problem.B_c(last, 0) == 0.0 ||
+      !(A(last, s) < 0.0))
+    return false;
+  if (!has_rate_) return true;
+  return A(s, p) == 0.0 && A(s, v) == 0.0 && A(s, s) == 0.0 && A(s, last) == 1.0 && A(p, last) == 0.0 &&
+         A(v, last) == 0.0 && A(last, last) < 0.0 && problem.Bd_c(s, 0) == 0.0 && problem.B_c(s, 0) == 0.0;
+}
+
 void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
   const MpcProblem problem = continuousModel(given);
-  const int states = has_lag_ ? 3 : 2;
+  const int states = 2 + (has_lag_ ? 1 : 0) + (has_rate_ ? 1 : 0);
   const auto require = [&](bool holds, const std::string& rule) {
     if (!holds) throw Error(law_->place(names.axis) + "model: " + rule);
   };
@@ -200,11 +237,16 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
   const int p = state_of(names.position_error);
   const int v = state_of(names.velocity_error);
   const int s = has_lag_ ? state_of(names.angle_error) : v;
+  const int r = has_rate_ ? state_of(names.angle_rate_error) : s;
   requireReferences(*law_, names, {p, v, s});
+  position_state_ = p;
+  velocity_state_ = v;
+  angle_state_ = s;
+  rate_state_ = r;
   const auto& A = problem.A_c;
   const auto& B = problem.B_c;
   const auto& Bd = problem.Bd_c;
-  require(p != v && (!has_lag_ || (s != p && s != v)),
+  require(p != v && (!has_lag_ || (s != p && s != v)) && (!has_rate_ || (r != p && r != v && r != s)),
           "each error parameter must belong to a state of its own");
   // A logarithm leaves rounding beside the 1.
   const double tolerance = given.discrete ? kRateTolerance : 0.0;
@@ -215,8 +257,9 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
           "the disturbance must act on the velocity, the position must not");
   if (has_lag_) {
     require(B(v, 0) == 0.0 && A(v, s) != 0.0, "the velocity must be driven by the angle, not by the input");
-    require(A(s, p) == 0.0 && A(s, v) == 0.0 && Bd(s, 0) == 0.0 && A(s, s) < 0.0 && B(s, 0) != 0.0,
-            "the angle must follow the input with a stable first-order lag");
+    require(isLag(problem),
+            "the angle must follow the input with a stable first-order lag, or second-order where " +
+                quoted(names.angle_rate_error) + " is a parameter");
   } else {
     require(B(v, 0) != 0.0, "the velocity must be driven by the input");
   }
@@ -229,14 +272,12 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
       stage_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = stage.A(i, j);
   }
 
-  position_state_ = p;
-  velocity_state_ = v;
-  angle_state_ = s;
   velocity_gain_ = A(v, v);
   disturbance_gain_ = Bd(v, 0);
   drive_gain_ = has_lag_ ? A(v, s) : B(v, 0);
-  lag_pole_ = has_lag_ ? A(s, s) : 0.0;
-  lag_gain_ = has_lag_ ? B(s, 0) : 0.0;
+  lag_pole_ = has_lag_ ? A(r, s) : 0.0;
+  lag_damping_ = has_rate_ ? A(r, r) : 0.0;
+  lag_gain_ = has_lag_ ? B(r, 0) : 0.0;
 }
 
 AxisTarget Axis::target(const AxisReference& reference, double disturbance) const noexcept {
@@ -247,7 +288,8 @@ AxisTarget Axis::target(const AxisReference& reference, double disturbance) cons
   const double drive = -equivalent / drive_gain_;
   if (!has_lag_) return {0.0, drive};
   const double drive_rate = -equivalent_rate / drive_gain_;
-  return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_};
+  if (has_rate_) return {drive, -(lag_pole_ * drive + lag_damping_ * drive_rate) / lag_gain_, drive_rate};
+  return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_, drive_rate};
 }
 
 void Axis::observe(const AxisSample& sample, double applied_input, int periods) noexcept {
@@ -255,7 +297,11 @@ void Axis::observe(const AxisSample& sample, double applied_input, int periods) 
   measured[static_cast<std::size_t>(position_state_)] = sample.position;
   measured[static_cast<std::size_t>(velocity_state_)] = sample.velocity;
   if (has_lag_) measured[static_cast<std::size_t>(angle_state_)] = sample.angle;
+  if (has_rate_) measured[static_cast<std::size_t>(rate_state_)] = sample.rate;
   observer_.update(measured.data(), &applied_input, periods);
+  if (constant_share_ == 0.0 || periods > DisturbanceObserver::kMaxPeriods) return;
+  constant_part_ +=
+      (1.0 - std::pow(1.0 - constant_share_, periods)) * (observer_.disturbance() - constant_part_);
 }
 
 Axis::Parameters Axis::parametersAt(const AxisValues& values) const noexcept {
@@ -296,6 +342,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   values[AxisEntry::kVelocityReference] = reference.velocity;
   values[AxisEntry::kPositionReference] = reference.position;
   values[AxisEntry::kAngleReference] = goal.angle;
+  values[AxisEntry::kAngleRateError] = sample.rate - goal.rate;
   report.theta = parametersAt(values);
   report.size = size_;
   report.disturbance = disturbance();
@@ -325,38 +372,26 @@ ControlStatus Axis::answer(AxisReport& report, double& input) noexcept {
     lookup = law_->evaluate(clipped(report.theta).data(), &input);
     status = ControlStatus::kClipped;
   }
-  if (lookup.status == LookupStatus::kOutsidePartition && law_->problem().minimum_peak) {
-    lookup = retreat(report.theta, input);
-    status = ControlStatus::kClipped;
+  if (lookup.status == LookupStatus::kOutsidePartition && feasible_set_ != nullptr) {
+    lookup = answerNearest(report, input);
+    status = ControlStatus::kLeastViolation;
   }
   if (lookup.status != LookupStatus::kInside) return ControlStatus::kHoldLast;
   if (!answered_beyond_) report.region = lookup.region;
   return status;
 }
 
-// The feasible parameters are convex and hold the target, so the way to it enters them once.
-Lookup Axis::retreat(const Parameters& theta, double& input) const noexcept {
-  constexpr int kHalvings = 12;
-  double inside = 0.0, outside = 1.0;
-  Lookup found;
-  for (int k = 0; k <= kHalvings; ++k) {
-    const double share = k == 0 ? 0.0 : 0.5 * (inside + outside);
-    Parameters nearer = theta;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-      const bool error = entries_[i] == AxisEntry::kPositionError ||
-                         entries_[i] == AxisEntry::kVelocityError || entries_[i] == AxisEntry::kAngleError;
-      if (error) nearer[i] *= share;
-    }
-    const Lookup lookup = law_->evaluate(clipped(nearer).data(), &input);
-    if (lookup.status == LookupStatus::kInside) {
-      inside = share;
-      found = lookup;
-    } else {
-      if (k == 0) return lookup;
-      outside = share;
-    }
-  }
-  return found;
+// The errors are those that are measured, whatever their ranges. References count within theirs.
+Lookup Axis::answerNearest(AxisReport& report, double& input) noexcept {
+  const Parameters within = clipped(report.theta);
+  Parameters theta = report.theta;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+    if (!isError(entries_[i])) theta[i] = within[i];
+  Parameters nearest{};
+  const bool found = feasible_set_->find(theta.data(), nearest.data());
+  report.iterations = feasible_set_->iterations();
+  if (!found) return {};
+  return law_->evaluate(clipped(nearest).data(), &input);
 }
 
 }  // namespace polyfly

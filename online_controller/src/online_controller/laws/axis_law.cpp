@@ -28,6 +28,9 @@ class ExplicitAxisLaw final : public AxisLaw {
   }
   void lookUp(const double* theta, double* input) const noexcept override { map_->evaluate(theta, input); }
   std::unique_ptr<AxisLaw> onlineEquivalent() const override;
+  std::unique_ptr<NearestFeasible> feasibleSet(const std::vector<bool>& movable) const override {
+    return problem_.minimum_peak ? std::make_unique<NearestFeasible>(*map_, movable) : nullptr;
+  }
   void reset() noexcept override {}
 
  private:

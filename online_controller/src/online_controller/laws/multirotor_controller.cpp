@@ -63,7 +63,7 @@ SamplingClock decisionClock(const std::array<Axis, 3>& axes, double control_peri
 }
 
 /// A minimum-peak robust MPC answers for the whole disturbance: what an estimate took away would be answered
-/// twice.
+/// twice. Axis::disturbance() takes its constant part alone.
 MultirotorOptions offsetOptions(const std::array<Axis, 3>& axes, MultirotorOptions options) {
   if (!axes[0].problem().minimum_peak) return options;
   options.integrator = false;
@@ -85,8 +85,15 @@ LawTiming timingOf(const std::array<Axis, 3>& axes) {
   return stages == 0 ? LawTiming{1, 0.0, period} : LawTiming{stages + 1, period, period};
 }
 
+/// Of what an axis answers: the order of the statuses, in which kLeastViolation comes before kHoldLast.
+int severity(ControlStatus status) noexcept {
+  constexpr int kBeforeHoldLast = 2 * static_cast<int>(ControlStatus::kHoldLast) - 1;
+  return status == ControlStatus::kLeastViolation ? kBeforeHoldLast : 2 * static_cast<int>(status);
+}
+
 ControlReason reasonOf(const AxisReport& report, ControlStatus status) noexcept {
-  if (status == ControlStatus::kHoldLast) return ControlReason::kOutsidePartition;
+  if (status == ControlStatus::kHoldLast || status == ControlStatus::kLeastViolation)
+    return ControlReason::kOutsidePartition;
   if (status == ControlStatus::kClipped) return ControlReason::kOutsideBox;
   // The axis has its answer here, from the map or else from the online law.
   switch (report.lookup) {
@@ -213,8 +220,9 @@ ControlStatus MultirotorController::evaluate(const Measured& measured, const Ref
     const ControlStatus status =
         axes_[i].evaluate(measured.axes[i], wanted[i], inputs_[i], offsets[i], reports[i]);
     report_.iterations += reports[i].iterations;
-    if (status > worst || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
-    worst = std::max(worst, status);
+    const bool worse = severity(status) > severity(worst);
+    if (worse || reason == ControlReason::kNone) reason = reasonOf(reports[i], status);
+    if (worse) worst = status;
   }
   if (worst == ControlStatus::kHoldLast) return worst;
   for (std::size_t i = 0; i < axes_.size(); ++i) inputs_[i] = reports[i].input - offsets[i];
@@ -270,11 +278,12 @@ MultirotorController::Measured MultirotorController::measure(const VehicleState&
   const EulerAngles angles = eulerAngles(state.attitude.normalized());
   const TiltAngles tilt{angles.roll, angles.pitch};
   const TiltAngles world = bodyToWorldTilt(tilt, angles.yaw);
+  const TiltAngles rate = worldTiltRate(angles, state.angular_velocity);
   return {tilt,
           angles.yaw,
-          {{{state.position.x(), state.velocity.x(), share * world.pitch},
-            {state.position.y(), state.velocity.y(), share * world.roll},
-            {state.position.z(), state.velocity.z(), 0.0}}}};
+          {{{state.position.x(), state.velocity.x(), share * world.pitch, share * rate.pitch},
+            {state.position.y(), state.velocity.y(), share * world.roll, share * rate.roll},
+            {state.position.z(), state.velocity.z(), 0.0, 0.0}}}};
 }
 
 void MultirotorController::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {

@@ -43,12 +43,13 @@ Axis::Prediction Axis::beginPrediction(const AxisReport& report) const noexcept 
 
 void Axis::advance(Prediction& at) const noexcept {
   AxisValues& values = at.values;
-  std::array<double, 3> error{};
+  std::array<double, 4> error{};
   error[static_cast<std::size_t>(position_state_)] = values[AxisEntry::kPositionError];
   error[static_cast<std::size_t>(velocity_state_)] = values[AxisEntry::kVelocityError];
   if (has_lag_) error[static_cast<std::size_t>(angle_state_)] = values[AxisEntry::kAngleError];
-  std::array<double, 3> next{};
-  const std::size_t states = has_lag_ ? 3 : 2;
+  if (has_rate_) error[static_cast<std::size_t>(rate_state_)] = values[AxisEntry::kAngleRateError];
+  std::array<double, 4> next{};
+  const auto states = static_cast<std::size_t>(observer_.stateCount());
   for (std::size_t i = 0; i < states; ++i) {
     next[i] = stage_input_[i] * (at.input - values[AxisEntry::kInputReference]);
     for (std::size_t j = 0; j < states; ++j) next[i] += stage_[i][j] * error[j];
@@ -56,6 +57,7 @@ void Axis::advance(Prediction& at) const noexcept {
   values[AxisEntry::kPositionError] = next[static_cast<std::size_t>(position_state_)];
   values[AxisEntry::kVelocityError] = next[static_cast<std::size_t>(velocity_state_)];
   if (has_lag_) values[AxisEntry::kAngleError] = next[static_cast<std::size_t>(angle_state_)];
+  if (has_rate_) values[AxisEntry::kAngleRateError] = next[static_cast<std::size_t>(rate_state_)];
   values[AxisEntry::kPreviousInput] = at.input;
   ++at.stage;
   at.input = nextInput(at);

@@ -41,6 +41,16 @@ TiltAngles bodyToWorldTilt(const TiltAngles& body, double yaw) noexcept {
   return {c * body.roll - s * body.pitch, c * body.pitch + s * body.roll};
 }
 
+TiltAngles worldTiltRate(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
+  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
+  const double yaw_rate =
+      (rates.y() * sine + rates.z() * cosine) / std::max(std::cos(angles.pitch), kLeastTiltCosine);
+  const TiltAngles own{rates.x() + std::sin(angles.pitch) * yaw_rate, rates.y() * cosine - rates.z() * sine};
+  const TiltAngles tilting = bodyToWorldTilt(own, angles.yaw);
+  const TiltAngles turning = bodyToWorldTilt({angles.roll, angles.pitch}, angles.yaw + 0.5 * kPi);
+  return {tilting.roll + yaw_rate * turning.roll, tilting.pitch + yaw_rate * turning.pitch};
+}
+
 double tiltCosine(const TiltAngles& tilt) noexcept {
   return std::max(std::cos(tilt.roll) * std::cos(tilt.pitch), kLeastTiltCosine);
 }
