@@ -51,7 +51,12 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
-  const CodeCost cost = codeCost(map, tables);
+  CodeCost cost = codeCost(map, tables);
+  if (bound.work) {
+    cost.rows = static_cast<std::uint32_t>(bound.work->rows);
+    cost.multiply_adds = (bound.work->planes + map.inputs().size()) * map.parameters().size();
+    cost.comparisons = bound.work->comparisons;
+  }
   const CodeCost reached = costlyPoint(map, options).cost;
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
