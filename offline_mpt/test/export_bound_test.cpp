@@ -161,7 +161,7 @@ class ExportBoundTest : public testing::TestWithParam<ExportType> {
         map(checkedMap(made)),
         code(exportSource(made.map, optionsOf(GetParam()))),
         proven(checker::exportedAnswers(map, checker::readCode(code))),
-        facts(exportFacts(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}})) {}
+        facts(exportFacts(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}, {}})) {}
 
   bool isFixed() const { return GetParam() == ExportType::kInt16; }
 
@@ -198,7 +198,7 @@ TEST_P(ExportBoundTest, CompiledCodeStaysWithinIt) {
   if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
   const ScratchFolder folder;
   saveText(folder, "code.c", code);
-  saveText(folder, "code.h", exportHeader(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}}));
+  saveText(folder, "code.h", exportHeader(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}, {}}));
   const RoundingCode compiled(folder, made.map, GetParam());
   TestPoints points(made.map, 9);
   double greatest = 0.0;
@@ -263,10 +263,10 @@ TEST_P(ExportBoundTest, ChangedTablesAreRefused) {
 }
 
 TEST_P(ExportBoundTest, AStatedBoundBelowTheProvenOneIsRefused) {
-  const ExportBound less = {{0.9 * proven.error[0]}, proven.margin, {}};
+  const ExportBound less = {{0.9 * proven.error[0]}, proven.margin, {}, {}};
   const std::string claims = exportFacts(made.map, optionsOf(GetParam()), less);
   EXPECT_NE(refusal([&] { checker::confirmExport(claims, code, map); }).find("input 0"), std::string::npos);
-  const ExportBound narrow = {proven.error, 0.9 * proven.margin, {}};
+  const ExportBound narrow = {proven.error, 0.9 * proven.margin, {}, {}};
   const std::string others = exportFacts(made.map, optionsOf(GetParam()), narrow);
   EXPECT_NE(refusal([&] { checker::confirmExport(others, code, map); }).find("margin"), std::string::npos);
 }
@@ -356,7 +356,7 @@ TEST(ExportBoundOfFallbackRegions, IsOfTheOrderOfRoundingAndHolds) {
   EXPECT_LT(proven.error[0], 1e-4);
   const ScratchFolder folder;
   saveText(folder, "code.c", code);
-  saveText(folder, "code.h", exportHeader(made.map, floatOptions(), {proven.error, proven.margin, {}}));
+  saveText(folder, "code.h", exportHeader(made.map, floatOptions(), {proven.error, proven.margin, {}, {}}));
   const CompiledCode<float> compiled(folder, "code", "gcc -std=c99");
   TestPoints points(made.map, 3);
   int inside = 0;
@@ -409,7 +409,7 @@ TEST_P(ExportBoundOfRandomMaps, HoldsForCompiledCode) {
     ASSERT_TRUE(proven.missing.empty()) << p;
     const ScratchFolder folder;
     saveText(folder, "code.c", source);
-    saveText(folder, "code.h", exportHeader(made.map, options, {proven.error, proven.margin, {}}));
+    saveText(folder, "code.h", exportHeader(made.map, options, {proven.error, proven.margin, {}, {}}));
     const RoundingCode compiled(folder, made.map, GetParam());
     TestPoints points(made.map, p);
     for (int i = 0; i < 20000; ++i) {
@@ -550,7 +550,7 @@ TEST(LookupWork, FactsThatStateLessAreRefused) {
   const checker::ExportedAnswers answers = checker::exportedAnswers(map, checker::readCode(code));
   const checker::LookupWork work = provenWork(checker::readCode(code));
   const auto verdict = [&](const LookupWork& stated) {
-    const ExportBound bound = {answers.error, answers.margin, stated};
+    const ExportBound bound = {answers.error, answers.margin, stated, {}};
     const std::string facts = exportFacts(made.map, floatOptions(), bound);
     return refusal([&] { checker::confirmExport(facts, code, map); });
   };

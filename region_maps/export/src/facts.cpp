@@ -31,6 +31,15 @@ std::string errorList(const ExportBound& bound) {
   return text + "]";
 }
 
+/// Lines of a safety filter.
+std::string allowanceFacts(const ExportBound& bound) {
+  if (bound.allowed.empty()) return "";
+  std::string text = ",\n  \"error_allowed\": [";
+  for (std::size_t j = 0; j < bound.allowed.size(); ++j)
+    text += (j == 0 ? "" : ", ") + roundedDown(bound.allowed[j]);
+  return text + "],\n  \"is_allowed\": " + (bound.isAllowed() ? "true" : "false");
+}
+
 std::size_t tableBytes(const CodeTables& tables, ExportType type) {
   const auto [number, sum] = bytesOf(type);
   std::size_t bytes = number * (tables.planes.size() + tables.laws.size() + tables.box.size()) + sum;
@@ -71,7 +80,7 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          "},\n  \"costliest_vector\": {\"nodes\": " + number(reached.nodes) +
          ", \"rows\": " + number(reached.rows) + ", \"multiply_adds\": " + number(reached.multiply_adds) +
          ", \"comparisons\": " + number(reached.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
-         ",\n  \"margin\": " + roundedUp(bound.margin) + "\n}\n";
+         ",\n  \"margin\": " + roundedUp(bound.margin) + allowanceFacts(bound) + "\n}\n";
 }
 
 }  // namespace polyfly

@@ -53,6 +53,12 @@ struct ExportBound {
   double margin = 0.0;
   /// Absent: NAME.json has the sums over each path of the tree and all rows of its leaf.
   std::optional<LookupWork> work;
+  /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
+  /// input's unit]
+  std::vector<double> allowed;
+
+  /// Whether the errors are within what the filter allows.
+  bool isAllowed() const;
 };
 
 /// Throws Error where `name` is no C identifier of 1 to 24 characters that begins with a letter.
