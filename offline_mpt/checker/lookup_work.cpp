@@ -44,7 +44,8 @@ void WorkProof::countPaths() {
   for (std::size_t i = 0; i < code_.leaves.size(); ++i) {
     const std::vector<Candidate>& leaf = code_.leaves[i];
     std::vector<LookupWork> rest(leaf.size() + 1);
-    for (std::size_t k = leaf.size(); k-- > 0;) rest[k] = sum(candidateWork(leaf[k].rows.size()), rest[k + 1]);
+    for (std::size_t k = leaf.size(); k-- > 0;)
+      rest[k] = sum(candidateWork(leaf[k].rows.size()), rest[k + 1]);
     rest_[nodes + i] = rest.front();
     rest_of_leaf_.push_back(std::move(rest));
   }

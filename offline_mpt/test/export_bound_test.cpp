@@ -198,7 +198,8 @@ TEST_P(ExportBoundTest, CompiledCodeStaysWithinIt) {
   if (!hasProgram("gcc")) GTEST_SKIP() << "no gcc";
   const ScratchFolder folder;
   saveText(folder, "code.c", code);
-  saveText(folder, "code.h", exportHeader(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}, {}}));
+  saveText(folder, "code.h",
+           exportHeader(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}, {}}));
   const RoundingCode compiled(folder, made.map, GetParam());
   TestPoints points(made.map, 9);
   double greatest = 0.0;
@@ -528,8 +529,10 @@ TEST(LookupWork, IsExceededByNoRandomLookup) {
         bool is_inside = true;
         for (std::size_t k = 0; k < p; ++k) {
           if (!exponents.theta.empty())
-            theta[k] = std::ldexp(std::nearbyint(std::ldexp(theta[k], exponents.theta[k])), -exponents.theta[k]);
-          is_inside = is_inside && theta[k] >= code.tables.box.lower[k] && theta[k] <= code.tables.box.upper[k];
+            theta[k] =
+                std::ldexp(std::nearbyint(std::ldexp(theta[k], exponents.theta[k])), -exponents.theta[k]);
+          is_inside =
+              is_inside && theta[k] >= code.tables.box.lower[k] && theta[k] <= code.tables.box.upper[k];
         }
         if (!is_inside) continue;
         lookup.run(theta);

@@ -113,8 +113,7 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options, const Expo
       const std::optional<ExportBound> bound =
           proveRepaired(map, checked, watch, AddedRows::kNeeded, options);
       if (!bound) continue;
-      if (options.type == ExportType::kDouble)
-        return withFacts(watch, map, {std::move(options), *bound});
+      if (options.type == ExportType::kDouble) return withFacts(watch, map, {std::move(options), *bound});
       // A candidate that was added for a steep law may differ much where its rows hold by the tolerance only.
       ExportOptions whole = options;
       const std::optional<ExportBound> other = proveRepaired(map, checked, watch, AddedRows::kAll, whole);

@@ -34,7 +34,9 @@ ExportOptions codeOptions() {
   return options;
 }
 
-ExportBound noError(const RegionMap& map) { return {std::vector<double>(map.inputs().size(), 0.0), 0.0, {}, {}}; }
+ExportBound noError(const RegionMap& map) {
+  return {std::vector<double>(map.inputs().size(), 0.0), 0.0, {}, {}};
+}
 
 void saveCode(const ScratchFolder& folder, const RegionMap& map, const ExportOptions& options) {
   saveText(folder, options.name + ".c", exportSource(map, options));
