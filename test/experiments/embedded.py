@@ -89,17 +89,17 @@ def safe_filter(folder, real):
     evaluate = safety.compiled(place, real)
     rows, last = safety.fly(evaluate)
     noisy, noisy_last = safety.fly(evaluate, NOISE_SEED)
-    thetas = [theta for theta, _, _, _ in rows + noisy] + safety.sampled()
+    with open(os.path.join(place, "filter.json")) as file:
+        told = json.load(file)
+    thetas = [theta for theta, _, _, _ in rows + noisy] + safety.sampled() + measured_code.vectors(place, "filter", told)
     flash, ram, stack, answers = count(folder, variant, thetas)
     near = safety.nearby(thetas, [answer[1] for answer in answers])
     instructions = [answer[1] for answer in answers] + [answer[1] for answer in count(folder, variant, near)[3]]
-    with open(os.path.join(place, "filter.json")) as file:
-        told = json.load(file)
     bound = max(told.get("error_bound", [0.0]))
     result = {
         "regions": told["regions"], "flash_bytes": flash, "ram_bytes": ram, "stack_bytes": stack, "inputs": len(instructions),
         "instructions_median": statistics.median(answer[1] for answer in answers[:len(rows)]), "instructions_greatest": max(instructions),
-        "multiply_adds_bound": told["worst_case"]["multiply_adds"], "comparisons_bound": told["worst_case"]["comparisons"],
+        "multiply_adds_bound": told["worst_case"]["multiply_adds"], "multiply_adds_met": told["costliest_vector"]["multiply_adds"],
         "error_bound": bound, "changed": sum(abs(row[1] - row[0][2]) > bound for row in rows), "steps": len(rows),
         "states_outside": states_outside(rows, last), "states_outside_with_noise": states_outside(noisy, noisy_last),
         "without_solution": sum(not row[3] for row in rows + noisy),
@@ -158,14 +158,15 @@ def filter_section(filters, pictures):
         "its disturbance. It has 3 parameters, and no horizon. The caller limits the wish to the input's range, which changes no answer.</p>",
         table(("", "regions", "flash (code and tables)", "RAM without stack", "stack", "instructions, median", "greatest",
                "greatest, 32 states", "states outside", "within"), rows),
-        "<p>The greatest number is that of %s inputs: both flights, samples of the box, and samples beside the worst of them. In float, "
-        "no parameter takes more than %d multiply-adds and %d comparisons, which is proven. The stack is the sum of all functions of the code. "
+        "<p>The greatest number is that of %s inputs: both flights, samples of the box, the vectors of <code>filter_test.c</code>, "
+        "and samples beside the worst of them. No parameter takes more multiply-adds than these, which is proven: %s. The stack is the sum of all functions of the code. "
         "With noise, %d states of another flight leave the limits.</p>"
-        % ("{:,}".format(single["inputs"]), single["multiply_adds_bound"], single["comparisons_bound"],
+        % ("{:,}".format(single["inputs"]),
+           ", ".join("%s %d (met: %d)" % (real, result["multiply_adds_bound"], result["multiply_adds_met"]) for real, result in filters.items()),
            sum(result["states_outside_with_noise"] for result in filters.values())),
         "<p>The proof of each set counts on an error of the input, which holds what the code rounds (<code>is_allowed</code> in "
-        "<code>filter.json</code>): %s. Integers of 16 bits need so much because the filter's laws are steep: half a unit of the position "
-        "changes the admissible input by 1 / (h^2 / 2) = 800 times as much. That set is smaller.</p>"
+        "<code>filter.json</code>): %s. Integers of 16 bits need so much because the filter's laws are steep: a position that is off by x "
+        "changes the admissible input by up to x / (h^2 / 2), which is 800 x. That set is smaller.</p>"
         % ", ".join("%s %.2g of %.2g m/s^2" % (real, result["error_bound"], result["error_allowed"]) for real, result in filters.items()),
         "<p>In double, stack and instructions exceed the bars: this processor has no unit for doubles, so that each sum calls a routine.</p>",
         "<p>Flown by the code in float, from the same start. It changes the limited wish in %d of %d steps.</p>" % (single["changed"], single["steps"]),
