@@ -82,6 +82,13 @@ ExitCode exportMap(const ExportArguments& arguments) {
   if (chosen.reduced) writeFileAtomically(reduced, chosen.reduced->bytes());
   if (!arguments.quiet)
     std::printf("%s/%s.c: %s\n", arguments.folder.c_str(), name.c_str(), chosen.summary.c_str());
+  if (!chosen.proven.bound.isAllowed()) {
+    std::fprintf(
+        stderr,
+        "offline_mpt: %s/%s.c: its error exceeds what the safety filter's proof allows; raise `error` of "
+        "the inputs\n",
+        arguments.folder.c_str(), name.c_str());
+  }
   return ExitCode::kDone;
 }
 

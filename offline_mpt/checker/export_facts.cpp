@@ -1,6 +1,7 @@
 #include <cstdlib>
 
 #include "export_bound.hpp"
+#include "lookup_work.hpp"
 
 namespace checker {
 namespace {
@@ -29,6 +30,22 @@ void requireWord(const std::string& facts, const std::string& key, const std::st
           "the facts must have '" + key + "': " + word);
 }
 
+/// The operations that the facts state as the most that any parameter takes.
+void confirmWork(const std::string& facts, const ExportedCode& code) {
+  const std::size_t first = valueOf(facts, "worst_case");
+  const std::string stated = facts.substr(first, facts.find('}', first) - first);
+  const ProofWatch watch;
+  const LookupWork work = WorkProof(code, watch).run();
+  const auto confirm = [&stated](const std::string& key, std::uint64_t needed) {
+    std::size_t place = valueOf(stated, key);
+    require(numberAt(stated, place) >= static_cast<double>(needed),
+            "a look-up may take more " + key + " than stated");
+  };
+  confirm("rows", work.rows);
+  confirm("multiply_adds", (work.planes + code.tables.q) * code.tables.p);
+  confirm("comparisons", work.comparisons);
+}
+
 }  // namespace
 
 void confirmExport(const std::string& facts, const std::string& code, const Map& map) {
@@ -51,6 +68,7 @@ void confirmExport(const std::string& facts, const std::string& code, const Map&
   }
   place = valueOf(facts, "margin");
   require(numberAt(facts, place) >= proven.margin, "the margin may be exceeded");
+  confirmWork(facts, exported);
 }
 
 }  // namespace checker

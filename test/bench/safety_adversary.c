@@ -1,10 +1,34 @@
 /* Flies the exported filter of region_maps/problems/safety/double_integrator.yaml against an adversary, and counts where
- * a state leaves its range. Arguments: steps, seed. Prints one line; exit code 1 where something left. */
+ * a state leaves its range. Arguments: steps, seed, the error of the input beside that of the code [m/s^2], and the range
+ * of the wish [m/s^2]. The code may be of any type: compile with -DREAL=float for float. Prints one line; exit code 1 where
+ * something left. */
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "filter.h"
+
+#if !defined(REAL)
+#define REAL double
+#endif
+
+/* The answer of the code; 0 where there is none. */
+static int answer(double p, double v, double wish, double *u) {
+#if defined(FILTER_THETA_0_EXPONENT)
+    const int16_t theta[3] = {(int16_t)lrint(ldexp(p, FILTER_THETA_0_EXPONENT)), (int16_t)lrint(ldexp(v, FILTER_THETA_1_EXPONENT)),
+                              (int16_t)lrint(ldexp(wish, FILTER_THETA_2_EXPONENT))};
+    int16_t found[1] = {0};
+    const int ok = filter_evaluate(theta, found) == FILTER_OK;
+    *u = ldexp(found[0], -FILTER_U_0_EXPONENT);
+#else
+    const REAL theta[3] = {(REAL)p, (REAL)v, (REAL)wish};
+    REAL found[1] = {0};
+    const int ok = filter_evaluate(theta, found) == FILTER_OK;
+    *u = (double)found[0];
+#endif
+    return ok;
+}
 
 static uint64_t state;
 
@@ -24,13 +48,14 @@ static int outside(double x) { return !(x <= 1.5 && x >= -1.5); }
 
 int main(int argc, char **argv) {
     const uint64_t steps = argc > 1 ? strtoull(argv[1], NULL, 10) : 1000000;
+    const double error = argc > 3 ? strtod(argv[3], NULL) : 0.0, range = argc > 4 ? strtod(argv[4], NULL) : 50.0;
     const double h = 0.05, wind = 0.2;
     const uint64_t steps_of_a_mood = 64;
     double p = 0.0, v = 0.0, push = 1.0, greatest_p = 0.0, greatest_v = 0.0;
     uint64_t left = 0, between = 0, unanswered = 0, changed = 0, mood = 0, i;
     state = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
     for (i = 0; i < steps; ++i) {
-        double theta[3], u[1] = {0.0}, wish, w_p, w_v, middle;
+        double u, wish, w_p, w_v, middle;
         if (i % steps_of_a_mood == 0) {
             mood = next() % 4;
             push = corner(1.0);
@@ -39,20 +64,19 @@ int main(int argc, char **argv) {
         wish = mood == 0 ? 50.0 * push : mood == 1 ? corner(50.0) : mood == 2 ? 3.0 * push - 2.0 * v : uniform(50.0);
         w_p = mood == 3 ? uniform(wind) : mood == 1 ? corner(wind) : wind * push;
         w_v = mood == 3 ? uniform(wind) : mood == 1 ? corner(wind) : wind * push;
-        theta[0] = p;
-        theta[1] = v;
-        theta[2] = wish;
-        if (filter_evaluate(theta, u) != FILTER_OK) {
+        wish = fmax(-range, fmin(range, wish));
+        if (!answer(p, v, wish, &u)) {
             ++unanswered;
             p = v = 0.0;
             continue;
         }
-        if (u[0] != wish) ++changed;
-        if (u[0] > 2.0) u[0] = 2.0;
-        if (u[0] < -2.0) u[0] = -2.0;
-        middle = p + 0.5 * h * (v + w_p) + 0.125 * h * h * (u[0] + w_v);
-        p += h * (v + w_p) + 0.5 * h * h * (u[0] + w_v);
-        v += h * (u[0] + w_v);
+        if (u != wish) ++changed;
+        if (u > 2.0) u = 2.0;
+        if (u < -2.0) u = -2.0;
+        u += mood == 3 ? uniform(error) : mood == 1 ? corner(error) : error * push;
+        middle = p + 0.5 * h * (v + w_p) + 0.125 * h * h * (u + w_v);
+        p += h * (v + w_p) + 0.5 * h * h * (u + w_v);
+        v += h * (u + w_v);
         between += (uint64_t)outside(middle);
         left += (uint64_t)(outside(p) || outside(v));
         if (p > greatest_p) greatest_p = p;

@@ -8,16 +8,14 @@ import ctypes
 import json
 import math
 import os
-import re
-import shutil
 import statistics
 import subprocess
 import sys
 
 import embedded_filter as safety
 import embedded_program as benchmark
+import measure_export as measured_code
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 # Folder, title, type, call, and whether a workspace is needed.
 VARIANTS = (
     ("map_double", "map, double", "double", "filter_evaluate(theta, u)", False),
@@ -27,11 +25,12 @@ VARIANTS = (
 # What the filter of (state, wish) is to need at most for 2 states: bytes of flash and of stack, instructions.
 BARS = (24000, 128, 1700)
 AXES = 16  # of 32 states
+# Peers, and the variables that name their code (README.md).
+PEERS = (("TinyMPC", "POLYFLY_TINYMPC"), ("OSQP", "POLYFLY_OSQP"))
 NOISE_SEED = 1
-FLAGS = ["-std=c99", "-O2", "-ffp-contract=off"]
-TARGET = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]
+FLAGS = measured_code.FLAGS
 FLASH = 1 << 20  # of the board that the benchmark ran on [bytes]
-TOLERANCE = {"double": 1e-7, "float": 2e-2}  # [m/s^2]
+TOLERANCE = {"double": 1e-7, "float": 2e-2, "int16": 0.4}  # [m/s^2]
 # Recorded in the benchmark's repository, folder Results, for 2 states and horizon 10.
 PUBLISHED = (("TinyMPC", "57.0 ms", "57.1 ms", "206,032 B", "13,156 B"), ("OSQP", "4.6 ms", "172 ms", "213,352 B", "21,212 B"),
              ("TinyMPC, 32 states", "1.74 s", "1.74 s", "255,904 B", "46,772 B"), ("OSQP, 32 states", "does not fit", "", "", ""))
@@ -40,12 +39,8 @@ h2{margin:1.6em 0 .2em}svg{display:block;width:100%;height:auto}table{border-col
 td,th{padding:4px 12px;text-align:right;border-bottom:1px solid #dfe3e8}td:first-child,th:first-child{text-align:left}"""
 
 
-def run(command, folder=None):
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
-
-
 def compile_library(place):
-    run(["cc", *FLAGS, "-shared", "-fPIC", "filter.c", "-o", "filter.so"], place)
+    measured_code.run(["cc", *FLAGS, "-shared", "-fPIC", "filter.c", "-o", "filter.so"], place)
 
 
 def fly_map(folder):
@@ -70,35 +65,9 @@ def is_outside(x, v):
 
 
 def count(folder, variant, thetas):
-    """(bytes of flash, RAM and stack, rows (status, instructions, u)) on the emulated processor. The stack is the sum of all functions."""
+    """What measured.count tells of a variant of the filter."""
     name, _, real, call, has_workspace = variant
-    size = len(thetas[0])
-    place = os.path.join(folder, name)
-    with open(os.path.join(place, "embedded_inputs.h"), "w") as file:
-        numbers = ",\n".join("{%s}" % ", ".join("(REAL)%r" % value for value in theta) for theta in thetas)
-        file.write("#define REAL %s\n#define PARAMETER_COUNT %d\n#define INPUT_COUNT %du\n"
-                   "static const REAL inputs[INPUT_COUNT][PARAMETER_COUNT] = {%s};\n" % (real, size, len(thetas), numbers))
-    with open(os.path.join(place, "answer.c"), "w") as file:
-        file.write('#include "filter.h"\n%s\nint embeddedAnswer(const %s theta[%d], %s u[1]);\n'
-                   "int embeddedAnswer(const %s theta[%d], %s u[1]) { return (int)%s; }\n"
-                   % ("static filter_workspace workspace;" if has_workspace else "", real, size, real, real, size, real, call))
-    for file in ("embedded_count.c", "embedded_memory.ld"):
-        shutil.copy(os.path.join(HERE, file), place)
-    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-fstack-usage", "-c", "filter.c", "-o", "filter.o"], place)
-    with open(os.path.join(place, "filter.su")) as file:
-        stack = sum(int(line.split("\t")[1]) for line in file)
-    flash = int(run(["arm-none-eabi-size", "filter.o"], place).stdout.splitlines()[1].split()[0])
-    run(["arm-none-eabi-gcc", *FLAGS, *TARGET, "-nostartfiles", "-T", "embedded_memory.ld", "embedded_count.c", "answer.c", "filter.c",
-         "-o", "count.elf"], place)
-    told = run(["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-icount", "shift=10", "-semihosting-config", "enable=on,target=native",
-                "-kernel", "count.elf"], place)
-    answers = []
-    for line in (told.stdout + told.stderr).splitlines():
-        status, instructions, u = (int(word, 16) for word in line.split())
-        answers.append((status, instructions, (u - (1 << 32) if u >> 31 else u) * 1e-9))
-    with open(os.path.join(place, "filter.json")) as file:
-        ram = json.load(file).get("workspace_bytes", 0)
-    return flash, ram, stack, answers
+    return measured_code.count(os.path.join(folder, name), measured_code.Code("filter", real, call, has_workspace), thetas)
 
 
 def differences(answers, rows, real):
@@ -120,26 +89,23 @@ def safe_filter(folder, real):
     evaluate = safety.compiled(place, real)
     rows, last = safety.fly(evaluate)
     noisy, noisy_last = safety.fly(evaluate, NOISE_SEED)
-    thetas = [theta for theta, _, _, _ in rows + noisy] + safety.sampled()
+    with open(os.path.join(place, "filter.json")) as file:
+        told = json.load(file)
+    thetas = [theta for theta, _, _, _ in rows + noisy] + safety.sampled() + measured_code.vectors(place, "filter", told)
     flash, ram, stack, answers = count(folder, variant, thetas)
     near = safety.nearby(thetas, [answer[1] for answer in answers])
     instructions = [answer[1] for answer in answers] + [answer[1] for answer in count(folder, variant, near)[3]]
-    with open(os.path.join(place, "filter.json")) as file:
-        told = json.load(file)
-    with open(os.path.join(folder, "safe_%s.yaml" % real)) as file:
-        declared = re.search(r"name: a,.*error: ([0-9.e-]+)", file.read())
     bound = max(told.get("error_bound", [0.0]))
     result = {
         "regions": told["regions"], "flash_bytes": flash, "ram_bytes": ram, "stack_bytes": stack, "inputs": len(instructions),
         "instructions_median": statistics.median(answer[1] for answer in answers[:len(rows)]), "instructions_greatest": max(instructions),
-        "multiply_adds_bound": told["worst_case"]["multiply_adds"], "comparisons_bound": told["worst_case"]["comparisons"],
+        "multiply_adds_bound": told["worst_case"]["multiply_adds"], "multiply_adds_met": told["costliest_vector"]["multiply_adds"],
         "error_bound": bound, "changed": sum(abs(row[1] - row[0][2]) > bound for row in rows), "steps": len(rows),
         "states_outside": states_outside(rows, last), "states_outside_with_noise": states_outside(noisy, noisy_last),
         "without_solution": sum(not row[3] for row in rows + noisy),
         "different_answers": differences(answers, rows + noisy, real) if len(answers) == len(thetas) else len(thetas)}
     result["holds"] = all(value <= bar for value, bar in zip((flash, stack, max(instructions)), BARS))
-    # The proof of the set counts on this error of the input.
-    result["error_allowed"] = float(declared.group(1)) if declared else 0.0
+    result["error_allowed"] = told["error_allowed"][0]
     return result, rows
 
 
@@ -175,7 +141,7 @@ def table(head, rows):
     return text + "".join("<tr>" + "".join("<td>%s</td>" % cell for cell in row) + "</tr>" for row in rows) + "</table>"
 
 
-def filter_section(filters, integer_bound, pictures):
+def filter_section(filters, pictures):
     rows = []
     for real, result in filters.items():
         numbers = (result["instructions_median"], result["instructions_greatest"], AXES * result["instructions_greatest"])
@@ -192,14 +158,44 @@ def filter_section(filters, integer_bound, pictures):
         "its disturbance. It has 3 parameters, and no horizon. The caller limits the wish to the input's range, which changes no answer.</p>",
         table(("", "regions", "flash (code and tables)", "RAM without stack", "stack", "instructions, median", "greatest",
                "greatest, 32 states", "states outside", "within"), rows),
-        "<p>The greatest number is that of %s inputs: both flights, samples of the box, and samples beside the worst of them. No path has "
-        "more than %d multiply-adds and %d comparisons in float. The stack is the sum of all functions. In float, the error of the input "
-        "is proven to be at most %.2g m/s^2; the set of that map allows %.2g, and 1e-6 for the rounding of the state. In int16 it is "
-        "%.2g m/s^2, so the proof does not hold there. With noise, %d states of another flight leave the limits.</p>"
-        % ("{:,}".format(single["inputs"]), single["multiply_adds_bound"], single["comparisons_bound"], single["error_bound"],
-           single["error_allowed"], integer_bound, sum(result["states_outside_with_noise"] for result in filters.values())),
+        "<p>The greatest number is that of %s inputs: both flights, samples of the box, the vectors of <code>filter_test.c</code>, "
+        "and samples beside the worst of them. No parameter takes more multiply-adds than these, which is proven: %s. The stack is the sum of all functions of the code. "
+        "With noise, %d states of another flight leave the limits.</p>"
+        % ("{:,}".format(single["inputs"]),
+           ", ".join("%s %d (met: %d)" % (real, result["multiply_adds_bound"], result["multiply_adds_met"]) for real, result in filters.items()),
+           sum(result["states_outside_with_noise"] for result in filters.values())),
+        "<p>The proof of each set counts on an error of the input, which holds what the code rounds (<code>is_allowed</code> in "
+        "<code>filter.json</code>): %s. Integers of 16 bits need so much because the filter's laws are steep: a position that is off by x "
+        "changes the admissible input by up to x / (h^2 / 2), which is 800 x. That set is smaller.</p>"
+        % ", ".join("%s %.2g of %.2g m/s^2" % (real, result["error_bound"], result["error_allowed"]) for real, result in filters.items()),
+        "<p>In double, stack and instructions exceed the bars: this processor has no unit for doubles, so that each sum calls a routine.</p>",
         "<p>Flown by the code in float, from the same start. It changes the limited wish in %d of %d steps.</p>" % (single["changed"], single["steps"]),
         pictures]
+
+
+def peers_sentence(missing):
+    told = "Peers are measured where a variable names an object or library of theirs (test/experiments/README.md)."
+    return told + (" Not named: %s." % ", ".join(missing) if missing else "")
+
+
+def measure_peers(folder, rows):
+    """(rows of the table, results by name, variables that name nothing). Answers are compared, but only told: peers stop at a tolerance."""
+    table_rows, results, missing = [], {}, []
+    for title, variable in PEERS:
+        library = os.environ.get(variable, "")
+        if not library:
+            missing.append(variable)
+            continue
+        place = os.path.join(folder, variable.lower())
+        os.makedirs(place)
+        flash, ram, answers = measured_code.count_library(place, os.path.abspath(library), "float", [row[0] for row in rows])
+        compared = [abs(u - row[1]) for (status, _, u), row in zip(answers, rows) if row[3] and status == 0]
+        instructions = [answer[1] for answer in answers]
+        results[title] = {"flash_bytes": flash, "ram_bytes": ram, "instructions_median": statistics.median(instructions),
+                          "instructions_greatest": max(instructions), "without_answer": sum(answer[0] != 0 for answer in answers),
+                          "greatest_difference": max(compared, default=0.0)}
+        table_rows.append((title, flash, ram, results[title]["instructions_median"], max(instructions)))
+    return table_rows, results, missing
 
 
 def page(summary, measured, pictures):
@@ -227,12 +223,12 @@ def page(summary, measured, pictures):
         "<li>The online solver's greatest number is of these inputs. Its iteration limit bounds all others.</li>"
         "<li>The filter of (state, wish) is another program. It has one wish, the published one nine. It keeps all states to come in the "
         "limits, the published one nine.</li>"
-        "<li>Binaries of TinyMPC and OSQP were not run in the emulator.</li></ul>",
+        "<li>%s</li></ul>" % peers_sentence(summary["peers_missing"]),
         "<h2>What the published filter does</h2><p>Flown by the map. The program has no solution in %d of %d steps; there the greatest input towards "
         "the middle is applied. %d states leave the limits: the horizon has no terminal set.</p>"
         % (summary["without_solution"], benchmark.STEPS, summary["states_outside"]),
         pictures["published"],
-        *filter_section(summary["filter"], summary["int16_error_bound"], pictures["filter"]),
+        *filter_section(summary["filter"], pictures["filter"]),
         "<h2>On a board of your own</h2><p>Compile <code>filter_test.c</code> with <code>FILTER_TEST_NO_MAIN</code>, define "
         "<code>FILTER_TEST_BEGIN()</code> and <code>FILTER_TEST_END()</code> to read a cycle counter, for example DWT_CYCCNT, and call "
         "<code>filter_test()</code>. Its last vector is the one with the most operations that was met.</p></body></html>", ""])
@@ -250,12 +246,12 @@ def main(folder):
         measured.append((variant[1], flash, ram, statistics.median(instructions), max(instructions)))
         summary["variants"][variant[0]] = {"flash_bytes": flash, "ram_bytes": ram, "instructions_median": measured[-1][3],
                                            "instructions_greatest": measured[-1][4], "different_answers": different}
+    others, summary["peers"], summary["peers_missing"] = measure_peers(folder, rows)
+    measured += others
     summary["headline"] = [[title + ": instructions, greatest", worst, ""] for title, _, _, _, worst in measured]
     summary["headline"] += [["steps without a solution", summary["without_solution"], ""], ["states outside", summary["states_outside"], ""]]
-    flights = {real: safe_filter(folder, real) for real in ("double", "float")}
+    flights = {real: safe_filter(folder, real) for real in ("double", "float", "int16")}
     summary["filter"] = {real: result for real, (result, _) in flights.items()}
-    with open(os.path.join(folder, "safe_int16", "filter.json")) as file:
-        summary["int16_error_bound"] = max(json.load(file)["error_bound"])
     for real, (result, _) in flights.items():
         summary["headline"] += [["filter of (state, wish), %s: instructions, greatest" % real, result["instructions_greatest"], ""],
                                 ["filter of (state, wish), %s: states outside" % real, result["states_outside"], ""]]

@@ -13,15 +13,16 @@ build/bin/offline_mpt export "$output/filter.map" -o "$output/map_double" --name
 for type in double float; do
   build/bin/offline_mpt export "$output/filter.map" -o "$output/online_$type" --name filter --online --type $type || return
 done
-# The filter of (state, wish). The caller limits the wish to the range of the input. In float the set counts on what the code
-# rounds: errors of the measured state and of the input. In int16 the error is too great, which the page tells.
-filter=region_maps/problems/safety/double_integrator.yaml
-sed -e 's/, wish: \[-50, 50\]//' "$filter" > "$output/safe_double.yaml"
-sed -e 's/range: \[-1.5, 1.5\]}/range: [-1.5, 1.5], error: 1e-6}/' -e 's/wish: \[-50, 50\]/error: 0.005/' "$filter" > "$output/safe_float.yaml"
-for type in double float; do
+# The filter of (state, wish). The caller limits the wish to the range of the input. The sets of float and int16 count on the error of
+# the code.
+problems=region_maps/problems/safety
+sed -e 's/, wish: \[-50, 50\]//' "$problems/double_integrator.yaml" > "$output/safe_double.yaml"
+cp "$problems/double_integrator_float.yaml" "$output/safe_float.yaml"
+cp "$problems/double_integrator_int16.yaml" "$output/safe_int16.yaml"
+for type in double float int16; do
   build/bin/offline_mpt solve "$output/safe_$type.yaml" -o "$output/safe_$type.map" || return
   build/bin/offline_mpt verify "$output/safe_$type.map" --exact || return
   build/bin/offline_mpt export "$output/safe_$type.map" -o "$output/safe_$type" --name filter --type "$type" || return
+  python3 test/experiments/measure_export.py "$output/safe_$type" || return
 done
-build/bin/offline_mpt export "$output/safe_double.map" -o "$output/safe_int16" --name filter --type int16 || return
 python3 test/experiments/embedded.py "$output"

@@ -1,12 +1,12 @@
 /* Counts the instructions of each answer on the Cortex-M4 that qemu calls mps2-an386, started with -icount shift=10.
  * One instruction then takes 1024 ns, which are 25.6 ticks of the 25 MHz SysTick. Writes a line for each input:
- * status, instructions, and the answer in units of 1e-9. Numbers are written in hexadecimal. */
+ * status, instructions, and the first input as ANSWER makes it an integer. Numbers are written in hexadecimal. */
 #include <stdint.h>
 
 #include "embedded_inputs.h"
 
 /* Returns 0 where u is an answer. */
-int embeddedAnswer(const REAL theta[PARAMETER_COUNT], REAL u[1]);
+int embeddedAnswer(const REAL theta[PARAMETER_COUNT], REAL u[ANSWER_COUNT]);
 
 extern uint32_t stack_top[];
 
@@ -35,7 +35,7 @@ static uint32_t instructionsOf(uint32_t start, uint32_t end) {
   return (ticks * 10u + 128u) / 256u;
 }
 
-static int noAnswer(const REAL theta[PARAMETER_COUNT], REAL u[1]) {
+static int noAnswer(const REAL theta[PARAMETER_COUNT], REAL u[ANSWER_COUNT]) {
   (void)theta;
   (void)u;
   return 0;
@@ -51,19 +51,19 @@ __attribute__((noinline)) static void count(void) {
   *(volatile uint32_t*)0xe000e014u = TICK_RANGE - 1u;
   *(volatile uint32_t*)0xe000e010u = 5u;
   {
-    REAL u[1] = {0};
+    REAL u[ANSWER_COUNT] = {0};
     const uint32_t before = *current_ticks;
     (void)none(inputs[0], u);
     overhead = instructionsOf(before, *current_ticks);
   }
   for (i = 0u; i < INPUT_COUNT; ++i) {
-    REAL u[1] = {0};
+    REAL u[ANSWER_COUNT] = {0};
     const uint32_t before = *current_ticks;
     const int status = answer(inputs[i], u);
     const uint32_t after = *current_ticks;
     writeNumber((uint32_t)status, ' ');
     writeNumber(instructionsOf(before, after) - overhead, ' ');
-    writeNumber((uint32_t)(int32_t)(u[0] * (REAL)1e9), '\n');
+    writeNumber((uint32_t)ANSWER(u[0]), '\n');
   }
   callHost(0x20u, block);
   for (;;) {

@@ -8,6 +8,8 @@
 
 #include "export_bound.hpp"
 #include "leaf_rows.hpp"
+#include "lookup_work.hpp"
+#include "mpc_core/safety_filter.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
 #include "polyfly_base/write_file.hpp"
@@ -65,7 +67,7 @@ std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Ma
       lacks = addCandidates(proven.missing, of_added, options.chosen);
       lacks = addCandidates(proven.jumps, of_added, options.chosen) || lacks;
     }
-    if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin};
+    if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin, {}, {}};
     if (!lacks) return std::nullopt;
   }
 }
@@ -79,6 +81,22 @@ bool isMuchBetter(const ExportBound& bound, const ExportBound& than) {
     is_less = is_less || bound.error[j] < kMuch * than.error[j];
   }
   return is_less;
+}
+
+/// The error of each input for which a safety filter's set is proven; of other maps, none.
+std::vector<double> allowedErrors(const RegionMap& map) {
+  const std::string text(map.problemText()), source = map.path() + ": problem text";
+  if (map.problemKind() != "yaml" || text.empty() || !isSafetyFilter(text, source)) return {};
+  const SafetyFilterProblem problem = parseSafetyFilter(text, source);
+  return {problem.input_errors.data(), problem.input_errors.data() + problem.input_errors.size()};
+}
+
+ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, ProvenExport proven) {
+  const checker::ExportedCode code = checker::readCode(exportSource(map, proven.options));
+  const checker::LookupWork work = checker::WorkProof(code, watch).run();
+  proven.bound.allowed = allowedErrors(map);
+  proven.bound.work = LookupWork{work.planes, work.rows, work.comparisons};
+  return proven;
 }
 
 }  // namespace
@@ -95,12 +113,12 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options, const Expo
       const std::optional<ExportBound> bound =
           proveRepaired(map, checked, watch, AddedRows::kNeeded, options);
       if (!bound) continue;
-      if (options.type == ExportType::kDouble) return {std::move(options), *bound};
+      if (options.type == ExportType::kDouble) return withFacts(watch, map, {std::move(options), *bound});
       // A candidate that was added for a steep law may differ much where its rows hold by the tolerance only.
       ExportOptions whole = options;
       const std::optional<ExportBound> other = proveRepaired(map, checked, watch, AddedRows::kAll, whole);
-      if (other && isMuchBetter(*other, *bound)) return {std::move(whole), *other};
-      return {std::move(options), *bound};
+      if (other && isMuchBetter(*other, *bound)) return withFacts(watch, map, {std::move(whole), *other});
+      return withFacts(watch, map, {std::move(options), *bound});
     }
   } catch (const checker::Stopped&) {
     throw Error(map.path() + ": the proof of its code was interrupted");

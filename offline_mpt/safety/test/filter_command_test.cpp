@@ -119,9 +119,11 @@ TEST_F(FilterCommand, TheExportedFilterKeepsTheRangesAgainstAnAdversary) {
   const std::string adversary = projectRoot() + "/test/bench/safety_adversary.c";
   const Outcome compiled =
       start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off",
-             "-I" + path("c"), adversary, path("c") + "/filter.c", "-o", path("adversary")});
+             "-I" + path("c"), adversary, path("c") + "/filter.c", "-o", path("adversary"), "-lm"});
   ASSERT_EQ(compiled.exit_code, 0) << compiled.err;
-  const Outcome flown = start({path("adversary"), "2000000", "5"});
+  // The input may be off by as much as the proof allows.
+  EXPECT_EQ(nlohmann::json::parse(readBytes(path("c/filter.json")))["error_allowed"][0], 1e-6);
+  const Outcome flown = start({path("adversary"), "2000000", "5", "1e-6"});
   EXPECT_EQ(flown.exit_code, 0) << flown.out;
   const auto counts = nlohmann::json::parse(flown.out);
   EXPECT_EQ(counts["left"], 0);
@@ -129,6 +131,55 @@ TEST_F(FilterCommand, TheExportedFilterKeepsTheRangesAgainstAnAdversary) {
   // The adversary comes near the edges, so the ranges are tight.
   EXPECT_GT(counts["greatest_p"], 1.49);
   EXPECT_GT(counts["greatest_v"], 1.49);
+}
+
+// Code of integers, with the error that a problem has to allow for it.
+TEST_F(FilterCommand, TheProofAllowsTheErrorOfTheExportedCodeOrTheCommandTells) {
+  const std::string file = projectRoot() + "/region_maps/problems/safety/double_integrator_int16.yaml";
+  const auto exported = [&](const std::string& problem) {
+    EXPECT_EQ(run({"solve", problem, "-o", path("filter.map"), "--quiet", "--force"}).exit_code, 0);
+    const Outcome outcome =
+        run({"export", path("filter.map"), "-o", path("c"), "--name", "filter", "--type", "int16"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err;
+  };
+  std::string text = readBytes(file);
+  const std::string allowance = "error: 0.4";
+  ASSERT_NE(text.find(allowance), std::string::npos);
+  text.replace(text.find(allowance), allowance.size(), "error: 0.1");
+  EXPECT_NE(exported(write("tight.yaml", text)).find("exceeds what the safety filter's proof allows"),
+            std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(readBytes(path("c/filter.json")))["is_allowed"], false);
+  EXPECT_NE(readBytes(path("c/filter.h")).find("NOT within that"), std::string::npos);
+
+  EXPECT_EQ(exported(file), "");
+  const auto facts = nlohmann::json::parse(readBytes(path("c/filter.json")));
+  EXPECT_EQ(facts["is_allowed"], true);
+  EXPECT_LE(facts["error_bound"][0], 0.4);
+  ASSERT_EQ(run({"verify", path("filter.map"), "--exact", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(start({CHECK_CERTIFICATE, "--export", path("c"), "--map", path("filter.map")}).exit_code, 0);
+  const Outcome compiled = start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-I" + path("c"),
+                                  projectRoot() + "/test/bench/safety_adversary.c", path("c") + "/filter.c",
+                                  "-o", path("adversary"), "-lm"});
+  ASSERT_EQ(compiled.exit_code, 0) << compiled.err;
+  const double rest = 0.4 - facts["error_bound"][0].get<double>();
+  const Outcome flown = start({path("adversary"), "2000000", "5", std::to_string(rest), "2"});
+  EXPECT_EQ(flown.exit_code, 0) << flown.out;
+}
+
+// Position, velocity and the acceleration that follows its command with a lag.
+TEST_F(FilterCommand, TheLagOfTheAttitudeIsAStateOfAShippedProblem) {
+  const std::string problem = projectRoot() + "/region_maps/problems/safety/fence_x_lag.yaml";
+  ASSERT_EQ(run({"solve", problem, "-o", path("lag.map"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run({"verify", path("lag.map"), "--exact", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(run({"export", path("lag.map"), "-o", path("c"), "--name", "lag"}).exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(readBytes(path("c/lag.json")))["is_allowed"], true);
+  EXPECT_EQ(start({CHECK_CERTIFICATE, "--export", path("c"), "--map", path("lag.map")}).exit_code, 0);
+  ASSERT_EQ(start({"/usr/bin/env", "gcc", "-std=c99", "-O2", "-ffp-contract=off", path("c") + "/lag.c",
+                   path("c") + "/lag_test.c", "-o", path("lag_test")})
+                .exit_code,
+            0);
+  EXPECT_EQ(start({path("lag_test")}).exit_code, 0);
 }
 
 }  // namespace

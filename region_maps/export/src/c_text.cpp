@@ -68,6 +68,14 @@ std::string roundedUp(double value) {
   return digits;
 }
 
+std::string roundedDown(double value) {
+  constexpr double kUnit = 0.999;
+  char digits[40];
+  std::snprintf(digits, sizeof digits, "%.3e", value);
+  if (std::strtod(digits, nullptr) > value) std::snprintf(digits, sizeof digits, "%.3e", value * kUnit);
+  return digits;
+}
+
 std::string initialiser(const std::vector<double>& values, std::size_t width, ExportType type) {
   std::vector<std::string> elements;
   for (const double value : values) elements.push_back(constant(value, type));

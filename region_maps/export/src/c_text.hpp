@@ -21,6 +21,9 @@ std::string constant(double value, ExportType type);
 /// The shortest decimal number that is at least `value`, with few digits.
 std::string roundedUp(double value);
 
+/// The same for one that is at most `value`.
+std::string roundedDown(double value);
+
 /// One element a constant, in lines of bounded width, between braces. Rows of `width` numbers have braces of their
 /// own; 0: the table has one dimension. An empty table has one row of zeros, as C demands.
 std::string initialiser(const std::vector<double>& values, std::size_t width, ExportType type);

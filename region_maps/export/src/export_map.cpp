@@ -76,6 +76,20 @@ std::string boundText(const ExportOptions& options, const RegionMap& map, const 
   return text;
 }
 
+/// What a safety filter's proof says of this code.
+std::string filterText(const RegionMap& map, const ExportBound& bound) {
+  if (bound.allowed.empty()) return "";
+  std::string text =
+      " *\n * Safety filter: its set is proven for inputs that differ from the optimum by at most\n";
+  for (std::size_t j = 0; j < bound.allowed.size(); ++j) {
+    text += " *   " + commentText(map.inputs()[j].name) + ": " + roundedDown(bound.allowed[j]) + " " +
+            commentText(map.inputs()[j].unit) + "\n";
+  }
+  return text + (bound.isAllowed()
+                     ? " * The answers of this code, limited to the ranges of u, are within that.\n"
+                     : " * The answers of this code are NOT within that: the set is not proven for them.\n");
+}
+
 /// How values become integers. Empty for floating-point numbers.
 std::string exponentText(const ExportExponents& exponents, const std::string& upper) {
   if (exponents.theta.empty()) return "";
@@ -179,6 +193,13 @@ void checkExportName(const std::string& name) {
   }
 }
 
+bool ExportBound::isAllowed() const {
+  for (std::size_t j = 0; j < allowed.size(); ++j) {
+    if (!(error[j] <= allowed[j])) return false;
+  }
+  return true;
+}
+
 Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
   const bool is_double = options.type == ExportType::kDouble;
   const bool is_fixed = options.type == ExportType::kInt16;
@@ -256,7 +277,7 @@ std::string exportHeader(const RegionMap& map, const ExportOptions& options, con
   checkExportName(options.name);
   Replacements keys = sharedKeys(map, options);
   keys["signals"] = signalLines("theta", map.parameters()) + signalLines("u", map.inputs());
-  keys["bound"] = boundText(options, map, bound);
+  keys["bound"] = boundText(options, map, bound) + filterText(map, bound);
   keys["never"] = options.type == ExportType::kInt16 ? ", which no integer is" : "";
   keys["exponents"] = exponentText(exportExponents(map, options), keys.at("NAME"));
   return replaced(kHeaderTemplate, keys);

@@ -31,6 +31,15 @@ std::string errorList(const ExportBound& bound) {
   return text + "]";
 }
 
+/// Lines of a safety filter.
+std::string allowanceFacts(const ExportBound& bound) {
+  if (bound.allowed.empty()) return "";
+  std::string text = ",\n  \"error_allowed\": [";
+  for (std::size_t j = 0; j < bound.allowed.size(); ++j)
+    text += (j == 0 ? "" : ", ") + roundedDown(bound.allowed[j]);
+  return text + "],\n  \"is_allowed\": " + (bound.isAllowed() ? "true" : "false");
+}
+
 std::size_t tableBytes(const CodeTables& tables, ExportType type) {
   const auto [number, sum] = bytesOf(type);
   std::size_t bytes = number * (tables.planes.size() + tables.laws.size() + tables.box.size()) + sum;
@@ -51,7 +60,12 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
-  const CodeCost cost = codeCost(map, tables);
+  CodeCost cost = codeCost(map, tables);
+  if (bound.work) {
+    cost.rows = static_cast<std::uint32_t>(bound.work->rows);
+    cost.multiply_adds = (bound.work->planes + map.inputs().size()) * map.parameters().size();
+    cost.comparisons = bound.work->comparisons;
+  }
   const CodeCost reached = costlyPoint(map, options).cost;
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
@@ -66,7 +80,7 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          "},\n  \"costliest_vector\": {\"nodes\": " + number(reached.nodes) +
          ", \"rows\": " + number(reached.rows) + ", \"multiply_adds\": " + number(reached.multiply_adds) +
          ", \"comparisons\": " + number(reached.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
-         ",\n  \"margin\": " + roundedUp(bound.margin) + "\n}\n";
+         ",\n  \"margin\": " + roundedUp(bound.margin) + allowanceFacts(bound) + "\n}\n";
 }
 
 }  // namespace polyfly

@@ -34,7 +34,9 @@ ExportOptions codeOptions() {
   return options;
 }
 
-ExportBound noError(const RegionMap& map) { return {std::vector<double>(map.inputs().size(), 0.0), 0.0}; }
+ExportBound noError(const RegionMap& map) {
+  return {std::vector<double>(map.inputs().size(), 0.0), 0.0, {}, {}};
+}
 
 void saveCode(const ScratchFolder& folder, const RegionMap& map, const ExportOptions& options) {
   saveText(folder, options.name + ".c", exportSource(map, options));
@@ -172,7 +174,7 @@ TEST(ExportMapText, TheSameMapGivesTheSameText) {
 TEST(ExportMapText, SignalsCannotEndTheComment) {
   MapContent content = makeSmallMap();
   content.parameters[0].name = "a*/ #error \\ ?\?/ \xc2\xb5";
-  const std::string header = exportHeader(MadeMap(content).map, codeOptions(), {{0.0}, 0.0});
+  const std::string header = exportHeader(MadeMap(content).map, codeOptions(), {{0.0}, 0.0, {}, {}});
   EXPECT_NE(header.find("a_/ #error _ __/ \xc2\xb5"), std::string::npos) << header;
 }
 

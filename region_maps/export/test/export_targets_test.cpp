@@ -82,7 +82,7 @@ class ExportTargets : public testing::Test {
     options.name = "code";
     options.type = type;
     const double error = boundOf(type);
-    const ExportBound bound = {std::vector<double>(map.inputs.size(), error), error};
+    const ExportBound bound = {std::vector<double>(map.inputs.size(), error), error, {}, {}};
     saveText(folder, "code.c", exportSource(made.map, options));
     if (test_is_saved) return;
     saveText(folder, "code.h", exportHeader(made.map, options, bound));

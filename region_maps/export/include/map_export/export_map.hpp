@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,12 +37,28 @@ struct ExportOptions {
   std::vector<ChosenCandidate> chosen;
 };
 
+/// Greatest numbers of operations of one look-up, over all parameters.
+struct LookupWork {
+  /// Nodes of the tree and rows of candidates: planes whose value is computed.
+  std::uint64_t planes = 0;
+  std::uint64_t rows = 0;
+  std::uint64_t comparisons = 0;
+};
+
 /// What is proven of the exported code, to be stated in its header.
 struct ExportBound {
   /// Greatest difference from the map's answer. Size m. [the input's unit]
   std::vector<double> error;
   /// Greatest violation of a half-space of the region whose law is used. [scaled]
   double margin = 0.0;
+  /// Absent: NAME.json has the sums over each path of the tree and all rows of its leaf.
+  std::optional<LookupWork> work;
+  /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
+  /// input's unit]
+  std::vector<double> allowed;
+
+  /// Whether the errors are within what the filter allows.
+  bool isAllowed() const;
 };
 
 /// Throws Error where `name` is no C identifier of 1 to 24 characters that begins with a letter.
@@ -66,7 +83,7 @@ struct ExportExponents {
 };
 ExportExponents exportExponents(const RegionMap& map, const ExportOptions& options);
 
-/// The text of NAME.json: sizes of tables, greatest number of operations, bound, checksums.
+/// The text of NAME.json: sizes of tables, greatest numbers of operations, bound, checksums.
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
 
 }  // namespace polyfly
