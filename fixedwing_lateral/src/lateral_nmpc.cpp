@@ -58,6 +58,13 @@ void LateralNmpc::setTuning(const LateralWeights& weights, const LateralLimits& 
   }
 }
 
+void LateralNmpc::setStep(double step) noexcept {
+  step_ = step;
+  shooting_ = RollShooting(model_, step);
+  qp_.roll = shooting_.transition();
+  prepared_ = false;
+}
+
 void LateralNmpc::reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept {
   const double held = std::clamp(roll_reference, -limits_.roll_reference, limits_.roll_reference);
   std::fill(moves_.begin(), moves_.end(), held);
@@ -94,6 +101,7 @@ bool LateralNmpc::prepare(const HorizonData& data) noexcept {
 void LateralNmpc::linearise(const HorizonData& data) noexcept {
   const TrackingCost tracking(model_, data, weights_);
   cost_ = 0.0;
+  largest_track_error_ = 0.0;
   HorizonStage* stages = qp_.stages();
   for (int k = 0; k < N_; ++k) {
     HorizonStage& stage = stages[k];
@@ -113,6 +121,7 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
 // The cost of a stage and its part in phi, which is counted from roll_along_.
 void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noexcept {
   const double limit = limits_.roll_reference;
+  largest_track_error_ = std::max(largest_track_error_, terms.track_error);
   if (!keep_roll_along_) {
     const double holding = model_.a0 / model_.b0 * terms.roll_along - weights_.feedforward * roll_bias;
     roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);

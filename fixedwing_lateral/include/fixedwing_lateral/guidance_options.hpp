@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "fixedwing_lateral/convergence.hpp"
 #include "fixedwing_lateral/mission.hpp"
 #include "fixedwing_lateral/model.hpp"
 #include "fixedwing_lateral/tuning.hpp"
@@ -32,6 +33,8 @@ struct SafetyOptions {
   double hold_time = 2.0;
   /// Heading rate per heading error in the turn into the wind [1/s].
   double upwind_gain = 0.6;
+  /// When L1 guidance takes over from an optimisation that does not lead to the path.
+  ConvergenceOptions convergence;
 };
 
 /// As published, but counting roll from what the path's curvature asks for.
@@ -39,6 +42,7 @@ inline LateralWeights withFeedforward() {
   LateralWeights weights;
   weights.feedforward = 1.0;
   weights.curvature = 1.0;
+  weights.airspeed = 14.0;
   return weights;
 }
 
@@ -92,6 +96,8 @@ void visitSafety(Options& safety, Visit&& visit) {
   visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/upwind_gain", safety.upwind_gain, "1/s", Range{0.01, 5.0});
+  visit("safety/convergence_time", safety.convergence.near_time, "s", Range{0.05, 10.0});
+  visit("safety/convergence_turns", safety.convergence.turns, "", Range{0.0, 100.0, 10.0, 1.0});
 }
 
 /// The one list of all options but the loiter's direction.
@@ -105,6 +111,7 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("model/a1", options.model.a1, "1/s", Range{0.1, 1e3});
   visit("model/b0", options.model.b0, "1/s^2", Range{0.1, 1e4});
   visit("model/gravity", options.model.gravity, "m/s^2", Range{1.0, 30.0});
+  visit("model/roll_rate_max", options.model.roll_rate_max, "rad/s", Range{0.0, 20.0});
   visit("model/switch_rate", options.model.switch_rate, "1/s", Range{1e-3, 1e3});
   visit("model/switch_threshold", options.model.switch_threshold, "", Range{1e-6, 1e3});
   visit("path/acceptance_radius", options.criterion.acceptance_radius, "m", Range{0.1, 1e4});

@@ -1,0 +1,50 @@
+#include "fixedwing_lateral/speed_scaling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+// Greatest product of the step and the roll loop's natural frequency; the Runge-Kutta step is accurate below it.
+constexpr double kStepFrequency = 1.5;
+// Time constant of the mean airspeed [s].
+constexpr double kMeanTime = 5.0;
+// Change of the mean airspeed that the scale follows, as a share of the airspeed in use.
+constexpr double kChange = 0.25;
+
+}  // namespace
+
+SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const HorizonOptions& horizon,
+                       const LateralModel& model) noexcept {
+  SpeedScaling scaling;
+  if (weights.airspeed > 0.0) scaling.scale = std::max(1.0, airspeed / weights.airspeed);
+  const double longest = std::max(horizon.step, kStepFrequency / std::sqrt(model.a0));
+  scaling.step = std::min(horizon.step * scaling.scale, longest);
+  scaling.near = kNearTime * airspeed;
+  const double squared_frequency = model.gravity * std::sqrt(weights.track / weights.roll_reference);
+  if (model.roll_rate_max > 0.0 && squared_frequency > 0.0)
+    scaling.near = model.gravity * model.roll_rate_max / std::pow(squared_frequency, 1.5);
+  return scaling;
+}
+
+LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& scaling,
+                             double largest_error) noexcept {
+  if (!(scaling.scale > 1.0)) return weights;
+  const double squared = scaling.scale * scaling.scale;
+  const double allowed = std::pow(scaling.near / std::max(largest_error, scaling.near), 4.0 / 3.0);
+  LateralWeights scaled = weights;
+  scaled.track *= std::max(allowed, 1.0 / (squared * squared));
+  scaled.roll_rate *= squared;
+  return scaled;
+}
+
+bool ScaledAirspeed::update(double airspeed, double elapsed) noexcept {
+  mean_ = has_first_ ? mean_ + std::min(1.0, elapsed / kMeanTime) * (airspeed - mean_) : airspeed;
+  has_first_ = true;
+  if (std::abs(mean_ - scaled_) <= kChange * scaled_) return false;
+  scaled_ = mean_;
+  return true;
+}
+
+}  // namespace polyfly
