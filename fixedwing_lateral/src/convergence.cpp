@@ -17,8 +17,8 @@ void ConvergenceWatch::restart() noexcept {
   impatience_ = 0.0;
 }
 
-void ConvergenceWatch::update(const TrackError& error, const TurnAbility& ability, const ConvergenceOptions& options,
-                              double elapsed) noexcept {
+void ConvergenceWatch::update(const TrackError& error, const TurnAbility& ability,
+                              const ConvergenceOptions& options, double elapsed) noexcept {
   const double speed = std::max(ability.speed, kSlowest);
   const double acceleration = ability.gravity * std::tan(ability.roll);
   const double course = error.course_defined ? error.course : 0.0;

@@ -42,10 +42,11 @@ void checkGuidance(const GuidanceOptions& options, const std::string& where) {
 LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::string& where)
     : options_((checkGuidance(options, where), options)),
       air_(options),
-      observer_(options.model),
+      observer_(options.model, options.turn_gain),
       scaled_airspeed_(options.airspeed_nominal),
       nmpc_(options.model, options.horizon, where),
       kept_moves_(options.horizon.horizon) {
+  output_.turn_gain = options.turn_gain;
   rescale();
 }
 
@@ -59,7 +60,9 @@ void LateralGuidance::setMission(Mission mission) {
 void LateralGuidance::beginSegment(Reversal reversal) noexcept {
   convergence_.restart();
   reversal_.begin(reversal);
-  junction_ = junctionOf(track_.current(), track_.next(), air_.wind(), options_.criterion.acceptance_radius);
+  junction_ = options_.choose_side ? junctionOf(track_.current(), track_.next(), air_.wind(),
+                                                options_.criterion.acceptance_radius)
+                                   : Junction{Reversal::kNone, true};
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -285,6 +288,7 @@ void LateralGuidance::checkSegment(const AircraftState& state) noexcept {
 
 // By the error that the optimisation sees.
 void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
+  if (!options_.choose_side) return;
   const PathPoint nearest = closestOnCarrier(track_.current(), state.position).point;
   const TrackError error = trackError(nearest, state.position, state.ground_velocity);
   const Reversal before = reversal_.chosen();
@@ -346,7 +350,8 @@ void LateralGuidance::watchConvergence(const AircraftState& state, double elapse
     convergence_.restart();
     return;
   }
-  const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference, options_.model.gravity};
+  const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference,
+                            options_.model.gravity};
   convergence_.update(output_.error, ability, options_.safety.convergence, std::min(elapsed, kHorizonLife));
   if (!falls_back_ && convergence_.impatience() > 1.0) {
     falls_back_ = true;

@@ -29,9 +29,9 @@ double l1RollReference(const PathSegment& segment, const Eigen::Vector2d& positi
   const ClosestPoint nearest = closestOnCarrier(segment, position);
   const double off = std::min((nearest.point.position - position).norm(), distance);
   const Eigen::Vector2d aim = pointAhead(nearest, std::sqrt(distance * distance - off * off)) - position;
-  const double eta =
-      std::clamp(wrapCourse(std::atan2(aim.y(), aim.x()) - std::atan2(ground_velocity.y(), ground_velocity.x())),
-                 -kPi / 2.0, kPi / 2.0);
+  const double eta = std::clamp(
+      wrapCourse(std::atan2(aim.y(), aim.x()) - std::atan2(ground_velocity.y(), ground_velocity.x())),
+      -kPi / 2.0, kPi / 2.0);
   const double acceleration = 2.0 * speed * speed / distance * std::sin(eta);
   return std::clamp(std::atan(acceleration / options.gravity), -options.roll_limit, options.roll_limit);
 }

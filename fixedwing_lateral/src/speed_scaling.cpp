@@ -8,6 +8,10 @@ namespace {
 
 // Greatest product of the step and the roll loop's natural frequency; the Runge-Kutta step is accurate below it.
 constexpr double kStepFrequency = 1.5;
+// Factor of e_near where the horizon knows the greatest roll rate.
+constexpr double kKnownRate = 2.0;
+// Exponent of the full weight's fall with the error.
+constexpr double kFall = 4.0 / 3.0;
 // Time constant of the mean airspeed [s].
 constexpr double kMeanTime = 5.0;
 // Change of the mean airspeed that the scale follows, as a share of the airspeed in use.
@@ -21,10 +25,7 @@ SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const Hor
   if (weights.airspeed > 0.0) scaling.scale = std::max(1.0, airspeed / weights.airspeed);
   const double longest = std::max(horizon.step, kStepFrequency / std::sqrt(model.a0));
   scaling.step = std::min(horizon.step * scaling.scale, longest);
-  scaling.near = kNearTime * airspeed;
-  const double squared_frequency = model.gravity * std::sqrt(weights.track / weights.roll_reference);
-  if (model.roll_rate_max > 0.0 && squared_frequency > 0.0)
-    scaling.near = model.gravity * model.roll_rate_max / std::pow(squared_frequency, 1.5);
+  scaling.near = (model.roll_rate_max > 0.0 ? kKnownRate : 1.0) * kNearTime * airspeed;
   return scaling;
 }
 
@@ -32,7 +33,7 @@ LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& 
                              double largest_error) noexcept {
   if (!(scaling.scale > 1.0)) return weights;
   const double squared = scaling.scale * scaling.scale;
-  const double allowed = std::pow(scaling.near / std::max(largest_error, scaling.near), 4.0 / 3.0);
+  const double allowed = std::pow(scaling.near / std::max(largest_error, scaling.near), kFall);
   LateralWeights scaled = weights;
   scaled.track *= std::max(allowed, 1.0 / (squared * squared));
   scaled.roll_rate *= squared;

@@ -20,13 +20,14 @@ namespace polyfly {
 //
 //   w = (g^2 track / roll_reference)^(1/4) = 0.56 rad/s.
 //
-// An error e asks for a roll of w^2 e / g and for a roll rate of w^3 e / g. With the rate p that the loop can do, the
-// full weight holds up to e_near = g p / w^3, and a larger error allows track in proportion to w^4, so to e^(-4/3).
-// So the weight is divided by s^4 far away, and rises to the given one where the horizon stays near the path:
+// An error e asks for a roll of w^2 e / g and for a roll rate of w^3 e / g. A loop that can do the rate p flies the full
+// weight up to e_near = g p / w^3, and a larger error by a weight in proportion to w^4, so to e^(-4/3). Therefore the
+// weight is divided by s^4 far away, and rises to the given one where the horizon stays near the path:
 //
 //   share = min(1, max(s^-4, (e_near / e)^(4/3))),   e: the largest |e_t| in the horizon.
 //
-// Where p is not known, e_near is kNearTime V: 13 m at 52 m/s, which roll rates of 13 deg/s do.
+// e_near is kNearTime V: 13 m at 52 m/s, which needs 13 deg/s. It is twice as much where model/roll_rate_max is known,
+// because the horizon then does not ask for more.
 //
 // At and below V_0 the share is 1 and nothing changes: a slower aircraft has no faster roll loop.
 
@@ -46,9 +47,10 @@ SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const Hor
                        const LateralModel& model) noexcept;
 
 /// The weights at that scale, with the largest |e_t| of the horizon [m].
-LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& scaling, double largest_error) noexcept;
+LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& scaling,
+                             double largest_error) noexcept;
 
-/// Airspeed times this is e_near where the greatest roll rate is not known [s].
+/// Airspeed times this is e_near where the horizon does not know the greatest roll rate [s].
 constexpr double kNearTime = 0.25;
 
 /// Decides when the scale follows the airspeed: gusts do not change it.
