@@ -51,13 +51,13 @@ std::vector<Row> ladder(double airspeed, const LateralModel& model) {
   add("+ turning side, roll bound");
   options.weights.airspeed = shipped.weights.airspeed;
   options.safety.convergence = shipped.safety.convergence;
-  add("+ weights by airspeed, L1 as a fallback (as shipped)");
+  add("+ weights by airspeed, L1 as a fallback");
   options.airspeed_nominal = airspeed;
   options.model = model;
   parameters.turn_deviation = LateralParameters{}.turn_deviation;
   add("+ this aircraft's roll loop and rate, turns by them");
   options.weights.track = closeTracking().track;
-  add("+ `weights/track` 0.03 (close)");
+  add("+ `weights/track` 0.03");
   return rows;
 }
 

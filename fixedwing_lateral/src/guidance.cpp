@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_lateral/turn_limits.hpp"
@@ -123,7 +124,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.segment_count = track_.count();
   output_.loitering = track_.isLoitering();
   checkSegment(state);
-  watchConvergence(state, input.engaged ? elapsed : 0.0);
+  watchConvergence(state, input.engaged ? elapsed : std::numeric_limits<double>::infinity());
 
   if (!input.engaged) {
     needs_restart_ = true;
@@ -344,15 +345,16 @@ void LateralGuidance::holdOrLevel(double time) noexcept {
   command(GuidanceMode::kLevel, output_.reason, 0.0);
 }
 
-// A segment that cannot be flown is not left by a fault of the optimisation.
+// A segment that cannot be flown is not left by a fault of the optimisation. After a pause, or another pilot, the aircraft
+// may be anywhere, so the comparison begins anew.
 void LateralGuidance::watchConvergence(const AircraftState& state, double elapsed) noexcept {
-  if (track_.empty() || too_steep_ || air_.isSlow() || air_.isWindy()) {
+  if (track_.empty() || too_steep_ || air_.isSlow() || air_.isWindy() || elapsed > kHorizonLife) {
     convergence_.restart();
     return;
   }
   const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference,
                             options_.model.gravity};
-  convergence_.update(output_.error, ability, options_.safety.convergence, std::min(elapsed, kHorizonLife));
+  convergence_.update(output_.error, ability, options_.safety.convergence, elapsed);
   if (!falls_back_ && convergence_.impatience() > 1.0) {
     falls_back_ = true;
   } else if (falls_back_ && convergence_.near() > probation_) {

@@ -10,6 +10,8 @@ namespace {
 constexpr double kStepFrequency = 1.5;
 // Factor of e_near where the horizon knows the greatest roll rate.
 constexpr double kKnownRate = 2.0;
+// Least ratio of the weights of e_t and phi_r [rad^2/m^2].
+constexpr double kLeastStiffness = 1e-9;
 // Exponent of the full weight's fall with the error.
 constexpr double kFall = 4.0 / 3.0;
 // Time constant of the mean airspeed [s].
@@ -25,7 +27,13 @@ SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const Hor
   if (weights.airspeed > 0.0) scaling.scale = std::max(1.0, airspeed / weights.airspeed);
   const double longest = std::max(horizon.step, kStepFrequency / std::sqrt(model.a0));
   scaling.step = std::min(horizon.step * scaling.scale, longest);
-  scaling.near = (model.roll_rate_max > 0.0 ? kKnownRate : 1.0) * kNearTime * airspeed;
+  // (w_published / w)^3, w being the frequency near the path.
+  const LateralWeights published;
+  const double stiffness = weights.track / weights.roll_reference;
+  const double slowness =
+      std::pow(published.track / published.roll_reference / std::max(stiffness, kLeastStiffness), 0.75);
+  scaling.near =
+      (model.roll_rate_max > 0.0 ? kKnownRate : 1.0) * kNearTime * airspeed * std::min(1.0, slowness);
   return scaling;
 }
 

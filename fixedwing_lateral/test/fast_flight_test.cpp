@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "allocations.hpp"
 #include "fixedwing_lateral/l1_guidance.hpp"
@@ -198,8 +199,10 @@ TEST(FastFlight, DubinsByTheShippedWeightsIsHeldAndNeverWorseThanByL1) {
 
 // The same options as at 14 m/s, airspeed and roll loop included: the scale comes from the measured airspeed.
 TEST(FastFlight, TheBoxConvergesWithAllOptionsAsShipped) {
-  for (const double share : {0.0, 0.3}) {
+  for (const auto& [share, weights] : {std::pair{0.0, withFeedforward()}, std::pair{0.3, withFeedforward()},
+                                       std::pair{0.0, closeTracking()}}) {
     GuidanceOptions options;
+    options.weights = weights;
     options.criterion.acceptance_radius = kScale * kScale * 28.5;
     const Mission mission = boxFigure(kScale * kScale);
     const Flight flight = flyFast(mission, windOf(share), options);
@@ -251,6 +254,30 @@ TEST(FastFlight, AMissionOrOtherOptionsGiveTheOptimisationAnotherChance) {
     EXPECT_EQ(guidance.update(sensors.measure(aircraft, options.period)).mode, GuidanceMode::kTracking);
     EXPECT_TRUE(guidance.output().restarted);
   }
+}
+
+// Another pilot flies the aircraft away from its path. The way back is longer than the patience.
+TEST(Fallback, DoesNotCountWhatAnotherPilotFlew) {
+  GuidanceOptions options;
+  LateralGuidance guidance(options, "test");
+  guidance.setMission(makeMission({LineSegment{{0.0, 0.0}, {1e5, 0.0}}}, {}, "test"));
+  AircraftState start;
+  start.ground_velocity = {kSlow, 0.0};
+  ChapterAircraft aircraft(LateralModel{}, start, kSlow, {0.0, 0.0});
+  Sensors sensors({}, 1);
+  bool returned = false;
+  for (int i = 0; i < 4000; ++i) {
+    GuidanceInput input = sensors.measure(aircraft, options.period);
+    const bool away = i >= 200 && i < 1400;
+    input.engaged = !away;
+    const GuidanceOutput& output = guidance.update(input);
+    ASSERT_NE(output.mode, GuidanceMode::kFallback) << i;
+    returned = i > 1400 && std::abs(output.error.track) < 1.0;
+    // A turn to the east, then straight on.
+    aircraft.fly(away ? (i < 340 ? 0.3 : 0.0) : output.roll_reference, options.period);
+    guidance.prepare();
+  }
+  EXPECT_TRUE(returned);
 }
 
 TEST(FastFlight, ScalingAndFallingBackAllocateNothing) {

@@ -119,6 +119,15 @@ TEST(FitTurns, AFilePlansDubinsPathsForItsWind) {
   EXPECT_TRUE(steepSegments(mission.segments, in(7.0)).empty());
   EXPECT_NEAR(std::get<ArcSegment>(mission.segments[0]).radius, leastRadius(in(7.0)), 1e-9);
   EXPECT_THROW(parseMission(path, "m", {}), Error);  // no radius and no wind
+  const Mission slow = parseMission(
+      "turns: {airspeed: 14, wind: 7, tight: widen, turn_gain: 0.9, roll_rate: 0.3, deviation: 1.5}\n" + path,
+      "m", {});
+  TurnConditions conditions = in(7.0);
+  conditions.turn_gain = 0.9;
+  conditions.roll_rate = 0.3;
+  conditions.deviation = 1.5;
+  EXPECT_NEAR(std::get<ArcSegment>(slow.segments[0]).radius, leastRadius(conditions), 1e-9);
+  EXPECT_TRUE(abruptJunctions(slow.segments, conditions).empty());
   const auto complaint = [&](const std::string& turns) -> std::string {
     try {
       parseMission("turns: " + turns + "\n" + path, "m", {});
