@@ -25,12 +25,14 @@ set datafile separator ","
 set multiplot layout 2,2 title "$2"
 set grid lc rgb "#dddddd"
 set key outside top center horizontal
+set xtics rotate by -45
 set size ratio -1
 set xlabel "east [m]"
 set ylabel "north [m]"
 plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "path", \
      "$output/$1_l1.csv" every ::1 using 3:2 with lines lc rgb "#1f77b4" title "L1", \
      "$output/$1_mpc.csv" every ::1 using 3:2 with lines lc rgb "#d62728" lw 1.5 title "MPC"
+set xtics norotate
 set size noratio
 set xlabel "time [s]"
 set ylabel "distance from the path [m]"
