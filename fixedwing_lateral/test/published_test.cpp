@@ -18,7 +18,9 @@ using namespace polyfly;
 struct Listing {
   std::vector<std::string> entries;
 
-  void operator()(const char* name, bool value) { entries.push_back(name + std::string(value ? "=true" : "=false")); }
+  void operator()(const char* name, bool value) {
+    entries.push_back(name + std::string(value ? "=true" : "=false"));
+  }
   void operator()(const char* name, int value, const char*, const Range&) {
     entries.push_back(name + ("=" + std::to_string(value)));
   }
