@@ -47,7 +47,8 @@ void printTable(const Mission& mission, const TurnConditions& conditions) {
   }
   std::printf("%.1f m, then the circle for ever\n", whole);
   std::printf("at %.1f m/s in a wind of %.1f m/s and with %.0f degrees of roll, circles need %.1f m\n",
-              conditions.airspeed, conditions.wind_speed, kDegree * conditions.roll, leastRadius(conditions));
+              conditions.airspeed, conditions.wind_speed, kDegree * plannedRoll(conditions),
+              leastRadius(conditions));
   const std::string steep = describeSteep(mission.segments, conditions);
   if (!steep.empty()) std::printf("%s; it will be left there\n", steep.c_str());
 }
@@ -87,11 +88,21 @@ int main(int argc, char** argv) {
   app.add_option("--wind", conditions.wind_speed, "Wind speed, from the worst direction [m/s].")
       ->check(numberFrom(0.0));
   app.add_option("--roll", roll, "Greatest roll in turns [deg].")->check(numberAbove(0.0));
+  app.add_option("--turn-gain", conditions.turn_gain,
+                 "Gain of the turn rate by roll, as the status of a flight has it.")
+      ->check(numberAbove(0.0));
+  double roll_rate = 0.0;
+  app.add_option("--roll-rate", roll_rate, "Greatest roll rate of the autopilot; 0: no bound [deg/s].")
+      ->check(numberFrom(0.0));
+  app.add_option("--deviation", conditions.deviation,
+                 "Greatest deviation from the path where a turn follows another one; 0: no bound [m].")
+      ->check(numberFrom(0.0));
   app.add_option("--tight", tight,
                  "Tighter turns: keep them, refuse the mission, or widen Dubins paths and loiters.")
       ->check(oneOf(std::vector<std::string>{"keep", "refuse", "widen"}));
   return runTool(app, argc, argv, [&] {
     conditions.roll = roll / kDegree;
+    conditions.roll_rate = roll_rate / kDegree;
     checkTurns(conditions, "conditions");
     plan.tight = tightTurnsOf(tight, "--tight");
     const Mission mission = loadMission(path, loiter, plan);

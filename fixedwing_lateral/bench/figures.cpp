@@ -7,11 +7,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "addition_figures.hpp"
 #include "command_line/command_line.hpp"
 #include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_plant/flight_metrics.hpp"
@@ -26,7 +28,6 @@ namespace {
 
 using namespace polyfly;
 using Eigen::Vector2d;
-using Rows = std::vector<std::vector<double>>;
 
 // Share of a segment's time for joining it.
 constexpr double kSettle = 0.5;
@@ -35,8 +36,6 @@ constexpr double kWindow = 7.0;
 constexpr double kPeriod = 0.05;  // [s]
 constexpr double kAirspeed = 14.0;
 constexpr double kDuration = 240.0;
-// Time from which a loiter counts as settled; the recordings last 50 s [s].
-constexpr double kLoiterSettled = 25.0;
 const Vector2d kWind(0.6 * 0.5 * kAirspeed, -0.8 * 0.5 * kAirspeed);
 
 std::ostringstream table() {
@@ -126,7 +125,7 @@ std::vector<FlightSample> fly(const Case& chosen, const Mission& mission, const 
         kDuration);
   }
   GuidanceOptions options;
-  if (law == "close") options.weights = closeTracking();
+  options.weights = law == "close" ? closeTracking() : withFeedforward();
   LateralGuidance guidance(options, "experiment");
   guidance.setMission(mission);
   return flyLaw(*aircraft, sensors, lawOf(guidance), kPeriod, kDuration);
@@ -171,6 +170,16 @@ class Report {
   /// The guidance over a log of a real aircraft.
   void addLog(const std::string& text);
 
+  /// What each addition to the published configuration brings.
+  void addAdditions() {
+    const AdditionTable table = flyAdditions();
+    summary_["additions"] = table.rows;
+    additions_ = table.html;
+  }
+
+  /// Whether the chapter's bars hold, on the console.
+  void printVerdict() const;
+
   void finish() {
     nlohmann::json all = summary_;
     const auto& calm = summary_["flights"]["box_calm_mpc"];
@@ -211,7 +220,8 @@ class Report {
            "<th>segment</th><th>time [s]</th><th>below 1 m after [s]</th>"
            "<th>once converged [m]</th><th>overshoot [m]</th></tr>\n"
         << segments_.str() << "</table>\n"
-        << recordings_.str();
+        << "<h2>What each addition brings</h2>\n"
+        << additions_ << recordings_.str();
     write("tables.html", tables.str());
   }
 
@@ -272,49 +282,8 @@ class Report {
   std::vector<std::string> taken_;  // read already, or written
   nlohmann::json summary_;
   std::ostringstream flights_, segments_, recordings_;
+  std::string additions_;
 };
-
-Rows readCsv(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": cannot be read");
-  Rows rows;
-  std::string line;
-  readLine(file, line, path);
-  while (readLine(file, line, path)) {
-    std::vector<double> row;
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');) {
-      char* end = nullptr;
-      row.push_back(std::strtod(cell.c_str(), &end));
-      if (end == cell.c_str() || !std::isfinite(row.back()))
-        throw Error(path + ": '" + cell + "' is not a number");
-    }
-    if (row.size() < 3) throw Error(path + ": a row of fewer than three columns");
-    rows.push_back(row);
-  }
-  if (rows.size() < 2) throw Error(path + ": no samples");
-  return rows;
-}
-
-struct Spread {
-  double rms = 0.0;
-  double largest = 0.0;
-};
-
-/// Distance from the circle after the settling time.
-Spread spreadOf(const Rows& rows, double radius) {
-  Spread spread;
-  int count = 0;
-  for (const std::vector<double>& row : rows) {
-    if (row[0] < kLoiterSettled) continue;
-    const double off = std::abs(std::hypot(row[1], row[2]) - radius);
-    spread.rms += off * off;
-    spread.largest = std::max(spread.largest, off);
-    ++count;
-  }
-  spread.rms = std::sqrt(spread.rms / std::max(count, 1));
-  return spread;
-}
 
 void Report::addLog(const std::string& text) {
   const RecordedLog log = parseLog(text);
@@ -373,6 +342,29 @@ void Report::addRecording(const std::string& path) {
   recordings_ << row;
 }
 
+void Report::printVerdict() const {
+  struct Bar {
+    const char* text;
+    const char* flight;
+    const char* metric;
+    double most;  // [m]
+  };
+  const Bar bars[] = {{"box in calm, lines", "box_calm_mpc", "converged_m", 1.0},
+                      {"box in calm, loiter", "box_calm_mpc", "loiter_m", 1.0},
+                      {"box in wind of half the airspeed, lines", "box_wind_close", "converged_m", 1.0},
+                      {"box in wind of half the airspeed, loiter", "box_wind_close", "loiter_m", 1.0},
+                      {"Dubins in calm, once joined", "dubins_calm_mpc", "after_joining_m", 3.0},
+                      {"Dubins in that wind, once joined", "dubins_wind_close", "after_joining_m", 3.0}};
+  int met = 0;
+  for (const Bar& bar : bars) {
+    const double value = summary_.at("flights").at(bar.flight).at(bar.metric).get<double>();
+    const bool holds = value < bar.most;
+    met += holds ? 1 : 0;
+    std::printf("%-42s %6.2f m, bar %.0f m: %s\n", bar.text, value, bar.most, holds ? "good" : "MISSED");
+  }
+  std::printf("verdict: %d of %zu bars hold\n", met, std::size(bars));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -394,7 +386,9 @@ int main(int argc, char** argv) {
     report.add({"tight", true, "model"});
     for (const std::string& recording : recordings) report.addRecording(recording);
     for (const std::string& log : logs) report.addLog(log);
+    report.addAdditions();
     report.finish();
+    report.printVerdict();
     return 0;
   });
 }

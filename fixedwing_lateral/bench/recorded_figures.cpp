@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "fixedwing_plant/recorded_flight.hpp"
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_line.hpp"
 
 namespace polyfly {
 namespace {
@@ -79,6 +82,42 @@ ReplayedLog replayLog(const RecordedLog& log) {
     result["roll_standing_still_1s_rms_deg"] = kDegree * prediction.rms_still;
   }
   return {file.str(), result};
+}
+
+Rows readCsv(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw Error(path + ": cannot be read");
+  Rows rows;
+  std::string line;
+  readLine(file, line, path);
+  while (readLine(file, line, path)) {
+    std::vector<double> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      char* end = nullptr;
+      row.push_back(std::strtod(cell.c_str(), &end));
+      if (end == cell.c_str() || !std::isfinite(row.back()))
+        throw Error(path + ": '" + cell + "' is not a number");
+    }
+    if (row.size() < 3) throw Error(path + ": a row of fewer than three columns");
+    rows.push_back(row);
+  }
+  if (rows.size() < 2) throw Error(path + ": no samples");
+  return rows;
+}
+
+Spread spreadOf(const Rows& rows, double radius) {
+  Spread spread;
+  int count = 0;
+  for (const std::vector<double>& row : rows) {
+    if (row[0] < kLoiterSettled) continue;
+    const double off = std::abs(std::hypot(row[1], row[2]) - radius);
+    spread.rms += off * off;
+    spread.largest = std::max(spread.largest, off);
+    ++count;
+  }
+  spread.rms = std::sqrt(spread.rms / std::max(count, 1));
+  return spread;
 }
 
 }  // namespace polyfly

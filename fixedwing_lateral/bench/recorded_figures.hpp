@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace polyfly {
 
@@ -24,5 +25,22 @@ struct ReplayedLog {
 
 /// Replays the guidance over the log open loop.
 ReplayedLog replayLog(const RecordedLog& log);
+
+/// The rows of a CSV file below its heading.
+using Rows = std::vector<std::vector<double>>;
+
+/// At least three columns and two rows of finite numbers; throws Error naming the file.
+Rows readCsv(const std::string& path);
+
+/// Time from which a loiter counts as settled; the recordings last 50 s [s].
+constexpr double kLoiterSettled = 25.0;
+
+struct Spread {
+  double rms = 0.0;
+  double largest = 0.0;
+};
+
+/// Distance from the circle about the origin after the settling time; columns: time, north, east.
+Spread spreadOf(const Rows& rows, double radius);
 
 }  // namespace polyfly

@@ -62,6 +62,20 @@ AircraftState ChapterAircraft::state() const {
   return state;
 }
 
+RoughOptions slowRolling() {
+  RoughOptions options;
+  options.roll_frequency = 2.0;
+  options.roll_damping = 0.8;
+  options.roll_rate_max = 9.0 / 180.0 * kPi;
+  options.roll_gain = 1.0;
+  options.roll_trim = 0.0;
+  options.turn_gain = 1.0;
+  options.airspeed = 52.0;
+  options.load_drag = 2.0;
+  options.altitude = 1000.0;
+  return options;
+}
+
 PerturbedAircraft::PerturbedAircraft(const RoughOptions& options, const AircraftState& start,
                                      std::uint32_t seed)
     : options_(options),

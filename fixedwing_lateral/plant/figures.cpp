@@ -23,24 +23,27 @@ TurnPlan turnsInWind(double wind_speed) {
   return plan;
 }
 
-Mission boxFigure() {
+Mission boxFigure(double size) {
+  const double side = 400.0 * size;
   LoiterOptions loiter;
-  loiter.radius = 100.0;
-  return missionThrough({{0.0, 0.0}, {400.0, 0.0}, {400.0, 400.0}, {0.0, 400.0}, {0.0, 0.0}, {400.0, 0.0}},
-                        loiter, "box");
+  loiter.radius = 100.0 * size;
+  return missionThrough({{0.0, 0.0}, {side, 0.0}, {side, side}, {0.0, side}, {0.0, 0.0}, {side, 0.0}}, loiter,
+                        "box");
 }
 
-Mission dubinsFigure(const TurnPlan& turns) {
-  const std::vector<PathPose> poses = {{{0.0, 0.0}, degrees(0.0)},
-                                       {{220.0, 60.0}, degrees(60.0)},
-                                       {{120.0, 300.0}, degrees(180.0)},
-                                       {{-80.0, 200.0}, degrees(-60.0)},
-                                       {{60.0, -80.0}, degrees(20.0)}};
+Mission dubinsFigure(const TurnPlan& turns, double size) {
+  std::vector<PathPose> poses = {{{0.0, 0.0}, degrees(0.0)},
+                                 {{220.0, 60.0}, degrees(60.0)},
+                                 {{120.0, 300.0}, degrees(180.0)},
+                                 {{-80.0, 200.0}, degrees(-60.0)},
+                                 {{60.0, -80.0}, degrees(20.0)}};
+  for (PathPose& pose : poses) pose.position *= size;
   LoiterOptions loiter;
-  loiter.radius = turns.planned(kLoiterRadius);
+  loiter.radius = turns.planned(size * kLoiterRadius);
   loiter.direction = TurnDirection::kLeft;
-  return fitTurns(makeMission(planDubins(poses, turns.planned(kTurnRadius), "figure"), loiter, "figure"),
-                  turns, "figure");
+  return fitTurns(
+      makeMission(planDubins(poses, turns.planned(size * kTurnRadius), "figure"), loiter, "figure"), turns,
+      "figure");
 }
 
 Mission randomMission(int segments, unsigned seed) {

@@ -206,8 +206,8 @@ void fillAttitude(double roll_reference, double heading, const AttitudeOptions& 
 }
 
 void fillStatus(const polyfly::GuidanceOutput& output, LateralStatus& message) {
-  static_assert(static_cast<int>(GuidanceMode::kStandby) == LateralStatus::STANDBY, "as in the message");
-  static_assert(static_cast<int>(GuidanceReason::kTooSteep) == LateralStatus::REASON_TOO_STEEP,
+  static_assert(static_cast<int>(GuidanceMode::kFallback) == LateralStatus::FALLBACK, "as in the message");
+  static_assert(static_cast<int>(GuidanceReason::kNotConverging) == LateralStatus::REASON_NOT_CONVERGING,
                 "as in the message");
   message.mode = static_cast<std::uint8_t>(output.mode);
   message.reason = static_cast<std::uint8_t>(output.reason);

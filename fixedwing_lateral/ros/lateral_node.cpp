@@ -197,7 +197,7 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
       return;
     }
     requireFrame(message->header.frame_id);
-    const polyfly::TurnPlan turns = turnPlan();
+    const polyfly::TurnPlan turns = polyfly::turnPlanOf(setup_, guidance_.output());
     guidance_.setMission(toMission(*message, setup_.guidance.loiter, turns));
     mission_frame_ = message->header.frame_id;
     ROS_INFO("lateral guidance: a mission of %d segments", guidance_.track().count());
@@ -206,17 +206,6 @@ void LateralNode::onMission(const fixedwing_lateral::Mission::ConstPtr& message)
   } catch (const polyfly::Error& error) {
     ROS_ERROR("lateral guidance keeps its mission: %s", error.what());
   }
-}
-
-// With the wind that is expected or, where it is stronger, the present one.
-polyfly::TurnPlan LateralNode::turnPlan() const {
-  polyfly::TurnPlan plan;
-  plan.tight = polyfly::tightTurnsOf(setup_.tight_turns, "path/tight_turns");
-  plan.conditions.airspeed = setup_.guidance.airspeed_nominal;
-  plan.conditions.wind_speed = std::max(setup_.wind_expected, shown_.wind.norm());
-  plan.conditions.roll = setup_.turn_share * setup_.guidance.limits.roll_reference;
-  plan.conditions.gravity = setup_.guidance.model.gravity;
-  return plan;
 }
 
 void LateralNode::onEngaged(const std_msgs::Bool::ConstPtr& message) { engaged_ = message->data; }
@@ -284,7 +273,9 @@ void LateralNode::publishStatus(const polyfly::GuidanceOutput& output, const std
 
 void LateralNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const bool is_well = shown_.mode == polyfly::GuidanceMode::kTracking;
+  // L1 guidance flies the mission too, but something is wrong.
+  const bool is_well =
+      shown_.mode == polyfly::GuidanceMode::kTracking || shown_.mode == polyfly::GuidanceMode::kFallback;
   const bool is_nominal = shown_.reason == polyfly::GuidanceReason::kNone;
   if (!has_odometry_) {
     status.summary(DiagnosticStatus::ERROR, "no odometry yet");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "fixedwing_lateral/l1_guidance.hpp"
 #include "fixedwing_lateral/turn_limits.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/range_check.hpp"
@@ -31,52 +33,6 @@ bool isFinite(const AircraftState& state) noexcept {
 
 }  // namespace
 
-const char* toString(GuidanceMode mode) noexcept {
-  switch (mode) {
-    case GuidanceMode::kTracking:
-      return "tracking";
-    case GuidanceMode::kHoldHorizon:
-      return "flying the last horizon";
-    case GuidanceMode::kUpwind:
-      return "into the wind";
-    case GuidanceMode::kLevel:
-      return "wings level";
-    case GuidanceMode::kStandby:
-      return "standby";
-  }
-  return "unknown";
-}
-
-const char* toString(GuidanceReason reason) noexcept {
-  switch (reason) {
-    case GuidanceReason::kNone:
-      return "nominal";
-    case GuidanceReason::kNotEngaged:
-      return "the autopilot is in another mode";
-    case GuidanceReason::kNoMission:
-      return "no mission";
-    case GuidanceReason::kNotFinite:
-      return "a state that is not finite or rolled too far";
-    case GuidanceReason::kStale:
-      return "a stale state";
-    case GuidanceReason::kJump:
-      return "a jump of position, heading or roll";
-    case GuidanceReason::kSolver:
-      return "the optimisation failed";
-    case GuidanceReason::kLowAirspeed:
-      return "low airspeed";
-    case GuidanceReason::kStrongWind:
-      return "wind near or above the airspeed";
-    case GuidanceReason::kAirspeedAssumed:
-      return "no airspeed: the nominal one is assumed";
-    case GuidanceReason::kWindAssumed:
-      return "no wind estimate: taken from the ground velocity";
-    case GuidanceReason::kTooSteep:
-      return "the segment asks for more roll in this wind than is allowed";
-  }
-  return "unknown";
-}
-
 void checkGuidance(const GuidanceOptions& options, const std::string& where) {
   visitGuidance(options, RangeCheck{where});
   if (options.delay > 0.0 && options.applied_move != 0)
@@ -87,21 +43,27 @@ void checkGuidance(const GuidanceOptions& options, const std::string& where) {
 LateralGuidance::LateralGuidance(const GuidanceOptions& options, const std::string& where)
     : options_((checkGuidance(options, where), options)),
       air_(options),
-      observer_(options.model),
+      observer_(options.model, options.turn_gain),
+      scaled_airspeed_(options.airspeed_nominal),
       nmpc_(options.model, options.horizon, where),
       kept_moves_(options.horizon.horizon) {
-  nmpc_.setTuning(options.weights, options.limits);
+  output_.turn_gain = options.turn_gain;
+  rescale();
 }
 
 void LateralGuidance::setMission(Mission mission) {
   track_ = MissionTrack(std::move(mission), options_.criterion, "mission");
   beginSegment(Reversal::kNone);
+  trustOptimisation();
   needs_restart_ = true;
 }
 
 void LateralGuidance::beginSegment(Reversal reversal) noexcept {
+  convergence_.restart();
   reversal_.begin(reversal);
-  junction_ = junctionOf(track_.current(), track_.next(), air_.wind(), options_.criterion.acceptance_radius);
+  junction_ = options_.choose_side ? junctionOf(track_.current(), track_.next(), air_.wind(),
+                                                options_.criterion.acceptance_radius)
+                                   : Junction{Reversal::kNone, true};
 }
 
 void LateralGuidance::clearMission() { track_ = MissionTrack(); }
@@ -112,7 +74,25 @@ void LateralGuidance::setTuning(const LateralWeights& weights, const LateralLimi
   options_.limits = limits;
   options_.safety = safety;
   air_.setSafety(safety);
-  nmpc_.setTuning(weights, limits);
+  rescale();
+  trustOptimisation();
+}
+
+void LateralGuidance::trustOptimisation() noexcept {
+  needs_restart_ = needs_restart_ || falls_back_;
+  convergence_.restart();
+  falls_back_ = false;
+  probation_ = 1.0;
+}
+
+// The horizon begins anew where its step changes.
+void LateralGuidance::rescale() noexcept {
+  scaling_ = scalingAt(scaled_airspeed_.value(), options_.weights, options_.horizon, options_.model);
+  if (scaling_.step != nmpc_.stepDuration()) {
+    nmpc_.setStep(scaling_.step);
+    needs_restart_ = true;
+  }
+  nmpc_.setTuning(scaledWeights(options_.weights, scaling_, nmpc_.largestTrackError()), options_.limits);
   prepared_ = false;
 }
 
@@ -131,6 +111,9 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   air_.update(input.time, input.airspeed, input.wind, state.ground_velocity, state.heading);
   output_.airspeed = air_.airspeed();
   output_.wind = air_.wind();
+  const double elapsed = std::max(0.0, input.time - last_time_);
+  last_time_ = input.time;
+  if (!air_.airspeedAssumed() && scaled_airspeed_.update(air_.airspeed(), elapsed)) rescale();
   learn(input);
   if (track_.advance(state.position, state.ground_velocity)) {
     nmpc_.clearSwitch();
@@ -141,6 +124,7 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   output_.segment_count = track_.count();
   output_.loitering = track_.isLoitering();
   checkSegment(state);
+  watchConvergence(state, input.engaged ? elapsed : std::numeric_limits<double>::infinity());
 
   if (!input.engaged) {
     needs_restart_ = true;
@@ -155,6 +139,11 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   } else if (air_.isWindy()) {
     needs_restart_ = true;
     command(GuidanceMode::kUpwind, GuidanceReason::kStrongWind, upwindReference(state.heading));
+  } else if (falls_back_) {
+    needs_restart_ = true;
+    command(GuidanceMode::kFallback, GuidanceReason::kNotConverging, fallbackReference(state));
+    std::fill(kept_moves_.begin(), kept_moves_.end(), output_.roll_reference);
+    horizon_time_ = input.time;
   } else if (solve(input)) {
     keepHorizon(input.time);
     const GuidanceReason reason = air_.airspeedAssumed() ? GuidanceReason::kAirspeedAssumed
@@ -190,7 +179,7 @@ bool LateralGuidance::improve() noexcept {
 void LateralGuidance::prepare() noexcept {
   can_improve_ = false;
   if (needs_restart_ || track_.empty()) return;
-  nmpc_.keepAsPrevious(options_.period / options_.horizon.step);
+  nmpc_.keepAsPrevious(options_.period / nmpc_.stepDuration());
   fillData();
   prepared_ = nmpc_.prepare(data_);
 }
@@ -300,6 +289,7 @@ void LateralGuidance::checkSegment(const AircraftState& state) noexcept {
 
 // By the error that the optimisation sees.
 void LateralGuidance::chooseReversal(const AircraftState& state) noexcept {
+  if (!options_.choose_side) return;
   const PathPoint nearest = closestOnCarrier(track_.current(), state.position).point;
   const TrackError error = trackError(nearest, state.position, state.ground_velocity);
   const Reversal before = reversal_.chosen();
@@ -325,6 +315,8 @@ void LateralGuidance::fillData() noexcept {
   data_.current = track_.current();
   data_.next = junction_.is_shown ? track_.next() : track_.current();
   data_.reversal = reversal_.chosen();
+  if (scaling_.scale > 1.0)
+    nmpc_.setTuning(scaledWeights(options_.weights, scaling_, nmpc_.largestTrackError()), options_.limits);
   data_.next_reversal = track_.isLoitering() || !junction_.is_shown ? data_.reversal : Reversal::kNone;
 }
 
@@ -344,13 +336,40 @@ void LateralGuidance::keepHorizon(double time) noexcept {
 void LateralGuidance::holdOrLevel(double time) noexcept {
   const double since = time - horizon_time_;
   if (since >= 0.0 && since <= options_.safety.hold_time) {
-    const int later = options_.applied_move + static_cast<int>(since / options_.horizon.step);
+    const int later = options_.applied_move + static_cast<int>(since / nmpc_.stepDuration());
     if (later < nmpc_.horizon()) {
       command(GuidanceMode::kHoldHorizon, output_.reason, kept_moves_[later]);
       return;
     }
   }
   command(GuidanceMode::kLevel, output_.reason, 0.0);
+}
+
+// A segment that cannot be flown is not left by a fault of the optimisation. After a pause, or another pilot, the aircraft
+// may be anywhere, so the comparison begins anew.
+void LateralGuidance::watchConvergence(const AircraftState& state, double elapsed) noexcept {
+  if (track_.empty() || too_steep_ || air_.isSlow() || air_.isWindy() || elapsed > kHorizonLife) {
+    convergence_.restart();
+    return;
+  }
+  const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference,
+                            options_.model.gravity};
+  convergence_.update(output_.error, ability, options_.safety.convergence, elapsed);
+  if (!falls_back_ && convergence_.impatience() > 1.0) {
+    falls_back_ = true;
+  } else if (falls_back_ && convergence_.near() > probation_) {
+    falls_back_ = false;
+    probation_ *= 2.0;
+    convergence_.restart();
+  }
+}
+
+double LateralGuidance::fallbackReference(const AircraftState& state) const noexcept {
+  L1Options l1;
+  l1.gravity = options_.model.gravity;
+  l1.roll_limit = options_.limits.roll_reference;
+  l1.period = std::max(l1.period, leastL1Period(state.ground_velocity.norm(), l1));
+  return l1RollReference(track_.current(), state.position, state.ground_velocity, l1);
 }
 
 // Towards the heading against the wind, by a coordinated turn at a rate in proportion.

@@ -8,6 +8,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kLeastDistance = 5.0;  // L1 [m]
+constexpr double kLeastSpeed = 1.0;     // [m/s]
 
 /// The point `ahead` along the line or circle of the segment.
 Eigen::Vector2d pointAhead(const ClosestPoint& nearest, double ahead) noexcept {
@@ -20,6 +21,24 @@ Eigen::Vector2d pointAhead(const ClosestPoint& nearest, double ahead) noexcept {
 }
 
 }  // namespace
+
+double l1RollReference(const PathSegment& segment, const Eigen::Vector2d& position,
+                       const Eigen::Vector2d& ground_velocity, const L1Options& options) noexcept {
+  const double speed = std::max(ground_velocity.norm(), kLeastSpeed);
+  const double distance = std::max(options.period * options.damping / kPi * speed, kLeastDistance);
+  const ClosestPoint nearest = closestOnCarrier(segment, position);
+  const double off = std::min((nearest.point.position - position).norm(), distance);
+  const Eigen::Vector2d aim = pointAhead(nearest, std::sqrt(distance * distance - off * off)) - position;
+  const double eta = std::clamp(
+      wrapCourse(std::atan2(aim.y(), aim.x()) - std::atan2(ground_velocity.y(), ground_velocity.x())),
+      -kPi / 2.0, kPi / 2.0);
+  const double acceleration = 2.0 * speed * speed / distance * std::sin(eta);
+  return std::clamp(std::atan(acceleration / options.gravity), -options.roll_limit, options.roll_limit);
+}
+
+double leastL1Period(double ground_speed, const L1Options& options) noexcept {
+  return kPi * ground_speed / (options.damping * options.gravity * std::tan(options.roll_limit));
+}
 
 L1Guidance::L1Guidance(Mission mission, const SwitchCriterion& criterion, const L1Options& options)
     : track_(std::move(mission), criterion, "L1"), options_(options) {}
@@ -36,17 +55,7 @@ GuidanceOutput L1Guidance::update(const GuidanceInput& input) noexcept {
   output.loitering = track_.isLoitering();
   output.error = trackError(closestPoint(track_.current(), position).point, position, velocity);
 
-  const double speed = std::max(velocity.norm(), 1.0);
-  const double distance = std::max(options_.period * options_.damping / kPi * speed, kLeastDistance);
-  const ClosestPoint nearest = closestOnCarrier(track_.current(), position);
-  const double off = std::min((nearest.point.position - position).norm(), distance);
-  const Eigen::Vector2d aim = pointAhead(nearest, std::sqrt(distance * distance - off * off)) - position;
-  const double eta =
-      std::clamp(wrapCourse(std::atan2(aim.y(), aim.x()) - std::atan2(velocity.y(), velocity.x())),
-                 -kPi / 2.0, kPi / 2.0);
-  const double acceleration = 2.0 * speed * speed / distance * std::sin(eta);
-  output.roll_reference =
-      std::clamp(std::atan(acceleration / options_.gravity), -options_.roll_limit, options_.roll_limit);
+  output.roll_reference = l1RollReference(track_.current(), position, velocity, options_);
   return output;
 }
 

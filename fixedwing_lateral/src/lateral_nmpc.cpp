@@ -58,6 +58,13 @@ void LateralNmpc::setTuning(const LateralWeights& weights, const LateralLimits& 
   }
 }
 
+void LateralNmpc::setStep(double step) noexcept {
+  step_ = step;
+  shooting_ = RollShooting(model_, step);
+  qp_.roll = shooting_.transition();
+  prepared_ = false;
+}
+
 void LateralNmpc::reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept {
   const double held = std::clamp(roll_reference, -limits_.roll_reference, limits_.roll_reference);
   std::fill(moves_.begin(), moves_.end(), held);
@@ -94,6 +101,7 @@ bool LateralNmpc::prepare(const HorizonData& data) noexcept {
 void LateralNmpc::linearise(const HorizonData& data) noexcept {
   const TrackingCost tracking(model_, data, weights_);
   cost_ = 0.0;
+  largest_track_error_ = 0.0;
   HorizonStage* stages = qp_.stages();
   for (int k = 0; k < N_; ++k) {
     HorizonStage& stage = stages[k];
@@ -113,6 +121,7 @@ void LateralNmpc::linearise(const HorizonData& data) noexcept {
 // The cost of a stage and its part in phi, which is counted from roll_along_.
 void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noexcept {
   const double limit = limits_.roll_reference;
+  largest_track_error_ = std::max(largest_track_error_, terms.track_error);
   if (!keep_roll_along_) {
     const double holding = model_.a0 / model_.b0 * terms.roll_along - weights_.feedforward * roll_bias;
     roll_along_[k] = std::clamp(terms.roll_along, -limit, limit);
@@ -123,11 +132,22 @@ void LateralNmpc::addRoll(int k, const StageTerms& terms, double roll_bias) noex
   cost_ += terms.cost + weights_.roll * roll * roll;
 }
 
+// The roll loop settles at the rate (b0 phi_r - a0 phi) / a1. So the greatest rate is a bound of phi_r about the roll,
+// which is taken from the last iteration: all of them stay boxes.
+Interval LateralNmpc::moveBound(const LateralState& node) const noexcept {
+  const double limit = limits_.roll_reference;
+  if (!(model_.roll_rate_max > 0.0)) return {-limit, limit};
+  const double holding = std::clamp(model_.a0 / model_.b0 * node[Index::kRoll], -limit, limit);
+  const double room = model_.a1 / model_.b0 * model_.roll_rate_max;
+  return {std::max(-limit, holding - room), std::min(limit, holding + room)};
+}
+
 void LateralNmpc::setBounds() noexcept {
   Interval* moves = qp_.moveBounds();
   Interval* rolls = qp_.rollBounds();
   for (int k = 0; k < N_; ++k) {
-    moves[k] = {-limits_.roll_reference - moves_[k], limits_.roll_reference - moves_[k]};
+    const Interval bound = moveBound(nodes_[k]);
+    moves[k] = {bound.lower - moves_[k], bound.upper - moves_[k]};
     const double roll = nodes_[k + 1][Index::kRoll];
     rolls[k] = {-limits_.roll - roll, limits_.roll - roll};
   }

@@ -1,8 +1,9 @@
 #include "fixedwing_lateral/lateral_parameters.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "fixedwing_lateral/turn_limits.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/options_from_yaml.hpp"
 #include "polyfly_base/options_text.hpp"
@@ -16,6 +17,26 @@ void finishParameters(LateralParameters* parameters, const std::string& where) {
       parameters->loiter_direction > 0 ? TurnDirection::kRight : TurnDirection::kLeft;
   tightTurnsOf(parameters->tight_turns, where + ": path/tight_turns");
   checkGuidance(parameters->guidance, where);
+}
+
+TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& present) {
+  const GuidanceOptions& guidance = parameters.guidance;
+  const LateralLimits& limits = guidance.limits;
+  // A held reference phi_r flies the roll (phi_r + bias) b0 / a0.
+  const double reference = std::max(0.0, limits.roll_reference - std::abs(present.roll_bias));
+  const double roll = std::min(limits.roll, reference * guidance.model.b0 / guidance.model.a0);
+  TurnPlan plan;
+  plan.tight = tightTurnsOf(parameters.tight_turns, "path/tight_turns");
+  plan.conditions.airspeed = guidance.airspeed_nominal;
+  plan.conditions.wind_speed = std::max(parameters.wind_expected, present.wind.norm());
+  plan.conditions.roll = parameters.turn_share * roll;
+  plan.conditions.gravity = guidance.model.gravity;
+  plan.conditions.turn_gain = present.turn_gain;
+  plan.conditions.turn_bias = std::abs(present.turn_bias);
+  plan.conditions.roll_rate = guidance.model.roll_rate_max;
+  plan.conditions.roll_variance = rollVariance(guidance.model);
+  plan.conditions.deviation = parameters.turn_deviation;
+  return plan;
 }
 
 LateralParameters parseLateralParameters(const std::string& text, const std::string& source) {

@@ -32,6 +32,8 @@ void checkModel(const LateralModel& model, const std::string& where) {
   checkPositive(model.a1, where + ": a1");
   checkPositive(model.b0, where + ": b0");
   checkPositive(model.gravity, where + ": gravity");
+  if (!std::isfinite(model.roll_rate_max) || model.roll_rate_max < 0.0)
+    throw Error(where + ": roll_rate_max: must be at least 0, got " + std::to_string(model.roll_rate_max));
   checkPositive(model.switch_rate, where + ": switch_rate");
   checkPositive(model.switch_threshold, where + ": switch_threshold");
 }

@@ -34,7 +34,7 @@ std::array<Roll, 5> rollStages(const LateralModel& model, double step, const Rol
 
 }  // namespace
 
-RollShooting::RollShooting(const LateralModel& model, double step) : model_(model), step_(step) {
+RollShooting::RollShooting(const LateralModel& model, double step) noexcept : model_(model), step_(step) {
   const std::array<Roll, 5> by_phi = rollStages(model, step, {1.0, 0.0}, 0.0);
   const std::array<Roll, 5> by_p = rollStages(model, step, {0.0, 1.0}, 0.0);
   const std::array<Roll, 5> by_u = rollStages(model, step, {0.0, 0.0}, 1.0);

@@ -93,6 +93,7 @@ StageTerms TrackingCost::linearise(const LateralState& state, HorizonStage& stag
   stage.q[3] = 0.0;
   stage.q[4] = weights_.roll_rate * rate;
   StageTerms terms;
+  terms.track_error = std::abs(error.track);
   terms.cost = w_t * error.track * error.track + w_c * course * course + weights_.roll_rate * rate * rate;
   if (weights_.feedforward > 0.0)
     terms.roll_along = weights_.feedforward * rollAlong(nearest, error.track, air, velocity);

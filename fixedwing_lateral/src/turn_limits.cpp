@@ -15,9 +15,11 @@ using Eigen::Vector2d;
 constexpr double kDegree = 180.0 / kPi;
 // Tolerance of a roll for which a radius was planned [rad].
 constexpr double kRounding = 1e-9;
-// Greatest distance from the end of a segment to the loiter after it [m].
+// Relative tolerance of a deviation for which a radius was planned.
+constexpr double kRelativeRounding = 1e-6;
+// Greatest distance from the end of a segment to the one after it, for a smooth junction [m].
 constexpr double kMeets = 1.0;
-// Least cosine of the angle between the directions of that segment and the loiter.
+// Least cosine of the angle between the directions of the two segments there.
 constexpr double kMeetsCosine = 0.995;
 
 /// Of the segment [1/m], without its sign.
@@ -62,14 +64,31 @@ std::string format(const char* pattern, double one, double two, double three, do
   return text;
 }
 
+/// With its sign: right turns are positive [1/m].
+double curvatureAt(const PathSegment& segment, double along) {
+  return closestOnCarrier(segment, pointAt(segment, along).position).curvature;
+}
+
+/// The roll for a curvature with the wind from the worst direction [rad].
+double rollOfCurvature(double curvature, const TurnConditions& conditions) noexcept {
+  if (curvature == 0.0) return 0.0;
+  const double fastest = conditions.airspeed + conditions.wind_speed;
+  const double turning = fastest * fastest * std::abs(curvature) + conditions.airspeed * conditions.turn_bias;
+  return std::copysign(std::atan(turning / (conditions.gravity * conditions.turn_gain)), curvature);
+}
+
+bool isSmooth(const PathSegment& segment, const PathSegment& next) {
+  const PathPoint end = pointAt(segment, length(segment));
+  const PathPoint met = closestOnCarrier(next, end.position).point;
+  return (met.position - end.position).norm() < kMeets && met.tangent.dot(end.tangent) > kMeetsCosine;
+}
+
 LoiterCircle widened(const LoiterCircle& circle, double radius, const PathSegment* before) {
   LoiterCircle wide{circle.centre, radius, circle.direction};
   if (before == nullptr) return wide;
-  const PathPoint end = pointAt(*before, length(*before));
-  const PathPoint met = closestPoint(circle, end.position).point;
-  const bool meets =
-      (met.position - end.position).norm() < kMeets && met.tangent.dot(end.tangent) > kMeetsCosine;
-  if (meets) wide.centre = met.position + radius / circle.radius * (circle.centre - met.position);
+  const PathPoint met = closestPoint(circle, pointAt(*before, length(*before)).position).point;
+  if (isSmooth(*before, circle))
+    wide.centre = met.position + radius / circle.radius * (circle.centre - met.position);
   return wide;
 }
 
@@ -87,20 +106,55 @@ void checkTurns(const TurnConditions& conditions, const std::string& where) {
   check("roll", conditions.roll, conditions.roll > 0.0 && conditions.roll < kPi / 2.0,
         "lie between 0 and pi/2");
   check("gravity", conditions.gravity, conditions.gravity > 0.0, "be positive");
+  check("turn_gain", conditions.turn_gain, conditions.turn_gain > 0.0, "be positive");
+  check("turn_bias", conditions.turn_bias, conditions.turn_bias >= 0.0, "be at least 0");
+  check("roll_rate", conditions.roll_rate, conditions.roll_rate >= 0.0, "be at least 0");
+  check("roll_variance", conditions.roll_variance, conditions.roll_variance >= 0.0, "be at least 0");
+  check("deviation", conditions.deviation, conditions.deviation >= 0.0, "be at least 0");
+}
+
+double rollVariance(const LateralModel& model) noexcept {
+  const double delay = model.a1 / model.a0;
+  return std::max(0.0, delay * delay - 2.0 / model.a0);
+}
+
+double deviationOf(double from, double to, const TurnConditions& conditions) noexcept {
+  const double jump = conditions.gravity * conditions.turn_gain * std::abs(std::tan(to) - std::tan(from));
+  double variance = conditions.roll_variance;
+  if (conditions.roll_rate > 0.0) {
+    const double ramp = (to - from) / conditions.roll_rate;
+    variance += ramp * ramp / 12.0;
+  }
+  return 0.5 * jump * variance;
+}
+
+double plannedRoll(const TurnConditions& conditions) noexcept {
+  const auto isWithin = [&](double roll) {
+    return deviationOf(-roll, roll, conditions) <= conditions.deviation;
+  };
+  if (!(conditions.deviation > 0.0) || isWithin(conditions.roll)) return conditions.roll;
+  double within = 0.0;
+  double beyond = conditions.roll;
+  while (beyond - within > kRounding) {
+    const double middle = 0.5 * (within + beyond);
+    (isWithin(middle) ? within : beyond) = middle;
+  }
+  return within;
 }
 
 double leastRadius(const TurnConditions& conditions) noexcept {
   if (!(conditions.wind_speed < conditions.airspeed)) return std::numeric_limits<double>::infinity();
   const double fastest = conditions.airspeed + conditions.wind_speed;
-  return fastest * fastest / (conditions.gravity * std::tan(conditions.roll));
+  const double turning = conditions.gravity * conditions.turn_gain * std::tan(plannedRoll(conditions)) -
+                         conditions.airspeed * conditions.turn_bias;
+  return turning > 0.0 ? fastest * fastest / turning : std::numeric_limits<double>::infinity();
 }
 
 double steepestRoll(const PathSegment& segment, const TurnConditions& conditions) {
   const double curvature = largestCurvature(segment);
   if (curvature == 0.0) return 0.0;
   if (!(conditions.wind_speed < conditions.airspeed)) return kPi / 2.0;
-  const double fastest = conditions.airspeed + conditions.wind_speed;
-  return std::atan(fastest * fastest * curvature / conditions.gravity);
+  return rollOfCurvature(curvature, conditions);
 }
 
 double steepestRoll(const PathSegment& segment, const Vector2d& position, const LateralConditions& conditions,
@@ -133,9 +187,40 @@ std::vector<SteepSegment> steepSegments(const std::vector<PathSegment>& segments
   return steep;
 }
 
+std::vector<AbruptJunction> abruptJunctions(const std::vector<PathSegment>& segments,
+                                            const TurnConditions& conditions) {
+  std::vector<AbruptJunction> abrupt;
+  if (!(conditions.deviation > 0.0)) return abrupt;
+  for (std::size_t i = 0; i + 1 < segments.size(); ++i) {
+    if (!isSmooth(segments[i], segments[i + 1])) continue;
+    const double before = rollOfCurvature(curvatureAt(segments[i], length(segments[i])), conditions);
+    const double after = rollOfCurvature(curvatureAt(segments[i + 1], 0.0), conditions);
+    const double deviation = deviationOf(before, after, conditions);
+    if (deviation > conditions.deviation * (1.0 + kRelativeRounding))
+      abrupt.push_back({static_cast<int>(i), deviation});
+  }
+  return abrupt;
+}
+
+namespace {
+
+std::string describeAbrupt(const std::vector<PathSegment>& segments, const TurnConditions& conditions) {
+  const std::vector<AbruptJunction> abrupt = abruptJunctions(segments, conditions);
+  if (abrupt.empty()) return {};
+  const auto worst = *std::max_element(
+      abrupt.begin(), abrupt.end(),
+      [](const AbruptJunction& a, const AbruptJunction& b) { return a.deviation < b.deviation; });
+  return "the roll cannot change as fast as the path behind segment " + std::to_string(worst.segment) +
+         format(
+             " asks for: it will be left by %.1f m, where %.1f are allowed; circles of %.1f m can be flown",
+             worst.deviation, conditions.deviation, leastRadius(conditions), 0.0);
+}
+
+}  // namespace
+
 std::string describeSteep(const std::vector<PathSegment>& segments, const TurnConditions& conditions) {
   const std::vector<SteepSegment> steep = steepSegments(segments, conditions);
-  if (steep.empty()) return {};
+  if (steep.empty()) return describeAbrupt(segments, conditions);
   const auto steepest =
       *std::max_element(steep.begin(), steep.end(),
                         [](const SteepSegment& a, const SteepSegment& b) { return a.roll < b.roll; });

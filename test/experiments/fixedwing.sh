@@ -13,7 +13,8 @@ for log in fw_px4_proto_flt09.csv,306,500 fw_umn_thor75.csv,240,530; do
 done
 rm -rf "$output"
 mkdir -p "$output/report"
-build/bin/fixedwing_figures --output "$output" "${recordings[@]}" || return
+build/bin/fixedwing_figures --output "$output" "${recordings[@]}" > "$output/verdict.txt" || return
+cat "$output/verdict.txt"
 
 # drawFlight NAME TITLE: path, distance, roll and roll rate of both laws.
 drawFlight() {
@@ -23,13 +24,15 @@ set output "$output/report/$1.svg"
 set datafile separator ","
 set multiplot layout 2,2 title "$2"
 set grid lc rgb "#dddddd"
-set key bottom right
+set key outside top center horizontal
+set xtics rotate by -45
 set size ratio -1
 set xlabel "east [m]"
 set ylabel "north [m]"
 plot "$output/$1_path.csv" using 2:1 with lines lc rgb "#bbbbbb" lw 4 title "path", \
      "$output/$1_l1.csv" every ::1 using 3:2 with lines lc rgb "#1f77b4" title "L1", \
      "$output/$1_mpc.csv" every ::1 using 3:2 with lines lc rgb "#d62728" lw 1.5 title "MPC"
+set xtics norotate
 set size noratio
 set xlabel "time [s]"
 set ylabel "distance from the path [m]"
@@ -109,11 +112,37 @@ for file in "$output"/log_*.csv; do
   drawLog "$name" || return
   pictures+=("$name")
 done
+# captionOf NAME: what a picture shows, in a sentence.
+captionOf() {
+  case $1 in
+    *_six_dof) echo 'A rigid aircraft in six degrees of freedom, in gusts.' ;;
+    *_rough) echo 'An aircraft that the controller does not know, in gusts.' ;;
+    tight_wind) echo 'Turns planned for calm, in wind: they cannot be flown, and the roll is at its bound.' ;;
+    loiter_*) echo 'A recorded loiter in wind and ours: downwind the circle needs more roll than is allowed.' ;;
+    log_*) echo 'A flight of a real aircraft: the roll that was flown, and the one that the guidance asks for.' ;;
+    *) echo 'The model that the controller predicts with.' ;;
+  esac
+}
+
 {
-  echo '<!DOCTYPE html><html><head><meta charset="utf-8"><title>Fixed wing</title><style>body{font-family:sans-serif}'
-  echo 'table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:2px 8px;text-align:right}</style></head><body>'
-  echo '<h1>The fixed wing over its figures</h1>'
+  cat << 'HEAD'
+<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Fixed wing</title><style>
+body{font-family:sans-serif;max-width:1120px;margin:2em auto;padding:0 1em;color:#222;line-height:1.45}
+h1{font-size:1.6em}h2{font-size:1.2em;margin-top:2em}img{max-width:100%}figure{margin:1.5em 0}
+figcaption{color:#555}pre{background:#f4f4f4;padding:.8em;overflow-x:auto}
+details{margin:1em 0}summary{cursor:pointer;font-weight:bold}
+table{border-collapse:collapse;font-size:.9em;margin:1em 0;display:block;overflow-x:auto}
+td,th{border:1px solid #ccc;padding:2px 8px;text-align:right}td:first-child{text-align:left}
+</style></head><body>
+<h1>The fixed wing over its figures</h1>
+<p>Good is a distance from the path below 1 m on lines and loiters, and below 3 m on a Dubins sequence once it is joined: what
+the chapter reports in calm. Red is the MPC, blue the usual L1 guidance.</p>
+HEAD
+  echo "<pre>$(cat "$output/verdict.txt")</pre>"
+  for name in "${pictures[@]}"; do
+    echo "<figure><img src=\"$name.svg\" alt=\"$name\"><figcaption>${name//_/ }: $(captionOf "$name")</figcaption></figure>"
+  done
+  echo '<details><summary>All numbers</summary>'
   cat "$output/tables.html"
-  for name in "${pictures[@]}"; do echo "<p><img src=\"$name.svg\" alt=\"$name\"></p>"; done
-  echo '</body></html>'
+  echo '</details></body></html>'
 } > "$output/report/index.html"

@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "fixedwing_lateral/air_data.hpp"
+#include "fixedwing_lateral/convergence.hpp"
 #include "fixedwing_lateral/guidance_options.hpp"
 #include "fixedwing_lateral/lateral_nmpc.hpp"
 #include "fixedwing_lateral/lateral_observer.hpp"
 #include "fixedwing_lateral/mission.hpp"
 #include "fixedwing_lateral/reversal.hpp"
+#include "fixedwing_lateral/speed_scaling.hpp"
 
 namespace polyfly {
 
@@ -35,7 +37,7 @@ struct GuidanceInput {
   bool engaged = true;
 };
 
-/// Where the command comes from, from best to worst.
+/// Where the command comes from. The numbers are those of LateralStatus.
 enum class GuidanceMode : std::uint8_t {
   /// Command of the present horizon.
   kTracking,
@@ -47,6 +49,8 @@ enum class GuidanceMode : std::uint8_t {
   kLevel,
   /// Not engaged: the command is the present roll.
   kStandby,
+  /// L1 guidance, because the optimisation does not lead to the path.
+  kFallback,
 };
 
 /// Why it is not plain tracking; the first that holds.
@@ -70,6 +74,9 @@ enum class GuidanceReason : std::uint8_t {
   kWindAssumed,
   /// Tracking a segment that needs more roll in this wind than is allowed. The aircraft leaves the path there.
   kTooSteep,
+  /// The optimisation did not lead to the path, see ConvergenceWatch. L1 guidance flies until it has been on the path
+  /// for a while, and longer with each time.
+  kNotConverging,
 };
 
 const char* toString(GuidanceMode mode) noexcept;
@@ -148,6 +155,8 @@ class LateralGuidance {
   LateralState predicted(const AircraftState& state) const noexcept;
   void learn(const GuidanceInput& input) noexcept;
   void fillData() noexcept;
+  void rescale() noexcept;
+  void trustOptimisation() noexcept;
   void restart(const LateralState& state) noexcept;
   void keepHorizon(double time) noexcept;
   void holdOrLevel(double time) noexcept;
@@ -155,6 +164,8 @@ class LateralGuidance {
   void beginSegment(Reversal reversal) noexcept;
   void chooseReversal(const AircraftState& state) noexcept;
   void checkSegment(const AircraftState& state) noexcept;
+  void watchConvergence(const AircraftState& state, double elapsed) noexcept;
+  double fallbackReference(const AircraftState& state) const noexcept;
   double upwindReference(double heading) const noexcept;
   void command(GuidanceMode mode, GuidanceReason reason, double roll_reference) noexcept;
 
@@ -165,6 +176,10 @@ class LateralGuidance {
   Junction junction_;
   AirData air_;
   LateralObserver observer_;
+  ScaledAirspeed scaled_airspeed_;
+  SpeedScaling scaling_;
+  // Time of the last call with a valid state [s].
+  double last_time_ = -1e300;
   LateralNmpc nmpc_;
   HorizonData data_;
   GuidanceOutput output_;
@@ -177,6 +192,11 @@ class LateralGuidance {
   bool prepared_ = false;
   // True when the current segment needs more roll in this wind than is allowed.
   bool too_steep_ = false;
+  ConvergenceWatch convergence_;
+  // True while L1 guidance flies.
+  bool falls_back_ = false;
+  // Patiences for which L1 guidance must be on the path before the optimisation flies again; doubles each time.
+  double probation_ = 1.0;
   // True when the nodes are no longer valid, because they belong to another flight.
   bool needs_restart_ = true;
   // Time of the last valid horizon [s].

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "fixedwing_lateral/convergence.hpp"
 #include "fixedwing_lateral/mission.hpp"
 #include "fixedwing_lateral/model.hpp"
 #include "fixedwing_lateral/tuning.hpp"
@@ -32,6 +33,8 @@ struct SafetyOptions {
   double hold_time = 2.0;
   /// Heading rate per heading error in the turn into the wind [1/s].
   double upwind_gain = 0.6;
+  /// When L1 guidance takes over from an optimisation that does not lead to the path.
+  ConvergenceOptions convergence;
 };
 
 /// As published, but counting roll from what the path's curvature asks for.
@@ -39,6 +42,7 @@ inline LateralWeights withFeedforward() {
   LateralWeights weights;
   weights.feedforward = 1.0;
   weights.curvature = 1.0;
+  weights.airspeed = 14.0;
   return weights;
 }
 
@@ -66,6 +70,10 @@ struct GuidanceOptions {
   double wind_correction_time = 0.3;
   /// Whether the prediction uses the observer's roll bias, turn gain and turn bias.
   bool learn_disturbance = true;
+  /// Gain of the turn rate by roll before any was learnt: the `turn_gain` of an earlier flight's status [-].
+  double turn_gain = 1.0;
+  /// Whether a turning side is chosen and kept where the path leads back, see reversal.hpp.
+  bool choose_side = true;
   /// Index of the move that is sent: 1 as published, or 0 with `delay`.
   int applied_move = 1;
   /// Time from the state to the effect of the command; the state is predicted over it [s].
@@ -77,6 +85,21 @@ struct GuidanceOptions {
   /// KKT measure below which the iterations stop.
   double kkt_tolerance = 1e-3;
 };
+
+/// The chapter's controller as it was published: none of this project's additions. launch/config/techpod_published.yaml
+/// has the same values.
+inline GuidanceOptions publishedGuidance() {
+  GuidanceOptions options;
+  options.weights = LateralWeights{};
+  // Only the roll reference has bounds.
+  options.limits.roll = 1.4;
+  options.criterion.smooth_radius = options.criterion.acceptance_radius;
+  options.wind_correction_time = 0.0;
+  options.learn_disturbance = false;
+  options.choose_side = false;
+  options.safety.convergence.turns = 0.0;
+  return options;
+}
 
 /// The one list of what a running guidance may change.
 template <class Options, class Visit>
@@ -92,6 +115,8 @@ void visitSafety(Options& safety, Visit&& visit) {
   visit("safety/jump_patience", safety.jump_patience, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/hold_time", safety.hold_time, "s", Range{0.0, 60.0, 10.0, 1.0});
   visit("safety/upwind_gain", safety.upwind_gain, "1/s", Range{0.01, 5.0});
+  visit("safety/convergence_time", safety.convergence.near_time, "s", Range{0.05, 10.0});
+  visit("safety/convergence_turns", safety.convergence.turns, "", Range{0.0, 100.0, 10.0, 1.0});
 }
 
 /// The one list of all options but the loiter's direction.
@@ -105,16 +130,19 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("model/a1", options.model.a1, "1/s", Range{0.1, 1e3});
   visit("model/b0", options.model.b0, "1/s^2", Range{0.1, 1e4});
   visit("model/gravity", options.model.gravity, "m/s^2", Range{1.0, 30.0});
+  visit("model/roll_rate_max", options.model.roll_rate_max, "rad/s", Range{0.0, 20.0});
   visit("model/switch_rate", options.model.switch_rate, "1/s", Range{1e-3, 1e3});
   visit("model/switch_threshold", options.model.switch_threshold, "", Range{1e-6, 1e3});
   visit("path/acceptance_radius", options.criterion.acceptance_radius, "m", Range{0.1, 1e4});
   visit("path/smooth_radius", options.criterion.smooth_radius, "m", Range{0.1, 1e4});
   visit("path/course_tolerance", options.criterion.course_tolerance, "rad", Range{0.01, 3.14});
+  visit("path/choose_side", options.choose_side);
   visit("path/loiter_radius", options.loiter.radius, "m", Range{1.0, 1e5});
   visit("guidance/period", options.period, "s", Range{0.005, 1.0});
   visit("guidance/airspeed_nominal", options.airspeed_nominal, "m/s", Range{1.0, 200.0});
   visit("guidance/wind_correction_time", options.wind_correction_time, "s", Range{0.0, 60.0});
   visit("guidance/learn_disturbance", options.learn_disturbance);
+  visit("guidance/turn_gain", options.turn_gain, "", Range{0.7, 1.3});
   visit("guidance/applied_move", options.applied_move, "", Range{0.0, 1.0});
   visit("guidance/delay", options.delay, "s", Range{0.0, 1.0});
   visit("guidance/iterations", options.iterations, "", Range{1.0, 100.0});

@@ -57,6 +57,12 @@ class LateralNmpc {
   void setTuning(const LateralWeights& weights, const LateralLimits& limits) noexcept;
   const LateralLimits& limits() const noexcept { return limits_; }
 
+  /// Another duration of the intervals [s], > 0. Needs a `reset` before the next `prepare`.
+  void setStep(double step) noexcept;
+
+  /// Largest |e_t| at the nodes, as of the last `prepare` [m].
+  double largestTrackError() const noexcept { return largest_track_error_; }
+
   /// Begins anew: nodes from `state` with the roll reference held, which also becomes the previous horizon.
   void reset(const HorizonData& data, const LateralState& state, double roll_reference) noexcept;
 
@@ -95,6 +101,7 @@ class LateralNmpc {
  private:
   void linearise(const HorizonData& data) noexcept;
   void addRoll(int k, const StageTerms& terms, double roll_bias) noexcept;
+  Interval moveBound(const LateralState& node) const noexcept;
   void setBounds() noexcept;
   double stationarity() noexcept;
   void takeStep() noexcept;
@@ -128,6 +135,7 @@ class LateralNmpc {
   bool prepared_ = false;
   double kkt_ = 0.0;
   double cost_ = 0.0;
+  double largest_track_error_ = 0.0;
 };
 
 }  // namespace polyfly

@@ -3,7 +3,9 @@
 #include <array>
 #include <string>
 
+#include "fixedwing_lateral/guidance.hpp"
 #include "fixedwing_lateral/guidance_options.hpp"
+#include "fixedwing_lateral/turn_limits.hpp"
 
 namespace polyfly {
 
@@ -28,6 +30,8 @@ struct LateralParameters {
   double wind_expected = 0.0;
   /// Share of the roll reference's limit that turns may use; the rest is for gusts.
   double turn_share = 0.9;
+  /// Greatest deviation from the path where a turn follows another one, see turn_limits.hpp; 0: no bound [m].
+  double turn_deviation = 1.5;
   bool publish_attitude = false;
   AttitudeOptions attitude;
   bool stream_in_standby = false;
@@ -51,6 +55,7 @@ void visitLateralParameters(Parameters& parameters, Visit&& visit) {
   visit("path/tight_turns", parameters.tight_turns);
   visit("path/wind_expected", parameters.wind_expected, "m/s", Range{0.0, 100.0});
   visit("path/turn_share", parameters.turn_share, "", Range{0.1, 1.0});
+  visit("path/turn_deviation", parameters.turn_deviation, "m", Range{0.0, 1000.0});
   visit("output/attitude_target", parameters.publish_attitude);
   visit("output/pitch", parameters.attitude.pitch, "rad", Range{-0.5, 0.5});
   visit("output/thrust", parameters.attitude.thrust, "", Range{-1.0, 1.0});
@@ -66,6 +71,11 @@ void visitLateralParameters(Parameters& parameters, Visit&& visit) {
 /// Sets the guidance's loiter direction, and checks all that a single range does not. Throws Error naming the key,
 /// after `where`.
 void finishParameters(LateralParameters* parameters, const std::string& where);
+
+/// How missions are planned and checked: for the nominal airspeed, the stronger of the expected and the present wind,
+/// the roll that `turn_share` of the roll reference holds with the roll bias that was learnt, and the turn gain, turn bias
+/// and roll loop of this aircraft.
+TurnPlan turnPlanOf(const LateralParameters& parameters, const GuidanceOutput& present);
 
 /// The parameters in a YAML file, by the rules of the node. Throws Error naming file, field and rule where the node
 /// would not start with them.

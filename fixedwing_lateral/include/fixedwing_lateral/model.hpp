@@ -47,7 +47,10 @@ struct LateralModel {
   double a1 = 6.577;
   /// Gain of the roll loop [1/s^2], > 0.
   double b0 = 13.48;
-  double gravity = 9.81;     ///< g [m/s^2], > 0
+  double gravity = 9.81;  ///< g [m/s^2], > 0
+  /// Greatest roll rate that the autopilot flies. The horizon keeps roll references near enough to the roll for it, and
+  /// turns are planned by it. 0: unknown [rad/s].
+  double roll_rate_max = 0.0;
   double switch_rate = 1.0;  ///< alpha [1/s], > 0
   /// Threshold of x_sw; above it the switch has happened for good [-], > 0.
   double switch_threshold = 0.05;

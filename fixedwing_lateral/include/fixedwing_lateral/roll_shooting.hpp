@@ -21,7 +21,7 @@ struct ShootingResult {
 /// the work.
 class RollShooting {
  public:
-  RollShooting(const LateralModel& model, double step);
+  RollShooting(const LateralModel& model, double step) noexcept;
 
   /// The roll loop over one step.
   const RollTransition& transition() const noexcept { return transition_; }

@@ -12,6 +12,8 @@ struct StageTerms {
   double cost = 0.0;
   /// Roll that stays on the path's curvature, times the feed-forward share [rad].
   double roll_along = 0.0;
+  /// |e_t| [m].
+  double track_error = 0.0;
 };
 
 /// The stage cost of Eq. 46 without its moves: |(e_t, e_chi, phi, p)|^2 in the weights, towards the segment

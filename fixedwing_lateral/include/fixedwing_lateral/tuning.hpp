@@ -28,6 +28,9 @@ struct LateralWeights {
   /// overshoot, and the roll reference jumps from bound to bound at each call; on the path there is no
   /// difference.
   double curvature = 0.0;
+  /// Airspeed that the weights and the horizon's length belong to; above it they are scaled, see
+  /// speed_scaling.hpp. 0 as published: they are never scaled [m/s].
+  double airspeed = 0.0;
 };
 
 struct LateralLimits {
@@ -57,6 +60,7 @@ void visitTuning(Options& weights, Visit&& visit) {
   visit("weights/slew", weights.slew, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
   visit("weights/feedforward", weights.feedforward, "", anyChange(0.0, 1.0));
   visit("weights/curvature", weights.curvature, "", anyChange(0.0, 1.0));
+  visit("weights/airspeed", weights.airspeed, "m/s", Range{0.0, 200.0, 10.0, 1.0});
 }
 
 template <class Limits, class Visit>

@@ -21,7 +21,19 @@ namespace polyfly {
 //
 //     R = (V + |w|)^2 / (g tan(phi_most)),
 //
-// 28.5 m at 14 m/s in calm and 64.2 m in a wind of 7 m/s, by 35 degrees.
+// 28.5 m at 14 m/s in calm and 64.2 m in a wind of 7 m/s, by 35 degrees. An aircraft that turns by turn_gain g tan(phi) /
+// V + turn_bias needs tan(phi) = (v_g^2 k / cos(psi - chi) - V turn_bias) / (g turn_gain).
+//
+// Which changes of curvature can be flown. Where two segments meet, the roll would have to jump from phi_1 to phi_2. The
+// roll loop spreads the jump by its impulse response, and the greatest roll rate p spreads it by a ramp of (phi_2 -
+// phi_1) / p. A jump a = g turn_gain (tan phi_2 - tan phi_1) of the lateral acceleration that is spread with the
+// variance c, and that begins early by the mean delay, ends on the right course and beside the path by
+//
+//     d = a c / 2,   c = (phi_2 - phi_1)^2 / (12 p^2) + max(0, (a1 / a0)^2 - 2 / a0),
+//
+// as the second moment of the response is what its double integral leaves. The second term is the variance of the
+// roll loop of Eq. 45. From one turn to an opposite one d is 0.5 m for the default loop with 35 degrees, and 35 m for a
+// loop that rolls by 9 deg/s. Therefore a path with a bound of d needs wider turns.
 
 /// In what a path is to be flown.
 struct TurnConditions {
@@ -31,12 +43,33 @@ struct TurnConditions {
   /// Greatest roll that turns may need, 35 degrees [rad], in (0, pi/2).
   double roll = 0.6108652381980153;
   double gravity = 9.81;  ///< [m/s^2], > 0
+  /// Gain of the turn rate by roll, as learnt or calibrated [-], > 0.
+  double turn_gain = 1.0;
+  /// Bias of the turn rate, taken for the worse direction [rad/s], >= 0.
+  double turn_bias = 0.0;
+  /// Greatest roll rate; 0: no bound [rad/s], >= 0.
+  double roll_rate = 0.0;
+  /// Variance of the roll loop's impulse response [s^2], >= 0.
+  double roll_variance = 0.0;
+  /// Greatest deviation from the path where a turn follows another one; 0: no bound [m], >= 0.
+  double deviation = 0.0;
 };
+
+/// Variance of the impulse response of the roll loop [s^2]; 0 where it is negative, for a loop with little damping.
+double rollVariance(const LateralModel& model) noexcept;
+
+/// The deviation d [m] where the roll changes between two angles [rad].
+double deviationOf(double from, double to, const TurnConditions& conditions) noexcept;
+
+/// The greatest roll for planned turns [rad]: that of the conditions, or less where a turn followed by the opposite one
+/// would deviate by more than the bound.
+double plannedRoll(const TurnConditions& conditions) noexcept;
 
 /// Throws polyfly::Error, beginning with `where`, if a number is out of its range.
 void checkTurns(const TurnConditions& conditions, const std::string& where);
 
-/// Of the circles that can be flown all around [m]; infinite where the wind is not below the airspeed.
+/// Of the circles that can be flown all around, by the planned roll [m]; infinite where there is none, as in a wind that
+/// is not below the airspeed.
 double leastRadius(const TurnConditions& conditions) noexcept;
 
 /// The roll [rad] that staying on the segment asks for where it is curved most, with the wind from the worst
@@ -58,8 +91,19 @@ struct SteepSegment {
 std::vector<SteepSegment> steepSegments(const std::vector<PathSegment>& segments,
                                         const TurnConditions& conditions);
 
+/// A change of curvature between a segment and the next one that cannot be followed.
+struct AbruptJunction {
+  int segment = 0;
+  double deviation = 0.0;  ///< [m]
+};
+
+/// In order of flight; only where the next segment goes on in the same direction, as a corner is cut anyway.
+std::vector<AbruptJunction> abruptJunctions(const std::vector<PathSegment>& segments,
+                                            const TurnConditions& conditions);
+
 /// "segment 3 asks for 44 degrees of roll, and 2 more ..., where 35 are allowed: at 14.0 m/s in a wind of 7.0
-/// m/s circles need 64.2 m"; empty where no segment is too steep.
+/// m/s circles need 64.2 m"; "the roll cannot change as fast as the path behind segment 2 asks for: ...". Empty where
+/// neither is the case.
 std::string describeSteep(const std::vector<PathSegment>& segments, const TurnConditions& conditions);
 
 /// What becomes of a mission with turns that cannot be flown.

@@ -81,6 +81,9 @@ struct RoughOptions {
   double gust_roll = 0.15;
 };
 
+/// A light single-engined aircraft at 52 m/s whose roll loop is slow and rolls by at most 9 deg/s.
+RoughOptions slowRolling();
+
 class PerturbedAircraft : public Aircraft {
  public:
   PerturbedAircraft(const RoughOptions& options, const AircraftState& start, std::uint32_t seed);

@@ -47,7 +47,6 @@ class LateralNode {
   void onWind(const geometry_msgs::TwistWithCovarianceStamped::ConstPtr& message);
   void onMission(const fixedwing_lateral::Mission::ConstPtr& message);
   void onAutopilot(const mavros_msgs::State::ConstPtr& message);
-  polyfly::TurnPlan turnPlan() const;
   void onEngaged(const std_msgs::Bool::ConstPtr& message);
   void onTimer();
   void onReconfigure();

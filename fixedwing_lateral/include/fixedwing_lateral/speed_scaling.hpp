@@ -1,0 +1,73 @@
+#pragma once
+
+#include "fixedwing_lateral/model.hpp"
+#include "fixedwing_lateral/tuning.hpp"
+
+namespace polyfly {
+
+// Weights that belong to one airspeed V_0, at another one V.
+//
+// Let s = V / V_0. With times in units of s, lengths in units of s^2 and the same roll, Eq. 45 at V is Eq. 45 at V_0:
+// n' = V cos psi and psi' = g tan(phi) / V keep their form, and the least radius V^2 / (g tan phi) is the same
+// number. So a flight at V is a slow copy of the one at V_0 if
+//
+//   the horizon lasts s times as long (it then reaches as many turn radii ahead), and
+//   track is divided by s^4, roll_rate is multiplied by s^2, and the other weights stay.
+//
+// The roll loop is the only thing that does not slow down. That is to the good where it is fast. Near the path no
+// bound is active, and the published weights would do at each airspeed: there e_t'' = -g phi whatever V is, so the
+// optimal feedback has the frequency
+//
+//   w = (g^2 track / roll_reference)^(1/4) = 0.56 rad/s.
+//
+// An error e asks for a roll of w^2 e / g and for a roll rate of w^3 e / g. A loop that can do the rate p flies the full
+// weight up to e_near = g p / w^3, and a larger error by a weight in proportion to w^4, so to e^(-4/3). Therefore the
+// weight is divided by s^4 far away, and rises to the given one where the horizon stays near the path:
+//
+//   share = min(1, max(s^-4, (e_near / e)^(4/3))),   e: the largest |e_t| in the horizon.
+//
+// e_near is kNearTime V for the published weights: 13 m at 52 m/s, which needs 13 deg/s. With a larger w it is less by
+// w^3. It is twice as much where model/roll_rate_max is known, because the horizon then does not ask for more.
+//
+// At and below V_0 the share is 1 and nothing changes: a slower aircraft has no faster roll loop.
+
+/// What an airspeed makes of the options.
+struct SpeedScaling {
+  /// s = V / V_0, at least 1.
+  double scale = 1.0;
+  /// Step of the horizon [s].
+  double step = 0.1;
+  /// Error up to which the full weight of e_t holds, e_near [m].
+  double near = 0.0;
+};
+
+/// `weights.airspeed` is V_0; 0: nothing is scaled. The step is not longer than the Runge-Kutta step of the roll loop
+/// allows: with 40 intervals the horizon grows up to V = 4 V_0 for the default roll loop, with more intervals farther.
+SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const HorizonOptions& horizon,
+                       const LateralModel& model) noexcept;
+
+/// The weights at that scale, with the largest |e_t| of the horizon [m].
+LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& scaling,
+                             double largest_error) noexcept;
+
+/// Airspeed times this is e_near where the horizon does not know the greatest roll rate [s].
+constexpr double kNearTime = 0.25;
+
+/// Decides when the scale follows the airspeed: gusts do not change it.
+class ScaledAirspeed {
+ public:
+  explicit ScaledAirspeed(double nominal) noexcept : mean_(nominal), scaled_(nominal) {}
+
+  /// True where `value()` changed. `elapsed` [s] since the call before; the first measured airspeed counts at once.
+  bool update(double airspeed, double elapsed) noexcept;
+
+  /// The airspeed to scale by [m/s].
+  double value() const noexcept { return scaled_; }
+
+ private:
+  double mean_ = 0.0;
+  double scaled_ = 0.0;
+  bool has_first_ = false;
+};
+
+}  // namespace polyfly

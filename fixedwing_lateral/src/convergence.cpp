@@ -1,0 +1,39 @@
+#include "fixedwing_lateral/convergence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+constexpr double kNoOffset = 1e300;
+// Least ground speed for the offset and the patience [m/s].
+constexpr double kSlowest = 1.0;
+
+}  // namespace
+
+void ConvergenceWatch::restart() noexcept {
+  best_ = kNoOffset;
+  impatience_ = 0.0;
+}
+
+void ConvergenceWatch::update(const TrackError& error, const TurnAbility& ability,
+                              const ConvergenceOptions& options, double elapsed) noexcept {
+  const double speed = std::max(ability.speed, kSlowest);
+  const double acceleration = ability.gravity * std::tan(ability.roll);
+  const double course = error.course_defined ? error.course : 0.0;
+  const double offset = std::abs(error.track) + speed * speed / acceleration * (1.0 - std::cos(course));
+  const double room = options.near_time * speed;
+  is_near_ = offset <= room;
+  const bool progress = is_near_ || offset < best_ - room;
+  if (progress) best_ = offset;
+  if (!(options.turns > 0.0)) {
+    impatience_ = near_ = 0.0;
+    return;
+  }
+  const double share = elapsed * acceleration / (2.0 * kPi * speed * options.turns);
+  impatience_ = progress ? 0.0 : impatience_ + share;
+  near_ = is_near_ ? near_ + share : 0.0;
+}
+
+}  // namespace polyfly

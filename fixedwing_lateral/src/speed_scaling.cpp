@@ -1,0 +1,59 @@
+#include "fixedwing_lateral/speed_scaling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyfly {
+namespace {
+
+// Greatest product of the step and the roll loop's natural frequency; the Runge-Kutta step is accurate below it.
+constexpr double kStepFrequency = 1.5;
+// Factor of e_near where the horizon knows the greatest roll rate.
+constexpr double kKnownRate = 2.0;
+// Least ratio of the weights of e_t and phi_r [rad^2/m^2].
+constexpr double kLeastStiffness = 1e-9;
+// Exponent of the full weight's fall with the error.
+constexpr double kFall = 4.0 / 3.0;
+// Time constant of the mean airspeed [s].
+constexpr double kMeanTime = 5.0;
+// Change of the mean airspeed that the scale follows, as a share of the airspeed in use.
+constexpr double kChange = 0.25;
+
+}  // namespace
+
+SpeedScaling scalingAt(double airspeed, const LateralWeights& weights, const HorizonOptions& horizon,
+                       const LateralModel& model) noexcept {
+  SpeedScaling scaling;
+  if (weights.airspeed > 0.0) scaling.scale = std::max(1.0, airspeed / weights.airspeed);
+  const double longest = std::max(horizon.step, kStepFrequency / std::sqrt(model.a0));
+  scaling.step = std::min(horizon.step * scaling.scale, longest);
+  // (w_published / w)^3, w being the frequency near the path.
+  const LateralWeights published;
+  const double stiffness = weights.track / weights.roll_reference;
+  const double slowness =
+      std::pow(published.track / published.roll_reference / std::max(stiffness, kLeastStiffness), 0.75);
+  scaling.near =
+      (model.roll_rate_max > 0.0 ? kKnownRate : 1.0) * kNearTime * airspeed * std::min(1.0, slowness);
+  return scaling;
+}
+
+LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& scaling,
+                             double largest_error) noexcept {
+  if (!(scaling.scale > 1.0)) return weights;
+  const double squared = scaling.scale * scaling.scale;
+  const double allowed = std::pow(scaling.near / std::max(largest_error, scaling.near), kFall);
+  LateralWeights scaled = weights;
+  scaled.track *= std::max(allowed, 1.0 / (squared * squared));
+  scaled.roll_rate *= squared;
+  return scaled;
+}
+
+bool ScaledAirspeed::update(double airspeed, double elapsed) noexcept {
+  mean_ = has_first_ ? mean_ + std::min(1.0, elapsed / kMeanTime) * (airspeed - mean_) : airspeed;
+  has_first_ = true;
+  if (std::abs(mean_ - scaled_) <= kChange * scaled_) return false;
+  scaled_ = mean_;
+  return true;
+}
+
+}  // namespace polyfly
