@@ -118,13 +118,13 @@ double slackAt(const ExactProgram& program, const std::vector<int>& active, int 
   return std::ldexp(value.get_d(), static_cast<int>(-exponent));
 }
 
-/// What a region that holds the witness, `outside` of the half-space, gets wrong. A half-space may be far away
-/// where its slack is next to nothing.
+/// What a region that holds the witness, `outside` of the half-space, gets wrong. Of a slack its value counts: its
+/// half-space may be far away where the slack is next to nothing.
 std::string describeUnlisted(const ExactProgram& program, const RegionCheck& check, const ExactOrigin& origin,
                              const std::vector<Rational>& witness, double outside) {
-  std::string text = "holds parameters where " + describeOrigin(origin) + " is negative";
+  const std::string text = "holds parameters where " + describeOrigin(origin) + " is negative";
   if (origin.kind == ExactOrigin::Kind::kSlack && !witness.empty())
-    text += ", down to " + shortText(slackAt(program, check.active, origin.index, witness));
+    return text + ", down to " + shortText(slackAt(program, check.active, origin.index, witness));
   return text + ", up to a distance of " + shortText(outside) + " (scaled) from its half-space";
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "mpc_core/decompositions.hpp"
 #include "mpc_core/parametric_program.hpp"
@@ -15,10 +16,11 @@ constexpr double kNarrowestRange = 1e-100;  // planes are scaled by what it is t
 
 class Checker {
  public:
-  explicit Checker(const ParametricProgram& program) : program_(program) {}
+  Checker(const ParametricProgram& program, std::string source)
+      : program_(program), source_(std::move(source)) {}
 
   [[noreturn]] void fail(const std::string& field, const std::string& rule) const {
-    throw Error(program_.name + ": " + field + ": " + rule);
+    throw Error(source_ + ": " + field + ": " + rule);
   }
 
   /// Size and finiteness of one matrix or vector.
@@ -82,12 +84,15 @@ class Checker {
 
  private:
   const ParametricProgram& program_;
+  std::string source_;
 };
 
 }  // namespace
 
-void checkProgram(const ParametricProgram& program) {
-  const Checker check(program);
+void checkProgram(const ParametricProgram& program) { checkProgram(program, program.name); }
+
+void checkProgram(const ParametricProgram& program, const std::string& source) {
+  const Checker check(program, source);
   const Eigen::Index n = program.variableCount();
   const Eigen::Index p = program.parameterCount();
   const Eigen::Index m = program.rowCount();

@@ -354,11 +354,7 @@ ParametricProgram parseProgramJson(const std::string& text, const std::string& s
   setOutput(reader, &program);
   setRowMeanings(reader, &program);
   if (reader.has("period")) program.period = reader.number("period");
-  try {
-    checkProgram(program);
-  } catch (const Error& error) {
-    throw Error(source + ": " + error.what());
-  }
+  checkProgram(program, source);
   return program;
 }
 

@@ -26,7 +26,7 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
       shortest_(program),
       accurate_(program),
       D_size_(program.m),
-      reach_((1.0 + kAccurate) * std::sqrt(static_cast<double>(program.p))),
+      reach_((1.0 + kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
       solver_(program.p) {

@@ -123,8 +123,12 @@ class RegionBuilder {
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool findCostMultipliers(const ActiveSet& active);
 
-  // Error of a plane or law up to which doubles are used.
-  static constexpr double kAccurate = 1e-9;
+  // Error of a plane or law up to which doubles are used. Regions that share a facet have its plane from systems of their
+  // own. Between two such planes lies a wedge that no region holds. It may be thousands of times as long as it is wide, and
+  // all of it must lie within the tolerance of a look-up, 1e-8, of some region.
+  static constexpr double kAccurate = 1e-11;
+  // By how much a plane may miss the box and count as one that meets it, relative to the box.
+  static constexpr double kBoxMargin = 1e-9;
   // Factor by which an estimated error may be too small.
   static constexpr double kErrorMargin = 10.0;
   /// Squared distance from others below which products of unit rows mislead.

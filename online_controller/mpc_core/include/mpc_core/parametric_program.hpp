@@ -76,6 +76,9 @@ struct ParametricProgram {
 /// empty or unbounded.
 void checkProgram(const ParametricProgram& program);
 
+/// The same; errors name `source`, the file that the program comes from, in place of the program.
+void checkProgram(const ParametricProgram& program, const std::string& source);
+
 /// Reads the generic JSON form (keys H f F A b B, eq_ids, lb ub A_theta b_theta, out; B is S here).
 /// Throws Error naming file, field and rule.
 ParametricProgram loadProgramJson(const std::string& path);

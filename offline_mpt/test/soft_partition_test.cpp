@@ -1,0 +1,102 @@
+// Maps of soft, blocked and change-limited problems: proven, confirmed by the checker, and right at random parameters.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "map_in_memory.hpp"
+#include "mpc_core/mpc_problem.hpp"
+#include "mutation.hpp"
+#include "offline_mpt/certify.hpp"
+#include "offline_mpt/encode.hpp"
+#include "offline_mpt/explore.hpp"
+#include "polyfly_base/read_text.hpp"
+#include "random.hpp"
+#include "soft_problems.hpp"
+#include "verify/program_oracle.hpp"
+
+namespace polyfly {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+constexpr int kSamples = 100;
+
+/// The map's first input against an interior-point solution.
+void expectRightAtRandomParameters(const RegionMap& map, const ParametricProgram& program, unsigned seed) {
+  ProgramOracle oracle(program);
+  Random random(seed);
+  for (int k = 0; k < kSamples; ++k) {
+    Eigen::VectorXd theta(program.parameterCount());
+    for (Eigen::Index j = 0; j < theta.size(); ++j) {
+      const Signal& signal = program.parameters[static_cast<std::size_t>(j)];
+      theta(j) = random.uniform(signal.lower, signal.upper);
+    }
+    const OracleAnswer& truth = oracle.solve(theta);
+    const Lookup found = map.locate(theta.data());
+    if (truth.verdict == OracleAnswer::Verdict::kInfeasible) {
+      EXPECT_NE(found.status, LookupStatus::kInside) << theta.transpose();
+    } else if (truth.verdict == OracleAnswer::Verdict::kFeasible) {
+      ASSERT_EQ(found.status, LookupStatus::kInside) << theta.transpose();
+      const double* const law = map.law(found.law);
+      double u = law[theta.size()];
+      for (Eigen::Index j = 0; j < theta.size(); ++j) u += law[j] * theta(j);
+      EXPECT_NEAR(u, truth.u(0), kTolerance) << theta.transpose();
+    }
+  }
+}
+
+void expectProvenAndConfirmed(const ParametricProgram& program, unsigned seed) {
+  const MapContent content = encode(program, explore(program));
+  ASSERT_EQ(content.solver_status, "complete");
+  const MapInMemory memory(content);
+  const CertifyReport report = certify(memory.map(), program);
+  ASSERT_TRUE(report.passed()) << certifyText(report);
+  EXPECT_EQ(refusal(report.certificate, memory.bytes()), "");
+  expectRightAtRandomParameters(memory.map(), program, seed);
+}
+
+struct Kind {
+  const char* name;
+  ProblemTraits traits;
+};
+
+class MadeProblems : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(MadeProblems, AreProvenAndConfirmed) {
+  constexpr unsigned kSeeds = 3;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const std::string text = madeProblem(GetParam().traits, seed);
+    SCOPED_TRACE(text);
+    expectProvenAndConfirmed(condense(parseProblem(text, "made.yaml")), seed);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, MadeProblems,
+                         ::testing::Values(Kind{"soft", {true, false, false}},
+                                           Kind{"blocked", {false, true, false}},
+                                           Kind{"change", {false, false, true}},
+                                           Kind{"softAndBlocked", {true, true, false}}),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+// Planes of one facet that differed by 2e-10 between its two regions left a wedge, at a side of the box, that no leaf
+// answered within the tolerance.
+TEST(SoftSpeedLimit, AWedgeBetweenTwoPlanesOfOneFacetIsAnswered) {
+  std::string text = readText(std::string(PROBLEMS) + "/lateral_speed_limit.yaml");
+  const std::string weights = "linear: 400, quadratic: 40";
+  const std::size_t at = text.find(weights);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, weights.size(), "linear: 40, quadratic: 4");
+  const ParametricProgram program = condense(parseProblem(text, "speed_limit.yaml"));
+  const MapContent content = encode(program, explore(program));
+  const MapInMemory memory(content);
+  const CertifyReport report = certify(memory.map(), program);
+  EXPECT_TRUE(report.passed()) << certifyText(report);
+  EXPECT_LT(report.plane_error, 1e-10);
+  Eigen::VectorXd theta(6);
+  theta << 2.9999999699256663, -2.8615583572850238, 2.1125312089762431, 0.20151771881451802,
+      -0.43633229562586562, -0.098679958087492317;
+  EXPECT_EQ(memory.map().locate(theta.data()).status, LookupStatus::kInside);
+}
+
+}  // namespace
+}  // namespace polyfly
