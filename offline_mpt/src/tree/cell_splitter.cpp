@@ -10,7 +10,7 @@ namespace polyfly {
 namespace {
 
 // Planes and members that estimates look at, evenly drawn from more.
-constexpr std::size_t kPlanesScored = 60;
+constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
 // Planes whose split is computed exactly. Above kManyMembers members, estimates are good enough for one.
 constexpr std::size_t kPlanesTried = 3;

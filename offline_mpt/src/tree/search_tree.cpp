@@ -26,7 +26,7 @@ constexpr std::uint64_t kLeastNodes = 4096;
 constexpr double kFastPivots = 1.3;
 constexpr std::uint64_t kLeastPivots = 40000;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
-constexpr std::uint64_t kAutoBytes = 4;
+constexpr std::uint64_t kAutoBytes = 3;
 constexpr std::uint64_t kFreeBytes = 65536;
 // kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
 constexpr double kLittleGain = 0.85;
