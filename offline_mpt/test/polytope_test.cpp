@@ -277,7 +277,8 @@ TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
       const Rows rows = randomPolytope(n, 3 + 3 * round, random);
       MinimalRows expected, minimal;
       ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, expected));
-      ASSERT_TRUE(minimalRationally(0, n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+      ASSERT_TRUE(
+          minimalRationally(0, n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
       EXPECT_EQ(minimal.facets, expected.facets) << "dimension " << n << " round " << round;
       std::vector<double> direction(n), furthest(n), point(n);
       for (double& entry : direction) entry = std::uniform_real_distribution<double>(-1.0, 1.0)(random);

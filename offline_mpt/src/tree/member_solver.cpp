@@ -168,7 +168,8 @@ void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std
   const int count = kept + static_cast<int>(questioned_.size());
   if (solver_.minimalBeside(kept, rows_.data(), count, member.inner.data(), kImplied, minimal_)) {
     std::vector<std::int32_t> left;
-    for (const int facet : minimal_.facets) left.push_back(questioned_[static_cast<std::size_t>(facet - kept)]);
+    for (const int facet : minimal_.facets)
+      left.push_back(questioned_[static_cast<std::size_t>(facet - kept)]);
     questioned_ = std::move(left);
   }
   if (!questioned_.empty()) addRows(member, path);
@@ -249,6 +250,8 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
     }
   }
   settle(part);
+  // Cells are many: no memory is left over.
+  part.points.shrink_to_fit();
   return part;
 }
 
@@ -271,7 +274,8 @@ void MemberSolver::enter(CellMember& member, std::size_t plane, unsigned side) c
 }
 
 // Where the way from a point on the other side of the plane to the inner point crosses it.
-bool MemberSolver::crossPlane(const CellMember& member, std::size_t plane, double side, double* crossing) const {
+bool MemberSolver::crossPlane(const CellMember& member, std::size_t plane, double side,
+                              double* crossing) const {
   const std::size_t p = parameters();
   const double* const row = this->plane(plane);
   const double* outer = member.inner.data();

@@ -75,7 +75,8 @@ PlaneSides planeSidesFor(std::size_t p) {
   }
 }
 
-PlaneBlock::PlaneBlock(const std::vector<double>& planes, const std::vector<std::size_t>& chosen, std::size_t p)
+PlaneBlock::PlaneBlock(const std::vector<double>& planes, const std::vector<std::size_t>& chosen,
+                       std::size_t p)
     : p_(p),
       padded_(padded(chosen.size())),
       coefficients_((p + 1) * padded_, 0.0),
