@@ -69,12 +69,35 @@ struct SolveArguments {
 // How long the search tree of a stopped exploration may take [s].
 constexpr double kTreeOfAPart = 1.0;
 
-struct Seconds {
+struct PhaseSeconds {
   double load = 0.0;
   double explore = 0.0;
   double encode = 0.0;
   double write = 0.0;
 };
+
+/// How long the phases took, and what they took of the processors.
+class PhaseClock {
+ public:
+  PhaseSeconds seconds;
+  PhaseSeconds cpu;
+
+  void end(double PhaseSeconds::*phase) {
+    seconds.*phase = watch_.lap();
+    cpu.*phase = cpu_watch_.lap();
+  }
+
+ private:
+  Stopwatch watch_;
+  CpuStopwatch cpu_watch_;
+};
+
+nlohmann::ordered_json phasesJson(const PhaseSeconds& seconds) {
+  return {{"load", seconds.load},
+          {"explore", seconds.explore},
+          {"encode", seconds.encode},
+          {"write", seconds.write}};
+}
 
 std::string checkpointOf(const SolveArguments& options) { return options.map + ".checkpoint"; }
 
@@ -138,7 +161,7 @@ std::vector<double> numbers(const Eigen::VectorXd& theta) {
 }
 
 std::string statsJson(const ParametricProgram& program, const Partition& partition, const RegionMap& map,
-                      const Seconds& seconds, int threads, int processes) {
+                      const PhaseClock& clock, int threads, int processes) {
   nlohmann::ordered_json json;
   json["name"] = program.name;
   json["status"] = toString(partition.status);
@@ -156,10 +179,8 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
   json["cpu_seconds"] = partition.stats.cpu_seconds;
   json["threads"] = threads;
   json["processes"] = processes;
-  json["seconds"] = {{"load", seconds.load},
-                     {"explore", seconds.explore},
-                     {"encode", seconds.encode},
-                     {"write", seconds.write}};
+  json["seconds"] = phasesJson(clock.seconds);
+  json["phase_cpu_seconds"] = phasesJson(clock.cpu);
   json["laws"] = map.lawCount();
   json["planes"] = map.planeCount();
   json["nodes"] = map.nodeCount();
@@ -191,7 +212,7 @@ bool mayWrite(const SolveArguments& options, const Partition& partition) {
 }
 
 void reportEnd(const SolveArguments& options, const Partition& partition, const RegionMap& map,
-               const Seconds& seconds) {
+               const PhaseSeconds& seconds) {
   switch (partition.status) {
     case ExploreStatus::kComplete:
     case ExploreStatus::kInfeasible:
@@ -326,14 +347,13 @@ ExitCode lead(const SolveArguments& options, Session& session) {
     return own->solve({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
                        options.tree_nodes, options.explore.threads, options.quiet});
   }
-  Stopwatch watch;
-  Seconds seconds;
+  PhaseClock clock;
   const ParametricProgram program = loadCompleteProgram(options.problem);
   if (!options.quiet) printRemarks(options.problem, program);
-  seconds.load = watch.lap();
+  clock.end(&PhaseSeconds::load);
   const Partition partition = inFile(options.problem, program,
                                      [&] { return exploreWithProgress(program, options, session.group()); });
-  seconds.explore = watch.lap();
+  clock.end(&PhaseSeconds::explore);
   reportStop(options, partition);
   reportUnbounded(options, partition);
   if (partition.stats.lost_process > 0) {
@@ -356,17 +376,17 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   MapContent content =
       inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
   addSoftBounds(program, partition, options, &content);
-  seconds.encode = watch.lap();
+  clock.end(&PhaseSeconds::encode);
   ignoreSignals();
   writeMap(content, options.map);
   const RegionMap map = RegionMap::open(options.map);
-  seconds.write = watch.lap();
+  clock.end(&PhaseSeconds::write);
   removeCheckpoint(options, partition);
   if (!options.stats.empty()) {
     writeText(options.stats,
-              statsJson(program, partition, map, seconds, options.explore.threads, session.processes()));
+              statsJson(program, partition, map, clock, options.explore.threads, session.processes()));
   }
-  reportEnd(options, partition, map, seconds);
+  reportEnd(options, partition, map, clock.seconds);
   return exitCode(partition.status);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace polyfly {
 
@@ -17,6 +18,21 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The same for the time that the processors spent on all threads of this process.
+class CpuStopwatch {
+ public:
+  /// Seconds since the last call.
+  double lap() {
+    const std::clock_t now = std::clock();
+    const double seconds = static_cast<double>(now - last_) / CLOCKS_PER_SEC;
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::clock_t last_ = std::clock();
 };
 
 }  // namespace polyfly

@@ -277,7 +277,8 @@ TEST(RationalPolytope, AnswersAsTheSolverInDoubles) {
       const Rows rows = randomPolytope(n, 3 + 3 * round, random);
       MinimalRows expected, minimal;
       ASSERT_TRUE(solver.minimal(rows.data.data(), rows.count(), inside.data(), kTolerance, expected));
-      ASSERT_TRUE(minimalRationally(n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
+      ASSERT_TRUE(
+          minimalRationally(0, n, rows.data.data(), rows.count(), inside.data(), kTolerance, minimal));
       EXPECT_EQ(minimal.facets, expected.facets) << "dimension " << n << " round " << round;
       std::vector<double> direction(n), furthest(n), point(n);
       for (double& entry : direction) entry = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
@@ -305,7 +306,7 @@ TEST(RationalPolytope, EndsWhereRowsNearlyCoincide) {
   ASSERT_TRUE(RationalPolytope(3, rows.data.data(), rows.count()).maximise(inside, direction, point));
   EXPECT_NEAR(point[0] + point[1] + point[2], 1.0, 1e-12);
   MinimalRows minimal;
-  ASSERT_TRUE(minimalRationally(3, rows.data.data(), rows.count(), inside, kTolerance, minimal));
+  ASSERT_TRUE(minimalRationally(0, 3, rows.data.data(), rows.count(), inside, kTolerance, minimal));
   EXPECT_EQ(minimal.facets.size(), 7u);
 }
 

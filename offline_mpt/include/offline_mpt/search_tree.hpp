@@ -24,6 +24,7 @@ enum class TreeEnd : std::uint8_t {
   kLittleGain,
   kNodes,    ///< The limit of nodes was reached.
   kBytes,    ///< The tree takes much more memory than the regions.
+  kMemory,   ///< Its cells take 1.5 GiB while it grows.
   kPivots,   ///< It took as long as the mode allows.
   kStopped,  ///< TreeOptions::stop
 };

@@ -13,7 +13,7 @@ namespace polyfly {
 class PolytopeSolver::Kernel {
  public:
   virtual ~Kernel() = default;
-  virtual bool minimal(const double* rows, int count, const double* interior, double tolerance,
+  virtual bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
                        MinimalRows& result) = 0;
   /// Maximises direction . t from `start`, which must satisfy every row; `point` receives the maximiser.
   virtual bool maximise(const double* rows, int count, const double* start, const double* direction,
@@ -39,19 +39,20 @@ enum class RowState : char { kUnknown, kFacet, kRedundant };
 template <int N>
 class KernelOf final : public PolytopeSolver::Kernel {
  public:
-  bool minimal(const double* rows, int count, const double* interior, double tolerance,
+  bool minimal(int kept, const double* rows, int count, const double* interior, double tolerance,
                MinimalRows& result) override {
     if (!dictionary_.start(rows, count, interior)) return false;
     state_.assign(count, RowState::kUnknown);
+    std::fill_n(state_.begin(), kept, RowState::kFacet);
     beyond_.resize(static_cast<std::size_t>(count) * N);
     tolerance_ = tolerance;
     sweep();
-    for (int i = 0; i < count; ++i) {
+    for (int i = kept; i < count; ++i) {
       if (state_[i] == RowState::kUnknown && !decide(i)) return false;
     }
     result.facets.clear();
     result.beyond.clear();
-    for (int i = 0; i < count; ++i) {
+    for (int i = kept; i < count; ++i) {
       if (state_[i] != RowState::kFacet) continue;
       result.facets.push_back(i);
       const double* point = beyond_.data() + static_cast<std::size_t>(i) * N;
@@ -343,8 +344,13 @@ bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centr
 
 bool PolytopeSolver::minimal(const double* rows, int count, const double* interior, double tolerance,
                              MinimalRows& result) {
-  return plain_->minimal(rows, count, interior, tolerance, result) ||
-         minimalRationally(dimension_, rows, count, interior, tolerance, result);
+  return minimalBeside(0, rows, count, interior, tolerance, result);
+}
+
+bool PolytopeSolver::minimalBeside(int kept, const double* rows, int count, const double* interior,
+                                   double tolerance, MinimalRows& result) {
+  return plain_->minimal(kept, rows, count, interior, tolerance, result) ||
+         minimalRationally(kept, dimension_, rows, count, interior, tolerance, result);
 }
 
 bool PolytopeSolver::support(const double* rows, int count, const double* interior, const double* direction,

@@ -47,6 +47,10 @@ class PolytopeSolver {
   /// polytope is unbounded.
   bool minimal(const double* rows, int count, const double* interior, double tolerance, MinimalRows& result);
 
+  /// The same for the last rows only: the first `kept` count as needed, without a question, and are not in `result`.
+  bool minimalBeside(int kept, const double* rows, int count, const double* interior, double tolerance,
+                     MinimalRows& result);
+
   /// A point where direction . t is greatest; false when there is none. `interior` must lie inside.
   bool support(const double* rows, int count, const double* interior, const double* direction, double* point);
 

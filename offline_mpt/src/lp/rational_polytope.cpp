@@ -123,24 +123,24 @@ bool RationalPolytope::maximise(const double* start, const double* direction, do
   return true;
 }
 
-bool minimalRationally(int dimension, const double* rows, int count, const double* interior, double tolerance,
-                       MinimalRows& result) {
+bool minimalRationally(int kept, int dimension, const double* rows, int count, const double* interior,
+                       double tolerance, MinimalRows& result) {
   result.facets.clear();
   result.beyond.clear();
   const auto n = static_cast<std::size_t>(dimension);
-  std::vector<double> kept;  // rows that are not implied by others so far
+  std::vector<double> left;  // rows that are not implied by others so far
   std::vector<int> numbers;
   for (int i = 0; i < count; ++i) {
     const double* const row = rows + static_cast<std::ptrdiff_t>(i) * (dimension + 1);
-    kept.insert(kept.end(), row, row + n + 1);
+    left.insert(left.end(), row, row + n + 1);
     numbers.push_back(i);
   }
   std::vector<double> beyond(n);
-  for (std::size_t k = 0; k < numbers.size();) {
-    RationalPolytope simplex(dimension, kept.data(), static_cast<int>(numbers.size()));
+  for (auto k = static_cast<std::size_t>(kept); k < numbers.size();) {
+    RationalPolytope simplex(dimension, left.data(), static_cast<int>(numbers.size()));
     if (!simplex.finite()) return false;
     simplex.relax(static_cast<int>(k), kReach);
-    const double* const row = kept.data() + k * (n + 1);
+    const double* const row = left.data() + k * (n + 1);
     if (!simplex.maximise(interior, row, beyond.data())) return false;
     double violation = -row[n];
     for (std::size_t j = 0; j < n; ++j) violation += row[j] * beyond[j];
@@ -150,8 +150,8 @@ bool minimalRationally(int dimension, const double* rows, int count, const doubl
       ++k;
     } else {
       numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(k));
-      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(k * (n + 1)),
-                 kept.begin() + static_cast<std::ptrdiff_t>((k + 1) * (n + 1)));
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(k * (n + 1)),
+                 left.begin() + static_cast<std::ptrdiff_t>((k + 1) * (n + 1)));
     }
   }
   return true;

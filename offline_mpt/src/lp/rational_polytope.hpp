@@ -42,8 +42,8 @@ class RationalPolytope {
   std::vector<char> at_zero_;  // whether the row is a column
 };
 
-/// As PolytopeSolver::minimal, which documents it.
-bool minimalRationally(int dimension, const double* rows, int count, const double* interior, double tolerance,
-                       MinimalRows& result);
+/// As PolytopeSolver::minimalBeside, which documents it.
+bool minimalRationally(int kept, int dimension, const double* rows, int count, const double* interior,
+                       double tolerance, MinimalRows& result);
 
 }  // namespace polyfly

@@ -15,8 +15,15 @@ struct CellMember {
   std::vector<std::int32_t> walls;
   /// p numbers, strictly inside.
   std::vector<double> inner;
-  /// p numbers each, inside or on the border. They show on which sides of a plane the part reaches.
+  /// p numbers each, inside or on the border. They show on which sides of a plane the part reaches. The first ones
+  /// lie on the rows and then the walls in turn: each shows that its row is needed.
   std::vector<double> points;
+
+  std::size_t bounds() const { return rows.size() + walls.size(); }
+  /// That with index `bound` of the rows and then the walls.
+  std::int32_t bound(std::size_t bound) const {
+    return bound < rows.size() ? rows[bound] : walls[bound - rows.size()];
+  }
 };
 
 /// A node of the search tree that is not split yet.

@@ -4,12 +4,13 @@
 #include <utility>
 
 #include "support/in_parallel.hpp"
+#include "tree/plane_sides.hpp"
 
 namespace polyfly {
 namespace {
 
 // Planes and members that estimates look at, evenly drawn from more.
-constexpr std::size_t kPlanesScored = 60;
+constexpr std::size_t kPlanesScored = 200;
 constexpr std::size_t kMembersScored = 1024;
 // Planes whose split is computed exactly. Above kManyMembers members, estimates are good enough for one.
 constexpr std::size_t kPlanesTried = 3;
@@ -35,7 +36,10 @@ bool CellSplitter::Estimate::isBetterThan(const Estimate& other) const {
 }
 
 CellSplitter::CellSplitter(const TreeRegions& regions, const TreeOptions& options)
-    : regions_(regions), threads_(std::max(1, options.threads)), all_rows_(options.all_rows) {
+    : regions_(regions),
+      threads_(std::max(1, options.threads)),
+      all_rows_(options.all_rows),
+      side_tolerance_(options.side_tolerance) {
   for (int k = 0; k < threads_; ++k) solvers_.emplace_back(regions, options.side_tolerance);
 }
 
@@ -141,13 +145,18 @@ bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::v
 
 std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) const {
   const std::size_t step = (cell.members.size() + kMembersScored - 1) / kMembersScored;
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const std::vector<std::size_t> planes = planesOf(cell, step);
+  PlaneBlock block(regions_.planes, planes, p);
   std::vector<Estimate> estimates;
-  for (const std::size_t plane : planesOf(cell, step)) estimates.push_back({plane});
+  for (const std::size_t plane : planes) estimates.push_back({plane});
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     const CellMember& member = cell.members[m];
-    for (Estimate& entry : estimates) {
-      entry.add(solvers_.front().seenSides(member, entry.plane), tests(member));
-    }
+    block.clear();
+    block.add(member.inner.data(), 1);
+    block.add(member.points.data(), member.points.size() / p);
+    for (std::size_t i = 0; i < planes.size(); ++i)
+      estimates[i].add(block.sides(i, side_tolerance_), tests(member));
   }
   return estimates;
 }
@@ -186,6 +195,12 @@ CellSplit CellSplitter::divide(Cell& cell, std::size_t plane, const std::vector<
   split.below.path = split.above.path = cell.path;
   split.below.path.push_back(row);
   split.above.path.push_back(-row);
+  const auto reaching = [&](unsigned side) {
+    return static_cast<std::size_t>(
+        std::count_if(sides.begin(), sides.end(), [side](unsigned char k) { return (k & side) != 0; }));
+  };
+  split.below.members.reserve(reaching(kBelow));
+  split.above.members.reserve(reaching(kAbove));
   for (std::size_t k = 0; k < cell.members.size(); ++k) {  // those on no side only touch the plane
     if (sides[k] == kBoth) split.above.members.push_back(std::move(above[k]));
     if ((sides[k] & kBelow) != 0) split.below.members.push_back(std::move(cell.members[k]));

@@ -70,6 +70,7 @@ class CellSplitter {
   const TreeRegions& regions_;
   int threads_;
   bool all_rows_;
+  double side_tolerance_;
   std::vector<MemberSolver> solvers_;  // one per thread
 };
 

@@ -9,8 +9,10 @@
 namespace polyfly {
 namespace {
 
-// Points kept per member.
-constexpr std::size_t kPoints = 10;
+// Points kept per member besides those on its rows and walls.
+constexpr std::size_t kOtherPoints = 4;
+// A point on a row shows that it is needed if the others leave at least this there [scaled].
+constexpr double kClear = 1e-9;
 // Rows that others imply up to this are dropped [scaled]. It is far below a map's tolerance, so that dropped rows do
 // not change which candidate is the nearest.
 constexpr double kImplied = 1e-12;
@@ -42,7 +44,10 @@ CellMember MemberSolver::whole(std::uint32_t region) {
   member.inner.assign(centre, centre + p);
   for (const std::int32_t row : regions_.rows[region])
     (boundsBox(row) ? member.walls : member.rows).push_back(row);
-  addPoints(member);
+  for (std::size_t bound = 0; bound < member.bounds(); ++bound)
+    member.points.insert(member.points.end(), centre, centre + p);
+  is_settled_.assign(member.bounds(), 0);
+  settle(member);
   return member;
 }
 
@@ -142,8 +147,36 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
 }
 
 // Where two rows to test meet at a sharp angle, a row that only touches their edge may be violated by a multiple of the
-// tolerance.
+// tolerance. If no row is, one look at all of them shows it.
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
+  const std::vector<std::int32_t>& all = regions_.rows[member.region];
+  rows_.clear();
+  for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : kMissed);
+  for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
+  questioned_.clear();
+  std::size_t next = 0;  // of member.rows, which are in the order of `all`
+  for (const std::int32_t row : all) {
+    if (next < member.rows.size() && member.rows[next] == row) {
+      ++next;
+    } else if (!boundsBox(row) && std::find(path.begin(), path.end(), row) == path.end()) {
+      questioned_.push_back(row);
+    }
+  }
+  if (questioned_.empty()) return;
+  for (const std::int32_t row : questioned_) gatherRow(row, kReach * format::kMaxTolerance);
+  const int kept = static_cast<int>(member.bounds());
+  const int count = kept + static_cast<int>(questioned_.size());
+  if (solver_.minimalBeside(kept, rows_.data(), count, member.inner.data(), kImplied, minimal_)) {
+    std::vector<std::int32_t> left;
+    for (const int facet : minimal_.facets)
+      left.push_back(questioned_[static_cast<std::size_t>(facet - kept)]);
+    questioned_ = std::move(left);
+  }
+  if (!questioned_.empty()) addRows(member, path);
+}
+
+// Adds those of the questioned rows that all bounds of the cell do not hold within the tolerance either.
+void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& path) {
   const std::size_t p = parameters();
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
@@ -153,12 +186,12 @@ void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std
   }
   for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
   std::vector<std::int32_t> tested;
-  std::size_t next = 0;  // of member.rows, which are in the order of `all`
+  std::size_t next = 0;
   for (const std::int32_t row : all) {
     if (next < member.rows.size() && member.rows[next] == row) {
       tested.push_back(row);
       ++next;
-    } else if (!boundsBox(row) && std::find(path.begin(), path.end(), row) == path.end()) {
+    } else if (std::find(questioned_.begin(), questioned_.end(), row) != questioned_.end()) {
       const double* const a = plane(planeOf(row));
       const double factor = row > 0 ? 1.0 : -1.0;
       for (std::size_t j = 0; j < p; ++j) direction_[j] = factor * a[j];
@@ -190,29 +223,42 @@ bool MemberSolver::reaches(CellMember& member, std::size_t plane, double side) {
 
 CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsigned side) {
   const std::size_t p = parameters();
+  const std::size_t bounds = member.bounds();
+  const auto row = static_cast<std::int32_t>(plane) + 1;
   CellMember part;
   part.region = member.region;
   part.rows = member.rows;
+  part.walls.reserve(member.walls.size() + 1);
   part.walls = member.walls;
-  part.inner = member.inner;
-  part.points.reserve(kPoints * p);
-  for (std::size_t k = 0; k < member.points.size() && part.points.size() < kPoints * p; k += p) {
-    const double* const point = member.points.data() + k;
-    if (sign(side) * kernels_.distance(this->plane(plane), point, p) >= 0.0)
-      part.points.insert(part.points.end(), point, point + p);
-  }
-  moveInner(part, plane, sign(side), member.points);
-  const auto row = static_cast<std::int32_t>(plane) + 1;
   part.walls.push_back(side == kBelow ? row : -row);
+  part.inner = member.inner;
+  moveInner(part, plane, sign(side), member.points);
+  part.points.reserve((bounds + 1 + kOtherPoints) * p);
+  part.points.assign(member.points.begin(), member.points.begin() + static_cast<std::ptrdiff_t>(bounds * p));
+  part.points.insert(part.points.end(), part.inner.begin(), part.inner.end());  // on the new wall, see below
   // Undecided members may have no known point here. Without one inside, all rows stay.
-  if (sign(side) * kernels_.distance(this->plane(plane), part.inner.data(), p) > 0.0) dropImplied(part);
-  addPoints(part);
+  if (sign(side) * kernels_.distance(this->plane(plane), part.inner.data(), p) <= 0.0) return part;
+  is_settled_.assign(bounds + 1, 1);
+  is_settled_[bounds] = crossPlane(member, plane, sign(side), part.points.data() + bounds * p) ? 1 : 0;
+  for (std::size_t k = 0; k < member.points.size() / p; ++k) {
+    const double* const point = member.points.data() + k * p;
+    const bool is_here = sign(side) * kernels_.distance(this->plane(plane), point, p) > kImplied;
+    if (k < bounds) {
+      is_settled_[k] = is_here ? 1 : 0;
+    } else if (is_here && part.points.size() < (bounds + 1 + kOtherPoints) * p) {
+      part.points.insert(part.points.end(), point, point + p);
+    }
+  }
+  settle(part);
+  // Cells are many: no memory is left over.
+  part.points.shrink_to_fit();
   return part;
 }
 
 void MemberSolver::enter(CellMember& member, std::size_t plane, unsigned side) const {
+  const std::size_t p = parameters();
   moveInner(member, plane, sign(side), member.points);
-  const std::size_t most = kPoints * parameters();
+  const std::size_t most = (member.bounds() + kOtherPoints) * p;
   if (member.points.size() > most) {  // cells are many: no memory is left over
     member.points.resize(most);
     member.points.shrink_to_fit();
@@ -220,48 +266,117 @@ void MemberSolver::enter(CellMember& member, std::size_t plane, unsigned side) c
   const auto own = std::find_if(member.rows.begin(), member.rows.end(),
                                 [&](std::int32_t row) { return planeOf(row) == plane; });
   if (own == member.rows.end()) return;
+  const auto point = member.points.begin() + (own - member.rows.begin()) * static_cast<std::ptrdiff_t>(p);
+  std::rotate(point, point + static_cast<std::ptrdiff_t>(p),
+              member.points.begin() + static_cast<std::ptrdiff_t>(member.bounds() * p));
   member.walls.push_back(*own);
   member.rows.erase(own);
 }
 
-void MemberSolver::dropImplied(CellMember& member) {
-  gatherRows(member);
-  const int count = static_cast<int>(rows_.size() / (parameters() + 1));
-  if (!solver_.minimal(rows_.data(), count, member.inner.data(), kImplied, minimal_)) return;
-  std::vector<std::int32_t> rows, walls;
-  for (const int facet : minimal_.facets) {
-    const auto i = static_cast<std::size_t>(facet);
-    if (i < member.rows.size()) {
-      rows.push_back(member.rows[i]);
-    } else {
-      walls.push_back(member.walls[i - member.rows.size()]);
-    }
+// Where the way from a point on the other side of the plane to the inner point crosses it.
+bool MemberSolver::crossPlane(const CellMember& member, std::size_t plane, double side,
+                              double* crossing) const {
+  const std::size_t p = parameters();
+  const double* const row = this->plane(plane);
+  const double* outer = member.inner.data();
+  double least = side * kernels_.distance(row, outer, p);
+  for (std::size_t k = 0; k < member.points.size(); k += p) {
+    const double value = side * kernels_.distance(row, member.points.data() + k, p);
+    if (value >= least) continue;
+    least = value;
+    outer = member.points.data() + k;
   }
-  member.rows = std::move(rows);
-  member.walls = std::move(walls);
+  const double inside = side * kernels_.distance(row, crossing, p);
+  if (least >= 0.0 || inside <= 0.0) return false;
+  const double fraction = inside / (inside - least);
+  for (std::size_t j = 0; j < p; ++j) crossing[j] += fraction * (outer[j] - crossing[j]);
+  return true;
 }
 
-// Where rays from the inner point along and against the normals of its rows meet the border.
-void MemberSolver::addPoints(CellMember& member) {
+// Finds a point for each row that has none, and drops those that others imply.
+void MemberSolver::settle(CellMember& member) {
   const std::size_t p = parameters();
+  if (std::find(is_settled_.begin(), is_settled_.end(), 0) == is_settled_.end()) return;
   gatherRows(member);
-  for (std::size_t ray = 0; ray < rows_.size(); ray += p + 1) {
-    for (const double way : {1.0, -1.0}) {
-      if (member.points.size() >= kPoints * p) return;
-      double reach = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < rows_.size(); i += p + 1) {
-        double slope = 0.0, slack = rows_[i + p];
-        for (std::size_t j = 0; j < p; ++j) {
-          slope += way * rows_[i + j] * rows_[ray + j];
-          slack -= rows_[i + j] * member.inner[j];
-        }
-        if (slope > kImplied) reach = std::min(reach, std::max(slack, 0.0) / slope);
-      }
-      if (!std::isfinite(reach)) continue;
-      for (std::size_t j = 0; j < p; ++j)
-        member.points.push_back(member.inner[j] + reach * way * rows_[ray + j]);
+  slacks_.resize(member.bounds());
+  for (std::size_t k = 0; k < slacks_.size(); ++k)
+    slacks_[k] = -kernels_.distance(rows_.data() + k * (p + 1), member.inner.data(), p);
+  bool is_open = false;
+  for (std::size_t k = 0; k < is_settled_.size(); ++k) {
+    if (is_settled_[k] != 0) continue;
+    if (castRay(member, k))
+      is_settled_[k] = 1;
+    else
+      is_open = true;
+  }
+  if (is_open) decide(member);
+}
+
+// Whether the ray from the inner point straight to a bound meets it before all others. Its point is then moved there.
+bool MemberSolver::castRay(CellMember& member, std::size_t bound) const {
+  const std::size_t p = parameters();
+  const double* const ray = rows_.data() + bound * (p + 1);
+  const double reach = slacks_[bound];
+  for (std::size_t k = 0; k < slacks_.size(); ++k) {
+    if (k == bound) continue;
+    const double* const row = rows_.data() + k * (p + 1);
+    double slope = 0.0;
+    for (std::size_t j = 0; j < p; ++j) slope += row[j] * ray[j];
+    if (slacks_[k] - reach * slope <= kClear) return false;
+  }
+  for (std::size_t j = 0; j < p; ++j) member.points[bound * p + j] = member.inner[j] + reach * ray[j];
+  return true;
+}
+
+// The same by linear programming.
+void MemberSolver::decide(CellMember& member) {
+  const std::size_t p = parameters();
+  order_.clear();
+  for (const char settled : {1, 0}) {
+    for (std::size_t k = 0; k < is_settled_.size(); ++k) {
+      if (is_settled_[k] == settled) order_.push_back(k);
     }
   }
+  ordered_.resize(rows_.size());
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    std::copy_n(rows_.data() + order_[k] * (p + 1), p + 1, ordered_.data() + k * (p + 1));
+  const auto kept = static_cast<int>(std::count(is_settled_.begin(), is_settled_.end(), 1));
+  if (!solver_.minimalBeside(kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(),
+                             kImplied, minimal_)) {
+    // All stay.
+    for (std::size_t k = 0; k < is_settled_.size(); ++k) {
+      if (is_settled_[k] == 0)
+        std::copy(member.inner.begin(), member.inner.end(),
+                  member.points.begin() + static_cast<std::ptrdiff_t>(k * p));
+    }
+    return;
+  }
+  for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
+    const std::size_t bound = order_[static_cast<std::size_t>(minimal_.facets[f])];
+    const double* const beyond = minimal_.beyond.data() + f * p;
+    const double violation = kernels_.distance(rows_.data() + bound * (p + 1), beyond, p);
+    const double fraction = slacks_[bound] / (slacks_[bound] + std::max(violation, 0.0));
+    for (std::size_t j = 0; j < p; ++j)
+      member.points[bound * p + j] = member.inner[j] + fraction * (beyond[j] - member.inner[j]);
+    is_settled_[bound] = 1;
+  }
+  drop(member);
+}
+
+// Drops what is not settled.
+void MemberSolver::drop(CellMember& member) const {
+  const std::size_t p = parameters(), bounds = member.bounds();
+  std::vector<std::int32_t> rows, walls;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < member.points.size() / p; ++k) {
+    if (k < bounds && is_settled_[k] == 0) continue;
+    if (k < bounds) (k < member.rows.size() ? rows : walls).push_back(member.bound(k));
+    std::copy_n(member.points.begin() + static_cast<std::ptrdiff_t>(k * p), p,
+                member.points.begin() + static_cast<std::ptrdiff_t>(kept++ * p));
+  }
+  member.points.resize(kept * p);
+  member.rows = std::move(rows);
+  member.walls = std::move(walls);
 }
 
 // Moves the inner point, if it lies on the other side, to half-way between the plane and the point furthest out on

@@ -53,9 +53,13 @@ class MemberSolver {
   void gatherRows(const CellMember& member);
   void gatherRow(std::int32_t row, double moved);
   bool reaches(CellMember& member, std::size_t plane, double side);
-  void dropImplied(CellMember& member);
-  void addPoints(CellMember& member);
+  void settle(CellMember& member);
+  bool castRay(CellMember& member, std::size_t bound) const;
+  void decide(CellMember& member);
+  void drop(CellMember& member) const;
   void moveInner(CellMember& part, std::size_t plane, double side, const std::vector<double>& points) const;
+  bool crossPlane(const CellMember& member, std::size_t plane, double side, double* crossing) const;
+  void addRows(CellMember& member, const std::vector<std::int32_t>& path);
 
   const TreeRegions& regions_;
   double tolerance_;
@@ -63,6 +67,12 @@ class MemberSolver {
   PolytopeSolver solver_;
   MinimalRows minimal_;
   std::vector<double> rows_;  // p + 1 numbers each, as PolytopeSolver reads them
+  std::vector<double> slacks_;
+  // Per row and wall of the member in hand, whether a point shows that it is needed.
+  std::vector<char> is_settled_;
+  std::vector<std::size_t> order_;
+  std::vector<std::int32_t> questioned_;
+  std::vector<double> ordered_;  // rows in that order
   std::vector<double> direction_, point_;
 };
 

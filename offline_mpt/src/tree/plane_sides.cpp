@@ -1,5 +1,10 @@
 #include "tree/plane_sides.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include "lp/dictionary_kernels.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -68,6 +73,31 @@ PlaneSides planeSidesFor(std::size_t p) {
     default:
       return Kernels<0>::all();
   }
+}
+
+PlaneBlock::PlaneBlock(const std::vector<double>& planes, const std::vector<std::size_t>& chosen,
+                       std::size_t p)
+    : p_(p),
+      padded_(padded(chosen.size())),
+      coefficients_((p + 1) * padded_, 0.0),
+      least_(padded_),
+      greatest_(padded_) {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    for (std::size_t j = 0; j <= p; ++j) coefficients_[j * padded_ + i] = planes[chosen[i] * (p + 1) + j];
+  }
+}
+
+void PlaneBlock::clear() {
+  std::fill(least_.begin(), least_.end(), std::numeric_limits<double>::infinity());
+  std::fill(greatest_.begin(), greatest_.end(), -std::numeric_limits<double>::infinity());
+}
+
+void PlaneBlock::add(const double* points, std::size_t count) {
+  rangesOfDistances(coefficients_.data(), padded_, p_, points, count, least_.data(), greatest_.data());
+}
+
+unsigned PlaneBlock::sides(std::size_t i, double tolerance) const {
+  return (least_[i] < -tolerance ? kBelow : 0u) | (greatest_[i] > tolerance ? kAbove : 0u);
 }
 
 }  // namespace polyfly

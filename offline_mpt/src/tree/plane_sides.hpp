@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace polyfly {
 
@@ -21,5 +22,26 @@ struct PlaneSides {
 
 /// Unrolled for p up to 8.
 PlaneSides planeSidesFor(std::size_t p);
+
+/// Some planes, to be compared with many points at once. The numbers of one coefficient lie side by side, for the
+/// processor's sake.
+class PlaneBlock {
+ public:
+  /// `planes` as in TreeRegions, `chosen` indices of them.
+  PlaneBlock(const std::vector<double>& planes, const std::vector<std::size_t>& chosen, std::size_t p);
+
+  /// Begins with no point.
+  void clear();
+  /// Compares `count` points of p numbers each.
+  void add(const double* points, std::size_t count);
+  /// Sides of chosen plane i, further than `tolerance`, on which one of the points lies.
+  unsigned sides(std::size_t i, double tolerance) const;
+
+ private:
+  std::size_t p_;
+  std::size_t padded_;  // number of planes, rounded up
+  std::vector<double> coefficients_;
+  std::vector<double> least_, greatest_;
+};
 
 }  // namespace polyfly

@@ -26,10 +26,26 @@ constexpr std::uint64_t kLeastNodes = 4096;
 constexpr double kFastPivots = 1.3;
 constexpr std::uint64_t kLeastPivots = 40000;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
-constexpr std::uint64_t kAutoBytes = 4;
+constexpr std::uint64_t kAutoBytes = 3;
 constexpr std::uint64_t kFreeBytes = 65536;
 // kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
 constexpr double kLittleGain = 0.85;
+
+// Memory of the parts of all cells, above which a tree of any mode ends [bytes]. The parts of a million regions of 4
+// parameters take less, with some nodes for each region.
+constexpr std::uint64_t kMostMemory = std::uint64_t{3} << 29;
+// Of an allocation, besides its content.
+constexpr std::uint64_t kAllocation = 16;
+
+/// What a cell takes in memory while the tree grows.
+std::uint64_t memoryOf(const Cell& cell) {
+  std::uint64_t sum = sizeof(std::int32_t) * cell.path.size() + kAllocation;
+  for (const CellMember& member : cell.members) {
+    sum += sizeof(CellMember) + 4 * kAllocation + sizeof(std::int32_t) * member.bounds() +
+           sizeof(double) * (member.inner.size() + member.points.size());
+  }
+  return sum;
+}
 
 /// What a leaf takes in a map file.
 std::uint64_t bytesOf(const Cell& cell) {
@@ -60,10 +76,15 @@ class GrowthLimit {
 
   std::uint64_t nodes() const { return nodes_; }
 
+  /// A cell came into memory, or left it.
+  void add(const Cell& cell) { memory_ += memoryOf(cell); }
+  void remove(const Cell& cell) { memory_ -= memoryOf(cell); }
+
   /// Which limit a tree has reached whose worst look-up tests `worst` half-spaces.
   std::optional<TreeEnd> reached(std::uint64_t nodes, std::uint64_t pivots, std::uint64_t bytes,
                                  std::uint64_t worst) {
     if (nodes >= nodes_) return TreeEnd::kNodes;
+    if (memory_ >= kMostMemory) return TreeEnd::kMemory;
     if (mode_ == TreeMode::kFast && pivots >= pivots_) return TreeEnd::kPivots;
     if (mode_ == TreeMode::kAuto && bytes >= bytes_) return TreeEnd::kBytes;
     if (mode_ == TreeMode::kAuto && gainsLittle(nodes, worst)) return TreeEnd::kLittleGain;
@@ -84,6 +105,7 @@ class GrowthLimit {
   std::uint64_t nodes_;
   std::uint64_t pivots_;
   std::uint64_t bytes_;
+  std::uint64_t memory_ = 0;
   std::uint64_t checked_nodes_ = 0;  // when the gain is looked at next
   std::uint64_t checked_worst_ = 0;
 };
@@ -129,6 +151,7 @@ class TreeGrower {
   void addCell(Cell cell, std::uint32_t number) {
     const std::uint64_t cost = cell.path.size() + splitter_.tests(cell);
     bytes_ += bytesOf(cell);
+    limit_.add(cell);
     cells_.push_back(std::make_unique<Cell>(std::move(cell)));
     split_by_.push_back(kUnsplit);
     if (cells_.back()->members.size() > 1) open_.push({cost, number});
@@ -150,7 +173,10 @@ class TreeGrower {
 
   void splitBatch(const std::vector<std::uint32_t>& batch) {
     std::vector<std::optional<CellSplit>> splits(batch.size());
-    for (const std::uint32_t cell : batch) bytes_ -= bytesOf(*cells_[cell]);
+    for (const std::uint32_t cell : batch) {
+      bytes_ -= bytesOf(*cells_[cell]);
+      limit_.remove(*cells_[cell]);
+    }
     if (batch.size() == 1) {
       Cell& cell = *cells_[batch.front()];
       splits.front() =
@@ -165,6 +191,7 @@ class TreeGrower {
         addNode(batch[i], std::move(*splits[i]));
       } else {
         bytes_ += bytesOf(*cells_[batch[i]]);
+        limit_.add(*cells_[batch[i]]);
       }
     }
   }
@@ -258,6 +285,8 @@ const char* toString(TreeEnd end) {
       return "limit of nodes";
     case TreeEnd::kBytes:
       return "limit of memory";
+    case TreeEnd::kMemory:
+      return "limit of memory while it grows";
     case TreeEnd::kPivots:
       return "limit of time";
     case TreeEnd::kStopped:
