@@ -149,7 +149,8 @@ class Axis {
   /// Reference of stage 0 .. stages() for aim(), where stages() is above 0. Its disturbance is not read: a constant one is
   /// held by the targets.
   void setStage(int stage, const AxisReference& reference) noexcept {
-    stage_references_->set(stage, reference.position, reference.velocity, reference.acceleration, reference.jerk);
+    stage_references_->set(stage, reference.position, reference.velocity, reference.acceleration,
+                           reference.jerk);
   }
 
   /// Whether the numbers of setStage are finite and within what isValidNumber() allows.

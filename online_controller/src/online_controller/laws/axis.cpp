@@ -1,7 +1,7 @@
 #include "online_controller/laws/axis.hpp"
 
-#include <algorithm>
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -112,11 +112,11 @@ void Axis::prepareLookAhead(const AxisNames& names) {
   if (law_->takesGradient()) return;
   const ParametricProgram program = condense(problem);
   const Eigen::LLT<Eigen::MatrixXd> factor(program.H);
-  const auto ahead = std::find_if(program.parameters.begin(), program.parameters.end(), [&](const Signal& p) {
-    return p.name == names.disturbance_ahead;
-  });
+  const auto ahead = std::find_if(program.parameters.begin(), program.parameters.end(),
+                                  [&](const Signal& p) { return p.name == names.disturbance_ahead; });
   // Without active bounds the first input is that of -H^-1 times the gradient.
-  const Eigen::RowVectorXd first = factor.solve(Eigen::VectorXd::Unit(program.variableCount(), 0)).transpose();
+  const Eigen::RowVectorXd first =
+      factor.solve(Eigen::VectorXd::Unit(program.variableCount(), 0)).transpose();
   const double by_disturbance = first.dot(program.F.col(ahead - program.parameters.begin()));
   if (!(std::abs(by_disturbance) > 0.0))
     throw Error(law_->place(names.axis) + "parameter " + quoted(names.disturbance_ahead) +

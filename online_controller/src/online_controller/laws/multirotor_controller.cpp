@@ -193,7 +193,8 @@ bool MultirotorController::readStages() noexcept {
     const auto row = static_cast<Eigen::Index>(i);
     for (int k = 0; k < previewLength(); ++k) {
       const Reference& read = preview_[k];
-      axes_[i].setStage(k, {read.position[row], read.velocity[row], read.acceleration[row], read.jerk[row], 0.0});
+      axes_[i].setStage(
+          k, {read.position[row], read.velocity[row], read.acceleration[row], read.jerk[row], 0.0});
     }
     valid = valid && axes_[i].areStagesValid();
   }

@@ -30,7 +30,8 @@ struct Recursion {
   Eigen::VectorXd B, B_end;
   double R = 0.0;
 
-  explicit Recursion(const MpcProblem& problem) : Q(problem.Q), B_end(endOfRamp(problem)), R(problem.R(0, 0)) {
+  explicit Recursion(const MpcProblem& problem)
+      : Q(problem.Q), B_end(endOfRamp(problem)), R(problem.R(0, 0)) {
     const DiscreteModel model = discretise(problem, problem.sampling_time);
     A = model.A;
     B = model.B;
