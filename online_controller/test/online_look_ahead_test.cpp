@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "allocations.hpp"
@@ -87,7 +88,7 @@ class FullProgram {
     const auto x = [&](Eigen::Index t) { return (t - 1) * block + 1; };
     std::vector<Point> points;
     for (const AxisReference& reference : references) points.push_back(onReference(problem_, reference));
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n), A = Eigen::MatrixXd::Zero(N * nx + 2 * N, n);
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n), A = Eigen::MatrixXd::Zero(N * nx + 3 * N, n);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n), b(A.rows());
     const double R = problem_.R(0, 0), Rd = problem_.R_delta(0, 0);
     const double d = references[0].disturbance / problem_.Bd_c(1, 0);
@@ -122,6 +123,17 @@ class FullProgram {
     }
     std::vector<int> equalities;
     for (int i = 0; i < static_cast<int>(N * nx); ++i) equalities.push_back(i);
+    b.tail(N).setZero();
+    Eigen::Index first = 0;
+    for (const int length : problem_.moves) {
+      for (Eigen::Index t = first + 1; t < first + length; ++t) {
+        const Eigen::Index row = N * nx + 2 * N + t;
+        A(row, u(t)) = 1.0;
+        A(row, u(first)) = -1.0;
+        equalities.push_back(static_cast<int>(row));
+      }
+      first += length;
+    }
     DenseQp qp(H, A, equalities);
     EXPECT_EQ(qp.solve(g.data(), b.data()), QpStatus::kOptimal);
     return qp.z()(0);
@@ -133,11 +145,22 @@ class FullProgram {
   Eigen::MatrixXd P_;
 };
 
-class LookAhead : public testing::TestWithParam<std::size_t> {
+MpcProblem withMoves(MpcProblem problem) {
+  problem.moves = {1, 1, 2, 4, problem.horizon - 8};
+  return problem;
+}
+
+/// An axis, and whether its moves are blocked.
+class LookAhead : public testing::TestWithParam<std::tuple<std::size_t, bool>> {
  protected:
   LookAhead()
-      : problem_(parseProblem(polyfly_test::axisProblem(GetParam()), "problem")),
-        axis_(onlineAxisLaw(problem_), kAxisNames[GetParam()], MultirotorOptions{}) {}
+      : number_(std::get<0>(GetParam())),
+        problem_(parseProblem(polyfly_test::axisProblem(number_), "problem")),
+        axis_(onlineAxisLaw(problem_), kAxisNames[number_], MultirotorOptions{}) {
+    if (!std::get<1>(GetParam())) return;
+    problem_ = withMoves(problem_);
+    axis_ = Axis(onlineAxisLaw(problem_), kAxisNames[number_], MultirotorOptions{});
+  }
 
   double input(const std::vector<AxisReference>& references, const AxisSample& sample, double previous) {
     for (int t = 0; t <= axis_.stages(); ++t) axis_.setStage(t, references[static_cast<std::size_t>(t)]);
@@ -155,6 +178,7 @@ class LookAhead : public testing::TestWithParam<std::size_t> {
     return x;
   }
 
+  std::size_t number_;
   MpcProblem problem_;
   Axis axis_;
 };
@@ -168,13 +192,13 @@ TEST_P(LookAhead, SolvesEquation38WithTheReferenceOfEachStage) {
   };
   int at_bound = 0;
   for (int round = 0; round < 40; ++round) {
-    const double far = GetParam() == 2 ? 15.0 : 3.0;  // thrust has more room than tilt
+    const double far = number_ == 2 ? 15.0 : 3.0;  // thrust has more room than tilt
     const double size = round % 4 == 0 ? far : 0.3;
     std::vector<AxisReference> references;
     const double disturbance = within(0.5);
     for (int t = 0; t <= problem_.horizon; ++t)
       references.push_back({within(size), within(size), within(0.5 * size), within(0.5 * size), disturbance});
-    const AxisSample sample{within(size), within(size), GetParam() < 2 ? within(0.2) : 0.0};
+    const AxisSample sample{within(size), within(size), number_ < 2 ? within(0.2) : 0.0};
     const double previous = within(0.2);
     const double expected = oracle.solve(references, stateOf(sample), previous);
     EXPECT_NEAR(input(references, sample, previous), expected, kAgreement) << round;
@@ -205,7 +229,7 @@ TEST_P(LookAhead, ChangesNothingWhereTheReferenceIsFollowed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Axes, LookAhead, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Axes, LookAhead, testing::Combine(testing::Values(0, 1, 2), testing::Bool()));
 
 TEST(LookAheadOfTheController, ReadsTheReferenceOfEachStageAndNeverAllocates) {
   std::array<MpcProblem, 3> problems;

@@ -66,6 +66,7 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
                                  const MultirotorOptions& options) {
   const std::set<double> answered = answeredStamps(log);
   LawSwitch law(std::make_unique<MultirotorController>(maps, options), options);
+  std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
   ReferenceSchedule schedule;
   OdometryGate gate(options);
   std::vector<ReplaySample> samples;
@@ -83,21 +84,21 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
       case FlightLog::EventKind::kOdometry: {
         const VehicleState state = aligned(log.odometry.at(event.index), options.heading_misalignment);
         if (!answered.empty() && answered.count(state.stamp) == 0) break;
-        const std::optional<Reference> reference = schedule.sample(state.stamp);
         ReplaySample sample;
         sample.state = state;
-        sample.has_reference = reference.has_value();
-        sample.reference = reference.value_or(Reference{});
+        sample.has_reference =
+            schedule.preview(state.stamp, law.previewPeriod(), law.previewLength(), preview.data());
+        if (sample.has_reference) sample.reference = preview.front();
         const OdometryGate::Verdict verdict = gate.check(state);
         if (verdict.restarted) law.forget(LawMemory::kObserver);
         if (verdict.refusal == ControlReason::kStale) {
           sample.report = law.onSilence(state.stamp);
-        } else if (!reference) {
+        } else if (!sample.has_reference) {
           sample.report = law.stepWithoutReference(state.stamp);
         } else if (verdict.refusal != ControlReason::kNone) {
           sample.report = law.withoutSample(state.stamp, verdict.refusal);
         } else {
-          sample.report = law.step(state, &*reference);
+          sample.report = law.step(state, preview.data());
         }
         samples.push_back(sample);
         break;

@@ -49,29 +49,29 @@ void OnlineProgram::sortRows() {
   for (int i = 0; i < program_.rowCount(); ++i) {
     const int variable = singleEntry(program_.A, i);
     if (variable >= 0) {
-      bounds_.push_back({i, variable, program_.A(i, variable)});
+      const double entry = program_.A(i, variable);
+      const bool equality = is_equality_[static_cast<std::size_t>(i)] != 0;
+      if (entry > 0.0 || equality) upper_bounds_.push_back({i, variable, 1.0 / entry});
+      if (entry < 0.0 || equality) lower_bounds_.push_back({i, variable, 1.0 / entry});
     } else {
       general.row(static_cast<Eigen::Index>(rows_.size())) = program_.A.row(i);
       rows_.push_back(i);
     }
   }
   qp_.setRows(general.data());
+  for (Eigen::Index j = 0; j < program_.S.cols(); ++j)
+    if (!program_.S.col(j).isZero(0.0)) moving_.push_back(j);
 }
 
 void OnlineProgram::setBounds(const double* theta) noexcept {
-  const Eigen::Map<const Eigen::VectorXd> parameters(theta, program_.parameterCount());
   b_ = program_.b;
-  b_.noalias() += program_.S * parameters;
+  for (const Eigen::Index j : moving_) b_ += theta[j] * program_.S.col(j);
   lower_.setConstant(-kNoBound);
   upper_.setConstant(kNoBound);
-  for (const Bound& bound : bounds_) {
-    const double value = b_(bound.row) / bound.entry;
-    const bool equality = is_equality_[static_cast<std::size_t>(bound.row)] != 0;
-    double& lower = lower_(bound.variable);
-    double& upper = upper_(bound.variable);
-    if (bound.entry > 0.0 || equality) upper = std::min(upper, value);
-    if (bound.entry < 0.0 || equality) lower = std::max(lower, value);
-  }
+  for (const Bound& bound : upper_bounds_)
+    upper_(bound.variable) = std::min(upper_(bound.variable), b_(bound.row) * bound.scale);
+  for (const Bound& bound : lower_bounds_)
+    lower_(bound.variable) = std::max(lower_(bound.variable), b_(bound.row) * bound.scale);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const int row = rows_[k];
     const auto i = static_cast<Eigen::Index>(k);

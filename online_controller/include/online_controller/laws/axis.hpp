@@ -33,15 +33,17 @@ struct AxisNames {
   const char* position_reference;
   const char* angle_reference;   ///< nullptr where there is no lag state
   const char* angle_rate_error;  ///< of models whose attitude loop is of second order; nullptr as above
+  /// With it a map looks ahead, see Axis::aim.
+  const char* disturbance_ahead;
 };
 
 constexpr std::array<AxisNames, 3> kAxisNames{{
     {"longitudinal", "e_p_x", "e_v_x", "e_theta", "theta_cmd_prev", "theta_cmd_ref", "theta_cmd", "rad",
-     "v_x_ref", "p_x_ref", "theta_ref", "e_theta_rate"},
+     "v_x_ref", "p_x_ref", "theta_ref", "e_theta_rate", "d_x_ahead"},
     {"lateral", "e_p_y", "e_v_y", "e_phi", "phi_cmd_prev", "phi_cmd_ref", "phi_cmd", "rad", "v_y_ref",
-     "p_y_ref", "phi_ref", "e_phi_rate"},
+     "p_y_ref", "phi_ref", "e_phi_rate", "d_y_ahead"},
     {"vertical", "e_p_z", "e_v_z", nullptr, "T_cmd_prev", "T_cmd_ref", "T_cmd", "m/s^2", "v_z_ref", "p_z_ref",
-     nullptr, nullptr},
+     nullptr, nullptr, "d_z_ahead"},
 }};
 
 /// What is measured of one axis, in the world-aligned frame.
@@ -73,6 +75,7 @@ enum class AxisEntry : std::size_t {
   kPositionReference,
   kAngleReference,
   kAngleRateError,
+  kDisturbanceAhead,
 };
 
 /// A value for each AxisEntry, from which the parameters are assembled in the law's order.
@@ -82,7 +85,7 @@ class AxisValues {
   double operator[](AxisEntry entry) const noexcept { return values_[static_cast<std::size_t>(entry)]; }
 
  private:
-  std::array<double, 9> values_{};
+  std::array<double, 10> values_{};
 };
 
 /// State and input that follow a reference exactly under a constant disturbance, as long as no bound is
@@ -142,18 +145,34 @@ class Axis {
   void advance(Prediction& at) const noexcept;
   double stagePeriod() const noexcept { return stage_period_; }  ///< [s]
 
-  /// Number of stages that can have references of their own (look-ahead); 0: none, as with a map.
+  /// Number of stages that can have references of their own (look-ahead); 0: none, as with a map that has no parameter for
+  /// them.
   int stages() const noexcept { return stage_references_ ? stage_references_->horizon() : 0; }
 
-  /// Reference of stage 0 .. stages() for aim().
-  void setStage(int stage, const AxisReference& reference) noexcept;
+  /// Reference of stage 0 .. stages() for aim(), where stages() is above 0. Its disturbance is not read: a constant one is
+  /// held by the targets.
+  void setStage(int stage, const AxisReference& reference) noexcept {
+    stage_references_->set(stage, reference.position, reference.velocity, reference.acceleration,
+                           reference.jerk);
+  }
+
+  /// Whether the numbers of setStage are finite and within what isValidNumber() allows.
+  bool areStagesValid() const noexcept;
 
   /// Whether the next evaluations look ahead to the references of setStage, or take theirs for that of all stages.
+  ///
+  /// A law that is solved online takes the reference of each stage. A map has a parameter for a short model of the
+  /// references ahead: a disturbance of the error that stays constant over the horizon, as a reference has whose velocity
+  /// changes evenly and is not told in advance. For other references the disturbance is taken that changes the input as
+  /// much where no bound is active. It is clipped to the parameter's range: beyond it the map looks ahead less.
   void aim(bool look_ahead) noexcept;
 
   /// Position of the reference at a stage, from where the first stage's reference would have led [m]; 0 without
   /// look-ahead.
   double shift(int stage) const noexcept;
+
+  /// The short model's disturbance of the last aim() [m/s^2]; 0 where a map looks ahead with none, and for online laws.
+  double disturbanceAhead() const noexcept { return disturbance_ahead_; }
 
   /// Assembles the parameters, evaluates the law and fills the report. Without an answer (kHoldLast) the report's input
   /// is left alone. Where a map has no answer:
@@ -191,6 +210,7 @@ class Axis {
 
   AxisTarget goalOf(const AxisReference& reference) const noexcept;
   void bindSignals(const AxisNames& names);
+  void prepareLookAhead(const AxisNames& names);
   void readModel(const MpcProblem& problem, const AxisNames& names);
   bool isLag(const MpcProblem& problem) const noexcept;
   const AxisLaw& answering(bool beyond) const noexcept { return beyond ? *beyond_ : *law_; }
@@ -219,6 +239,8 @@ class Axis {
   // Whether the lag is of second order.
   bool has_rate_ = false;
   bool has_input_reference_ = false;
+  // Place of the disturbance ahead among the parameters; -1: none.
+  int ahead_slot_ = -1;
   int position_state_ = 0;
   int velocity_state_ = 1;
   int angle_state_ = 2;
@@ -232,6 +254,7 @@ class Axis {
   double stage_period_ = 0.0;                     // Ts of the problem [s]
   std::array<std::array<double, 4>, 4> stage_{};  // A over Ts, for predictions
   std::array<double, 4> stage_input_{};           // B over Ts
+  std::array<double, 4> stage_disturbance_{};     // B_d over Ts
   bool offset_free_ = true;
   DisturbanceObserver observer_;
   // Of a minimum-peak robust MPC: share of the estimate that a control period adds to the constant part; 0: none.
@@ -240,10 +263,9 @@ class Axis {
   // Where the law can look ahead and options.look_ahead is set.
   std::optional<StageReferences> stage_references_;
   bool looks_ahead_ = false;
-  // What target() gives for each derivative of the reference, and for the disturbance, alone.
-  AxisTarget per_velocity_, per_acceleration_, per_jerk_, per_disturbance_;
-  // Known disturbance of stage 0, beside the observer's [m/s^2].
-  double known_disturbance_ = 0.0;
+  // Of a map that looks ahead: gives the disturbance ahead from the stages' references. Empty: none.
+  Eigen::RowVectorXd ahead_row_;
+  double disturbance_ahead_ = 0.0;
 };
 
 }  // namespace polyfly

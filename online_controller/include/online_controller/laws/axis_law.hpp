@@ -39,10 +39,14 @@ class AxisLaw {
     return nullptr;
   }
 
-  /// The stages of the problem that can have references of their own; 0: none.
+  /// The stages of the problem; 0 where they cannot have references of their own.
   virtual int stages() const noexcept { return 0; }
 
-  /// Adds stages() numbers to the gradient of the next evaluate(), see StageReferences; nullptr: none from now on.
+  /// Whether stages' references come by setGradient(). Otherwise by a parameter, see AxisNames::disturbance_ahead.
+  virtual bool takesGradient() const noexcept { return false; }
+
+  /// Adds a number for each block of moves to the gradient of the next evaluate(), see StageReferences; nullptr: none from
+  /// now on.
   virtual void setGradient(const double* /*gradient*/) noexcept {}
 
   virtual void reset() noexcept = 0;

@@ -67,7 +67,7 @@ class MultirotorController : public ControlLaw {
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
   const ControlReport& answer(const VehicleState& state, const Reference& reference) noexcept;
-  void aim(const Reference* preview) noexcept;
+  bool readStages() noexcept;
   ControlStatus evaluate(const Measured& measured, const Reference& reference,
                          ControlReason& reason) noexcept;
   std::array<double, 3> inputOffsets(const Measured& measured, const Reference& reference,

@@ -103,7 +103,7 @@ enum class ControlReason : std::uint8_t {
   kPilot = 10,
 };
 
-constexpr int kMaxParameters = 9;
+constexpr int kMaxParameters = 10;
 
 /// What one axis did in one step.
 struct AxisReport {

@@ -4,8 +4,10 @@
 
 namespace polyfly {
 
-/// Finite, of a magnitude below 1e6, and with a quaternion of unit length within 5 %. Large finite numbers
-/// would poison an observer as surely as NaN does.
+/// Finite and of a magnitude of at most 1e6. Large finite numbers would poison an observer as surely as NaN does.
+bool isValidNumber(double value) noexcept;
+
+/// All numbers are valid, and a quaternion has unit length within 5 %.
 bool isValid(const VehicleState& state) noexcept;
 bool isValid(const Reference& reference) noexcept;
 

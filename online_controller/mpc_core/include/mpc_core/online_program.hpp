@@ -32,15 +32,18 @@ class OnlineProgram {
     // Row of the program.
     int row = 0;
     int variable = 0;
-    // Single entry of the row.
-    double entry = 0.0;
+    // 1 over the single entry of the row.
+    double scale = 0.0;
   };
 
   void sortRows();
   void setBounds(const double* theta) noexcept;
 
   ParametricProgram program_;
-  std::vector<Bound> bounds_;
+  // Rows that bound one variable; an equality is in both.
+  std::vector<Bound> lower_bounds_, upper_bounds_;
+  // Columns of S that are not 0.
+  std::vector<Eigen::Index> moving_;
   // Rows of the program that are no bounds.
   std::vector<int> rows_;
   std::vector<char> is_equality_;

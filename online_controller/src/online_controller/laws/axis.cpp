@@ -1,10 +1,13 @@
 #include "online_controller/laws/axis.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "mpc_core/parametric_program.hpp"
+#include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -44,6 +47,19 @@ void requireReferences(const AxisLaw& law, const AxisNames& names, const std::ar
     throw Error(law.place(names.axis) + "parameter " + quoted(signals[i]) +
                 ": must be the reference of the state that its name says");
   }
+}
+
+/// Whether a parameter is the disturbance ahead, which must be that of the model, of a problem that can look ahead.
+bool looksAhead(const AxisLaw& law, const AxisNames& names) {
+  for (const MpcProblem::Parameter& parameter : law.problem().parameters) {
+    if (parameter.signal.name != names.disturbance_ahead) continue;
+    const std::string place = law.place(names.axis) + "parameter " + quoted(names.disturbance_ahead) + ": ";
+    if (parameter.role != ParameterRole::kDisturbance) throw Error(place + "must have the role disturbance");
+    if (!StageReferences::supports(law.problem()))
+      throw Error(place + "needs a continuous model without bounds on states, constraints and terminal set");
+    return true;
+  }
+  return false;
 }
 
 /// The tilt of an axis keeps the noise of its own; the other states have that of the options, in the places
@@ -87,38 +103,58 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
   std::vector<bool> errors;
   for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
   feasible_set_ = law_->feasibleSet(errors);
-  if (options.look_ahead && law_->stages() > 0 && StageReferences::supports(law_->problem()))
-    stage_references_.emplace(law_->problem());
-  per_velocity_ = target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0);
-  per_acceleration_ = target({0.0, 0.0, 1.0, 0.0, 0.0}, 0.0);
-  per_jerk_ = target({0.0, 0.0, 0.0, 1.0, 0.0}, 0.0);
-  per_disturbance_ = target({}, 1.0);
+  if (options.look_ahead) prepareLookAhead(names);
 }
 
-void Axis::setStage(int stage, const AxisReference& reference) noexcept {
-  if (stage == 0) known_disturbance_ = reference.disturbance / disturbance_gain_;
-  // target() without its divisions.
-  const double d = disturbance() + known_disturbance_;
-  const double angle = per_velocity_.angle * reference.velocity +
-                       per_acceleration_.angle * reference.acceleration + per_disturbance_.angle * d;
-  const double input = per_velocity_.input * reference.velocity +
-                       per_acceleration_.input * reference.acceleration + per_jerk_.input * reference.jerk +
-                       per_disturbance_.input * d;
-  std::array<double, 3> state{};
-  state[static_cast<std::size_t>(position_state_)] = reference.position;
-  state[static_cast<std::size_t>(velocity_state_)] = reference.velocity;
-  if (has_lag_) state[static_cast<std::size_t>(angle_state_)] = angle;
-  stage_references_->set(stage, state.data(), input);
+void Axis::prepareLookAhead(const AxisNames& names) {
+  const MpcProblem& problem = law_->problem();
+  const bool can = !has_rate_ && (law_->takesGradient() || ahead_slot_ >= 0);
+  if (!can || law_->stages() == 0 || !StageReferences::supports(problem)) return;
+  StageReferences::Targets targets =
+      StageReferences::Targets::Zero(problem.stateCount() + 1, kReferenceDerivatives);
+  targets(position_state_, 0) = 1.0;
+  targets(velocity_state_, 1) = 1.0;
+  const std::array<AxisTarget, 3> by_derivative{target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0),
+                                                target({0.0, 0.0, 1.0, 0.0, 0.0}, 0.0),
+                                                target({0.0, 0.0, 0.0, 1.0, 0.0}, 0.0)};
+  for (std::size_t i = 0; i < by_derivative.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i) + 1;
+    if (has_lag_) targets(angle_state_, column) = by_derivative[i].angle;
+    targets(problem.stateCount(), column) = by_derivative[i].input;
+  }
+  stage_references_.emplace(problem, targets);
+  if (law_->takesGradient()) return;
+  const ParametricProgram program = condense(problem);
+  const Eigen::LLT<Eigen::MatrixXd> factor(program.H);
+  const auto ahead = std::find_if(program.parameters.begin(), program.parameters.end(),
+                                  [&](const Signal& p) { return p.name == names.disturbance_ahead; });
+  // Without active bounds the first input is that of -H^-1 times the gradient.
+  const Eigen::RowVectorXd first =
+      factor.solve(Eigen::VectorXd::Unit(program.variableCount(), 0)).transpose();
+  const double by_disturbance = first.dot(program.F.col(ahead - program.parameters.begin()));
+  if (!(std::abs(by_disturbance) > 0.0))
+    throw Error(law_->place(names.axis) + "parameter " + quoted(names.disturbance_ahead) +
+                ": must act on the input");
+  ahead_row_ = stage_references_->gradientRow(first / by_disturbance);
 }
+
+bool Axis::areStagesValid() const noexcept { return isValidNumber(stage_references_->greatest()); }
 
 void Axis::aim(bool look_ahead) noexcept {
   looks_ahead_ = look_ahead && stage_references_;
-  law_->setGradient(looks_ahead_ ? stage_references_->gradient(disturbance() + known_disturbance_) : nullptr);
+  disturbance_ahead_ = 0.0;
+  if (looks_ahead_ && ahead_slot_ >= 0 && ahead_row_.size() > 0) {
+    const auto slot = static_cast<std::size_t>(ahead_slot_);
+    disturbance_ahead_ = std::clamp(stage_references_->along(ahead_row_), lower_[slot], upper_[slot]);
+  } else {
+    law_->setGradient(looks_ahead_ ? stage_references_->gradient() : nullptr);
+  }
 }
 
+// The short model of a map has its references' motion in the errors.
 double Axis::shift(int stage) const noexcept {
-  if (!looks_ahead_ || stage > stages()) return 0.0;
-  return stage_references_->shift(stage)(position_state_);
+  if (!looks_ahead_ || ahead_row_.size() > 0 || stage > stages()) return 0.0;
+  return stage_references_->shift(stage, position_state_);
 }
 
 void Axis::reset() noexcept {
@@ -168,7 +204,9 @@ void Axis::bindSignals(const AxisNames& names) {
       has_lag_ && std::any_of(law_->parameters().begin(), law_->parameters().end(),
                               [&](const Signal& signal) { return signal.name == names.angle_rate_error; });
   if (has_rate_) expected.push_back({names.angle_rate_error, "rad/s", AxisEntry::kAngleRateError, true});
-  static_assert(kMaxParameters >= 9, "an axis has up to nine parameters");
+  if (looksAhead(*law_, names))
+    expected.push_back({names.disturbance_ahead, "m/s^2", AxisEntry::kDisturbanceAhead, true});
+  static_assert(kMaxParameters >= 10, "an axis has up to ten parameters");
 
   std::vector<bool> found(expected.size(), false);
   size_ = 0;
@@ -187,6 +225,7 @@ void Axis::bindSignals(const AxisNames& names) {
     has_input_reference_ = has_input_reference_ || match->entry == AxisEntry::kInputReference;
     const auto slot = static_cast<std::size_t>(size_++);
     entries_[slot] = match->entry;
+    if (match->entry == AxisEntry::kDisturbanceAhead) ahead_slot_ = static_cast<int>(slot);
     lower_[slot] = signal.lower;
     upper_[slot] = signal.upper;
   }
@@ -267,6 +306,7 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
   const DiscreteModel stage = discretise(problem, problem.sampling_time);
   stage_period_ = stage.period;
   for (int i = 0; i < states; ++i) {
+    stage_disturbance_[static_cast<std::size_t>(i)] = stage.Bd(i, 0);
     stage_input_[static_cast<std::size_t>(i)] = stage.B(i, 0);
     for (int j = 0; j < states; ++j)
       stage_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = stage.A(i, j);
@@ -343,6 +383,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   values[AxisEntry::kPositionReference] = reference.position;
   values[AxisEntry::kAngleReference] = goal.angle;
   values[AxisEntry::kAngleRateError] = sample.rate - goal.rate;
+  values[AxisEntry::kDisturbanceAhead] = disturbance_ahead_;
   report.theta = parametersAt(values);
   report.size = size_;
   report.disturbance = disturbance();

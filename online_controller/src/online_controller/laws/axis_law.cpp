@@ -31,6 +31,7 @@ class ExplicitAxisLaw final : public AxisLaw {
   std::unique_ptr<NearestFeasible> feasibleSet(const std::vector<bool>& movable) const override {
     return problem_.minimum_peak ? std::make_unique<NearestFeasible>(*map_, movable) : nullptr;
   }
+  int stages() const noexcept override { return problem_.minimum_peak ? 0 : problem_.horizon; }
   void reset() noexcept override {}
 
  private:
@@ -72,8 +73,11 @@ class OnlineAxisLaw final : public AxisLaw {
     return lookup;
   }
   int stages() const noexcept override {
-    return program_.solver().variableCount() == problem_.horizon ? problem_.horizon : 0;
+    return program_.solver().variableCount() == static_cast<int>(blockLengths(problem_).size())
+               ? problem_.horizon
+               : 0;
   }
+  bool takesGradient() const noexcept override { return true; }
   void setGradient(const double* gradient) noexcept override { gradient_ = gradient; }
   void reset() noexcept override { program_.reset(); }
   bool planned(int stage, double input_reference, double* input) const noexcept override {

@@ -5,18 +5,22 @@
 namespace polyfly {
 namespace {
 
+// Laws that fly together read the same references.
+MultirotorOptions optionsFor(const std::array<MpcProblem, 3>& problems, const LawParts& parts) {
+  MultirotorOptions options = parts.controller;
+  options.look_ahead = options.look_ahead && problems[0].sampling_time == parts.nonlinear.period;
+  return options;
+}
+
 std::unique_ptr<ControlLaw> makeExplicit(const LawParts& parts) {
   if (parts.maps.empty()) return nullptr;
   const std::vector<RegionMap>& maps = parts.maps.maps;
   return std::make_unique<MultirotorController>(std::array<const RegionMap*, 3>{&maps[0], &maps[1], &maps[2]},
-                                                parts.maps.problems, parts.controller);
+                                                parts.maps.problems, optionsFor(parts.maps.problems, parts));
 }
 
 std::unique_ptr<ControlLaw> makeLinear(const LawParts& parts) {
-  // Laws that fly together read the same references.
-  MultirotorOptions options = parts.controller;
-  options.look_ahead = options.look_ahead && parts.problems[0].sampling_time == parts.nonlinear.period;
-  return std::make_unique<MultirotorController>(parts.problems, options);
+  return std::make_unique<MultirotorController>(parts.problems, optionsFor(parts.problems, parts));
 }
 
 }  // namespace

@@ -176,10 +176,7 @@ const ControlReport& MultirotorController::answer(const VehicleState& state,
   if (!isValid(state)) return cannotAnswer(ControlReason::kNotFinite);
   const Measured measured = measure(state);
   observe(state, measured);
-  const Reference* const end = preview_ != nullptr ? preview_ + previewLength() : &reference + 1;
-  if (!std::all_of(preview_ != nullptr ? preview_ : &reference, end,
-                   [](const Reference& read) { return isValid(read); }))
-    return cannotAnswer(ControlReason::kNotFinite);
+  if (!readStages() || !isValid(reference)) return cannotAnswer(ControlReason::kNotFinite);
 
   if (isAnswer(report_.status) && !clock_.due(state.stamp)) {
     send(measured.tilt, measured.yaw, reference);
@@ -196,13 +193,19 @@ const ControlReport& MultirotorController::answer(const VehicleState& state,
   return report_;
 }
 
-void MultirotorController::aim(const Reference* preview) noexcept {
-  const Eigen::Vector3d integral = integrator_.disturbance();
+bool MultirotorController::readStages() noexcept {
+  if (preview_ == nullptr) return true;
+  bool valid = true;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    for (int k = 0; preview != nullptr && k < previewLength(); ++k)
-      axes_[i].setStage(k, along(preview[k], integral, static_cast<int>(i)));
-    axes_[i].aim(preview != nullptr);
+    const auto row = static_cast<Eigen::Index>(i);
+    for (int k = 0; k < previewLength(); ++k) {
+      const Reference& read = preview_[k];
+      axes_[i].setStage(
+          k, {read.position[row], read.velocity[row], read.acceleration[row], read.jerk[row], 0.0});
+    }
+    valid = valid && axes_[i].areStagesValid();
   }
+  return valid;
 }
 
 // The worst status of the axes, and its reason. Unless each has an answer the inputs are left alone.
@@ -212,7 +215,7 @@ ControlStatus MultirotorController::evaluate(const Measured& measured, const Ref
   const std::array<AxisReference, 3> wanted{along(reference, integral, 0), along(reference, integral, 1),
                                             along(reference, integral, 2)};
   const std::array<double, 3> offsets = inputOffsets(measured, reference, wanted);
-  aim(preview_);
+  for (Axis& axis : axes_) axis.aim(preview_ != nullptr);
   ControlStatus worst = ControlStatus::kOptimal;
   report_.iterations = 0;
   std::array<AxisReport, 3>& reports = report_.axis;

@@ -53,6 +53,7 @@ void Axis::advance(Prediction& at) const noexcept {
   for (std::size_t i = 0; i < states; ++i) {
     next[i] = stage_input_[i] * (at.input - values[AxisEntry::kInputReference]);
     for (std::size_t j = 0; j < states; ++j) next[i] += stage_[i][j] * error[j];
+    next[i] += stage_disturbance_[i] * values[AxisEntry::kDisturbanceAhead];
   }
   values[AxisEntry::kPositionError] = next[static_cast<std::size_t>(position_state_)];
   values[AxisEntry::kVelocityError] = next[static_cast<std::size_t>(velocity_state_)];

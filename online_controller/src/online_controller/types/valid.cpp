@@ -8,13 +8,14 @@ namespace {
 constexpr double kGreatestValidNumber = 1e6;  // [SI]
 constexpr double kUnitTolerance = 0.05;
 
-bool valid(double value) noexcept { return std::abs(value) <= kGreatestValidNumber; }  // false for NaN
-
 bool valid(const Eigen::Vector3d& vector) noexcept {
-  return valid(vector.x()) && valid(vector.y()) && valid(vector.z());
+  return isValidNumber(vector.x()) && isValidNumber(vector.y()) && isValidNumber(vector.z());
 }
 
 }  // namespace
+
+// False for NaN.
+bool isValidNumber(double value) noexcept { return std::abs(value) <= kGreatestValidNumber; }
 
 bool isValid(const VehicleState& state) noexcept {
   const double squared_norm = state.attitude.squaredNorm();
@@ -24,7 +25,7 @@ bool isValid(const VehicleState& state) noexcept {
 
 bool isValid(const Reference& reference) noexcept {
   return valid(reference.position) && valid(reference.velocity) && valid(reference.acceleration) &&
-         valid(reference.jerk) && valid(reference.yaw) && valid(reference.yaw_rate);
+         valid(reference.jerk) && isValidNumber(reference.yaw) && isValidNumber(reference.yaw_rate);
 }
 
 }  // namespace polyfly
