@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/prove_map.hpp"
 
@@ -40,8 +41,7 @@ ExitCode sample(const RegionMap& map, const RobustProblem& problem, const Verify
 }  // namespace
 
 ExitCode verifyRobust(const RegionMap& map, const VerifyTask& task) {
-  if (!task.certificate.empty() || !task.output.empty())
-    throw Error(map.path() + ": of a robust MPC there is neither --certificate nor --repair");
+  if (!task.output.empty()) throw Error(map.path() + ": of a robust MPC there is no --repair");
   const RobustProblem problem =
       task.problem.empty() ? parseRobustProblem(std::string(map.problemText()), map.path() + ": problem text")
                            : loadRobustProblem(task.problem);
@@ -51,7 +51,9 @@ ExitCode verifyRobust(const RegionMap& map, const VerifyTask& task) {
   const RobustProof proof = proveRobustMap(map, problem, prove);
   if (!task.json.empty()) writeText(task.json, proofJson(problem, proof));
   if (!task.quiet) std::fputs(proofText(problem, proof).c_str(), stdout);
-  return proof.passed() ? ExitCode::kDone : ExitCode::kFailed;
+  if (!proof.passed()) return ExitCode::kFailed;
+  if (!task.certificate.empty()) writeFileAtomically(task.certificate, proof.certificate);
+  return ExitCode::kDone;
 }
 
 }  // namespace polyfly

@@ -62,6 +62,9 @@ struct RobustProof {
   /// Greatest distance of a vertex outside the map's region.
   double plane_error = 0.0;  ///< [scaled]
 
+  /// Text of the certificate of a map; empty where the proof does not pass.
+  std::string certificate;
+
   /// Whether the problem has an invariance rule.
   bool invariance_asked = false;
 
