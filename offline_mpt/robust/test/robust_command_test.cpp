@@ -90,9 +90,9 @@ TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
   EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--problem", windy, "--quiet"}).exit_code, 1);
   EXPECT_EQ(run({"verify", path("made.map"), "--problem", windy, "--samples", "300", "--quiet"}).exit_code,
             1);
-  const Outcome certificate = run({"verify", path("made.map"), "--exact", "--certificate", path("c")});
-  EXPECT_EQ(certificate.exit_code, 2);
-  EXPECT_NE(certificate.err.find("neither --certificate nor --repair"), std::string::npos);
+  const Outcome repair = run({"verify", path("made.map"), "--exact", "--repair", "-o", path("new.map")});
+  EXPECT_EQ(repair.exit_code, 2);
+  EXPECT_NE(repair.err.find("there is no --repair"), std::string::npos);
 }
 
 TEST_F(RobustCommand, SaysWhatIsWrongInAProblem) {

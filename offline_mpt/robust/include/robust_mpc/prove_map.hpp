@@ -82,7 +82,7 @@ struct ProveOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Computes the exact law of `problem` anew, proves it, and compares the map with it. Throws Error when the
+/// Computes the exact law of `problem` anew, proves it, compares the map with it, and proves what look-ups answer. Throws Error when the
 /// map is not of this problem (names, units, boxes), is a reduced one, or the work was stopped.
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
                            const ProveOptions& options = {});
