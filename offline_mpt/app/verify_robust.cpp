@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
 #include "robust_mpc/prove_map.hpp"
 
@@ -46,13 +45,16 @@ ExitCode verifyRobust(const RegionMap& map, const VerifyTask& task) {
       task.problem.empty() ? parseRobustProblem(std::string(map.problemText()), map.path() + ": problem text")
                            : loadRobustProblem(task.problem);
   if (!task.exact) return sample(map, problem, task);
+  if (!task.certificate.empty() && problem.text != map.problemText())
+    throw Error(map.path() + ": the problem text that it carries is not that of the problem " + problem.name +
+                ", so there is no certificate");
   ProveOptions prove;
   prove.threads = task.threads;
   const RobustProof proof = proveRobustMap(map, problem, prove);
   if (!task.json.empty()) writeText(task.json, proofJson(problem, proof));
   if (!task.quiet) std::fputs(proofText(problem, proof).c_str(), stdout);
   if (!proof.passed()) return ExitCode::kFailed;
-  if (!task.certificate.empty()) writeFileAtomically(task.certificate, proof.certificate);
+  if (!task.certificate.empty()) writeCertificate(proof, task.certificate);
   return ExitCode::kDone;
 }
 

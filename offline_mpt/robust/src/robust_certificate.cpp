@@ -7,6 +7,7 @@
 #include "certify/certify_exactly.hpp"
 #include "rational_parts.hpp"
 #include "region_maps/region_map.hpp"
+#include "robust_mpc/prove_map.hpp"
 #include "support/certificate_text.hpp"
 
 namespace polyfly {
@@ -232,6 +233,10 @@ class Head {
 };
 
 }  // namespace
+
+void writeCertificate(const RobustProof& proof, const std::string& path) {
+  writeProof(proof.certificate, "the map", path);
+}
 
 CertifyReport certifyRobust(const RegionMap& map, const RobustStatement& statement,
                             const CertifyOptions& options) {

@@ -91,6 +91,9 @@ RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
 RobustProof proveLaw(const RobustProblem& problem, const RobustProgram& program, const FeasibleSet& set,
                      const RobustLaw& law);
 
+/// Writes the certificate of a map; throws Error where there is none.
+void writeCertificate(const RobustProof& proof, const std::string& path);
+
 /// For people, and as JSON.
 std::string proofText(const RobustProblem& problem, const RobustProof& proof);
 std::string proofJson(const RobustProblem& problem, const RobustProof& proof);
