@@ -233,8 +233,7 @@ void finish(const CheckContext& context, const Statement& statement, std::vector
   if (report.passed()) {
     std::vector<std::vector<FacetBehind>> behind;
     for (Closed& region : closed) behind.push_back(std::move(region.behind));
-    report.interrupted =
-        !proveLookups(context, checks, behind, statement.widened, lookups, report.defects);
+    report.interrupted = !proveLookups(context, checks, behind, statement.widened, lookups, report.defects);
   }
   if (!report.passed()) {
     markUnboundedDefects(context, report.defects);
@@ -255,8 +254,7 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   CertifyReport report;
   report.interrupted = interrupted;
   describePerturbation(context.source, context.program, adjustment, report);
-  const std::string head =
-      certificateHead(context.map, context.source, adjustment, widened, context.options);
+  const std::string head = certificateHead(context.map, context.source, adjustment, widened, context.options);
   finish(context, {widened, head}, checks, report);
   return report;
 }
