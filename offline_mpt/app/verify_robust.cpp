@@ -40,18 +40,22 @@ ExitCode sample(const RegionMap& map, const RobustProblem& problem, const Verify
 }  // namespace
 
 ExitCode verifyRobust(const RegionMap& map, const VerifyTask& task) {
-  if (!task.certificate.empty() || !task.output.empty())
-    throw Error(map.path() + ": of a robust MPC there is neither --certificate nor --repair");
+  if (!task.output.empty()) throw Error(map.path() + ": of a robust MPC there is no --repair");
   const RobustProblem problem =
       task.problem.empty() ? parseRobustProblem(std::string(map.problemText()), map.path() + ": problem text")
                            : loadRobustProblem(task.problem);
   if (!task.exact) return sample(map, problem, task);
+  if (!task.certificate.empty() && problem.text != map.problemText())
+    throw Error(map.path() + ": the problem text that it carries is not that of the problem " + problem.name +
+                ", so there is no certificate");
   ProveOptions prove;
   prove.threads = task.threads;
   const RobustProof proof = proveRobustMap(map, problem, prove);
   if (!task.json.empty()) writeText(task.json, proofJson(problem, proof));
   if (!task.quiet) std::fputs(proofText(problem, proof).c_str(), stdout);
-  return proof.passed() ? ExitCode::kDone : ExitCode::kFailed;
+  if (!proof.passed()) return ExitCode::kFailed;
+  if (!task.certificate.empty()) writeCertificate(proof, task.certificate);
+  return ExitCode::kDone;
 }
 
 }  // namespace polyfly

@@ -7,11 +7,11 @@
 
 #include "arguments.hpp"
 #include "export_bound.hpp"
-#include "extensions/read_certificate.hpp"
 #include "files.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "reduction.hpp"
+#include "robust/read_map_certificate.hpp"
 
 namespace {
 
@@ -70,7 +70,7 @@ void confirm(const checker::Arguments& arguments) {
   const checker::Map map(readFile(map_file));
   std::string conditions;
   if (original_file.empty()) {
-    const auto proof = checker::readCertificate(readFile(certificate), map);
+    const auto proof = checker::readMapCertificate(readFile(certificate), map);
     if (!problem.empty()) proof->compareProblem(readFile(problem));
     proof->check();
     conditions = proof->conditions();

@@ -4,11 +4,11 @@
 #include <sstream>
 #include <utility>
 
-#include "extensions/read_certificate.hpp"
 #include "map_in_memory.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "robust/read_map_certificate.hpp"
 
 namespace polyfly {
 namespace {
@@ -32,7 +32,7 @@ std::string bytesOf(const MapContent& content) {
 std::string refusal(const std::string& certificate, const std::string& map, const std::string& problem) {
   try {
     const checker::Map content(map);
-    const auto proof = checker::readCertificate(certificate, content);
+    const auto proof = checker::readMapCertificate(certificate, content);
     if (!problem.empty()) proof->compareProblem(problem);
     proof->check();
   } catch (const checker::Refused& error) {
@@ -87,6 +87,9 @@ Mutation::Mutation(ParametricProgram program) : program_(std::move(program)) {
   EXPECT_TRUE(report.passed()) << certifyText(report);
   certificate_ = report.certificate;
 }
+
+Mutation::Mutation(MapContent content, std::string certificate)
+    : content_(std::move(content)), map_(bytesOf(content_)), certificate_(std::move(certificate)) {}
 
 std::string Mutation::refusalOfMap(const MapContent& content) const {
   const std::string map = bytesOf(content);

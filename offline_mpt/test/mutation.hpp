@@ -35,6 +35,8 @@ Change replacing(const std::vector<std::string>& words);
 class Mutation : public ::testing::Test {
  protected:
   explicit Mutation(ParametricProgram program = doubleIntegrator(3));
+  /// A map and its certificate that are at hand; there is no program.
+  Mutation(MapContent content, std::string certificate);
 
   /// Why a changed map is refused with the certificate of the right one.
   std::string refusalOfMap(const MapContent& content) const;

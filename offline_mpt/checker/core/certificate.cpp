@@ -26,8 +26,8 @@ Certificate::Certificate(const Map& map) : scaling_(map), map_(map) {}
 void Certificate::read(const std::string& text) {
   std::istringstream lines(unsealed(text));
   std::string content;
-  require(std::getline(lines, content) && content == "polyfly certificate 5",
-          "not a certificate of version 5");
+  require(std::getline(lines, content) && content == title(),
+          std::string("the first line is not '") + title() + "'");
   claims_.reserve(map_.regions.size());
   while (std::getline(lines, content)) {
     Line line(content);
@@ -40,6 +40,7 @@ void Certificate::read(const std::string& text) {
       require(data_.emplace(key, readMatrix(line, key)).second, key + " is given twice");
     line.end();
   }
+  complete();
   checkHead();
   checkSizes();
   finish();

@@ -77,9 +77,13 @@ class Certificate {
   const Map& map() const { return map_; }
 
   // Reading: certificate.cpp.
+  /// The first line.
+  virtual const char* title() const { return "polyfly certificate 5"; }
   /// Reads the rest of a line of an extension. False: there is no such line.
   virtual bool readFurther(const std::string&, Line&) { return false; }
-  /// After all lines: the program has its final numbers.
+  /// After all lines: an extension may have the program's numbers from its own.
+  virtual void complete() {}
+  /// After complete(): the program has its final numbers.
   virtual void finish() {}
   virtual const Matrices& originalData() const { return data_; }
   const std::string& convexity() const { return convexity_; }

@@ -18,6 +18,15 @@ class ExtendedCertificate : public Certificate {
   using Certificate::Certificate;
   std::string conditions() const override;
 
+ protected:
+  // extended_certificate.cpp
+  bool readFurther(const std::string& key, Line& line) override;
+  void requireKinds(const std::string& convexity, const std::string& coverage) const override;
+  ProvenRegion checkRegion(std::size_t index, const Region& region) const override;
+  void checkLookups(const std::vector<ProvenRegion>& regions) const override;
+  // degenerate_program.cpp
+  void checkProgram() const override;
+
  private:
   /// What the lines of extensions say of one region.
   struct FurtherClaim {
@@ -40,16 +49,11 @@ class ExtendedCertificate : public Certificate {
   bool isWidened() const { return coverage() == "widened"; }
 
   // extended_certificate.cpp
-  bool readFurther(const std::string& key, Line& line) override;
   void readCounts(Line& line);
-  void requireKinds(const std::string& convexity, const std::string& coverage) const override;
   void requireCount(std::size_t claims) const override;
-  ProvenRegion checkRegion(std::size_t index, const Region& region) const override;
-  void checkLookups(const std::vector<ProvenRegion>& regions) const override;
 
   // degenerate_program.cpp
   void finish() override;
-  void checkProgram() const override;
   const Matrices& originalData() const override { return original_; }
   std::set<std::size_t> equalityRows() const;
   bool isLeftOut(std::size_t row) const override { return dropped_.count(row) > 0; }

@@ -84,6 +84,11 @@ void bindReports(py::module_& module) {
       .def_readonly("law_error", &RobustProof::law_error)
       .def_readonly("plane_error", &RobustProof::plane_error, "[scaled]")
       .def_readonly("defects", &RobustProof::defects)
+      .def_readonly("certificate", &RobustProof::certificate,
+                    "Text of the proof, for check_certificate. Empty where it does not pass.")
+      .def(
+          "save", [](const RobustProof& proof, const Path& path) { writeCertificate(proof, path.string()); },
+          py::arg("path"), "Writes the certificate. Raises Error where there is none.")
       .def("__bool__", &RobustProof::passed);
 }
 

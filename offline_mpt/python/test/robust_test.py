@@ -48,7 +48,9 @@ class Builder(unittest.TestCase):
     def test_a_built_law_is_proven(self):
         law = mass().explicit()
         self.assertTrue(law.verify(samples=50, seed=3))
-        self.assertTrue(law.certify())
+        proof = law.certify()
+        self.assertTrue(proof)
+        self.assertTrue(proof.certificate.startswith("polyfly robust certificate 1\n"))
 
     def test_fixed_feedback(self):
         fixed = mass().feedback("fixed", gain=[[-1, -2]])

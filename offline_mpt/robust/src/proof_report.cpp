@@ -55,6 +55,7 @@ std::string proofText(const RobustProblem& problem, const RobustProof& proof) {
        << "  bounds and tau after one step, " << proof.steps
        << " vertices of region and disturbance: " << answer(!proof.broken_bound) << "\n";
   if (proof.broken_bound) describe(*proof.broken_bound, text);
+  text << "  what look-ups of the map answer: " << answer(!proof.certificate.empty()) << "\n";
   text << "  feasibility is never lost within the box: " << (proof.recursivelyFeasible() ? "proven" : "NO")
        << "\n";
   if (proof.lost) {

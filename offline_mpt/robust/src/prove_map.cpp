@@ -4,11 +4,13 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/polytope.hpp"
 #include "rational_parts.hpp"
 #include "region_maps/region_map.hpp"
+#include "robust_certificate.hpp"
 #include "robust_mpc/online_lp.hpp"
 
 namespace polyfly {
@@ -139,6 +141,18 @@ class Comparison {
   RobustProof& proof_;
 };
 
+/// What the law's proof leaves: planes and laws as they are written, coverage facet by facet, and look-ups.
+void addCertificate(const RegionMap& map, const RobustStatement& statement, const ProveOptions& options,
+                    RobustProof& proof) {
+  CertifyOptions certify;
+  certify.threads = options.threads;
+  certify.stop = options.stop;
+  CertifyReport report = certifyRobust(map, statement, certify);
+  if (report.interrupted) throw Error(map.path() + ": stopped before all was proven");
+  for (const Defect& defect : report.defects) proof.defects.push_back(defect.text);
+  proof.certificate = std::move(report.certificate);
+}
+
 }  // namespace
 
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem, const ProveOptions& options) {
@@ -158,6 +172,7 @@ RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem, c
   RobustProof proof = proveLaw(problem, program, set, law);
   if (map.solverStatus() != "complete") proof.defects.push_back("the map says that it is not complete");
   Comparison(map, problem, law, proof).run();
+  if (proof.passed()) addCertificate(map, {problem, program, set, law, rounded.program}, options, proof);
   return proof;
 }
 

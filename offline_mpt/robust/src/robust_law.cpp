@@ -15,7 +15,18 @@ namespace {
 struct Corner {
   RationalVector y;
   TightSet facets;
+  RationalVector prediction;
+
+  bool operator<(const Corner& other) const { return y < other.y; }
 };
+
+/// Where `share` of the way from one point to another is passed; empty where one of them is.
+RationalVector between(const RationalVector& from, const RationalVector& to, const Rational& share) {
+  if (from.size() != to.size()) return {};
+  RationalVector result;
+  for (std::size_t k = 0; k < from.size(); ++k) result.push_back(from[k] + share * (to[k] - from[k]));
+  return result;
+}
 
 /// What u~_0 and tau are on a face.
 struct FaceLaw {
@@ -36,7 +47,7 @@ class Enumeration {
     const std::vector<int> errors = problem.errorParameters();
     for (int s = 0; s < problem.stateCount(); ++s) preferred_[at(errors[at(s)])] = problem.tie_gain(0, s);
     for (const FeasibleSet::Vertex& vertex : set.vertices) {
-      Corner corner{vertex.y, {}};
+      Corner corner{vertex.y, {}, vertex.prediction};
       for (const int facet : vertex.facets) {
         corner.facets.set(at(facet));
         corners_on_[at(facet)].push_back(corners_.size());
@@ -113,12 +124,11 @@ class Enumeration {
     for (std::size_t k = 0; k < mine.size(); ++k) {
       for (std::size_t l = 0; l < mine.size(); ++l) {
         if (side[k] <= 0 || side[l] >= 0 || !anEdge(mine, k, l)) continue;
-        Corner crossing{{}, corners_[mine[k]].facets & corners_[mine[l]].facets};
-        crossing.facets.set(plane_);
+        const Corner &from = corners_[mine[k]], &to = corners_[mine[l]];
         const Rational share = side[k] / (side[k] - side[l]);
-        for (std::size_t e = 0; e < corners_[mine[k]].y.size(); ++e)
-          crossing.y.push_back(corners_[mine[k]].y[e] +
-                               share * (corners_[mine[l]].y[e] - corners_[mine[k]].y[e]));
+        Corner crossing{between(from.y, to.y, share), from.facets & to.facets,
+                        between(from.prediction, to.prediction, share)};
+        crossing.facets.set(plane_);
         above.push_back(crossing);
         below.push_back(crossing);
         on.push_back(std::move(crossing));
@@ -194,8 +204,12 @@ class Enumeration {
     region.move = move;
     region.active = std::move(active);
     addHalfSpaces(region, law, corners);
-    for (const Corner& corner : corners) region.vertices.push_back(parametersOf(corner));
-    std::sort(region.vertices.begin(), region.vertices.end());
+    std::vector<Corner> sorted = corners;
+    std::sort(sorted.begin(), sorted.end());
+    for (Corner& corner : sorted) {
+      region.vertices.push_back(parametersOf(corner));
+      region.predictions.push_back(std::move(corner.prediction));
+    }
     region.input_gain = std::move(law.input_gain);
     region.input_offset = std::move(law.input_offset);
     region.peak_gain = std::move(law.peak_gain);

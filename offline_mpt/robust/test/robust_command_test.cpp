@@ -12,8 +12,8 @@ namespace {
 
 class RobustCommand : public ::testing::Test {
  protected:
-  Outcome run(std::vector<std::string> words) const {
-    words.insert(words.begin(), OFFLINE_MPT_PROGRAM);
+  Outcome run(std::vector<std::string> words, const char* program = OFFLINE_MPT_PROGRAM) const {
+    words.insert(words.begin(), program);
     const std::filesystem::path folder = scratch_.path("");
     return waitForProgram(startProgram(std::move(words), folder), folder);
   }
@@ -55,6 +55,36 @@ TEST_F(RobustCommand, SolvesInfoEvalPlotAndVerify) {
   EXPECT_EQ(proof["regions"], stats["regions"]);
 }
 
+TEST_F(RobustCommand, CertificatesAreConfirmed) {
+  const std::string problem = write("made.yaml", smallRobust().text());
+  ASSERT_EQ(run({"solve", problem, "-o", path("made.map"), "--quiet"}).exit_code, 0);
+  for (const char* name : {"made.cert", "again.cert"}) {
+    const std::string threads = name[0] == 'm' ? "1" : "3";
+    const Outcome proven =
+        run({"verify", path("made.map"), "--exact", "--certificate", path(name), "--threads", threads});
+    EXPECT_EQ(proven.exit_code, 0) << proven.out << proven.err;
+  }
+  EXPECT_EQ(readBytes(path("made.cert")), readBytes(path("again.cert")));
+  const Outcome checked =
+      run({path("made.cert"), "--map", path("made.map"), "--problem", problem}, CHECK_CERTIFICATE);
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  EXPECT_NE(checked.out.find("feasibility is not lost"), std::string::npos) << checked.out;
+  MadeRobust other = smallRobust();
+  other.disturbance = "[-0.6, 0.6]";
+  const std::string windy = write("windy.yaml", other.text());
+  EXPECT_EQ(
+      run({path("made.cert"), "--map", path("made.map"), "--problem", windy}, CHECK_CERTIFICATE).exit_code,
+      1);
+  ASSERT_EQ(run({"solve", windy, "-o", path("windy.map"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(run({path("made.cert"), "--map", path("windy.map")}, CHECK_CERTIFICATE).exit_code, 1);
+  // The certificate is of the problem that the map carries.
+  const Outcome refused =
+      run({"verify", path("made.map"), "--exact", "--problem", windy, "--certificate", path("no.cert")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("the problem text that it carries"), std::string::npos) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(path("no.cert")));
+}
+
 // With such a horizon the feasible set alone takes far longer than the limit.
 TEST_F(RobustCommand, StopsAtItsTimeLimit) {
   MadeRobust made = smallRobust();
@@ -90,9 +120,9 @@ TEST_F(RobustCommand, RefusesAMapOfAnotherProblem) {
   EXPECT_EQ(run({"verify", path("made.map"), "--exact", "--problem", windy, "--quiet"}).exit_code, 1);
   EXPECT_EQ(run({"verify", path("made.map"), "--problem", windy, "--samples", "300", "--quiet"}).exit_code,
             1);
-  const Outcome certificate = run({"verify", path("made.map"), "--exact", "--certificate", path("c")});
-  EXPECT_EQ(certificate.exit_code, 2);
-  EXPECT_NE(certificate.err.find("neither --certificate nor --repair"), std::string::npos);
+  const Outcome repair = run({"verify", path("made.map"), "--exact", "--repair", "-o", path("new.map")});
+  EXPECT_EQ(repair.exit_code, 2);
+  EXPECT_NE(repair.err.find("there is no --repair"), std::string::npos);
 }
 
 TEST_F(RobustCommand, SaysWhatIsWrongInAProblem) {

@@ -12,30 +12,19 @@ using Indices = std::vector<std::size_t>;
 
 /// Cuts a polytope into simplices: a face is the pyramids from its first vertex over those of its facets that
 /// do not hold it.
-class Simplices {
+class Triangulation {
  public:
-  explicit Simplices(const ExactPolytope& set) : dimension_(static_cast<std::size_t>(set.dimension)) {
-    const PolytopeCone polytope(set);
-    for (const DoubleDescription::Ray& ray : polytope.cone.rays()) points_.push_back(ray.value);
-    for (std::size_t i = 0; i < polytope.place.size(); ++i) {
-      TightSet face;
-      for (std::size_t k = 0; k < points_.size(); ++k) {
-        if (polytope.cone.rays()[k].tight.test(polytope.place[i])) face.set(k);
-      }
-      rows_.push_back(std::move(face));
-    }
-  }
-
-  Rational volume() {
+  /// `rows`: the vertices on each row, of `count` vertices.
+  Triangulation(std::size_t dimension, std::size_t count, std::vector<TightSet> rows)
+      : dimension_(dimension), rows_(std::move(rows)) {
     TightSet all;
-    for (std::size_t k = 0; k < points_.size(); ++k) all.set(k);
+    for (std::size_t k = 0; k < count; ++k) all.set(k);
     Indices chosen;
     add(all, chosen);
-    Integer factorial;
-    mpz_fac_ui(factorial.get_mpz_t(), static_cast<unsigned long>(dimension_));
-    Rational result = sum_ / Rational(factorial);
-    return result;
   }
+
+  /// Vertices of each simplex.
+  const std::vector<Indices>& simplices() const { return simplices_; }
 
  private:
   // Greatest intersections of the face with a row's face.
@@ -61,7 +50,7 @@ class Simplices {
     while (!face.test(apex)) ++apex;
     chosen.push_back(apex);
     if (chosen.size() == dimension_ + 1) {
-      sum_ += simplex(chosen);
+      simplices_.push_back(chosen);
     } else {
       for (const TightSet& facet : facetsOf(face)) {
         if (!facet.test(apex)) add(facet, chosen);
@@ -70,6 +59,36 @@ class Simplices {
     chosen.pop_back();
   }
 
+  std::size_t dimension_;
+  std::vector<TightSet> rows_;
+  std::map<TightSet, std::vector<TightSet>> facets_;
+  std::vector<Indices> simplices_;
+};
+
+class Volume {
+ public:
+  explicit Volume(const ExactPolytope& set) {
+    const PolytopeCone polytope(set);
+    for (const DoubleDescription::Ray& ray : polytope.cone.rays()) points_.push_back(ray.value);
+    std::vector<TightSet> rows;
+    for (const std::size_t place : polytope.place) {
+      TightSet face;
+      for (std::size_t k = 0; k < points_.size(); ++k) {
+        if (polytope.cone.rays()[k].tight.test(place)) face.set(k);
+      }
+      rows.push_back(std::move(face));
+    }
+    const auto dimension = static_cast<std::size_t>(set.dimension);
+    const Triangulation triangulation(dimension, points_.size(), std::move(rows));
+    for (const Indices& chosen : triangulation.simplices()) value_ += simplex(chosen);
+    Integer factorial;
+    mpz_fac_ui(factorial.get_mpz_t(), static_cast<unsigned long>(dimension));
+    value_ /= Rational(factorial);
+  }
+
+  const Rational& value() const { return value_; }
+
+ private:
   // |det (1, x)| over the vertices: elimination without fractions (Bareiss).
   Rational simplex(const Indices& chosen) const {
     std::vector<std::vector<Integer>> rows;
@@ -98,20 +117,30 @@ class Simplices {
     return result;
   }
 
-  std::size_t dimension_;
   std::vector<std::vector<Integer>> points_;
-  std::vector<TightSet> rows_;
-  std::map<TightSet, std::vector<TightSet>> facets_;
-  Rational sum_;
+  Rational value_;
 };
 
 }  // namespace
+
+std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
+                                                  const std::vector<RationalVector>& vertices) {
+  std::vector<TightSet> rows;
+  for (const ExactHalfSpace& row : set.rows) {
+    TightSet on;
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      if (dot(row.a, vertices[k]) == row.b) on.set(k);
+    }
+    rows.push_back(std::move(on));
+  }
+  return Triangulation(static_cast<std::size_t>(set.dimension), vertices.size(), std::move(rows)).simplices();
+}
 
 Rational volume(const ExactPolytope& set) {
   if (!isBounded(set)) throw Error("polytope: volume: the set is unbounded");
   const ExactPolytope smallest = minimal(set);
   if (affineDimension(smallest) < set.dimension) return 0;
-  return Simplices(smallest).volume();
+  return Volume(smallest).value();
 }
 
 }  // namespace polyfly

@@ -217,6 +217,31 @@ TEST(ExactPolytope, BothProjectionsAreOneSet) {
   }
 }
 
+// Each point of a cube is in one simplex of it, or on faces of some; they have the cube's volume together.
+TEST(ExactPolytope, SimplicesMakeUpTheSet) {
+  Random random(5);
+  for (int n = 2; n <= 4; ++n) {
+    const std::vector<RationalVector> corners = vertices(cube(n));
+    std::vector<ExactPolytope> parts;
+    Rational sum;
+    for (const std::vector<std::size_t>& simplex : triangulate(cube(n), corners)) {
+      ASSERT_EQ(simplex.size(), static_cast<std::size_t>(n) + 1);
+      std::vector<RationalVector> points;
+      for (const std::size_t k : simplex) points.push_back(corners[k]);
+      parts.push_back(hull(n, points));
+      sum += volume(parts.back());
+    }
+    EXPECT_EQ(sum, volume(cube(n))) << n;
+    for (int k = 0; k < 50; ++k) {
+      RationalVector point;
+      for (int j = 0; j < n; ++j) point.emplace_back(random.below(2001) - 1000, 1000);
+      for (Rational& value : point) value.canonicalize();
+      EXPECT_TRUE(std::any_of(parts.begin(), parts.end(),
+                              [&](const ExactPolytope& part) { return contains(part, point); }));
+    }
+  }
+}
+
 TEST(ExactPolytope, SumsOfSegmentsHaveTheVolumeOfTheZonotope) {
   Random random(2);
   for (int n = 2; n <= 4; ++n) {

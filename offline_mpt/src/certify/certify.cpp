@@ -6,6 +6,7 @@
 #include <set>
 
 #include "certify/certificate.hpp"
+#include "certify/certify_exactly.hpp"
 #include "certify/facet_cover_proof.hpp"
 #include "certify/lookup/lookup_proof.hpp"
 #include "certify/slivers.hpp"
@@ -212,28 +213,33 @@ bool relaxRows(const std::vector<RegionCheck>& checks, const std::vector<char>& 
   return more;
 }
 
-CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adjustment, bool widened,
-                     std::vector<RegionCheck>& checks, bool interrupted) {
-  CertifyReport report;
+/// What is proven of a program, and how its certificate begins.
+struct Statement {
+  bool widened = false;
+  std::string head;
+};
+
+/// Closes the facets and proves the look-ups of regions that are checked. `report` is described already.
+void finish(const CheckContext& context, const Statement& statement, std::vector<RegionCheck>& checks,
+            CertifyReport& report) {
   report.regions = context.map.regionCount();
   report.plane_tolerance = context.options.plane_tolerance;
-  report.widened = widened;
-  describePerturbation(context.source, context.program, adjustment, report);
+  report.widened = statement.widened;
   std::vector<Closed> closed;
-  report.interrupted = interrupted || !closeAll(context, widened, checks, closed);
+  report.interrupted = report.interrupted || !closeAll(context, statement.widened, checks, closed);
   closed.resize(checks.size());
   for (std::size_t r = 0; r < checks.size(); ++r) add(report, checks[r], closed[r]);
   std::string lookups;
   if (report.passed()) {
     std::vector<std::vector<FacetBehind>> behind;
     for (Closed& region : closed) behind.push_back(std::move(region.behind));
-    report.interrupted = !proveLookups(context, checks, behind, widened, lookups, report.defects);
+    report.interrupted = !proveLookups(context, checks, behind, statement.widened, lookups, report.defects);
   }
   if (!report.passed()) {
     markUnboundedDefects(context, report.defects);
-    return report;
+    return;
   }
-  report.certificate = certificateHead(context.map, context.source, adjustment, widened, context.options);
+  report.certificate = statement.head;
   for (std::size_t r = 0; r < checks.size(); ++r) {
     if (r < report.regions) report.certificate += "region " + std::to_string(r) + "\n";
     report.certificate += checks[r].text + closed[r].text;
@@ -241,6 +247,15 @@ CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adj
   }
   report.certificate += lookups;
   report.certificate += certificateEnd(report.certificate);
+}
+
+CertifyReport finish(const CheckContext& context, const ProgramPerturbation& adjustment, bool widened,
+                     std::vector<RegionCheck>& checks, bool interrupted) {
+  CertifyReport report;
+  report.interrupted = interrupted;
+  describePerturbation(context.source, context.program, adjustment, report);
+  const std::string head = certificateHead(context.map, context.source, adjustment, widened, context.options);
+  finish(context, {widened, head}, checks, report);
   return report;
 }
 
@@ -251,6 +266,15 @@ bool onlyLookups(const std::vector<Defect>& defects) {
 }
 
 }  // namespace
+
+CertifyReport certifyExactly(const CheckContext& context, const std::string& head) {
+  CertifyReport report;
+  report.linear = context.program.linear;
+  std::vector<RegionCheck> checks;
+  report.interrupted = !checkAllRegions(context, checks);
+  finish(context, {false, head}, checks, report);
+  return report;
+}
 
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
   checkProgram(program);

@@ -43,6 +43,28 @@ std::vector<Rational> affine(const std::vector<Rational>& M, const std::vector<R
   return result;
 }
 
+/// The doubles of a program at their exact values, with all adjustments.
+RationalProgram exactNumbers(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
+  using Matrix = ReplacedEntry::Matrix;
+  RationalProgram numbers;
+  numbers.H = hessian(program, adjustment, 0.0);
+  numbers.F = counted(program.F, Matrix::kF, adjustment);
+  numbers.f = counted(program.f, Matrix::kf, adjustment);
+  numbers.A = counted(program.A, Matrix::kA, adjustment);
+  numbers.b = exactly(program.b);
+  for (const auto& [row, value] : adjustment.bounds) numbers.b[static_cast<std::size_t>(row)] = value;
+  for (const int row : adjustment.relaxed)
+    numbers.b[static_cast<std::size_t>(row)] +=
+        Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
+  numbers.S = exactly(program.S);
+  numbers.A_theta = exactly(program.A_theta);
+  numbers.b_theta = exactly(program.b_theta);
+  numbers.E = exactly(program.E);
+  numbers.C = exactly(program.C);
+  numbers.c = exactly(program.c);
+  return numbers;
+}
+
 }  // namespace
 
 Rational rowSum(const ParametricProgram& program, int row) {
@@ -73,6 +95,10 @@ std::vector<Rational> hessian(const ParametricProgram& program, const ProgramPer
 }
 
 ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment)
+    : ExactProgram(program, exactNumbers(program, adjustment), adjustment) {}
+
+ExactProgram::ExactProgram(const ParametricProgram& program, const RationalProgram& numbers,
+                           const ProgramPerturbation& adjustment)
     : n(program.variableCount()),
       m(program.rowCount()),
       p(program.parameterCount()),
@@ -91,22 +117,14 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPertur
   for (const int row : adjustment.dropped) is_dropped[row] = 1;
   for (const int row : program.equalities) is_equality[row] = 1;
 
-  using Matrix = ReplacedEntry::Matrix;
-  std::vector<Rational> H_values = hessian(program, adjustment, 0.0);
+  std::vector<Rational> H_values = numbers.H;
   if (linear) {
     for (int i = 0; i < n * n; ++i) H_values[i] = i % (n + 1) == 0 ? 1 : 0;
   }
-  const std::vector<Rational> cost_values =
-      affine(counted(program.F, Matrix::kF, adjustment), counted(program.f, Matrix::kf, adjustment), *this);
-  std::vector<Rational> b_values = exactly(program.b);
-  for (const auto& [row, value] : adjustment.bounds) b_values[static_cast<std::size_t>(row)] = value;
-  std::vector<Rational> bound_values = affine(exactly(program.S), b_values, *this);
-  for (const int row : adjustment.relaxed)
-    bound_values[row * (p + 1) + p] +=
-        Rational(program.A.row(row).cwiseAbs().maxCoeff()) / Rational(Integer(1) << kRelaxedBits);
-  const std::vector<Rational> A_values = counted(program.A, Matrix::kA, adjustment);
+  const std::vector<Rational> cost_values = affine(numbers.F, numbers.f, *this);
+  const std::vector<Rational> bound_values = affine(numbers.S, numbers.b, *this);
   const auto a = [&](int i, int j) -> const Rational& {
-    return A_values[static_cast<std::size_t>(i) * static_cast<std::size_t>(n) + static_cast<std::size_t>(j)];
+    return numbers.A[static_cast<std::size_t>(i) * static_cast<std::size_t>(n) + static_cast<std::size_t>(j)];
   };
   long H_least = kNoBit, cost_least = kNoBit;
   for (const Rational& value : H_values) include(H_least, value);
@@ -138,11 +156,11 @@ ExactProgram::ExactProgram(const ParametricProgram& program, const ProgramPertur
     row_size.push_back(size);
     for (int j = 0; j <= p; ++j) bound(i, j) = scaled(bound_values[i * (p + 1) + j], shift + row_exponent[i]);
   }
-  domain = wholeRows(affine(exactly(-program.A_theta), exactly(program.b_theta), *this), p + 1);
-  for (int i = 0; i < q; ++i) {
-    for (int j = 0; j < n; ++j) E.emplace_back(program.E(i, j));
-  }
-  offset = affine(exactly(program.C), exactly(program.c), *this);
+  std::vector<Rational> inwards = numbers.A_theta;
+  for (Rational& value : inwards) value = -value;
+  domain = wholeRows(affine(inwards, numbers.b_theta, *this), p + 1);
+  E = numbers.E;
+  offset = affine(numbers.C, numbers.c, *this);
 }
 
 }  // namespace polyfly

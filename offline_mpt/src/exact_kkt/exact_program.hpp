@@ -33,6 +33,11 @@ struct ProgramPerturbation {
   std::vector<ZeroCombination> implied;
 };
 
+/// The numbers of a program, matrices by rows. All but those of E, C and c have a power of two as denominator.
+struct RationalProgram {
+  std::vector<Rational> H, f, F, A, b, S, A_theta, b_theta, E, C, c;
+};
+
 /// A ParametricProgram in whole numbers. Its doubles are taken at their exact values; parameters are
 /// theta = centre + half .* t, with t in [-1, 1]^p; an affine function of t is p + 1 numbers, constant last.
 ///
@@ -42,6 +47,9 @@ struct ProgramPerturbation {
 /// those of the program.
 struct ExactProgram {
   ExactProgram(const ParametricProgram& program, const ProgramPerturbation& adjustment);
+  /// With `numbers` in place of those of `program`, which has the sizes, the box and whether H is zero.
+  ExactProgram(const ParametricProgram& program, const RationalProgram& numbers,
+               const ProgramPerturbation& adjustment);
 
   int n = 0;
   int m = 0;

@@ -62,6 +62,9 @@ struct RobustProof {
   /// Greatest distance of a vertex outside the map's region.
   double plane_error = 0.0;  ///< [scaled]
 
+  /// Text of the certificate of a map; empty where the proof does not pass.
+  std::string certificate;
+
   /// Whether the problem has an invariance rule.
   bool invariance_asked = false;
 
@@ -79,7 +82,7 @@ struct ProveOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Computes the exact law of `problem` anew, proves it, and compares the map with it. Throws Error when the
+/// Computes the exact law of `problem` anew, proves it, compares the map with it, and proves what look-ups answer. Throws Error when the
 /// map is not of this problem (names, units, boxes), is a reduced one, or the work was stopped.
 RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
                            const ProveOptions& options = {});
@@ -87,6 +90,9 @@ RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem,
 /// As above for a law that is at hand; the part that needs no map.
 RobustProof proveLaw(const RobustProblem& problem, const RobustProgram& program, const FeasibleSet& set,
                      const RobustLaw& law);
+
+/// Writes the certificate of a map; throws Error where there is none.
+void writeCertificate(const RobustProof& proof, const std::string& path);
 
 /// For people, and as JSON.
 std::string proofText(const RobustProblem& problem, const RobustProof& proof);

@@ -29,6 +29,8 @@ struct RobustLaw {
     ExactPolytope polytope;
     /// Vertices of the region, sorted.
     std::vector<RationalVector> vertices;
+    /// A prediction for each vertex, with which its plan meets every row. Empty ones where the set has none.
+    std::vector<RationalVector> predictions;
     RationalVector input_gain;  ///< u~_0 = input_gain . theta + input_offset
     Rational input_offset;
     RationalVector peak_gain;  ///< tau* = peak_gain . theta + peak_offset

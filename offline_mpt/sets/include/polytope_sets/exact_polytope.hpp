@@ -113,6 +113,11 @@ ExactPolytope pontryaginDifference(const ExactPolytope& first, const ExactPolyto
 /// (Cohen and Hickey, 1979). Throws Error when it is unbounded.
 Rational volume(const ExactPolytope& set);
 
+/// Simplices that make up a bounded set with interior, each by `dimension` + 1 places among its vertices. Where two
+/// touch, they share a face.
+std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
+                                                  const std::vector<RationalVector>& vertices);
+
 /// The closures of the parts of `set` that lie outside of `cut`, without common interior points; parts
 /// without interior are left out.
 std::vector<ExactPolytope> subtract(const ExactPolytope& set, const ExactPolytope& cut);

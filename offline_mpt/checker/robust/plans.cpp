@@ -1,0 +1,148 @@
+// Statement 1 of robust maps: at each parameter of a region a plan meets all rows with the region's law.
+#include <algorithm>
+
+#include "core/linear_system.hpp"
+#include "robust/robust_certificate.hpp"
+
+namespace checker {
+namespace {
+
+template <class Number>
+Number product(const std::vector<Number>& a, const std::vector<Number>& b) {
+  Number sum;
+  for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];
+  return sum;
+}
+
+}  // namespace
+
+void RobustCertificate::checkProgram() const {
+  ExtendedCertificate::checkProgram();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    try {
+      checkPlan(points_[k]);
+    } catch (const Refused& error) {
+      throw Refused("point " + std::to_string(k) + ": " + error.what());
+    }
+  }
+}
+
+void RobustCertificate::checkPlan(const Point& point) const {
+  const auto value = [&](const Sparse& entries) {
+    Fraction sum;
+    for (const auto& [place, factor] : entries) sum += factor * point.plan[place];
+    return sum;
+  };
+  for (const PlanRow& row : rows_) {
+    Fraction sum = product(row.y, point.y) + value(row.z);
+    for (const PlanRow::Term& term : row.terms) sum += abs(term.constant + value(term.z));
+    require(sum <= row.bound, "the plan does not meet a row");
+  }
+}
+
+ProvenRegion RobustCertificate::checkRegion(std::size_t index, const Region& region) const {
+  checkVertices(index, region);
+  checkSimplices(index, region);
+  return ExtendedCertificate::checkRegion(index, region);
+}
+
+/// The points of a region have its law: they are the solution of its active half-spaces.
+void RobustCertificate::checkVertices(std::size_t index, const Region& region) const {
+  const auto own = simplices_.find(index);
+  require(own != simplices_.end(), "a region has no simplices");
+  for (const Simplex& simplex : own->second) {
+    for (const std::size_t k : simplex) {
+      const Vector& y = points_[k].y;
+      for (const std::size_t facet : region.active) {
+        const Vector& half_space = half_spaces_[facet];
+        require(product(y, half_space) == half_space.back(), "a point does not have the law of its region");
+      }
+      const Vector preferred = preferredInput();
+      require(region.active.size() > 1 || product(preferred, y) == y[map().p],
+              "a point does not have the law of its region");
+    }
+  }
+}
+
+/// The simplices of a region contain it. Suppose that a parameter inside the region lies in none, and on no smaller face
+/// as seen from a point in a simplex. On the way there from a simplex, each facet that is crossed belongs to another
+/// simplex on its other side: a facet outside of the region is not crossed.
+void RobustCertificate::checkSimplices(std::size_t index, const Region& region) const {
+  const Row inner = atPoint(claims_[index].point);
+  const std::vector<std::set<std::size_t>> outside = pointsOutside(index, region);
+  // Inner sides of the simplices at each facet, by its points.
+  std::map<Simplex, std::vector<Row>> facets;
+  bool holds_point = false;
+  for (const Simplex& simplex : simplices_.at(index)) {
+    const std::vector<Row> planes = sidesOf(simplex);
+    holds_point = holds_point || std::all_of(planes.begin(), planes.end(),
+                                             [&](const Row& plane) { return product(plane, inner) >= 0; });
+    for (std::size_t k = 0; k < simplex.size(); ++k) {
+      Simplex facet = simplex;
+      facet.erase(facet.begin() + static_cast<std::ptrdiff_t>(k));
+      std::sort(facet.begin(), facet.end());
+      const auto holds = [&](const std::set<std::size_t>& points) {
+        return std::includes(points.begin(), points.end(), facet.begin(), facet.end());
+      };
+      if (std::none_of(outside.begin(), outside.end(), holds)) facets[facet].push_back(planes[k]);
+    }
+  }
+  require(holds_point, "no simplex holds the inner point of its region");
+  for (const auto& [facet, planes] : facets)
+    require(planes.size() == 2 && sameHalfSpace(planes[0], negated(planes[1])),
+            "behind the facet of a simplex lies no other");
+}
+
+/// For each condition of a region, which of its points do not lie on the inner side. A facet whose points are among
+/// them does not reach into the interior of the region.
+std::vector<std::set<std::size_t>> RobustCertificate::pointsOutside(std::size_t index,
+                                                                    const Region& region) const {
+  std::map<std::size_t, Row> points;
+  for (const Simplex& simplex : simplices_.at(index)) {
+    for (const std::size_t k : simplex) {
+      if (points.count(k) == 0) points.emplace(k, atPoint(inBox(points_[k].y)));
+    }
+  }
+  std::vector<std::set<std::size_t>> result;
+  for (const auto& condition : region.rows) {
+    const Row& row = condition.second;
+    if (std::all_of(row.begin(), row.end() - 1, [](const Integer& value) { return value == 0; })) continue;
+    std::set<std::size_t> outside;
+    for (const auto& [k, point] : points) {
+      if (product(row, point) <= 0) outside.insert(k);
+    }
+    if (outside.size() >= map().p) result.push_back(std::move(outside));
+  }
+  return result;
+}
+
+/// For each vertex, the plane through all others with this one on its inner side. Refuses a simplex without interior.
+std::vector<Row> RobustCertificate::sidesOf(const Simplex& simplex) const {
+  const std::size_t size = simplex.size();
+  std::vector<Row> system;
+  for (std::size_t k = 0; k < size; ++k) {
+    system.push_back(atPoint(inBox(points_[simplex[k]].y)));
+    system.back().resize(2 * size);
+    system.back()[size + k] = 1;
+  }
+  solveSystem(system, size);
+  std::vector<Row> sides(size);
+  for (const Row& unknown : system) {
+    for (std::size_t k = 0; k < size; ++k) sides[k].push_back(unknown[size + k]);
+  }
+  return sides;
+}
+
+/// A positive multiple of (t, 1) in whole numbers.
+Row RobustCertificate::atPoint(Vector t) const {
+  t.emplace_back(1);
+  return primitive(t);
+}
+
+Vector RobustCertificate::inBox(const Vector& theta) const {
+  Vector t;
+  for (std::size_t j = 0; j < map().p; ++j) t.push_back((theta[j] - scaling_.centre[j]) / scaling_.half[j]);
+  return t;
+}
+
+}  // namespace checker
