@@ -179,6 +179,12 @@ void BoundedQp::Solver::startFrom(const QpSide* start) noexcept {
     if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
   }
   std::fill_n(lambda_.data(), constraints, 0.0);
+  // The multiplier of a relaxed row is its penalty.
+  for (int i = n_; i < constraints; ++i) {
+    const QpSide side = side_[static_cast<std::size_t>(i)];
+    if (side == QpSide::kUpperRelaxed) lambda_[i] = penalty_[i];
+    if (side == QpSide::kLowerRelaxed) lambda_[i] = -penalty_[i];
+  }
   std::fill_n(x_.data(), n_, 0.0);
 }
 
