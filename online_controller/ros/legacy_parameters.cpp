@@ -31,8 +31,6 @@ constexpr Unread kUnread[] = {
     {"KF_observer/external_moments_limit", kUnlimited},
     {"KF_observer/drag_coefficients", "the observer has the drag of the model, nonlinear/drag_x .. z"},
     {"KF_observer/yaw_damping", "the loop of the yaw rate is of first order, with yaw_omega"},
-    {"q_pitch", "one weight serves roll and pitch of the nonlinear law, that of q_roll"},
-    {"r_pitch", "one weight serves roll and pitch of the nonlinear law, that of r_roll"},
     {"prediction_sampling_time", "the linear law predicts in the sampling_time of its problems, 0.1 s"},
     {"reference_frame", "frames are those of the messages; odometry_frame demands one"},
     {"verbose", "what is logged is chosen by rosconsole's levels"},
@@ -98,13 +96,13 @@ constexpr Pair kFlags[] = {
     {"enable_integrator", "controller/integrator"},
 };
 
-// One weight serves roll and pitch.
 constexpr Pair kNonlinear[] = {
-    {"q_x", "nonlinear/position_weight_x"},  {"q_y", "nonlinear/position_weight_y"},
-    {"q_z", "nonlinear/position_weight_z"},  {"q_vx", "nonlinear/velocity_weight_x"},
-    {"q_vy", "nonlinear/velocity_weight_y"}, {"q_vz", "nonlinear/velocity_weight_z"},
-    {"q_roll", "nonlinear/attitude_weight"}, {"r_roll", "nonlinear/command_weight"},
-    {"r_thrust", "nonlinear/thrust_weight"}, {"prediction_sampling_time", "nonlinear/period"},
+    {"q_x", "nonlinear/position_weight_x"},      {"q_y", "nonlinear/position_weight_y"},
+    {"q_z", "nonlinear/position_weight_z"},      {"q_vx", "nonlinear/velocity_weight_x"},
+    {"q_vy", "nonlinear/velocity_weight_y"},     {"q_vz", "nonlinear/velocity_weight_z"},
+    {"q_roll", "nonlinear/roll_weight"},         {"q_pitch", "nonlinear/pitch_weight"},
+    {"r_roll", "nonlinear/roll_command_weight"}, {"r_pitch", "nonlinear/pitch_command_weight"},
+    {"r_thrust", "nonlinear/thrust_weight"},     {"prediction_sampling_time", "nonlinear/period"},
 };
 
 /// Every number of theirs that is one of ours.

@@ -160,8 +160,8 @@ class SparseProblem {
       });
     }
     MultirotorState q;
-    q << options.position_weight, options.velocity_weight, options.attitude_weight, options.attitude_weight;
-    const Eigen::Vector3d r(options.command_weight, options.command_weight, options.thrust_weight);
+    q << options.position_weight, options.velocity_weight, options.roll_weight, options.pitch_weight;
+    const Eigen::Vector3d r(options.roll_command_weight, options.pitch_command_weight, options.thrust_weight);
     P_ = solveRiccati(A, B, q.asDiagonal(), r.asDiagonal());
     const double yaw = stages[static_cast<std::size_t>(options.horizon)].yaw;
     Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(8, 8);
@@ -183,12 +183,11 @@ class SparseProblem {
     target << reference.position, reference.velocity, reference.roll, reference.pitch;
     if (k == options_.horizon) return root_ * (x - target);
     MultirotorState q;
-    q << options_.position_weight, options_.velocity_weight, options_.attitude_weight,
-        options_.attitude_weight;
+    q << options_.position_weight, options_.velocity_weight, options_.roll_weight, options_.pitch_weight;
     Eigen::VectorXd r(11);
     r.head(8) = q.cwiseSqrt().cwiseProduct(x - target);
-    r(8) = std::sqrt(options_.command_weight) * (u(0) - reference.roll_command);
-    r(9) = std::sqrt(options_.command_weight) * (u(1) - reference.pitch_command);
+    r(8) = std::sqrt(options_.roll_command_weight) * (u(0) - reference.roll_command);
+    r(9) = std::sqrt(options_.pitch_command_weight) * (u(1) - reference.pitch_command);
     r(10) = std::sqrt(options_.thrust_weight) * (std::cos(x(6)) * std::cos(x(7)) * u(2) - reference.lift);
     return r;
   }
@@ -269,6 +268,10 @@ TEST_F(NonlinearMpcTest, OneStepIsThatOfTheWholeSystem) {
     NonlinearMpcOptions options;
     options.horizon = round % 2 == 0 ? 20 : 7;
     options.model = strongDrag();
+    options.roll_weight = 4.0;
+    options.pitch_weight = 25.0;
+    options.roll_command_weight = 30.0;
+    options.pitch_command_weight = 90.0;
     options.angle_max = 1.3;  // no bound is active
     options.thrust_min = 0.1;
     options.thrust_max = 60.0;
@@ -350,13 +353,88 @@ TEST_F(NonlinearMpcTest, SpeedLimitHoldsWhereItCanAndIsRelaxedWhereNot) {
   EXPECT_NEAR(fastest, 1.0, 1e-6);
   x(3) = 2.5;  // too fast already: no input can help at once
   converge();
-  EXPECT_GT(mpc.speedViolation(), 1.0);
+  EXPECT_GT(mpc.stateViolation(), 1.0);
   EXPECT_LT(mpc.state(12)(3), 1.0 + 1e-6);
+}
+
+/// Whoever asks for a place beyond the limits stops at them; whoever begins beyond them comes back.
+TEST_F(NonlinearMpcTest, LimitsOfPositionHeightAndTiltHoldWhereTheyCan) {
+  NonlinearMpcOptions options;
+  options.position_max = 2.0;
+  options.height_min = -0.5;
+  options.height_max = 1.5;
+  options.tilt_max = 0.15;
+  randomProblem(options);
+  struct Case {
+    Eigen::Vector3d goal;
+    int state;
+    double limit;
+  };
+  const Case cases[] = {{{5.0, 0.0, 0.0}, 0, 2.0},
+                        {{0.0, -5.0, 0.0}, 1, -2.0},
+                        {{0.0, 0.0, 4.0}, 2, 1.5},
+                        {{0.0, 0.0, -4.0}, 2, -0.5}};
+  for (const Case& wished : cases) {
+    for (StageReference& reference : references_) {
+      reference = StageReference();
+      reference.position = wished.goal;
+    }
+    for (StageConditions& stage : stages_) stage = StageConditions();
+    NonlinearMpc mpc(options);
+    MultirotorState x = MultirotorState::Zero();
+    mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
+    for (int step = 0; step < 200; ++step) {
+      ASSERT_TRUE(mpc.prepare(stages_.data()));
+      ASSERT_EQ(mpc.feedback(x, references_.data()), QpStatus::kOptimal);
+      for (int k = 1; k <= 20; ++k) {
+        EXPECT_LT(mpc.state(k).head<2>().cwiseAbs().maxCoeff(), 2.0 + 1e-3);
+        EXPECT_LT(mpc.state(k).tail<2>().cwiseAbs().maxCoeff(), 0.15 + 1e-3);
+      }
+      x = integrateFinely(options.model, options.period, StageConditions(), x, mpc.input(0));
+      mpc.shift(1.0);
+    }
+    EXPECT_NEAR(x(wished.state), wished.limit, 1e-3);
+  }
+}
+
+TEST_F(NonlinearMpcTest, StatesBeyondTheirLimitsComeBack) {
+  NonlinearMpcOptions options;
+  options.height_min = 1.0;
+  options.height_max = 3.0;
+  randomProblem(options);
+  for (StageReference& reference : references_) reference = StageReference();
+  for (StageConditions& stage : stages_) stage = StageConditions();
+  NonlinearMpc mpc(options);
+  MultirotorState x = MultirotorState::Zero();
+  mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
+  for (int step = 0; step < 100; ++step) {
+    ASSERT_TRUE(mpc.prepare(stages_.data()));
+    ASSERT_EQ(mpc.feedback(x, references_.data()), QpStatus::kOptimal);
+    if (step == 0) {
+      EXPECT_GT(mpc.stateViolation(), 0.5);
+    }
+    x = integrateFinely(options.model, options.period, StageConditions(), x, mpc.input(0));
+    mpc.shift(1.0);
+  }
+  EXPECT_NEAR(x(2), 1.0, 1e-3);
+}
+
+TEST_F(NonlinearMpcTest, LimitsThatContradictAreRefused) {
+  NonlinearMpcOptions options;
+  options.height_min = 2.0;
+  options.height_max = 1.0;
+  EXPECT_THROW(NonlinearMpc{options}, Error);
+  options = {};
+  options.tilt_max = 1.5;
+  EXPECT_THROW(NonlinearMpc{options}, Error);
 }
 
 TEST_F(NonlinearMpcTest, NeverAllocates) {
   NonlinearMpcOptions options;
   options.speed_max = 2.0;
+  options.position_max = 3.0;
+  options.height_max = 4.0;
+  options.tilt_max = 0.3;
   randomProblem(options);
   NonlinearMpc mpc(options);
   const MultirotorState x = randomState();

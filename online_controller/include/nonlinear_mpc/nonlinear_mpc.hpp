@@ -18,10 +18,10 @@ struct NonlinearMpcOptions {
 
   Eigen::Vector3d position_weight{80.0, 80.0, 120.0};  ///< [1/m^2]
   Eigen::Vector3d velocity_weight{80.0, 80.0, 100.0};  ///< [s^2/m^2]
-  /// Weight of roll and of pitch [1/rad^2].
-  double attitude_weight = 10.0;
-  /// Weight of the roll and pitch commands [1/rad^2].
-  double command_weight = 50.0;
+  double roll_weight = 10.0;                           ///< [1/rad^2]
+  double pitch_weight = 10.0;                          ///< [1/rad^2]
+  double roll_command_weight = 50.0;                   ///< [1/rad^2]
+  double pitch_command_weight = 50.0;                  ///< [1/rad^2]
   /// Weight of z_B T - g [s^4/m^2].
   double thrust_weight = 1.0;
 
@@ -36,6 +36,16 @@ struct NonlinearMpcOptions {
   double speed_max = 0.0;
   /// Penalty of the l1 relaxation of the velocity limit [s/m].
   double speed_penalty = 1e5;
+  /// Limit of the distance from the world's origin along x and along y [m]; 0: not limited.
+  double position_max = 0.0;
+  /// Limits of the height z [m]; both 0: not limited.
+  double height_min = 0.0, height_max = 0.0;
+  /// Penalty of the l1 relaxation of the limits of position and height [1/m].
+  double position_penalty = 1e5;
+  /// Limit of roll and of pitch, beside that of their commands [rad]; 0: not limited.
+  double tilt_max = 0.0;
+  /// Penalty of the l1 relaxation of the tilt's limit [1/rad].
+  double tilt_penalty = 1e5;
 
   /// Working sets that the feedback may try, the bound of its time: then it answers with what it has. 0: the
   /// solver's own bound, 10 (inputs + rows) + 30.
@@ -62,11 +72,19 @@ void visitNonlinearOptions(Options& options, Visit&& visit) {
   visit("nonlinear/velocity_weight_x", options.velocity_weight.x(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
   visit("nonlinear/velocity_weight_y", options.velocity_weight.y(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
   visit("nonlinear/velocity_weight_z", options.velocity_weight.z(), "s^2/m^2", Range{0.0, 1e6, 10.0, 1.0});
-  visit("nonlinear/attitude_weight", options.attitude_weight, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
-  visit("nonlinear/command_weight", options.command_weight, "1/rad^2", Range{1e-3, 1e6});
+  visit("nonlinear/roll_weight", options.roll_weight, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/pitch_weight", options.pitch_weight, "1/rad^2", Range{0.0, 1e6, 10.0, 1.0});
+  visit("nonlinear/roll_command_weight", options.roll_command_weight, "1/rad^2", Range{1e-3, 1e6});
+  visit("nonlinear/pitch_command_weight", options.pitch_command_weight, "1/rad^2", Range{1e-3, 1e6});
   visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
   visit("nonlinear/speed_max", options.speed_max, "m/s", anyChange(0.0, 1000.0));
   visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
+  visit("nonlinear/position_max", options.position_max, "m", anyChange(0.0, 1e6));
+  visit("nonlinear/height_min", options.height_min, "m", anyChange(-1e6, 1e6));
+  visit("nonlinear/height_max", options.height_max, "m", anyChange(-1e6, 1e6));
+  visit("nonlinear/position_penalty", options.position_penalty, "1/m", Range{1e-3, 1e9});
+  visit("nonlinear/tilt_max", options.tilt_max, "rad", anyChange(0.0, 1.4));
+  visit("nonlinear/tilt_penalty", options.tilt_penalty, "1/rad", Range{1e-3, 1e9});
   visit("nonlinear/working_sets_max", options.working_sets_max, "working sets", anyChange(0.0, 100000.0));
 }
 
@@ -88,7 +106,8 @@ struct StageReference {
 /// (Andersson, 2013), BoundedQp with the last active set. A step has two parts: prepare() linearises,
 /// condenses and factorises before the state is known; feedback() takes the state and solves. The terminal
 /// weight is the solution of the discrete Riccati equation of the model at hover, turned by the yaw at the
-/// end. A limit of the velocity is relaxed in the l1 norm, so that the problem always has a solution.
+/// end. Limits of states are relaxed in the l1 norm, so that the problem always has a solution. The relaxation is exact:
+/// limits hold wherever they can, as long as the penalty exceeds their multipliers.
 ///
 /// After construction nothing allocates, throws or reads a clock. One object serves one thread.
 class NonlinearMpc {
@@ -125,11 +144,17 @@ class NonlinearMpc {
   int iterations() const noexcept { return qp_.iterations(); }
   /// KKT residual of the last QP.
   double kktResidual() const noexcept { return qp_.kktResidual(); }
-  /// Violation of the linearised speed limit [m/s].
-  double speedViolation() const noexcept { return qp_.violation(); }
+  /// Greatest violation of the linearised limits of states [m, m/s or rad].
+  double stateViolation() const noexcept { return qp_.violation(); }
 
  private:
   using Block = Eigen::Matrix<double, kMultirotorStates, kMultirotorStates, Eigen::RowMajor>;
+  /// A limit of a state at each stage but the first, relaxed.
+  struct SoftLimit {
+    int state;
+    double lower, upper;
+    double penalty;
+  };
   struct Stage {
     StageStep step;
     Block A_transposed;
@@ -155,6 +180,9 @@ class NonlinearMpc {
     MultirotorState stateGradient(const MultirotorState& adjoint) const noexcept;  // A' adjoint
   };
 
+  static std::vector<SoftLimit> softLimits(const NonlinearMpcOptions& options);
+  // Rows of the QP, softLimits() of each stage.
+  int rowCount() const noexcept { return options_.horizon * static_cast<int>(soft_limits_.size()); }
   void computeTerminalWeight();
   void linearise(const StageConditions* stages) noexcept;
   void condense(double end_yaw) noexcept;
@@ -163,7 +191,7 @@ class NonlinearMpc {
   void addLift(int k, double slope, double* out) noexcept;
   void writeHessianRows(int k) noexcept;
   void stepAdjoint(int k) noexcept;
-  void setSpeedRows() noexcept;
+  void setSoftRows() noexcept;
   void propagate(const MultirotorState& deviation) noexcept;
   void computeGradient(const StageReference* references) noexcept;
   double shareOfStep() const noexcept;
@@ -172,6 +200,7 @@ class NonlinearMpc {
   double* sensitivity(int k) noexcept { return sensitivities_.data() + k * kMultirotorStates * stride_; }
 
   NonlinearMpcOptions options_;
+  std::vector<SoftLimit> soft_limits_;
   // Number of inputs in whole packs.
   int stride_ = 0;
   BoundedQp qp_;

@@ -78,7 +78,8 @@ void NonlinearMpc::writeHessianRows(int k) noexcept {
     const bool thrust = i == kNu - 1;
     if (thrust && k > 0) addLift(k, by_thrust, row_.data());
     const int row = kNu * k + i;
-    row_[row] += thrust ? options_.thrust_weight * by_thrust * by_thrust : options_.command_weight;
+    row_[row] += thrust ? options_.thrust_weight * by_thrust * by_thrust
+                        : (i == 0 ? options_.roll_command_weight : options_.pitch_command_weight);
     for (int j = 0; j <= row; ++j) H_[j * n + row] = row_[j];
   }
 }
@@ -97,14 +98,16 @@ void NonlinearMpc::stepAdjoint(int k) noexcept {
   std::swap(adjoint_, adjoint_next_);
 }
 
-void NonlinearMpc::setSpeedRows() noexcept {
+void NonlinearMpc::setSoftRows() noexcept {
   const int N = options_.horizon;
-  const int m = 3 * N;
+  const int m = rowCount();
+  int index = 0;
   for (int k = 0; k < N; ++k) {
-    for (int i = 0; i < 3; ++i) {
-      const double* row = sensitivity(k + 1) + (3 + i) * stride_;
-      const int width = kNu * (k + 1);
-      for (int j = 0; j < kNu * N; ++j) rows_[j * m + 3 * k + i] = j < width ? row[j] : 0.0;
+    const int width = kNu * (k + 1);
+    for (const SoftLimit& limit : soft_limits_) {
+      const double* row = sensitivity(k + 1) + limit.state * stride_;
+      for (int j = 0; j < kNu * N; ++j) rows_[j * m + index] = j < width ? row[j] : 0.0;
+      ++index;
     }
   }
   qp_.setRows(rows_.data());

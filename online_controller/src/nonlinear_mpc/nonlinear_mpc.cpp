@@ -29,34 +29,41 @@ const NonlinearMpcOptions& checked(const NonlinearMpcOptions& options) {
   require((model.drag.array() >= 0.0).all() && model.drag.allFinite(), "drag", "must be 0 or more");
   require((options.position_weight.array() > 0.0).all(), "position_weight",
           "must be above 0 on each axis: without it nothing brings the vehicle back");
-  require((options.velocity_weight.array() >= 0.0).all() && options.attitude_weight >= 0.0,
-          "velocity_weight, attitude_weight", "must be 0 or more");
-  require(options.command_weight > 0.0 && options.thrust_weight > 0.0, "command_weight, thrust_weight",
-          "must be above 0");
+  require((options.velocity_weight.array() >= 0.0).all() && options.roll_weight >= 0.0 &&
+              options.pitch_weight >= 0.0,
+          "velocity_weight, roll_weight, pitch_weight", "must be 0 or more");
+  require(
+      options.roll_command_weight > 0.0 && options.pitch_command_weight > 0.0 && options.thrust_weight > 0.0,
+      "roll_command_weight, pitch_command_weight, thrust_weight", "must be above 0");
   require(options.angle_max > 0.0 && options.angle_max < 1.4, "angle_max",
           "must be above 0 and below 1.4 rad");
   require(options.thrust_min > 0.0 && options.thrust_min < options.thrust_max, "thrust_min, thrust_max",
           "must increase and be above 0");
   require(options.speed_max >= 0.0 && options.speed_penalty > 0.0, "speed_max, speed_penalty",
           "must be 0 or more, and above 0");
+  require(options.position_max >= 0.0 && options.position_penalty > 0.0, "position_max, position_penalty",
+          "must be 0 or more, and above 0");
+  require(options.tilt_max >= 0.0 && options.tilt_max < 1.4 && options.tilt_penalty > 0.0,
+          "tilt_max, tilt_penalty", "must be 0 or more and below 1.4 rad, and above 0");
+  require(options.height_min < options.height_max || (options.height_min == 0.0 && options.height_max == 0.0),
+          "height_min, height_max", "must increase, or both be 0");
   return options;
 }
 
 std::size_t size(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
 
-int rowCount(const NonlinearMpcOptions& options) { return options.speed_max > 0.0 ? 3 * options.horizon : 0; }
-
 }  // namespace
 
 NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
     : options_(checked(options)),
+      soft_limits_(softLimits(options)),
       stride_(wholePacks(kNu * options.horizon)),
-      qp_(kNu * options.horizon, rowCount(options)) {
+      qp_(kNu * options.horizon, rowCount()) {
   const int N = options_.horizon;
   const int n = kNu * N;
-  const int m = rowCount(options_);
-  state_weight_ << options_.position_weight, options_.velocity_weight, options_.attitude_weight,
-      options_.attitude_weight;
+  const int m = rowCount();
+  state_weight_ << options_.position_weight, options_.velocity_weight, options_.roll_weight,
+      options_.pitch_weight;
   stages_.resize(static_cast<std::size_t>(N));
   transitions_.resize(static_cast<std::size_t>(N));
   inputs_.assign(static_cast<std::size_t>(N), MultirotorInput(0.0, 0.0, options_.model.gravity));
@@ -71,8 +78,23 @@ NonlinearMpc::NonlinearMpc(const NonlinearMpcOptions& options)
   rows_ = AlignedArray(size(m, n));
   for (AlignedArray* array : {&row_lower_, &row_upper_}) *array = AlignedArray(static_cast<std::size_t>(m));
   if (options_.working_sets_max > 0) qp_.setIterationLimit(options_.working_sets_max);
-  for (int i = 0; i < m; ++i) qp_.setPenalty(i, options_.speed_penalty);
+  for (int i = 0; i < m; ++i)
+    qp_.setPenalty(i, soft_limits_[static_cast<std::size_t>(i) % soft_limits_.size()].penalty);
   computeTerminalWeight();
+}
+
+std::vector<NonlinearMpc::SoftLimit> NonlinearMpc::softLimits(const NonlinearMpcOptions& options) {
+  constexpr int kHeight = 2, kVelocity = 3, kRoll = 6, kPitch = 7;
+  std::vector<SoftLimit> limits;
+  const auto add = [&](int state, double greatest, double penalty) {
+    if (greatest > 0.0) limits.push_back({state, -greatest, greatest, penalty});
+  };
+  for (int i = 0; i < 3; ++i) add(kVelocity + i, options.speed_max, options.speed_penalty);
+  for (int i = 0; i < kHeight; ++i) add(i, options.position_max, options.position_penalty);
+  if (options.height_min < options.height_max)
+    limits.push_back({kHeight, options.height_min, options.height_max, options.position_penalty});
+  for (const int angle : {kRoll, kPitch}) add(angle, options.tilt_max, options.tilt_penalty);
+  return limits;
 }
 
 void NonlinearMpc::Transition::set(const StageStep& step) noexcept {
@@ -109,7 +131,8 @@ void NonlinearMpc::computeTerminalWeight() {
   const double gravity = options_.model.gravity;
   integrateStage(options_.model, options_.period, {}, MultirotorState::Zero(), {0.0, 0.0, gravity}, hover);
   const Eigen::MatrixXd Q = state_weight_.asDiagonal();
-  const Eigen::Vector3d R(options_.command_weight, options_.command_weight, options_.thrust_weight);
+  const Eigen::Vector3d R(options_.roll_command_weight, options_.pitch_command_weight,
+                          options_.thrust_weight);
   hover_weight_ = solveRiccati(hover.A, hover.B, Q, R.asDiagonal());
   terminal_weight_ = hover_weight_;
 }
@@ -146,7 +169,7 @@ bool NonlinearMpc::prepare(const StageConditions* stages) noexcept {
   linearise(stages);
   const StageConditions& last = stages[options_.horizon - 1];
   condense(last.yaw + options_.period * last.yaw_rate);
-  if (options_.speed_max > 0.0) setSpeedRows();
+  if (!soft_limits_.empty()) setSoftRows();
   return qp_.setHessian(H_.data());
 }
 
@@ -211,18 +234,19 @@ double NonlinearMpc::shareOfStep() const noexcept {
   return cost <= costOfRows(0.0) ? share : 0.0;
 }
 
-// The penalty of the relaxed limit of the velocity with this share of the step.
+// The penalty of the relaxed limits with this share of the step.
 double NonlinearMpc::costOfRows(double share) const noexcept {
   const int n = kNu * options_.horizon;
-  const int m = rowCount(options_);
+  const int m = rowCount();
   const double* const x = qp_.x();
   double cost = 0.0;
   for (int i = 0; i < m; ++i) {
     double along = 0.0;
     for (int j = 0; j < n; ++j) along += rows_[static_cast<std::ptrdiff_t>(j) * m + i] * x[j];
-    cost += std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
+    const double penalty = soft_limits_[static_cast<std::size_t>(i) % soft_limits_.size()].penalty;
+    cost += penalty * std::max({0.0, row_lower_[i] - share * along, share * along - row_upper_[i]});
   }
-  return options_.speed_penalty * cost;
+  return cost;
 }
 
 // How the states deviate from the solution when the inputs stay.
@@ -230,13 +254,14 @@ void NonlinearMpc::propagate(const MultirotorState& deviation) noexcept {
   deviations_[0] = deviation;
   for (std::size_t k = 0; k < transitions_.size(); ++k)
     deviations_[k + 1] = transitions_[k].advance(deviations_[k]);
-  if (options_.speed_max <= 0.0) return;
+  int row = 0;
   for (int k = 0; k < options_.horizon; ++k) {
     const auto next = static_cast<std::size_t>(k + 1);
-    for (int i = 0; i < 3; ++i) {
-      const double speed = states_[next](3 + i) + deviations_[next](3 + i);
-      row_lower_[3 * k + i] = -options_.speed_max - speed;
-      row_upper_[3 * k + i] = options_.speed_max - speed;
+    for (const SoftLimit& limit : soft_limits_) {
+      const double value = states_[next](limit.state) + deviations_[next](limit.state);
+      row_lower_[row] = limit.lower - value;
+      row_upper_[row] = limit.upper - value;
+      ++row;
     }
   }
 }
@@ -259,8 +284,8 @@ void NonlinearMpc::computeGradient(const StageReference* references) noexcept {
         options_.thrust_weight * (stage.lift + stage.lift_slope.head<2>().dot(tilt) - references[k].lift);
     Eigen::Map<Eigen::Vector3d> g(g_.data() + kNu * k);
     g = stage.inputGradient(adjoint);
-    g(0) += options_.command_weight * (u(0) - references[k].roll_command);
-    g(1) += options_.command_weight * (u(1) - references[k].pitch_command);
+    g(0) += options_.roll_command_weight * (u(0) - references[k].roll_command);
+    g(1) += options_.pitch_command_weight * (u(1) - references[k].pitch_command);
     g(2) += lift * stage.lift_slope(2);
     adjoint = stage.stateGradient(adjoint) + state_weight_.cwiseProduct(error(k));
     adjoint.tail<2>() += lift * stage.lift_slope.head<2>();
