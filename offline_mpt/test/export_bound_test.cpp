@@ -10,54 +10,13 @@
 #include <set>
 
 #include "compiled_code.hpp"
-#include "lookup_work.hpp"
+#include "exported_map.hpp"
 #include "map_export/export_map.hpp"
 #include "synthetic_map.hpp"
 #include "test_points.hpp"
 
 namespace polyfly {
 namespace {
-
-/// Four regions with the continuous law u = |x| + |y - x / 2|.
-MapContent kinkedMap() {
-  MapContent map;
-  map.name = "kinked";
-  map.problem_kind = "json";
-  map.solver_status = "complete";
-  map.tolerance = 1e-9;
-  map.parameters = {{"x", "", -2.0, 2.0}, {"y", "", -2.0, 2.0}};
-  map.inputs = {{"u", "", 0.0, 5.0}};
-  // Scaled: a . theta - c is a distance where the ranges are [-1, 1].
-  const double norm = std::hypot(2.0, 1.0);
-  map.planes = {0.5, 0.0, 0.0, -0.5 / norm, 1.0 / norm, 0.0};
-  for (const double first : {-1.0, 1.0}) {
-    for (const double second : {-1.0, 1.0}) {
-      MapContent::Region region;
-      region.first_row = static_cast<std::uint32_t>(map.rows.size());
-      region.row_count = 2;
-      region.law = static_cast<std::uint32_t>(map.regions.size());
-      map.rows.push_back(first < 0.0 ? 1 : -1);
-      map.rows.push_back(second < 0.0 ? 2 : -2);
-      map.laws.insert(map.laws.end(), {first - 0.5 * second, second, 0.0});
-      map.regions.push_back(region);
-    }
-  }
-  map.nodes = {{0, MapContent::kLeaf | 0u, MapContent::kLeaf | 1u}};
-  map.leaves = {{0, 2}, {2, 2}};
-  map.candidates = {0, 1, 2, 3};
-  // The node decides on the first plane; leaves test the second, so every row of the code counts.
-  map.tests = {2, 2, 2, 2};
-  return map;
-}
-
-ExportOptions optionsOf(ExportType type) {
-  ExportOptions options;
-  options.name = "code";
-  options.type = type;
-  return options;
-}
-
-ExportOptions floatOptions() { return optionsOf(ExportType::kFloat); }
 
 /// Compiled code of floats or of integers, which is given numbers of the map.
 class RoundingCode {
@@ -126,12 +85,6 @@ class RoundingCode {
   std::optional<CompiledCode<std::int16_t>> integers_;
 };
 
-checker::Map checkedMap(const MadeMap& made) {
-  MadeMap& mutable_made = const_cast<MadeMap&>(made);
-  return checker::Map(
-      std::string(reinterpret_cast<const char*>(mutable_made.bytes.data()), made.bytes.size()));
-}
-
 double greatestViolation(const RegionMap& map, std::uint32_t number, const std::vector<double>& theta) {
   const RegionView region = map.region(number);
   const std::size_t p = theta.size();
@@ -143,15 +96,6 @@ double greatestViolation(const RegionMap& map, std::uint32_t number, const std::
     greatest = std::max(greatest, region.rows[i] < 0 ? -distance : distance);
   }
   return static_cast<double>(greatest);
-}
-
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const checker::Refused& refused) {
-    return refused.what();
-  }
-  return "confirmed";
 }
 
 class ExportBoundTest : public testing::TestWithParam<ExportType> {
@@ -317,34 +261,6 @@ TEST(ExportBoundOfDoubles, AreComparedNumberForNumber) {
   EXPECT_NE(refusal([&] { checker::exportedAnswers(map, checker::readCode(changed)); }), "confirmed");
 }
 
-/// u = x clipped to [-1, 1]: two ordinary regions that meet at the node's plane x = 1 / 4, and two fallback regions
-/// that reach under them. All have the sides of the box among their rows.
-MapContent clippedMap() {
-  MapContent map = kinkedMap();
-  map.name = "clipped";
-  map.tolerance = 1e-8;
-  map.inputs = {{"u", "", -1.0, 1.0}};
-  // x <= 1/4, x <= -1, x <= 0, x <= 1, and the sides of the box.
-  map.planes = {0.5, 0.0, 0.125, 0.5, 0.0, -0.5, 0.5, 0.0, 0.0, 0.5, 0.0, 0.5,
-                0.5, 0.0, 1.0,   0.5, 0.0, -1.0, 0.0, 0.5, 1.0, 0.0, 0.5, -1.0};
-  map.laws = {1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0};
-  map.rows = {1, -2, 5, -6, 7, -8, -1, 4, 5, -6, 7, -8, 3, 5, -6, 7, -8, -3, 5, -6, 7, -8};
-  map.regions.clear();
-  const std::vector<std::array<std::uint32_t, 3>> regions = {{0, 6, 0}, {6, 6, 0}, {12, 5, 1}, {17, 5, 2}};
-  for (const auto& [first, count, law] : regions) {
-    map.regions.emplace_back();
-    map.regions.back().first_row = first;
-    map.regions.back().row_count = count;
-    map.regions.back().law = law;
-  }
-  map.first_fallback = 2;
-  map.nodes = {{0, MapContent::kLeaf | 0u, MapContent::kLeaf | 1u}};
-  map.leaves = {{0, 3}, {3, 3}};
-  map.candidates = {0, 2, 3, 1, 2, 3};
-  map.tests.clear();
-  return map;
-}
-
 double clippedLaw(double x) { return std::min(std::max(x, -1.0), 1.0); }
 
 TEST(ExportBoundOfFallbackRegions, IsOfTheOrderOfRoundingAndHolds) {
@@ -433,135 +349,6 @@ TEST_P(ExportBoundOfRandomMaps, HoldsForCompiledCode) {
 
 INSTANTIATE_TEST_SUITE_P(Types, ExportBoundOfRandomMaps,
                          testing::Values(ExportType::kFloat, ExportType::kInt16));
-
-/// The look-up as region_maps/export/README.md describes it, on the tables of the code, for one parameter of integers.
-struct CountedLookup {
-  const checker::LookupTables& code;
-  checker::LookupWork work;
-
-  double value(std::uint32_t row, const std::vector<double>& theta) {
-    ++work.planes;
-    const double* const plane = code.planes.data() + (row >> 1) * (code.p + 1);
-    double sum = -plane[code.p];
-    for (std::size_t k = 0; k < code.p; ++k) sum += plane[k] * theta[k];
-    return (row & 1u) != 0 ? -sum : sum;
-  }
-
-  void run(const std::vector<double>& theta) {
-    work = {0, 0, 2 * code.p};
-    std::uint32_t child = code.root();
-    while (child < code.node_plane.size()) {
-      ++work.comparisons;
-      child = code.children[child][value(2 * code.node_plane[child], theta) <= 0.0 ? 0 : 1];
-    }
-    double least = 1e9;
-    for (const auto& candidate : code.leaves[child - code.node_plane.size()]) {
-      double greatest = -1e9;
-      for (const std::uint32_t row : candidate.rows) {
-        const double violation = value(row, theta);
-        ++work.rows;
-        work.comparisons += 2;
-        greatest = std::max(greatest, violation);
-        if (violation > code.tolerance) {
-          greatest = 1e9;
-          break;
-        }
-      }
-      if (candidate.is_fallback) greatest = std::max(greatest, 0.0) + code.handicap;
-      work.comparisons += 4;
-      least = std::min(least, greatest);
-      if (least <= 0.0) break;
-    }
-  }
-};
-
-MapContent mapOfHoles(std::uint32_t parameters, std::uint64_t seed) {
-  TreeRecipe recipe;
-  recipe.parameters = parameters;
-  recipe.regions = 24;
-  recipe.leaf_regions = 5;
-  recipe.holes_one_in = 3;
-  recipe.seed = seed;
-  MapContent content = makeTreeMap(recipe);
-  content.first_fallback = static_cast<std::uint32_t>(content.regions.size() - 4);
-  return content;
-}
-
-checker::LookupWork provenWork(const checker::ExportedCode& code) {
-  const checker::ProofWatch watch;
-  return checker::WorkProof(code, watch).run();
-}
-
-// With one parameter of 16 bits, all look-ups that there are.
-TEST(LookupWork, IsTheGreatestOfAllLookups) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const MadeMap made(mapOfHoles(1, seed));
-    const checker::ExportedCode code =
-        checker::readCode(exportSource(made.map, optionsOf(ExportType::kInt16)));
-    const double unit = std::ldexp(1.0, -exportExponents(made.map, optionsOf(ExportType::kInt16)).theta[0]);
-    CountedLookup lookup{code.tables, {}};
-    checker::LookupWork greatest;
-    for (double theta = code.tables.box.lower[0]; theta <= code.tables.box.upper[0]; theta += unit) {
-      lookup.run({theta});
-      greatest.planes = std::max(greatest.planes, lookup.work.planes);
-      greatest.rows = std::max(greatest.rows, lookup.work.rows);
-      greatest.comparisons = std::max(greatest.comparisons, lookup.work.comparisons);
-    }
-    const checker::LookupWork proven = provenWork(code);
-    EXPECT_EQ(proven.planes, greatest.planes) << seed;
-    EXPECT_EQ(proven.rows, greatest.rows) << seed;
-    EXPECT_EQ(proven.comparisons, greatest.comparisons) << seed;
-  }
-}
-
-TEST(LookupWork, IsExceededByNoRandomLookup) {
-  for (const ExportType type : {ExportType::kDouble, ExportType::kFloat, ExportType::kInt16}) {
-    for (std::uint32_t p = 2; p <= 4; ++p) {
-      const MadeMap made(mapOfHoles(p, p));
-      const checker::ExportedCode code = checker::readCode(exportSource(made.map, optionsOf(type)));
-      const checker::LookupWork proven = provenWork(code);
-      const ExportExponents exponents = exportExponents(made.map, optionsOf(type));
-      CountedLookup lookup{code.tables, {}};
-      TestPoints points(made.map, p);
-      std::uint64_t greatest = 0;
-      for (int i = 0; i < 20000; ++i) {
-        std::vector<double> theta = points.next();
-        bool is_inside = true;
-        for (std::size_t k = 0; k < p; ++k) {
-          if (!exponents.theta.empty())
-            theta[k] =
-                std::ldexp(std::nearbyint(std::ldexp(theta[k], exponents.theta[k])), -exponents.theta[k]);
-          is_inside =
-              is_inside && theta[k] >= code.tables.box.lower[k] && theta[k] <= code.tables.box.upper[k];
-        }
-        if (!is_inside) continue;
-        lookup.run(theta);
-        ASSERT_LE(lookup.work.planes, proven.planes);
-        ASSERT_LE(lookup.work.rows, proven.rows);
-        ASSERT_LE(lookup.work.comparisons, proven.comparisons);
-        greatest = std::max(greatest, lookup.work.planes);
-      }
-      EXPECT_GE(4 * greatest, 3 * proven.planes);
-    }
-  }
-}
-
-TEST(LookupWork, FactsThatStateLessAreRefused) {
-  const MadeMap made(clippedMap());
-  const checker::Map map = checkedMap(made);
-  const std::string code = exportSource(made.map, floatOptions());
-  const checker::ExportedAnswers answers = checker::exportedAnswers(map, checker::readCode(code));
-  const checker::LookupWork work = provenWork(checker::readCode(code));
-  const auto verdict = [&](const LookupWork& stated) {
-    const ExportBound bound = {answers.error, answers.margin, stated, {}};
-    const std::string facts = exportFacts(made.map, floatOptions(), bound);
-    return refusal([&] { checker::confirmExport(facts, code, map); });
-  };
-  EXPECT_EQ(verdict({work.planes, work.rows, work.comparisons}), "confirmed");
-  EXPECT_NE(verdict({work.planes, work.rows - 1, work.comparisons}).find("rows"), std::string::npos);
-  EXPECT_NE(verdict({work.planes - 1, work.rows, work.comparisons}).find("multiply_adds"), std::string::npos);
-  EXPECT_NE(verdict({work.planes, work.rows, work.comparisons - 1}).find("comparisons"), std::string::npos);
-}
 
 }  // namespace
 }  // namespace polyfly
