@@ -1,16 +1,20 @@
 # shellcheck shell=bash
 # Betaflight's SITL, flown by the node through multirotor_mavros.launch and a bridge of UDP packets, by three laws. In wall
 # time: a flight takes a minute. POLYFLY_BETAFLIGHT names the built program, POLYFLY_BETAFLIGHT_RUNS the flights of each law.
-sitl=$(realpath -e -- "${POLYFLY_BETAFLIGHT:-}" 2> /dev/null)
+rm -rf "$output"
+mkdir -p "$output/report"
+if [ -z "${POLYFLY_BETAFLIGHT:-}" ]; then
+  /usr/bin/python3 test/experiments/betaflight.py "$output" --not-flown
+  return
+fi
+sitl=$(realpath -e -- "$POLYFLY_BETAFLIGHT" 2> /dev/null)
 if [ ! -f "$sitl" ] || [ ! -x "$sitl" ]; then
   echo "POLYFLY_BETAFLIGHT must name the built program of Betaflight's SITL (obj/main/betaflight_SITL.elf); it is" \
-    "'${POLYFLY_BETAFLIGHT:-}'. test/experiments/README.md tells how to build it." >&2
+    "'$POLYFLY_BETAFLIGHT'. test/experiments/README.md tells how to build it." >&2
   return 1
 fi
 flights=${POLYFLY_BETAFLIGHT_RUNS:-10}
 [[ "$flights" =~ ^[1-9][0-9]*$ ]] || { echo "POLYFLY_BETAFLIGHT_RUNS must be a number above 0; it is '$flights'" >&2; return 1; }
-rm -rf "$output"
-mkdir -p "$output/report"
 link=$(realpath test/experiments)
 
 # flyBetaflight LAW RESULT: one flight, from an empty configuration.

@@ -12,26 +12,24 @@ import threading
 import time
 
 import rospy
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Transform, Twist
 from mavros_msgs.msg import AttitudeTarget
 from nav_msgs.msg import Odometry
 from std_srvs.srv import Empty
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
-from geometry_msgs.msg import Transform, Twist
 
-from betaflight_link import MOTOR_PORT, MOTORS, RC, RC_PORT, STATE_PORT, Plant, conjugate, rc_channels, roll_pitch, rotated
+from betaflight_link import (GREATEST_GAP, LIMITS, MOTOR_PORT, MOTORS, RC, RC_PORT, STATE_PORT, Plant, conjugate, rc_channels,
+                             roll_pitch, rotated)
 
 STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
 BOOT_TIME, ARM_TIME = 8.0, 1.0  # until arming, until take-off [s]
-GREATEST_GAP = 0.05  # between commands; a flight with a greater one does not count [s]
 HEIGHT, STEP = 1.5, 1.25  # [m]
 WIND = (0.8, -0.5, 0.0)  # [m/s^2]
 EIGHT_PERIOD, EIGHT_SIZE = 8.0, (1.2, 0.6)  # [s], [m]
 # Time since take-off at which each part begins [s]; the last one is the end.
-PARTS = (("take-off", 0.0), ("hover", 7.0), ("step", 13.0), ("eight", 19.0), ("wind", 30.0), ("loss", 37.0), ("after", 38.0), ("end", 44.0))
+PARTS = (("take-off", 0.0), ("hover", 7.0), ("step", 13.0), ("eight", 19.0), ("wind", 30.0),
+         ("loss", 42.0), ("after", 43.0), ("end", 50.0))
 START = dict(PARTS)
-# Of the distance to the reference: in the last seconds of a part, or rms over the eight [m].
-LIMITS = {"hover": 0.02, "step": 0.05, "eight": 0.25, "wind": 0.05, "loss": 1.5, "after": 0.05}
 SETTLED = 1.5  # the last seconds of a part [s]
 
 

@@ -1,4 +1,5 @@
-"""UDP packets of Betaflight's SITL, its configuration, and a rigid multirotor for it. Without ROS.
+"""UDP packets of Betaflight's SITL, its configuration, a rigid multirotor for it, and what a flight must keep.
+Without ROS.
 
 Axes of the plant: body forward, left, up; world east, north, up. SI units. Quaternions are (w, x, y, z).
 """
@@ -9,19 +10,23 @@ import struct
 GRAVITY = 9.8066  # [m/s^2]
 MOTOR_PORT, STATE_PORT, RC_PORT = 9002, 9003, 9004
 
-# src/platform/SIMULATOR/target/SITL/target.h of Betaflight: servo_packet, fdm_packet, rc_packet. The last ends with padding
-# to a multiple of 8 bytes where it needs it; 8 + 32 bytes do not.
+# src/platform/SIMULATOR/target/SITL/target.h of Betaflight: servo_packet, fdm_packet, rc_packet. None has padding.
 MOTORS = struct.Struct("<4f")
 STATE = struct.Struct("<18d")
 RC = struct.Struct("<d16H")
+
+GREATEST_GAP = 0.05  # between commands; a flight with a greater one does not count [s]
+# Of the distance to the reference: in the last seconds of a part, or rms over the eight [m].
+LIMITS = {"hover": 0.02, "step": 0.05, "eight": 0.25, "wind": 0.05, "loss": 1.5, "after": 0.05}
 
 ANGLE_LIMIT = 45  # of the stick's end [deg]
 YAW_RATE_LIMIT = 200  # of the stick's end [deg/s]
 THROTTLE_LOW = 1050  # throttle of 0: `min_check`
 IDLE = 0.055  # motor signal of an armed vehicle at throttle 0: `motor_idle`
 
-# For `--config FILE`: arming on AUX1, angle mode on AUX2, sticks without expo.
-CONFIGURATION = """set small_angle = 180
+# For `--config FILE`: arming on AUX1, angle mode on AUX2, sticks without expo, no heading from a GPS.
+CONFIGURATION = """feature -GPS
+set small_angle = 180
 set min_check = %d
 set motor_idle = %d
 set mag_hardware = NONE
