@@ -42,8 +42,8 @@ class PacketTest(unittest.TestCase):
         plant = link.Plant()
         plant.rates, plant.velocity, plant.position = [1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]
         plant.specific_force, plant.attitude = (10.0, 11.0, 12.0), (0.5, 0.5, -0.5, 0.5)
-        packet = FdmPacket.from_buffer_copy(plant.state_packet(13.0))
-        self.assertEqual(packet.timestamp, 13.0)
+        packet = FdmPacket.from_buffer_copy(plant.state_packet())
+        self.assertEqual(packet.timestamp, 0.0)
         self.assertEqual(list(packet.rates), [1.0, -2.0, 3.0])
         self.assertEqual(list(packet.acceleration), [-10.0, -11.0, -12.0])
         self.assertEqual(list(packet.quaternion), [0.5, 0.5, 0.5, -0.5])

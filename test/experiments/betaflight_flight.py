@@ -111,10 +111,9 @@ class Bridge:
             now = time.monotonic()
             if now < next_state:
                 continue
-            # SITL takes its time from the stamps, so these are wall time, also after a pause of this process.
             self.plant.advance(self.motors, now - last)
             last, next_state = now, max(next_state + STATE_PERIOD, now)
-            self.socket.sendto(self.plant.state_packet(now - start), ("127.0.0.1", STATE_PORT))
+            self.socket.sendto(self.plant.state_packet(), ("127.0.0.1", STATE_PORT))
             if now >= next_odometry:
                 next_odometry = max(next_odometry + ODOMETRY_PERIOD, now)
                 channels = rc_channels(*self.command, self.armed)

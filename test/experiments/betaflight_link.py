@@ -133,11 +133,13 @@ class Plant:
         norm = math.sqrt(sum(value * value for value in turned))
         self.attitude = tuple(value / norm for value in turned)
 
-    def state_packet(self, time):
+    def state_packet(self):
         """What SITL's default build (Gazebo) takes. Betaflight's own axes are forward, left, up; it negates the pitch rate,
-        all accelerations, and the y and z of the quaternion, so they are negated here."""
+        all accelerations, and the y and z of the quaternion, so they are negated here. SITL sets the rate of its clock from
+        the stamps of two packets and the time between their arrivals. Packets that arrive together would let it race, and
+        lose the sticks. A stamp that stays the same leaves it at wall time."""
         (p, q, r), (fx, fy, fz), (w, x, y, z) = self.rates, self.specific_force, self.attitude
-        return STATE.pack(time, p, -q, r, -fx, -fy, -fz, w, x, -y, -z, *self.velocity, *self.position, 101325.0)
+        return STATE.pack(0.0, p, -q, r, -fx, -fy, -fz, w, x, -y, -z, *self.velocity, *self.position, 101325.0)
 
 
 def thrust_polynomial():
