@@ -9,7 +9,7 @@ import os
 import re
 import sys
 
-from betaflight_link import GREATEST_GAP, LIMITS
+from betaflight_link import GREATEST_GAP, LIMITS, SETTLED
 
 LAWS = ("linear", "explicit_linear", "nonlinear")
 STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:960px;margin:2em auto;padding:0 1em;color:#22272e}
@@ -38,8 +38,9 @@ def judge(flights):
             broken.append("%s: no flight had command gaps below %g ms" % (law, 1000.0 * GREATEST_GAP))
         for number, r in enumerate(results, 1):
             for part, limit in LIMITS.items():
-                if r["counts"] and not r["distance_m"][part] <= limit:
-                    broken.append("%s, flight %d, %s: %.3f m, at most %g m" % (law, number, HEAD[part], r["distance_m"][part], limit))
+                distance = r["distance_m"][part]
+                if r["counts"] and not distance <= limit:
+                    broken.append("%s, flight %d, %s: %.3f m, at most %g m" % (law, number, HEAD[part], distance, limit))
     return broken
 
 
@@ -49,21 +50,25 @@ def cell(result, part):
 
 def page(flights, broken):
     counted = [r for results in flights.values() for r in results if r["counts"]]
-    well = sum(1 for r in counted if r["well"])
+    well, gap = sum(1 for r in counted if r["well"]), 1000.0 * GREATEST_GAP
     parts = [
-        "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>Betaflight in the loop</title><style>%s</style></head><body>" % STYLE,
-        "<h1>Betaflight in the loop</h1><p class='%s'>%d of %d flights end well.</p>" % ("bad" if broken else "good", well, len(counted)),
+        "<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>Betaflight in the loop</title>",
+        "<style>%s</style></head><body><h1>Betaflight in the loop</h1>" % STYLE,
+        "<p class='%s'>%d of %d flights end well.</p>" % ("bad" if broken else "good", well, len(counted)),
         "".join("<p>%s</p>" % sentence for sentence in broken),
-        "<p>Distance from the reference in cm: the greatest of the last 1.5 s of a part, of the eight the rms, and the greatest "
-        "while odometry is lost. Flights with a command gap of %g ms or more do not count, because the computer was too busy.</p>" % (1000.0 * GREATEST_GAP),
-        "<table><tr><th>law, flight</th>", "".join("<th>%s</th>" % HEAD[part] for part in LIMITS), "<th>gap [ms]</th><th></th></tr>",
-        "<tr><td>at most</td>", "".join("<td>%g</td>" % (100.0 * limit) for limit in LIMITS.values()), "<td>%g</td><td></td></tr>" % (1000.0 * GREATEST_GAP),
+        "<p>Distance from the reference in cm: the greatest of the last %g s of a part, of the eight the rms, and the " % SETTLED,
+        "greatest while odometry is lost. Flights with a command gap of %g ms or more do not count, because the " % gap,
+        "computer was too busy.</p><table><tr><th>law, flight</th>",
+        "".join("<th>%s</th>" % HEAD[part] for part in LIMITS),
+        "<th>gap [ms]</th><th></th></tr><tr><td>at most</td>",
+        "".join("<td>%g</td>" % (100.0 * limit) for limit in LIMITS.values()),
+        "<td>%g</td><td></td></tr>" % gap,
     ]
     for law, results in flights.items():
         for number, r in enumerate(results, 1):
             verdict = ("well" if r["well"] else "not well") if r["counts"] else "does not count"
-            parts.append("<tr><td>%s, %d</td>%s<td>%.0f</td><td>%s</td></tr>" % (
-                law, number, "".join(cell(r, part) for part in LIMITS), 1000.0 * r["greatest_gap_s"], verdict))
+            cells = "".join(cell(r, part) for part in LIMITS)
+            parts.append("<tr><td>%s, %d</td>%s<td>%.0f</td><td>%s</td></tr>" % (law, number, cells, 1000.0 * r["greatest_gap_s"], verdict))
     return "".join(parts) + "</table></body></html>\n"
 
 
@@ -72,7 +77,8 @@ NOT_FLOWN = "not flown: POLYFLY_BETAFLIGHT names no program"
 
 def write_not_flown(folder):
     with open(os.path.join(folder, "report", "index.html"), "w") as file:
-        file.write("<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>Betaflight in the loop</title></head><body>"
+        file.write("<!DOCTYPE html><html lang='en'><head><meta charset='utf-8'><title>Betaflight in the loop</title>"
+                   "</head><body>"
                    "<p>%s. test/experiments/README.md tells how to build one.</p></body></html>\n" % NOT_FLOWN.capitalize())
     with open(os.path.join(folder, "summary.json"), "w") as file:
         json.dump({"flights": {}, "headline": [[NOT_FLOWN, 0, "flights"]]}, file, indent=2)
@@ -96,4 +102,7 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    write_not_flown(sys.argv[1]) if "--not-flown" in sys.argv[2:] else main(sys.argv[1])
+    if "--not-flown" in sys.argv[2:]:
+        write_not_flown(sys.argv[1])
+    else:
+        main(sys.argv[1])

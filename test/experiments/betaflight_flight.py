@@ -18,7 +18,7 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Empty
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
-from betaflight_link import (GREATEST_GAP, LIMITS, MOTOR_PORT, MOTORS, RC, RC_PORT, STATE_PORT, Plant, conjugate, rc_channels,
+from betaflight_link import (GREATEST_GAP, LIMITS, MOTOR_PORT, MOTORS, RC, RC_PORT, SETTLED, STATE_PORT, Plant, conjugate, rc_channels,
                              roll_pitch, rotated)
 
 STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
@@ -30,7 +30,6 @@ EIGHT_PERIOD, EIGHT_SIZE = 8.0, (1.2, 0.6)  # [s], [m]
 PARTS = (("take-off", 0.0), ("hover", 7.0), ("step", 13.0), ("eight", 19.0), ("wind", 30.0),
          ("loss", 42.0), ("after", 43.0), ("end", 50.0))
 START = dict(PARTS)
-SETTLED = 1.5  # the last seconds of a part [s]
 
 
 def eight(since):

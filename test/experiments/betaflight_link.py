@@ -18,6 +18,7 @@ RC = struct.Struct("<d16H")
 GREATEST_GAP = 0.05  # between commands; a flight with a greater one does not count [s]
 # Of the distance to the reference: in the last seconds of a part, or rms over the eight [m].
 LIMITS = {"hover": 0.02, "step": 0.05, "eight": 0.25, "wind": 0.05, "loss": 1.5, "after": 0.05}
+SETTLED = 1.5  # the last seconds of a part [s]
 
 ANGLE_LIMIT = 45  # of the stick's end [deg]
 YAW_RATE_LIMIT = 200  # of the stick's end [deg/s]
