@@ -25,6 +25,7 @@ STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
 BOOT_TIME, ARM_TIME = 8.0, 1.0  # until arming, until take-off [s]
 HEIGHT, STEP = 1.5, 1.25  # [m]
 WIND = (0.8, -0.5, 0.0)  # [m/s^2]
+COURSE_STEP = 250  # samples of the state between two rows (time [s], distance [m]) of the result
 EIGHT_PERIOD, EIGHT_SIZE = 8.0, (1.2, 0.6)  # [s], [m]
 # Time since take-off at which each part begins [s]; the last one is the end.
 PARTS = (("take-off", 0.0), ("hover", 7.0), ("step", 13.0), ("eight", 19.0), ("wind", 30.0),
@@ -177,7 +178,9 @@ class Flight:
                 numbers[part] = max(e for t, e in rows if part == "loss" or t >= rows[-1][0] - SETTLED)
         gap = self.bridge.greatest_gap
         well = all(numbers[part] <= limit for part, limit in LIMITS.items())
-        return {"distance_m": numbers, "greatest_gap_s": gap, "counts": gap < GREATEST_GAP, "well": well}
+        rows = [row for part in self.errors.values() for row in part]
+        course = [[round(t, 2), round(e, 4)] for t, e in rows[::COURSE_STEP]]
+        return {"distance_m": numbers, "course": course, "greatest_gap_s": gap, "counts": gap < GREATEST_GAP, "well": well}
 
 
 def main(path):
@@ -188,7 +191,7 @@ def main(path):
     result = flight.result()
     with open(path, "w") as file:
         json.dump(result, file, indent=2)
-    print(json.dumps(result))
+    print(json.dumps(result["distance_m"]), "greatest gap %.3f s" % result["greatest_gap_s"])
 
 
 if __name__ == "__main__":
