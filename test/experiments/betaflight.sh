@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Betaflight's SITL, flown by the node through multirotor_mavros.launch and a bridge of UDP packets, by three laws. In wall
-# time: a flight takes a minute. POLYFLY_BETAFLIGHT names the built program, POLYFLY_BETAFLIGHT_RUNS the flights of each law.
+# time: a flight takes 80 s. POLYFLY_BETAFLIGHT names the built program, POLYFLY_BETAFLIGHT_RUNS the flights of each law.
 rm -rf "$output"
 mkdir -p "$output/report"
 if [ -z "${POLYFLY_BETAFLIGHT:-}" ]; then

@@ -29,7 +29,7 @@ COURSE_STEP = 250  # samples of the state between two rows (time [s], distance [
 EIGHT_PERIOD, EIGHT_SIZE = 8.0, (1.2, 0.6)  # [s], [m]
 # Time since take-off at which each part begins [s]; the last one is the end.
 PARTS = (("take-off", 0.0), ("hover", 7.0), ("step", 13.0), ("eight", 19.0), ("wind", 30.0),
-         ("loss", 42.0), ("after", 43.0), ("end", 50.0))
+         ("loss", 52.0), ("after", 53.0), ("end", 68.0))
 START = dict(PARTS)
 
 
