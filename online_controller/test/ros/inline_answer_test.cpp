@@ -226,8 +226,9 @@ TEST(InlineAnswer, NothingIsSerialisedWithinAProcess) {
 
 // The counter of the test above counts.
 TEST(InlineAnswer, ACommandFromBytesIsCounted) {
-  ros::SubscriptionCallbackHelperT<const mav_msgs::RollPitchYawrateThrust::ConstPtr&> subscriber(
-      [](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) {});
+  ros::SubscribeOptions subscriber;
+  subscriber.init<mav_msgs::RollPitchYawrateThrust>(
+      "command", 1, [](const mav_msgs::RollPitchYawrateThrust::ConstPtr&) {});
   const ros::SerializedMessage bytes =
       ros::serialization::serializeMessage(mav_msgs::RollPitchYawrateThrust());
   ros::SubscriptionCallbackHelperDeserializeParams parameters;
@@ -235,7 +236,7 @@ TEST(InlineAnswer, ACommandFromBytesIsCounted) {
   parameters.length = static_cast<std::uint32_t>(bytes.num_bytes - 4);
   parameters.connection_header = boost::make_shared<ros::M_string>();
   const long before = deserialised_commands;
-  EXPECT_NE(subscriber.deserialize(parameters), nullptr);
+  EXPECT_NE(subscriber.helper->deserialize(parameters), nullptr);
   EXPECT_EQ(deserialised_commands, before + 1);
 }
 
