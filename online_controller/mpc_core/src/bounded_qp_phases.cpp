@@ -92,8 +92,7 @@ int BoundedQp::Solver::dropWrongSigns() noexcept {
     QpSide& side = side_[static_cast<std::size_t>(i)];
     const double outward = side == QpSide::kUpper ? lambda_[i] : -lambda_[i];
     if (std::abs(lambda_[i]) > penalty_[i]) {
-      side = lambda_[i] > 0.0 ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
-      lambda_[i] = lambda_[i] > 0.0 ? penalty_[i] : -penalty_[i];
+      relax(i, lambda_[i] > 0.0);
     } else if (outward < -tolerance && !isEquality(i)) {
       side = QpSide::kInactive;
     } else {
@@ -180,8 +179,13 @@ void BoundedQp::Solver::release(int index) noexcept {
     lambda_[index] = 0.0;
     return;
   }
-  side = lambda_[index] > 0.0 ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
-  lambda_[index] = lambda_[index] > 0.0 ? penalty_[index] : -penalty_[index];
+  relax(index, lambda_[index] > 0.0);
+}
+
+// The multiplier of a relaxed row is its penalty, towards the side that is violated.
+void BoundedQp::Solver::relax(int index, bool upper) noexcept {
+  side_[static_cast<std::size_t>(index)] = upper ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
+  lambda_[index] = upper ? penalty_[index] : -penalty_[index];
 }
 
 // Moves the multiplier of the most violated constraint until the constraint holds or its penalty is reached;
@@ -233,9 +237,7 @@ void BoundedQp::Solver::addToWorkingSet(const Candidate& candidate, bool was_rel
     lambda_[p] = 0.0;
     return;
   }
-  const bool upper = candidate.direction > 0.0;
-  side_[static_cast<std::size_t>(p)] = upper ? QpSide::kUpperRelaxed : QpSide::kLowerRelaxed;
-  lambda_[p] = upper ? penalty_[p] : -penalty_[p];
+  relax(p, candidate.direction > 0.0);
 }
 
 }  // namespace polyfly

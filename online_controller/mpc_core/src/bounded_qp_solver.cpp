@@ -167,23 +167,20 @@ QpStatus BoundedQp::Solver::load(const QpVectors& vectors) noexcept {
 // equalities always held.
 void BoundedQp::Solver::startFrom(const QpSide* start) noexcept {
   const int constraints = n_ + m_;
+  std::fill_n(lambda_.data(), constraints, 0.0);
   if (start == nullptr) {
     std::fill_n(side_.data(), constraints, QpSide::kInactive);
   } else {
     for (int i = 0; i < constraints; ++i) {
-      side_[static_cast<std::size_t>(i)] = start[i] == QpSide::kInactive ? start[i] : allowed(i, start[i]);
+      const QpSide side = start[i] == QpSide::kInactive ? start[i] : allowed(i, start[i]);
+      side_[static_cast<std::size_t>(i)] = side;
+      if (side == QpSide::kUpperRelaxed || side == QpSide::kLowerRelaxed)
+        relax(i, side == QpSide::kUpperRelaxed);
     }
   }
   for (int i = 0; has_equalities_ && i < constraints; ++i) {
     QpSide& side = side_[static_cast<std::size_t>(i)];
     if (side == QpSide::kInactive && isEquality(i)) side = QpSide::kUpper;
-  }
-  std::fill_n(lambda_.data(), constraints, 0.0);
-  // The multiplier of a relaxed row is its penalty.
-  for (int i = n_; i < constraints; ++i) {
-    const QpSide side = side_[static_cast<std::size_t>(i)];
-    if (side == QpSide::kUpperRelaxed) lambda_[i] = penalty_[i];
-    if (side == QpSide::kLowerRelaxed) lambda_[i] = -penalty_[i];
   }
   std::fill_n(x_.data(), n_, 0.0);
 }

@@ -58,6 +58,7 @@ class BoundedQp::Solver {
                     Candidate& worst) const noexcept;
   double blockingStep(int* blocking) const noexcept;
   void release(int index) noexcept;
+  void relax(int index, bool upper) noexcept;
   void addToWorkingSet(const Candidate& candidate, bool was_relaxed) noexcept;
 
   // A working set as equalities.
