@@ -48,20 +48,23 @@ ProvenRegion RobustCertificate::checkRegion(std::size_t index, const Region& reg
 
 /// The points of a region have its law: they are the solution of its active half-spaces.
 void RobustCertificate::checkVertices(std::size_t index, const Region& region) const {
-  const auto own = simplices_.find(index);
-  require(own != simplices_.end(), "a region has no simplices");
-  for (const Simplex& simplex : own->second) {
-    for (const std::size_t k : simplex) {
-      const Vector& y = points_[k].y;
-      for (const std::size_t facet : region.active) {
-        const Vector& half_space = half_spaces_[facet];
-        require(product(y, half_space) == half_space.back(), "a point does not have the law of its region");
-      }
-      const Vector preferred = preferredInput();
-      require(region.active.size() > 1 || product(preferred, y) == y[map().p],
-              "a point does not have the law of its region");
+  require(simplices_.count(index) > 0, "a region has no simplices");
+  const Vector preferred = preferredInput();
+  for (const std::size_t k : pointsOf(index)) {
+    const Vector& y = points_[k].y;
+    for (const std::size_t facet : region.active) {
+      const Vector& half_space = half_spaces_[facet];
+      require(product(y, half_space) == half_space.back(), "a point does not have the law of its region");
     }
+    require(region.active.size() > 1 || product(preferred, y) == y[map().p],
+            "a point does not have the law of its region");
   }
+}
+
+std::set<std::size_t> RobustCertificate::pointsOf(std::size_t index) const {
+  std::set<std::size_t> points;
+  for (const Simplex& simplex : simplices_.at(index)) points.insert(simplex.begin(), simplex.end());
+  return points;
 }
 
 /// The simplices of a region contain it. Suppose that a parameter inside the region lies in none, and on no smaller face
@@ -98,11 +101,7 @@ void RobustCertificate::checkSimplices(std::size_t index, const Region& region) 
 std::vector<std::set<std::size_t>> RobustCertificate::pointsOutside(std::size_t index,
                                                                     const Region& region) const {
   std::map<std::size_t, Row> points;
-  for (const Simplex& simplex : simplices_.at(index)) {
-    for (const std::size_t k : simplex) {
-      if (points.count(k) == 0) points.emplace(k, atPoint(inBox(points_[k].y)));
-    }
-  }
+  for (const std::size_t k : pointsOf(index)) points.emplace(k, atPoint(inBox(points_[k].y)));
   std::vector<std::set<std::size_t>> result;
   for (const auto& condition : region.rows) {
     const Row& row = condition.second;

@@ -59,6 +59,7 @@ class RobustCertificate : public ExtendedCertificate {
   void checkPlan(const Point& point) const;
   ProvenRegion checkRegion(std::size_t index, const Region& region) const override;
   void checkVertices(std::size_t index, const Region& region) const;
+  std::set<std::size_t> pointsOf(std::size_t index) const;
   void checkSimplices(std::size_t index, const Region& region) const;
   std::vector<std::set<std::size_t>> pointsOutside(std::size_t index, const Region& region) const;
   std::vector<Row> sidesOf(const Simplex& simplex) const;
