@@ -91,8 +91,7 @@ Marker title(const polyfly::RegionMap& map, const polyfly::Slice& cut, const Squ
              const std::string& name) {
   Marker text = marker(name, Marker::TEXT_VIEW_FACING, 0.0);
   const auto signal = [&](int index) {
-    const polyfly::Signal& parameter = map.parameters()[static_cast<std::size_t>(index)];
-    return parameter.name + " [" + parameter.unit + "]";
+    return polyfly::axisLabel(map.parameters()[static_cast<std::size_t>(index)]);
   };
   text.text = std::string(map.name()) + "\nright " + signal(cut.x) + ", up " + signal(cut.y);
   text.scale.z = kTitleHeight;

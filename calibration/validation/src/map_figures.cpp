@@ -30,7 +30,8 @@ Panel regionPanel(const ReportContent& content, std::size_t axis) {
   }
   const std::vector<std::int64_t> met(visited.begin(), visited.end());
   Panel panel = timePanel(
-      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions", "");
+      used.axis + ": " + std::to_string(met.size()) + " of " + std::to_string(used.regions()) + " regions",
+      "");
   panel.series = {overTime(content, "", kAxisColors[axis], [&](const ReplaySample& sample) {
     const std::int64_t region = sample.report.axis[axis].region;
     const auto line = std::lower_bound(met.begin(), met.end(), region);
@@ -55,7 +56,8 @@ ReportFigure regionFigure(const ReportContent& content) {
   ReportFigure result;
   result.heading = "Active region over time";
   result.caption =
-      "Which region's law answered each sample, of the regions that were visited. A level line means that one "
+      "Which region's law answered each sample, of the regions that were visited. A level line means that "
+      "one "
       "affine law flew all along, a jump that the set of active constraints changed, a gap that there was no "
       "answer.";
   // Height of a panel's title and axis [px].
@@ -97,11 +99,6 @@ std::vector<Series> withHalo(const Series& points) {
   return {halo, points};
 }
 
-std::string unitOf(const RegionMap& map, int parameter) {
-  const Signal& signal = map.parameters()[static_cast<std::size_t>(parameter)];
-  return signal.name + " [" + signal.unit + "]";
-}
-
 // The slice around the points, none if they lie outside the map altogether.
 std::optional<Slice> sliceNear(const RegionMap& map, SliceRequest request, const Series& points) {
   if (points.x.empty()) return std::nullopt;
@@ -139,7 +136,8 @@ ReportFigure sliceFigure(const ReportContent& content, std::size_t axis) {
   ReportFigure result;
   result.heading = std::string("Partition, ") + kAxisNames[axis].axis + " axis";
   result.caption =
-      "A slice of the map through " + unitOf(map, cut.x) + " and " + unitOf(map, cut.y) +
+      "A slice of the map through " + axisLabel(map.parameters()[static_cast<std::size_t>(cut.x)]) + " and " +
+      axisLabel(map.parameters()[static_cast<std::size_t>(cut.y)]) +
       " with the other parameters at their median of the flight: lines part the regions, colour is the "
       "explicit law's answer, the dark dots are what the flight visited (it also moves off the slice).";
   result.figure = pageFigure(std::move(panels), row_height::kView, 2);

@@ -16,8 +16,6 @@ namespace {
 const std::vector<std::string> kColors = {"#08519c", "#2f79b5", "#6aa5d1", "#a5cae4", "#d5e5f1", "#f4f4f2",
                                           "#fbe3c8", "#f7c48f", "#ec9d55", "#d67528", "#a8500a"};
 
-std::string axisLabel(const Signal& signal) { return signal.name + " [" + signal.unit + "]"; }
-
 // The first input as an affine function of the slice's coordinates: value = a x + b y + c.
 struct Plane {
   double a = 0.0;
@@ -113,6 +111,8 @@ std::string fixedParameters(const RegionMap& map, const Slice& cut) {
 }
 
 }  // namespace
+
+std::string axisLabel(const Signal& signal) { return signal.name + " [" + signal.unit + "]"; }
 
 Panel slicePanel(const RegionMap& map, const Slice& cut) {
   const Signal& x = map.parameters()[static_cast<std::size_t>(cut.x)];

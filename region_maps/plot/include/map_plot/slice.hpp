@@ -11,6 +11,7 @@
 namespace polyfly {
 
 class RegionMap;
+struct Signal;
 
 /// A plane through the parameter space: two parameters are free, the others fixed.
 struct SliceRequest {
@@ -48,6 +49,9 @@ struct Slice {
 /// unknown or given twice, a value is outside the box, or a
 /// window is not in it.
 Slice slice(const RegionMap& map, const SliceRequest& request);
+
+/// "name [unit]".
+std::string axisLabel(const Signal& signal);
 
 /// The slice as a panel: filled by the value of the first input, lines between regions.
 Panel slicePanel(const RegionMap& map, const Slice& cut);
