@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "online_controller/laws/law_registry.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
@@ -19,7 +17,7 @@
 #include "polyfly_test/law_flight.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
+#include "solved_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -35,16 +33,7 @@ std::array<MpcProblem, 3> problems() {
 
 /// Solved once for all tests.
 const std::array<const RegionMap*, 3>& maps() {
-  static const std::vector<RegionMap> kOpened = [] {
-    std::vector<RegionMap> result;
-    for (const MpcProblem& problem : problems()) {
-      const ParametricProgram program = condense(problem);
-      const std::string path = testing::TempDir() + "laws_test_" + program.name + ".map";
-      writeMap(encode(program, explore(program)), path);
-      result.push_back(RegionMap::open(path));
-    }
-    return result;
-  }();
+  static const std::vector<RegionMap> kOpened = solvedMaps(problems(), "laws_test_");
   static const std::array<const RegionMap*, 3> kPointers{&kOpened[0], &kOpened[1], &kOpened[2]};
   return kPointers;
 }

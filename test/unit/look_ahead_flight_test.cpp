@@ -10,15 +10,13 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
-#include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "online_controller/laws/axis.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "polyfly_test/law_flight.hpp"
 #include "polyfly_test/multirotor_plant.hpp"
 #include "project_root.hpp"
 #include "region_maps/region_map.hpp"
-#include "region_maps/write_map.hpp"
+#include "solved_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -34,16 +32,7 @@ std::array<MpcProblem, 3> blockedProblems() {
 
 /// Their maps, solved once for all tests.
 const std::array<const RegionMap*, 3>& maps() {
-  static const std::vector<RegionMap> kOpened = [] {
-    std::vector<RegionMap> result;
-    for (const MpcProblem& problem : blockedProblems()) {
-      const ParametricProgram program = condense(problem);
-      const std::string path = testing::TempDir() + "look_ahead_flight_test_" + program.name + ".map";
-      writeMap(encode(program, explore(program)), path);
-      result.push_back(RegionMap::open(path));
-    }
-    return result;
-  }();
+  static const std::vector<RegionMap> kOpened = solvedMaps(blockedProblems(), "look_ahead_flight_test_");
   static const std::array<const RegionMap*, 3> kPointers{&kOpened[0], &kOpened[1], &kOpened[2]};
   return kPointers;
 }

@@ -12,7 +12,6 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/encode.hpp"
-#include "offline_mpt/explore.hpp"
 #include "online_controller/laws/multirotor_controller.hpp"
 #include "online_controller/laws/nonlinear_controller.hpp"
 #include "outlier_flight.hpp"
@@ -21,6 +20,7 @@
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
 #include "robust_mpc/robust_problem.hpp"
+#include "solved_maps.hpp"
 
 namespace polyfly {
 namespace {
@@ -41,16 +41,7 @@ using Maps = std::vector<RegionMap>;
 std::array<const RegionMap*, 3> pointers(const Maps& maps) { return {&maps[0], &maps[1], &maps[2]}; }
 
 const Maps& nominalMaps() {
-  static const Maps kOpened = [] {
-    Maps result;
-    for (const MpcProblem& problem : problems()) {
-      const ParametricProgram program = condense(problem);
-      const std::string path = testing::TempDir() + "odometry_outliers_" + program.name + ".map";
-      writeMap(encode(program, explore(program)), path);
-      result.push_back(RegionMap::open(path));
-    }
-    return result;
-  }();
+  static const Maps kOpened = solvedMaps(problems(), "odometry_outliers_");
   return kOpened;
 }
 
