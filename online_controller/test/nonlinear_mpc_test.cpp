@@ -85,6 +85,15 @@ class NonlinearMpcTest : public testing::Test {
     }
   }
 
+  /// Rest at `goal`, in calm air.
+  void restAt(const NonlinearMpcOptions& options, const Eigen::Vector3d& goal) {
+    const auto count = static_cast<std::size_t>(options.horizon) + 1;
+    StageReference reference;
+    reference.position = goal;
+    stages_.assign(count, StageConditions());
+    references_.assign(count, reference);
+  }
+
   std::mt19937_64 random_{11};
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;
@@ -332,12 +341,7 @@ TEST_F(NonlinearMpcTest, IteratedItEndsAtAMinimumWithinTheBounds) {
 TEST_F(NonlinearMpcTest, SpeedLimitHoldsWhereItCanAndIsRelaxedWhereNot) {
   NonlinearMpcOptions options;
   options.speed_max = 1.0;
-  randomProblem(options);
-  for (StageReference& reference : references_) {
-    reference = StageReference();
-    reference.position.x() = 5.0;
-  }
-  for (StageConditions& stage : stages_) stage = StageConditions();
+  restAt(options, {5.0, 0.0, 0.0});
   NonlinearMpc mpc(options);
   MultirotorState x = MultirotorState::Zero();
   const auto converge = [&] {
@@ -364,7 +368,6 @@ TEST_F(NonlinearMpcTest, LimitsOfPositionHeightAndTiltHoldWhereTheyCan) {
   options.height_min = -0.5;
   options.height_max = 1.5;
   options.tilt_max = 0.15;
-  randomProblem(options);
   struct Case {
     Eigen::Vector3d goal;
     int state;
@@ -375,11 +378,7 @@ TEST_F(NonlinearMpcTest, LimitsOfPositionHeightAndTiltHoldWhereTheyCan) {
                         {{0.0, 0.0, 4.0}, 2, 1.5},
                         {{0.0, 0.0, -4.0}, 2, -0.5}};
   for (const Case& wished : cases) {
-    for (StageReference& reference : references_) {
-      reference = StageReference();
-      reference.position = wished.goal;
-    }
-    for (StageConditions& stage : stages_) stage = StageConditions();
+    restAt(options, wished.goal);
     NonlinearMpc mpc(options);
     MultirotorState x = MultirotorState::Zero();
     mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
@@ -401,9 +400,7 @@ TEST_F(NonlinearMpcTest, StatesBeyondTheirLimitsComeBack) {
   NonlinearMpcOptions options;
   options.height_min = 1.0;
   options.height_max = 3.0;
-  randomProblem(options);
-  for (StageReference& reference : references_) reference = StageReference();
-  for (StageConditions& stage : stages_) stage = StageConditions();
+  restAt(options, Eigen::Vector3d::Zero());
   NonlinearMpc mpc(options);
   MultirotorState x = MultirotorState::Zero();
   mpc.start(x, {0.0, 0.0, 9.8}, stages_.data());
