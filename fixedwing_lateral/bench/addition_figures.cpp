@@ -26,7 +26,7 @@ struct Row {
 };
 
 /// From the published options to those of a calibrated aircraft, one addition after the other.
-std::vector<Row> ladder(double airspeed, const LateralModel& model) {
+std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   std::vector<Row> rows;
   LateralParameters parameters;
   parameters.guidance = publishedGuidance();
@@ -130,7 +130,7 @@ AdditionTable flyAdditions() {
       "<th>box, wind: lines, loiter [m]</th><th></th><th>Dubins, wind: once joined, loiter "
       "[m]</th><th></th></tr>\n";
   for (const Plant& plant : plants) {
-    for (const Row& row : ladder(plant.airspeed, plant.model)) {
+    for (const Row& row : configurations(plant.airspeed, plant.model)) {
       const FlightMetrics calm = fly(plant, row, true, false);
       const FlightMetrics windy = fly(plant, row, true, true);
       const FlightMetrics dubins = fly(plant, row, false, true);

@@ -7,14 +7,14 @@ namespace polyfly {
 namespace {
 
 constexpr double kNoOffset = 1e300;
-// Least ground speed for the offset and the patience [m/s].
+// Least ground speed for the offset and the time limit [m/s].
 constexpr double kSlowest = 1.0;
 
 }  // namespace
 
 void ConvergenceWatch::restart() noexcept {
   best_ = kNoOffset;
-  impatience_ = 0.0;
+  without_progress_ = 0.0;
 }
 
 void ConvergenceWatch::update(const TrackError& error, const TurnAbility& ability,
@@ -28,11 +28,11 @@ void ConvergenceWatch::update(const TrackError& error, const TurnAbility& abilit
   const bool progress = is_near_ || offset < best_ - room;
   if (progress) best_ = offset;
   if (!(options.turns > 0.0)) {
-    impatience_ = near_ = 0.0;
+    without_progress_ = near_ = 0.0;
     return;
   }
   const double share = elapsed * acceleration / (2.0 * kPi * speed * options.turns);
-  impatience_ = progress ? 0.0 : impatience_ + share;
+  without_progress_ = progress ? 0.0 : without_progress_ + share;
   near_ = is_near_ ? near_ + share : 0.0;
 }
 

@@ -355,7 +355,7 @@ void LateralGuidance::watchConvergence(const AircraftState& state, double elapse
   const TurnAbility ability{state.ground_velocity.norm(), options_.limits.roll_reference,
                             options_.model.gravity};
   convergence_.update(output_.error, ability, options_.safety.convergence, elapsed);
-  if (!falls_back_ && convergence_.impatience() > 1.0) {
+  if (!falls_back_ && convergence_.withoutProgress() > 1.0) {
     falls_back_ = true;
   } else if (falls_back_ && convergence_.near() > probation_) {
     falls_back_ = false;

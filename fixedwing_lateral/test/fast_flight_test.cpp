@@ -256,7 +256,7 @@ TEST(FastFlight, AMissionOrOtherOptionsGiveTheOptimisationAnotherChance) {
   }
 }
 
-// Another pilot flies the aircraft away from its path. The way back is longer than the patience.
+// Another pilot flies the aircraft away from its path. The way back is longer than the time limit.
 TEST(Fallback, DoesNotCountWhatAnotherPilotFlew) {
   GuidanceOptions options;
   LateralGuidance guidance(options, "test");
@@ -313,13 +313,13 @@ TEST(ConvergenceWatch, IsPatientWhileTheAircraftComesNearer) {
   for (double distance = 3000.0; distance > 0.0; distance -= 0.2 * 14.0 * 0.05) {
     error.track = distance;
     watch.update(error, ability, {}, 0.05);
-    ASSERT_LT(watch.impatience(), 1.0);
+    ASSERT_LT(watch.withoutProgress(), 1.0);
   }
   EXPECT_TRUE(watch.isNear());
   watch.restart();
   error.track = 100.0;
   double time = 0.0;
-  for (; watch.impatience() <= 1.0; time += 0.05) watch.update(error, ability, {}, 0.05);
+  for (; watch.withoutProgress() <= 1.0; time += 0.05) watch.update(error, ability, {}, 0.05);
   EXPECT_NEAR(time, 1.5 * turn, 0.2);
   // A path that is crossed, not flown: far by the turn onto it.
   watch.restart();

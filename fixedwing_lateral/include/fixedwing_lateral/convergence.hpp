@@ -9,7 +9,7 @@ namespace polyfly {
 struct ConvergenceOptions {
   /// Time of flight that an aircraft on its path may be away from it [s].
   double near_time = 0.5;
-  /// Patience, in the durations of a full turn at the greatest roll; 0: for ever [-].
+  /// Time limit for progress, in the durations of a full turn at the greatest roll; 0: none [-].
   double turns = 1.5;
 };
 
@@ -22,7 +22,7 @@ struct TurnAbility {
 
 /// Watches the offset d = |e_t| + R (1 - cos e_chi): the distance, and what a turn of radius R = v^2 / (g tan(phi)) onto
 /// the path's course adds to it. On the path, d is below near_time v. On the way to it, d falls by that much again and
-/// again. Where neither is the case for the patience, tracking does not converge.
+/// again. Where neither is the case for the time limit, tracking does not converge.
 class ConvergenceWatch {
  public:
   /// Begins anew, as at the begin of a segment.
@@ -34,14 +34,14 @@ class ConvergenceWatch {
 
   /// True while the aircraft is on its path.
   bool isNear() const noexcept { return is_near_; }
-  /// Since the last progress, in patiences [-].
-  double impatience() const noexcept { return impatience_; }
-  /// For how long the aircraft has been on its path without a break, in patiences [-].
+  /// Time since the last progress, in time limits [-].
+  double withoutProgress() const noexcept { return without_progress_; }
+  /// For how long the aircraft has been on its path without a break, in time limits [-].
   double near() const noexcept { return near_; }
 
  private:
   double best_ = 1e300;  // least offset since the restart [m]
-  double impatience_ = 0.0;
+  double without_progress_ = 0.0;
   double near_ = 0.0;
   bool is_near_ = false;
 };

@@ -195,7 +195,8 @@ class LateralGuidance {
   ConvergenceWatch convergence_;
   // True while L1 guidance flies.
   bool falls_back_ = false;
-  // Patiences for which L1 guidance must be on the path before the optimisation flies again; doubles each time.
+  // For how long L1 guidance must be on the path before the optimisation flies again, in time limits of convergence;
+  // doubles each time.
   double probation_ = 1.0;
   // True when the nodes are no longer valid, because they belong to another flight.
   bool needs_restart_ = true;
