@@ -143,7 +143,7 @@ bool Axis::areStagesValid() const noexcept { return isValidNumber(stage_referenc
 void Axis::aim(bool look_ahead) noexcept {
   looks_ahead_ = look_ahead && stage_references_;
   disturbance_ahead_ = 0.0;
-  if (looks_ahead_ && ahead_slot_ >= 0 && ahead_row_.size() > 0) {
+  if (looks_ahead_ && ahead_row_.size() > 0) {
     const auto slot = static_cast<std::size_t>(ahead_slot_);
     disturbance_ahead_ = std::clamp(stage_references_->along(ahead_row_), lower_[slot], upper_[slot]);
   } else {
