@@ -31,8 +31,7 @@ constexpr std::uint64_t kFreeBytes = 65536;
 // kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
 constexpr double kLittleGain = 0.85;
 
-// Memory of the parts of all cells, above which a tree of any mode ends [bytes]. The parts of a million regions of 4
-// parameters take less, with some nodes for each region.
+// Memory of the parts of all cells, above which a tree of any mode ends [bytes].
 constexpr std::uint64_t kMostMemory = std::uint64_t{3} << 29;
 // Of an allocation, besides its content.
 constexpr std::uint64_t kAllocation = 16;
