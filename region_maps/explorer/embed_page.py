@@ -11,10 +11,22 @@ import pathlib
 import sys
 
 DELIMITER = "PAGE"
+# A compiler must take literals of 65,536 characters, and need not take longer ones.
+LITERAL_BYTES = 60000
 
 
 def source_hash(text):
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+def literals(text):
+    """The text as raw strings, cut at ends of lines."""
+    pieces = [""]
+    for line in text.splitlines(keepends=True):
+        if len((pieces[-1] + line).encode()) > LITERAL_BYTES:
+            pieces.append("")
+        pieces[-1] += line
+    return ",\n".join(f'R"{DELIMITER}({piece}){DELIMITER}"' for piece in pieces)
 
 
 def main(output, page, style, *scripts):
@@ -30,7 +42,8 @@ def main(output, page, style, *scripts):
         sys.exit(f"{page}: must not hold the delimiter of a raw string")
     pathlib.Path(output).write_text(
         '#include "page_template.hpp"\n\nnamespace polyfly {\n\n'
-        f'const char kPageTemplate[] = R"{DELIMITER}({text}){DELIMITER}";\n\n}}  // namespace polyfly\n', encoding="utf-8")
+        f"const std::initializer_list<std::string_view> kPageTemplate = {{\n{literals(text)}}};\n\n}}  // namespace polyfly\n",
+        encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -182,7 +182,8 @@ TEST(ProgramJsonText, RefusesWrongNamesAndSlacks) {
       {"\"rows\": [0]", "\"rows\": [5]", "slacks[0].rows", "from 0 to 1"},
       {"\"floor\": 1}", "\"floor\": 9}", "slacks[0].floor", "from 0 to 1"}};
   for (const auto& [from, to, field, rule] : cases) {
-    const std::string message = errorOf([&] { parseProgramJson(replaced(base, from, to), "tiny.json"); });
+    const std::string text = replaced(base, from, to);
+    const std::string message = errorOf([&] { parseProgramJson(text, "tiny.json"); });
     EXPECT_NE(message.find(field + ": "), std::string::npos) << message;
     EXPECT_NE(message.find(rule), std::string::npos) << message;
   }

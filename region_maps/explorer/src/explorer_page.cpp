@@ -150,17 +150,20 @@ std::string base64(std::string_view bytes) {
 
 std::string explorerPage(const RegionMap& map, const ExplorerContent& content) {
   const std::string facts = scriptText(factsJson(map, content));
-  const std::string_view page = kPageTemplate;
+  std::string page;
+  for (const std::string_view piece : kPageTemplate) {
+    page += piece;
+  }
   constexpr std::string_view kFacts = "@FACTS@";
   constexpr std::string_view kMap = "@MAP@";
   // Both marks are placed before anything is put in: a name may contain one.
   const std::size_t facts_at = page.find(kFacts);
   const std::size_t map_at = page.find(kMap);
-  std::string result(page.substr(0, facts_at));
+  std::string result = page.substr(0, facts_at);
   result += facts;
-  result += page.substr(facts_at + kFacts.size(), map_at - facts_at - kFacts.size());
+  result.append(page, facts_at + kFacts.size(), map_at - facts_at - kFacts.size());
   result += base64(map.file());
-  result += page.substr(map_at + kMap.size());
+  result.append(page, map_at + kMap.size());
   return result;
 }
 
