@@ -173,6 +173,21 @@ TEST_P(FlownMaps, AreReplayedAndAnswerAsTheirProblemsSolvedOnline) {
   EXPECT_LT((samples.back().state.position - samples.back().reference.position).norm(), 0.2);
 }
 
+// A node whose laws read references at other times turns look-ahead off, and so does the replay.
+TEST(FlownMapsThatLookAhead, AreReplayedAtTheTimesThatTheNodeReads) {
+  const std::vector<RegionMap> opened = solvedMaps(problemsOf("look_ahead"), "flown_maps_test_times_");
+  const AxisMaps maps{&opened[0], &opened[1], &opened[2]};
+  const FlightLog log = flown("look_ahead", maps);
+  MultirotorOptions options;
+  const std::vector<ReplaySample> other = replay(log, maps, options, 0.05);
+  EXPECT_GT(validate(log, other, maps, options).commands.max_difference, 1e-3);
+  options.look_ahead = false;
+  const std::vector<ReplaySample> without = replay(log, maps, options);
+  ASSERT_EQ(other.size(), without.size());
+  for (std::size_t i = 0; i < other.size(); ++i)
+    ASSERT_EQ(other[i].report.command.roll, without[i].report.command.roll) << i;
+}
+
 /// Greatest difference of the lateral inputs of two laws that answer the same flight, one reference at a time.
 double greatestDifference(MultirotorController one, MultirotorController other, const FlightLog& log) {
   const ReferenceTrajectory& trajectory = log.references.front().trajectory;

@@ -1,5 +1,6 @@
 #include "validation/controller_options.hpp"
 
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/types/node_options.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "polyfly_base/error.hpp"
@@ -23,6 +24,13 @@ MultirotorOptions parseControllerOptions(const std::string& text, const std::str
     throw Error(source + ": " + error.what());
   }
   return options;
+}
+
+double parsePreviewPeriod(const std::string& text, const std::string& source) {
+  OptionsFromYaml reader(text, source);
+  NonlinearMpcOptions options;
+  visitNonlinearOptions(options, reader);
+  return options.period;
 }
 
 MultirotorOptions loadControllerOptions(const std::string& path) {

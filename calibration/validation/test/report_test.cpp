@@ -164,6 +164,8 @@ TEST(ControllerOptions, areReadFromTheNodesFile) {
   EXPECT_EQ(options.hold_periods, 3);
   EXPECT_FALSE(options.offset_free);
   EXPECT_EQ(options.yaw_gain, MultirotorOptions{}.yaw_gain);
+  EXPECT_EQ(parsePreviewPeriod("nonlinear: {period: 0.05, horizon: 30}\nlaw: linear\n", "text"), 0.05);
+  EXPECT_EQ(parsePreviewPeriod("law: linear\n", "text"), 0.1);
 }
 
 TEST(ControllerOptions, refusesBadFilesByLineAndKey) {
