@@ -159,7 +159,7 @@ class FlightTest(unittest.TestCase):
         flown, _ = self.fly_and_replay("look_ahead", texts)
         self.assertLess(flown.rms(), 0.05)
         ahead = [status.lateral.theta[5] for status in flown.statuses]
-        self.assertGreater(max(ahead) - min(ahead), 0.1)
+        self.assertGreater(max(ahead) - min(ahead), 0.02)
 
     def test_a_map_with_a_soft_bound_flies_and_is_replayed(self):
         flown, _ = self.fly_and_replay("soft", {"lateral": problem_text("lateral_speed_limit")})

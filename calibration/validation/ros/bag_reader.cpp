@@ -56,8 +56,8 @@ class LogBuilder {
   }
 
   void add(const online_controller::ControllerStatus& message) {
-    if (message.status > online_controller::ControllerStatus::NO_REFERENCE ||
-        message.reason > online_controller::ControllerStatus::REASON_NO_REFERENCE) {
+    if (message.status >= polyfly::kControlStatusCount ||
+        message.reason > online_controller::ControllerStatus::REASON_PILOT) {
       throw Error("status or reason is none of those that the message defines");
     }
     FlightLog::Status status;
