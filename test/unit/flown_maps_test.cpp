@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,24 @@ std::string withConstraint(const std::string& text, const std::string& line) {
 constexpr const char* kSpeedReference =
     "{name: v_y_ref, role: state_reference, of: v_y, unit: m/s, range: [-1, 1]}";
 
+/// "[[1, 2], [3, 4]]", exactly.
+std::string rowsText(const Eigen::MatrixXd& matrix) {
+  std::ostringstream text;
+  text.precision(17);
+  text << matrix.format({Eigen::FullPrecision, Eigen::DontAlignCols, ", ", ", ", "[", "]", "[", "]"});
+  return text.str();
+}
+
+/// The problem with its model over one sampling time.
+std::string discreteText(std::string text) {
+  const MpcProblem problem = parseProblem(text, "continuous");
+  const DiscreteModel model = discretise(problem, problem.sampling_time);
+  const std::size_t from = text.find("  A:");
+  return text.replace(from, text.find("  C:") - from,
+                      "  time: discrete\n  A: " + rowsText(model.A) + "\n  B: " + rowsText(model.B) +
+                          "\n  B_d: " + rowsText(model.Bd) + "\n");
+}
+
 /// What an axis' problem may say, by name.
 Problems problemsOf(const std::string& kind) {
   const std::string blocked = blockedText("lateral");
@@ -74,6 +93,7 @@ Problems problemsOf(const std::string& kind) {
         replaced(replaced(blocked, "terminal: riccati", "terminal: [400, 100, 40]"), "\nparameters:\n",
                  "\nterminal_set: {T: [[0, 0, 1], [0, 0, -1]], t: [0.05, 0.05]}\n\nparameters:\n"));
   }
+  if (kind == "discrete") return withLateral(discreteText(blocked));
   if (kind == "look_ahead") {
     return {loadProblem(problemFile("look_ahead/longitudinal.yaml")),
             loadProblem(problemFile("look_ahead/lateral.yaml")),
@@ -212,10 +232,12 @@ TEST_P(FlownMaps, AnswerAsTheLinearLaw) {
   EXPECT_LT(greatestDifference({maps_, options}, {problems_, options}, log), kAgreement);
   const Problems plain = withLateral(blockedText("lateral"));
   const double difference = greatestDifference({problems_, options}, {plain, options}, log);
-  if (GetParam() == std::string("blocked_moves"))
-    EXPECT_EQ(difference, 0.0);
-  else
+  const bool same = std::string(GetParam()) == "blocked_moves" || std::string(GetParam()) == "discrete";
+  if (same) {
+    EXPECT_LT(difference, kAgreement);
+  } else {
     EXPECT_GT(difference, 1e-3);
+  }
 }
 
 double greatestSpeed(const std::string& kind) {
@@ -236,7 +258,7 @@ TEST(FlownMapsOfASpeedLimit, KeepTheLimit) {
 INSTANTIATE_TEST_SUITE_P(Kinds, FlownMaps,
                          testing::Values("blocked_moves", "control_horizon", "soft_speed", "hard_speed",
                                          "bounded_error", "general_row", "limited_change", "terminal_set",
-                                         "look_ahead", "second_order"),
+                                         "discrete", "look_ahead", "second_order"),
                          [](const auto& kind) { return std::string(kind.param); });
 
 }  // namespace
