@@ -216,7 +216,7 @@ polyfly::MultirotorOptions optionsOf(const polyfly::FlightLog& log) {
 double previewPeriodOf(const polyfly::FlightLog& log, const std::string& options) {
   if (!options.empty()) return polyfly::parsePreviewPeriod(polyfly::readText(options), options);
   const auto told = polyfly::parametersTold(log);
-  return told ? polyfly::parsePreviewPeriod(told->text, log.source) : polyfly::NonlinearMpcOptions{}.period;
+  return told ? polyfly::parsePreviewPeriod(told->text, log.source) : polyfly::kPreviewPeriod;
 }
 
 // Reads, replays, judges; writes what belongs to this flight alone.

@@ -1,6 +1,5 @@
 #include "validation/controller_options.hpp"
 
-#include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/types/node_options.hpp"
 #include "online_controller/types/option_groups.hpp"
 #include "polyfly_base/error.hpp"
@@ -28,9 +27,9 @@ MultirotorOptions parseControllerOptions(const std::string& text, const std::str
 
 double parsePreviewPeriod(const std::string& text, const std::string& source) {
   OptionsFromYaml reader(text, source);
-  NonlinearMpcOptions options;
-  visitNonlinearOptions(options, reader);
-  return options.period;
+  double period = kPreviewPeriod;
+  reader("nonlinear/period", period, "s", Range{0.001, 1.0});
+  return period;
 }
 
 MultirotorOptions loadControllerOptions(const std::string& path) {

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
+#include "validation/controller_options.hpp"
 #include "validation/flight_log.hpp"
 
 namespace polyfly {
@@ -39,6 +39,6 @@ struct ReplaySample {
 /// command bears the stamp of any odometry, one for each. As in the node, maps look ahead only where their sampling time is
 /// `preview_period` [s], see parsePreviewPeriod(). Throws Error when a map does not fit or an option is out of range.
 std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& options,
-                                 double preview_period = NonlinearMpcOptions{}.period);
+                                 double preview_period = kPreviewPeriod);
 
 }  // namespace polyfly
