@@ -144,6 +144,12 @@ TEST_F(BagReader, placesTheFirstReferenceByTheNodesAccount) {
     shuffled.events.insert(shuffled.events.begin() + static_cast<std::ptrdiff_t>(wrong_place), reference);
     writeFlightBag(shuffled, path());
     expectExactReplay(readBag(path(), {}), 50);
+    // On the ground and under the pilot's sticks there is none either.
+    shuffled.statuses[0].status = polyfly::ControlStatus::kMotorsOff;
+    shuffled.statuses[1].status = polyfly::ControlStatus::kManual;
+    writeFlightBag(shuffled, path());
+    const FlightLog read = readBag(path(), {});
+    EXPECT_EQ(read.events[5].kind, FlightLog::EventKind::kReference) << wrong_place;
   }
 }
 
