@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -49,8 +50,8 @@ constexpr const char* kSpeedReference =
 /// "[[1, 2], [3, 4]]", exactly.
 std::string rowsText(const Eigen::MatrixXd& matrix) {
   std::ostringstream text;
-  text.precision(17);
-  text << matrix.format({Eigen::FullPrecision, Eigen::DontAlignCols, ", ", ", ", "[", "]", "[", "]"});
+  text << matrix.format(
+      {std::numeric_limits<double>::max_digits10, Eigen::DontAlignCols, ", ", ", ", "[", "]", "[", "]"});
   return text.str();
 }
 
