@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """Flights end to end: plant, explicit controller, figure and recorder over real topics."""
 
+import json
 import math
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
 
+import rospkg
 import rosunit
+from roslib.packages import find_node
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import flight  # noqa: E402
@@ -36,6 +40,34 @@ CALM = {
     "angular_velocity_noise": 0.0,
 }
 
+# A shorter figure than the demonstration's.
+SHORT = {"figure": {"laps": 1, "yaw_turn": 2.0, "hold_time": 2.0}}
+
+
+def problem_text(name):
+    with open(os.path.join(rospkg.RosPack().get_path("region_maps"), "problems", name + ".yaml")) as file:
+        return file.read()
+
+
+def second_order(axis):
+    """The problem of an axis with blocked moves whose attitude loop is of second order, about as slow as the shipped one."""
+    text = problem_text("multirotor_" + axis)
+    lateral = axis == "lateral"
+    angle, letter, pull = ("phi", "y", -9.8066) if lateral else ("theta", "x", 9.8066)
+    model = """
+model:
+  states: [{name: p_%s, unit: m}, {name: v_%s, unit: m/s}, {name: %s, unit: rad}, {name: %s_rate, unit: rad/s}]
+  inputs: [{name: %s_cmd, unit: rad, range: [-0.4363323, 0.4363323]}]
+  disturbances: [{name: d, unit: m/s^2}]
+  A: [[0, 1, 0, 0], [0, -0.01, %r, 0], [0, 0, 0, 1], [0, 0, -160, -44]]
+  B: [[0], [0], [0], [144]]
+  B_d: [[0], [1], [0], [0]]
+  C: [[1, 0, 0, 0]]
+""" % (letter, letter, angle, angle, angle, pull)
+    text = text[: text.index("\nmodel:")] + model + text[text.index("\nsampling_time:") :]
+    text = text.replace("20, 20]", "20, 20, 0.1]").replace("\nweights:", "\nmoves: [1, 2, 17]\n\nweights:")
+    return text + "  - {name: e_%s_rate, role: error, of: %s_rate, unit: rad/s, range: [-6, 6]}\n" % (angle, angle)
+
 
 class FlightTest(unittest.TestCase):
     @classmethod
@@ -52,6 +84,41 @@ class FlightTest(unittest.TestCase):
         if name not in self.flown:
             self.flown[name] = flight.Flight(flight.Launch(self.folder, name, overrides, **arguments))
         return self.flown[name]
+
+    def solved(self, name, texts):
+        """A folder with the maps of the axes: those of the problem texts given, the shipped ones of the others."""
+        folder = os.path.join(self.folder, name + "_maps")
+        os.mkdir(folder)
+        for axis in flight.AXES:
+            path = os.path.join(folder, "multirotor_%s.map" % axis)
+            if axis not in texts:
+                shutil.copy(os.path.join(flight.maps_folder(), os.path.basename(path)), path)
+                continue
+            problem = os.path.join(folder, axis + ".yaml")
+            with open(problem, "w") as file:
+                file.write(texts[axis])
+            subprocess.run([find_node("offline_mpt", "offline_mpt")[0], "solve", problem, "-o", path], check=True)
+        return folder
+
+    def fly_and_replay(self, name, texts):
+        """A short figure by the maps of these problems, and what validate_bag says of it."""
+        maps = self.solved(name, texts)
+        launch = flight.Launch(self.folder, name, {"player": SHORT}, maps=maps)
+        flown = flight.Flight(launch)
+        self.assert_commands_within_limits(flown)
+        self.assertEqual(flown.summary["missed_commands"], 0)
+        for status in flown.statuses:
+            self.assertEqual(status.status, OPTIMAL, status.text)
+        numbers = os.path.join(self.folder, name + ".json")
+        command = [find_node("calibration", "validate_bag")[0], "--strict", "--bag", launch.bag, "--json", numbers, "--map"]
+        command += [os.path.join(maps, "multirotor_%s.map" % axis) for axis in flight.AXES]
+        replay = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(replay.returncode, 0, replay.stdout)
+        with open(numbers) as file:
+            report = json.load(file)
+        self.assertEqual(report["status"]["differing"], 0)
+        self.assertEqual(report["coverage"], 1.0)
+        return flown, report
 
     def assert_commands_within_limits(self, flown):
         for command in flown.commands:
@@ -86,6 +153,23 @@ class FlightTest(unittest.TestCase):
             self.assertEqual(flown.summary["missed_commands"], 0)
             for status in flown.statuses:
                 self.assertEqual(status.status, OPTIMAL, status.text)
+
+    def test_maps_that_look_ahead_fly_and_are_replayed(self):
+        texts = {axis: problem_text("look_ahead/" + axis) for axis in flight.AXES}
+        flown, _ = self.fly_and_replay("look_ahead", texts)
+        self.assertLess(flown.rms(), 0.05)
+        ahead = [status.lateral.theta[5] for status in flown.statuses]
+        self.assertGreater(max(ahead) - min(ahead), 0.02)
+
+    def test_a_map_with_a_soft_bound_flies_and_is_replayed(self):
+        flown, _ = self.fly_and_replay("soft", {"lateral": problem_text("lateral_speed_limit")})
+        self.assertLess(flown.rms(), 0.05)
+        self.assertEqual(len(flown.statuses[0].lateral.theta), 6)
+
+    def test_maps_of_second_order_loops_fly_and_are_replayed(self):
+        flown, _ = self.fly_and_replay("second_order", {axis: second_order(axis) for axis in flight.AXES[:2]})
+        self.assertLess(flown.rms(), 0.05)
+        self.assertEqual(len(flown.statuses[0].longitudinal.theta), 6)
 
     def test_every_odometry_has_its_command_and_nothing_is_lost(self):
         flown = self.fly("demo")

@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 """The minimum-peak robust MPC of the ASLquad over real topics: robust.launch."""
 
+import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
 
 import rosunit
+from roslib.packages import find_node
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import flight  # noqa: E402
 
-OPTIMAL = 0  # ControllerStatus.status
+OPTIMAL, LEAST_VIOLATION = 0, 10  # ControllerStatus.status
 DECISION = 8  # samples of 0.01 s in the maps' 0.08 s
 
 
@@ -57,6 +60,32 @@ class RobustFlightTest(unittest.TestCase):
         )
         self.assertLess(flown.rms(), 0.03)
         self.assertLess(max(abs(value) for error in flown.errors() for value in error), 0.1)
+
+    def test_a_push_beyond_the_range_ends_and_is_replayed(self):
+        push = {"kick": [0.0, 6.0, 0.0], "kick_start": 1.0, "kick_time": 0.4}  # to 2.4 m/s, and the bound is 1.5 m/s
+        launch = self.launch("push", {"plant": {"vehicle": push}, "player": {"figure": {"laps": 1, "hold_time": 2.0}}})
+        flown = flight.Flight(launch)
+        statuses = [status.status for status in flown.statuses]
+        self.assertLessEqual(set(statuses), {OPTIMAL, LEAST_VIOLATION})
+        self.assertGreaterEqual(statuses.count(LEAST_VIOLATION), DECISION)
+        self.assertEqual(statuses[-1], OPTIMAL)
+        numbers = os.path.join(self.folder, "push.json")
+        maps = [os.path.join(flight.maps_folder(), "aslquad_%s.map" % axis) for axis in flight.AXES]
+        replay = subprocess.run(
+            [find_node("calibration", "validate_bag")[0], "--bag", launch.bag, "--json", numbers, "--min-coverage", "0.8", "--map"]
+            + maps,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(replay.returncode, 0, replay.stdout)
+        self.assertIn("answered least_violation", replay.stdout)
+        with open(numbers) as file:
+            report = json.load(file)
+        self.assertEqual(report["status"]["differing"], 0)
+        for what in ("recorded", "replayed"):
+            self.assertEqual(report["status"][what]["least_violation"], statuses.count(LEAST_VIOLATION))
 
     def test_a_period_that_does_not_divide_the_sampling_time_is_refused(self):
         launch = self.launch("period", {"controller": {"controller": {"control_period": 0.03}}})

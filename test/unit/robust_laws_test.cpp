@@ -21,6 +21,7 @@
 #include "project_root.hpp"
 #include "region_maps/write_map.hpp"
 #include "robust_mpc/robust_law.hpp"
+#include "second_order.hpp"
 
 namespace polyfly {
 namespace {
@@ -36,12 +37,6 @@ RegionMap solve(const RobustProblem& problem, const std::string& name) {
   const std::string path = testing::TempDir() + "robust_laws_" + name + ".map";
   writeMap(encode(rounded.program, rounded.partition), path);
   return RegionMap::open(path);
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
 }
 
 /// Maps of the three axes.
@@ -309,60 +304,6 @@ TEST(RobustLaws, NoStepAllocates) {
   for (const int count : outcomes) EXPECT_GT(count, 10);
 }
 
-// phi'' = 144 (0.9 phi_cmd - phi) - 19.2 phi', in each of both axes, as in reference/robust_lateral_4.yaml; the rest of
-// Eq. 37 as it stands.
-class SecondOrderPlant {
- public:
-  struct State {
-    Vector3d position = Vector3d::Zero(), velocity = Vector3d::Zero();
-    TiltAngles tilt, rate;
-  };
-
-  SecondOrderPlant(const State& state, double yaw, const Vector3d& wind)
-      : state_(state), yaw_(yaw), wind_(wind) {}
-
-  VehicleState measure() const {
-    VehicleState measured;
-    measured.stamp = time_;
-    measured.position = state_.position;
-    measured.velocity = state_.velocity;
-    measured.attitude = Eigen::AngleAxisd(yaw_, Vector3d::UnitZ()) *
-                        Eigen::AngleAxisd(state_.tilt.pitch, Vector3d::UnitY()) *
-                        Eigen::AngleAxisd(state_.tilt.roll, Vector3d::UnitX());
-    // Body rates of these Euler angles, without a yaw rate.
-    measured.angular_velocity = {state_.rate.roll, state_.rate.pitch * std::cos(state_.tilt.roll),
-                                 -state_.rate.pitch * std::sin(state_.tilt.roll)};
-    return measured;
-  }
-
-  void advance(const AttitudeCommand& command, double period) {
-    constexpr double kStep = 1e-3;
-    for (double passed = 0.0; passed < period - 0.5 * kStep; passed += kStep) {
-      const Vector3d up = measure().attitude * Vector3d::UnitZ();
-      const Vector3d acceleration = command.thrust / kMass * up - Vector3d(0.0, 0.0, 9.8066) + wind_;
-      state_.velocity += kStep * acceleration;
-      state_.position += kStep * state_.velocity;
-      turn(command.roll, state_.tilt.roll, state_.rate.roll, kStep);
-      turn(command.pitch, state_.tilt.pitch, state_.rate.pitch, kStep);
-    }
-    time_ += period;
-  }
-
-  const State& state() const { return state_; }
-  double time() const { return time_; }
-
- private:
-  static void turn(double command, double& angle, double& rate, double step) {
-    rate += step * (144.0 * (0.9 * command - angle) - 19.2 * rate);
-    angle += step * rate;
-  }
-
-  State state_;
-  double yaw_;
-  Vector3d wind_;
-  double time_ = 0.0;
-};
-
 const Maps& secondOrder() {
   static const Maps kOnce = [] {
     const std::string lateral = readText(problemFile("reference/robust_lateral_4.yaml"));
@@ -378,7 +319,7 @@ TEST(RobustLaws, AttitudeLoopsOfSecondOrderFly) {
   MultirotorController law(secondOrder().pointers(), optionsOf(0.02));
   SecondOrderPlant::State start;
   start.position = {1.2, -0.8, 0.5};
-  SecondOrderPlant plant(start, 0.7, {0.3, -0.3, 0.2});
+  SecondOrderPlant plant(start, 0.7, {0.3, -0.3, 0.2}, kMass);
   Reference reference;
   reference.yaw = 0.7;
   double speed = 0.0;
@@ -401,36 +342,13 @@ TEST(RobustLaws, AttitudeLoopsOfSecondOrderFly) {
   EXPECT_LT(predicted.back().norm(), 0.1);
 }
 
-/// The tracking problem of an axis with the attitude loop of second order.
-MpcProblem secondOrderTracking(const std::string& axis) {
-  std::string text = readText(problemFile("multirotor_" + axis + ".yaml"));
-  const bool lateral = axis == "lateral";
-  const std::string angle = lateral ? "phi" : "theta", drive = lateral ? "-9.8066" : "9.8066";
-  const std::size_t model = text.find("\nmodel:"), weights = text.find("\nsampling_time:");
-  const std::string p = lateral ? "p_y" : "p_x", v = lateral ? "v_y" : "v_x";
-  std::string stated =
-      "\nmodel:\n  states: [{name: P, unit: m}, {name: V, unit: m/s}, {name: ANGLE, unit: rad}, "
-      "{name: ANGLE_rate, unit: rad/s}]\n"
-      "  inputs: [{name: ANGLE_cmd, unit: rad, range: [-0.4363323, 0.4363323]}]\n"
-      "  disturbances: [{name: d, unit: m/s^2}]\n"
-      "  A: [[0, 1, 0, 0], [0, -0.01, DRIVE, 0], [0, 0, 0, 1], [0, 0, -144, -19.2]]\n"
-      "  B: [[0], [0], [0], [129.6]]\n  B_d: [[0], [1], [0], [0]]\n  C: [[1, 0, 0, 0]]\n";
-  stated = replaced(replaced(replaced(replaced(stated, "ANGLE", angle), "DRIVE", drive), "P,", p + ","), "V,",
-                    v + ",");
-  text = text.substr(0, model) + stated + text.substr(weights);
-  text = replaced(text, "20, 20]", "20, 20, 0.1]");
-  text +=
-      "  - {name: e_" + angle + "_rate, role: error, of: " + angle + "_rate, unit: rad/s, range: [-6, 6]}\n";
-  return parseProblem(text, "second_order_" + axis);
-}
-
 // The observer and the targets know the loop: no offset in wind, and a moving reference is followed.
 TEST(RobustLaws, TheLinearLawFliesAttitudeLoopsOfSecondOrder) {
   MultirotorController law({secondOrderTracking("longitudinal"), secondOrderTracking("lateral"),
                             loadProblem(problemFile("multirotor_vertical.yaml"))},
                            optionsOf());
   EXPECT_EQ(law.previewLength(), 1);
-  SecondOrderPlant plant({}, 0.7, {0.8, -0.6, 0.4});
+  SecondOrderPlant plant({}, 0.7, {0.8, -0.6, 0.4}, kMass);
   double greatest = 0.0;
   while (plant.time() < 20.0) {
     constexpr double kRate = 1.0, kRadius = 0.6;  // [rad/s], [m]

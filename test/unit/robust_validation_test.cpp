@@ -4,9 +4,13 @@
 #include <string>
 
 #include "polyfly_base/error.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polyfly_test/aslquad_figures.hpp"
+#include "polyfly_test/multirotor_plant.hpp"
 #include "project_root.hpp"
+#include "recorded_flight.hpp"
 #include "robust_mpc/online_law.hpp"
+#include "validation/report.hpp"
 #include "validation/validation.hpp"
 
 namespace polyfly_test {
@@ -72,6 +76,55 @@ TEST_F(RobustValidation, WithoutAnOracleItSaysThatNothingCouldBeCompared) {
     EXPECT_NE(std::string(error.what()).find("online solution is not at hand"), std::string::npos)
         << error.what();
   }
+}
+
+/// A flight of 4 s that begins faster than any plan within the bounds may, with odometry at 100 Hz.
+polyfly::FlightLog fastFlight(const polyfly::MultirotorOptions& options) {
+  polyfly::PlantOptions plant_options;
+  plant_options.mass = options.mass;
+  plant_options.roll_time = plant_options.pitch_time = 0.2;
+  polyfly::PlantState start;
+  start.velocity = {0.0, 1.9, 0.0};
+  start.thrust = plant_options.gravity;
+  polyfly::MultirotorPlant plant(plant_options, start);
+  const auto pose = polyfly::ReferenceTrajectory::pose(Eigen::Vector3d::Zero(), 0.0);
+  return polyfly::recordedFlight(flights().maps(), options, pose, plant, 4.0);
+}
+
+// Statuses of the flight, of the replay, and on console and page.
+TEST(RobustValidationOfALeastViolation, IsReplayedAndTold) {
+  polyfly::MultirotorOptions options = flights().options(AslquadLaw::kRobust, 0.65);
+  options.control_period = 0.01;
+  const polyfly::FlightLog log = fastFlight(options);
+  const polyfly::AxisMaps maps = flights().maps();
+  const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps, options);
+  const polyfly::ValidationReport report = polyfly::validate(log, samples, maps, options, oracleOf);
+  EXPECT_EQ(report.commands.max_difference, 0.0);
+  EXPECT_EQ(report.statuses.differing, 0u);
+  EXPECT_EQ(report.statuses.recorded, report.statuses.replayed);
+  const auto count =
+      report.statuses.replayed[static_cast<std::size_t>(polyfly::ControlStatus::kLeastViolation)];
+  EXPECT_GE(count, 8u);  // one decision at least, held over its sampling time
+  EXPECT_EQ(report.statuses.replayed[0] + count, report.samples);
+  EXPECT_EQ(report.outside_map_samples, count);
+  EXPECT_EQ(report.axes[1].outside_partition, count);
+  ASSERT_EQ(report.axes[1].excursions.size(), 1u);
+  const polyfly::Excursion& excursion = report.axes[1].excursions[0];
+  EXPECT_EQ(excursion.cause, polyfly::LookupStatus::kOutsidePartition);
+  EXPECT_EQ(excursion.statuses[static_cast<std::size_t>(polyfly::ControlStatus::kLeastViolation)], count);
+  for (const auto& axis : report.axes) {
+    EXPECT_EQ(axis.qp_failures, 0u) << axis.axis;
+    EXPECT_LT(axis.qp.max, 1e-6) << axis.axis;
+  }
+  const std::string told = "least_violation " + std::to_string(count),
+                    folder = testing::TempDir() + "least_violation";
+  EXPECT_NE(polyfly::toText(report).find(told), std::string::npos);
+  EXPECT_NE(polyfly::toText(report).find("answered " + told), std::string::npos) << polyfly::toText(report);
+  polyfly::writeReport({log, samples, maps, options, report}, folder);
+  const std::string page = polyfly::readText(folder + "/index.html");
+  EXPECT_NE(page.find("<td>" + told + "</td>"), std::string::npos);
+  EXPECT_NE(page.find("Its answers: optimal " + std::to_string(report.samples - count) + ", " + told + "."),
+            std::string::npos);
 }
 
 TEST(OnlineRobustLaw, IsForRobustProblemsOnly) {

@@ -22,6 +22,27 @@ namespace {
 using polyfly::Error;
 using polyfly::FlightLog;
 
+// Whether a law was asked for a command, or would have been had the sample been good.
+bool hasReference(polyfly::ControlStatus status) {
+  using polyfly::ControlStatus;
+  switch (status) {
+    case ControlStatus::kNoReference:
+    case ControlStatus::kStopped:
+    case ControlStatus::kManual:
+    case ControlStatus::kMotorsOff:
+      return false;
+    case ControlStatus::kOptimal:
+    case ControlStatus::kClipped:
+    case ControlStatus::kHoldLast:
+    case ControlStatus::kLevel:
+    case ControlStatus::kDescend:
+    case ControlStatus::kSuboptimal:
+    case ControlStatus::kLeastViolation:
+      return true;
+  }
+  return false;
+}
+
 // Collects the log while messages come in the order of the record, then settles what that order leaves open:
 // messages of different topics reach a recorder in another order than they reached the node. The node's own
 // account tells more.
@@ -56,8 +77,8 @@ class LogBuilder {
   }
 
   void add(const online_controller::ControllerStatus& message) {
-    if (message.status > online_controller::ControllerStatus::NO_REFERENCE ||
-        message.reason > online_controller::ControllerStatus::REASON_NO_REFERENCE) {
+    if (message.status >= polyfly::kControlStatusCount ||
+        message.reason > online_controller::ControllerStatus::REASON_PILOT) {
       throw Error("status or reason is none of those that the message defines");
     }
     FlightLog::Status status;
@@ -122,7 +143,7 @@ class LogBuilder {
     std::map<double, bool> tracked;
     for (const FlightLog::Status& status : log_.statuses) {
       if (status.reason != polyfly::ControlReason::kStale) {
-        tracked[status.stamp] = status.status != polyfly::ControlStatus::kNoReference;
+        tracked[status.stamp] = hasReference(status.status);
       }
     }
     std::vector<Event>& events = log_.events;

@@ -13,6 +13,7 @@
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/read_text.hpp"
 #include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "region_maps/region_map.hpp"
@@ -212,6 +213,12 @@ polyfly::MultirotorOptions optionsOf(const polyfly::FlightLog& log) {
   return told ? polyfly::optionsInForce(*told) : polyfly::MultirotorOptions{};
 }
 
+double previewPeriodOf(const polyfly::FlightLog& log, const std::string& options) {
+  if (!options.empty()) return polyfly::parsePreviewPeriod(polyfly::readText(options), options);
+  const auto told = polyfly::parametersTold(log);
+  return told ? polyfly::parsePreviewPeriod(told->text, log.source) : polyfly::kPreviewPeriod;
+}
+
 // Reads, replays, judges; writes what belongs to this flight alone.
 polyfly::ValidationReport judge(const std::string& bag, std::size_t number, const polyfly::MapChoice& maps,
                                 const std::optional<polyfly::MultirotorOptions>& given,
@@ -223,7 +230,8 @@ polyfly::ValidationReport judge(const std::string& bag, std::size_t number, cons
   for (const std::string& remark : log.remarks)
     std::cerr << polyfly::visible("note: " + log.source + ": " + remark) << "\n";
   const polyfly::MultirotorOptions options = given ? *given : optionsOf(log);
-  const std::vector<polyfly::ReplaySample> samples = polyfly::replay(log, maps.flown, options);
+  const std::vector<polyfly::ReplaySample> samples =
+      polyfly::replay(log, maps.flown, options, previewPeriodOf(log, arguments.options));
   polyfly::ValidationReport report = polyfly::validate(log, samples, maps.flown, options, robustOracle);
   for (const polyfly::OtherMap& other : maps.others) {
     report.comparisons.push_back(

@@ -25,6 +25,13 @@ MultirotorOptions parseControllerOptions(const std::string& text, const std::str
   return options;
 }
 
+double parsePreviewPeriod(const std::string& text, const std::string& source) {
+  OptionsFromYaml reader(text, source);
+  double period = kPreviewPeriod;
+  reader("nonlinear/period", period, "s", Range{0.001, 1.0});
+  return period;
+}
+
 MultirotorOptions loadControllerOptions(const std::string& path) {
   return parseControllerOptions(readText(path), path);
 }

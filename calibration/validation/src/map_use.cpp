@@ -21,10 +21,11 @@ std::size_t binOf(const ParameterUse& use, double value) {
   return static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, last));
 }
 
-// Whether it is the input of the period before, in a range that holds all that an input may be: the map's end
-// along it cannot be passed, and a saturated input is no danger.
+// Whether the map's end along it cannot be passed. The controller clips the disturbance ahead to its range. The input of the
+// period before is enclosed by a range that holds all that an input may be, and a saturated input is no danger.
 bool isEnclosed(const RegionMap& map, const Signal& parameter) {
   for (const AxisNames& names : kAxisNames) {
+    if (parameter.name == names.disturbance_ahead) return true;
     if (parameter.name != names.previous_input) continue;
     return std::any_of(map.inputs().begin(), map.inputs().end(), [&](const Signal& input) {
       return input.name == names.input && parameter.lower <= input.lower && parameter.upper >= input.upper;

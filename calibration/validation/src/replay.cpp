@@ -62,8 +62,10 @@ AxisMaps assignAxes(const std::vector<const RegionMap*>& maps) {
   return assigned;
 }
 
-std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
-                                 const MultirotorOptions& options) {
+std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& given,
+                                 double preview_period) {
+  MultirotorOptions options = given;
+  options.look_ahead = options.look_ahead && maps[0]->period() == preview_period;
   const std::set<double> answered = answeredStamps(log);
   LawSwitch law(std::make_unique<MultirotorController>(maps, options), options);
   std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));

@@ -191,7 +191,8 @@ void writeRecord(const ValidationReport& report, std::ostream& out) {
         << number(report.statuses.step_ns.p50 / 1000.0) << " µs in flight (median; 99 % below "
         << number(report.statuses.step_ns.p99 / 1000.0) << " µs)";
   }
-  out << ".</p><div class='scroll'><table><tr><th></th><th>greatest difference</th><th>rms</th></tr>\n";
+  out << ". Its answers: " << answersText(report.statuses.replayed)
+      << ".</p><div class='scroll'><table><tr><th></th><th>greatest difference</th><th>rms</th></tr>\n";
   for (std::size_t entry = 0; entry < 4; ++entry) {
     const Difference& difference = commands.difference[entry];
     out << "<tr><td>" << kNames[entry] << "</td><td>" << number(difference.max, 2) << " " << kUnits[entry]

@@ -13,16 +13,6 @@ constexpr std::size_t kShownExcursions = 20;
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-std::string answers(const Excursion& excursion) {
-  std::string text;
-  for (std::size_t status = 0; status < excursion.statuses.size(); ++status) {
-    if (excursion.statuses[status] == 0) continue;
-    text += (text.empty() ? "" : ", ") + std::string(kStatusNames[status]) + " " +
-            std::to_string(excursion.statuses[status]);
-  }
-  return text;
-}
-
 std::string causeOf(const Excursion& excursion) {
   if (!excursion.parameter.empty()) {
     return excursion.parameter + ", up to " + number(excursion.beyond) + " " + excursion.unit +
@@ -55,6 +45,16 @@ void writeProposal(const MapProposal& proposal, std::ostream& out) {
 
 }  // namespace
 
+std::string answersText(const std::array<std::size_t, kControlStatusCount>& statuses) {
+  std::string text;
+  for (std::size_t status = 0; status < statuses.size(); ++status) {
+    if (statuses[status] == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::string(kStatusNames[status]) + " " +
+            std::to_string(statuses[status]);
+  }
+  return text;
+}
+
 void writeExcursions(const ValidationReport& report, std::ostream& out) {
   std::size_t count = 0;
   for (const AxisValidation& axis : report.axes) count += axis.excursions.size();
@@ -75,7 +75,8 @@ void writeExcursions(const ValidationReport& report, std::ostream& out) {
     const auto& [axis, excursion] = all[index];
     out << "<tr><td>" << escaped(axis->axis) << "</td><td>" << number(excursion->from, 9) << "</td><td>"
         << number(excursion->to - excursion->from) << "</td><td>" << excursion->samples << "</td><td>"
-        << escaped(causeOf(*excursion)) << "</td><td>" << escaped(answers(*excursion)) << "</td></tr>\n";
+        << escaped(causeOf(*excursion)) << "</td><td>" << escaped(answersText(excursion->statuses))
+        << "</td></tr>\n";
   }
   out << "</table></div>";
   if (count > kShownExcursions) out << "<p>And " << count - kShownExcursions << " shorter ones.</p>";

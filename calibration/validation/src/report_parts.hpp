@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <iosfwd>
 #include <limits>
@@ -85,6 +86,9 @@ ReportFigure agreementFigure(const ReportContent& content);
 ReportFigure latencyFigure(const ReportContent& content);
 ReportFigure heatFigure(const ReportContent& content);
 ReportFigure distanceFigure(const ReportContent& content);
+
+/// "optimal 490, clipped 10": the statuses that were met.
+std::string answersText(const std::array<std::size_t, kControlStatusCount>& statuses);
 
 /// Sections of the page; nothing where there is nothing to tell.
 void writeParameters(const ValidationReport& report, std::ostream& out);

@@ -93,6 +93,19 @@ TEST_F(Coverage, findsTheEdgeWhereTheRegionsEndBeforeTheBox) {
   EXPECT_EQ(counter.use().inside, 1u);
 }
 
+// The controller clips it to its range, so nothing leads beyond.
+TEST_F(Coverage, countsNoEdgeAlongTheDisturbanceAhead) {
+  MapContent content = handMadeMap(kLateral);
+  content.parameters.back().name = "d_y_ahead";
+  writeMap(content, folder_ / "ahead.map");
+  const RegionMap map = RegionMap::open(folder_ / "ahead.map");
+  MapUseCounter counter(map);
+  std::vector<double> theta(map.parameters().size(), 0.0);
+  theta.back() = map.parameters().back().upper;
+  EXPECT_NEAR(counter.add(0.0, theta.data()).edge, 1.0, kHalving);
+  EXPECT_EQ(counter.use().parameters.back().room, std::numeric_limits<double>::infinity());
+}
+
 TEST_F(Coverage, countsByRegionParameterAndTime) {
   const RegionMap& map = *maps_.axes()[kLateral];
   std::mt19937 generator(5);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "nonlinear_mpc/nonlinear_mpc.hpp"
 #include "polyfly_base/error.hpp"
 #include "report_page.hpp"
 #include "synthetic_flight.hpp"
@@ -164,6 +165,8 @@ TEST(ControllerOptions, areReadFromTheNodesFile) {
   EXPECT_EQ(options.hold_periods, 3);
   EXPECT_FALSE(options.offset_free);
   EXPECT_EQ(options.yaw_gain, MultirotorOptions{}.yaw_gain);
+  EXPECT_EQ(parsePreviewPeriod("nonlinear: {period: 0.05, horizon: 30}\nlaw: linear\n", "text"), 0.05);
+  EXPECT_EQ(parsePreviewPeriod("law: linear\n", "text"), NonlinearMpcOptions{}.period);
 }
 
 TEST(ControllerOptions, refusesBadFilesByLineAndKey) {

@@ -14,4 +14,11 @@ MultirotorOptions loadControllerOptions(const std::string& path);
 /// As loadControllerOptions, from text; `source` is used in errors.
 MultirotorOptions parseControllerOptions(const std::string& text, const std::string& source);
 
+/// Default of `nonlinear/period` [s].
+constexpr double kPreviewPeriod = 0.1;
+
+/// `nonlinear/period` of the same text [s]: the time between the references ahead that all laws of the node read, and the
+/// sampling time of maps that can look ahead.
+double parsePreviewPeriod(const std::string& text, const std::string& source);
+
 }  // namespace polyfly

@@ -35,8 +35,9 @@ struct ParameterUse {
   /// Samples in each bin. Samples beyond the range are in the end bins.
   std::array<std::size_t, kBins> histogram{};
   /// Least way that this parameter alone could still have gone, down or up, before the map ended: its range
-  /// or its last region. Of samples inside; infinite if there are none, and for the previous input where its
-  /// range holds all that the input may be, since nothing leads beyond [unit].
+  /// or its last region. Of samples inside; infinite if there are none, and where nothing leads beyond:
+  /// for the previous input where its range holds all that the input may be, and for the disturbance ahead, which is clipped
+  /// [unit].
   double room = std::numeric_limits<double>::infinity();
 
   /// Distance from what was met to the nearer end of the range; negative beyond it [unit].

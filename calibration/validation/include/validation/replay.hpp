@@ -6,6 +6,7 @@
 
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
+#include "validation/controller_options.hpp"
 #include "validation/flight_log.hpp"
 
 namespace polyfly {
@@ -35,9 +36,9 @@ struct ReplaySample {
 
 /// Runs the controller of the nodelet over the log once more. One sample for each odometry message that the
 /// recorded commands answer, in order: what the node never saw would spoil its observer here. Where no
-/// command bears the stamp of any odometry, one for each. Throws Error when a map does not fit or an option
-/// is out of range.
-std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps,
-                                 const MultirotorOptions& options);
+/// command bears the stamp of any odometry, one for each. As in the node, maps look ahead only where their sampling time is
+/// `preview_period` [s], see parsePreviewPeriod(). Throws Error when a map does not fit or an option is out of range.
+std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, const MultirotorOptions& options,
+                                 double preview_period = kPreviewPeriod);
 
 }  // namespace polyfly

@@ -1,6 +1,7 @@
 #include "validation_ros/bag_reader.hpp"
 
 #include <gtest/gtest.h>
+#include <online_controller/ControllerStatus.h>
 #include <std_msgs/String.h>
 #include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
@@ -97,6 +98,30 @@ TEST_F(BagReader, givesBackWhatWasWrittenWithEachCompression) {
   }
 }
 
+TEST_F(BagReader, readsEachStatusThatTheMessageDefines) {
+  using Message = online_controller::ControllerStatus;
+  for (std::size_t i = 0; i <= Message::LEAST_VIOLATION; ++i)
+    log_.statuses[i].status = static_cast<polyfly::ControlStatus>(i);
+  for (std::size_t i = 0; i <= Message::REASON_PILOT; ++i)
+    log_.statuses[20 + i].reason = static_cast<polyfly::ControlReason>(i);
+  writeFlightBag(log_, path());
+  const FlightLog read = readBag(path(), {});
+  ASSERT_EQ(read.statuses.size(), log_.statuses.size());
+  for (std::size_t i = 0; i < read.statuses.size(); ++i) {
+    EXPECT_EQ(read.statuses[i].status, log_.statuses[i].status) << i;
+    EXPECT_EQ(read.statuses[i].reason, log_.statuses[i].reason) << i;
+  }
+  log_.statuses[3].status = static_cast<polyfly::ControlStatus>(Message::LEAST_VIOLATION + 1);
+  writeFlightBag(log_, path());
+  EXPECT_NE(errorOf().find("status or reason is none of those that the message defines"), std::string::npos)
+      << errorOf();
+  log_.statuses[3].status = polyfly::ControlStatus::kOptimal;
+  log_.statuses[3].reason = static_cast<polyfly::ControlReason>(Message::REASON_PILOT + 1);
+  writeFlightBag(log_, path());
+  EXPECT_NE(errorOf().find("status or reason is none of those that the message defines"), std::string::npos)
+      << errorOf();
+}
+
 TEST_F(BagReader, doesNotDependOnWhenAnswersReachedTheRecorder) {
   FlightBagOptions options;
   options.arrival_shift = 0.035;
@@ -119,6 +144,12 @@ TEST_F(BagReader, placesTheFirstReferenceByTheNodesAccount) {
     shuffled.events.insert(shuffled.events.begin() + static_cast<std::ptrdiff_t>(wrong_place), reference);
     writeFlightBag(shuffled, path());
     expectExactReplay(readBag(path(), {}), 50);
+    // On the ground and under the pilot's sticks there is none either.
+    shuffled.statuses[0].status = polyfly::ControlStatus::kMotorsOff;
+    shuffled.statuses[1].status = polyfly::ControlStatus::kManual;
+    writeFlightBag(shuffled, path());
+    const FlightLog read = readBag(path(), {});
+    EXPECT_EQ(read.events[5].kind, FlightLog::EventKind::kReference) << wrong_place;
   }
 }
 

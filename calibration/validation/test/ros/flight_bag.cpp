@@ -29,6 +29,9 @@ nav_msgs::Odometry odometryOf(const polyfly::VehicleState& state) {
   message.twist.twist.linear.x = velocity.x();
   message.twist.twist.linear.y = velocity.y();
   message.twist.twist.linear.z = velocity.z();
+  message.twist.twist.angular.x = state.angular_velocity.x();
+  message.twist.twist.angular.y = state.angular_velocity.y();
+  message.twist.twist.angular.z = state.angular_velocity.z();
   return message;
 }
 
