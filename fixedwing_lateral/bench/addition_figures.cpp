@@ -56,8 +56,8 @@ std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   options.model = model;
   parameters.turn_deviation = LateralParameters{}.turn_deviation;
   add("+ this aircraft's roll loop and rate, turns by them");
-  options.weights.track = closeTracking().track;
-  add("+ `weights/track` 0.03");
+  options.weights.track = defaultWeights().track;
+  add("+ `weights/track` 0.03, as shipped");
   return rows;
 }
 
