@@ -53,11 +53,12 @@ std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   options.safety.convergence = shipped.safety.convergence;
   add("+ weights by airspeed, L1 as a fallback");
   options.airspeed_nominal = airspeed;
-  options.model = model;
   parameters.turn_deviation = LateralParameters{}.turn_deviation;
+  add("+ turns by a presumed roll rate");
+  options.model = model;
   add("+ this aircraft's roll loop and rate, turns by them");
-  options.weights.track = closeTracking().track;
-  add("+ `weights/track` 0.03");
+  options.weights.track = defaultWeights().track;
+  add("+ `weights/track` 0.03, as shipped");
   return rows;
 }
 

@@ -19,6 +19,9 @@ constexpr double kRounding = 1e-9;
 constexpr double kRelativeRounding = 1e-6;
 // Greatest distance from the end of a segment to the one after it, for a smooth junction [m].
 constexpr double kMeets = 1.0;
+// Presumed roll rate, 17 deg/s, and the airspeed up to which it holds.
+constexpr double kPresumedRate = 0.3;       // [rad/s]
+constexpr double kPresumedAirspeed = 14.0;  // [m/s]
 // Least cosine of the angle between the directions of the two segments there.
 constexpr double kMeetsCosine = 0.995;
 
@@ -111,6 +114,10 @@ void checkTurns(const TurnConditions& conditions, const std::string& where) {
   check("roll_rate", conditions.roll_rate, conditions.roll_rate >= 0.0, "be at least 0");
   check("roll_variance", conditions.roll_variance, conditions.roll_variance >= 0.0, "be at least 0");
   check("deviation", conditions.deviation, conditions.deviation >= 0.0, "be at least 0");
+}
+
+double presumedRollRate(double airspeed) noexcept {
+  return kPresumedRate * std::min(1.0, kPresumedAirspeed / airspeed);
 }
 
 double rollVariance(const LateralModel& model) noexcept {
@@ -213,7 +220,10 @@ std::string describeAbrupt(const std::vector<PathSegment>& segments, const TurnC
   return "the roll cannot change as fast as the path behind segment " + std::to_string(worst.segment) +
          format(
              " asks for: it will be left by %.1f m, where %.1f are allowed; circles of %.1f m can be flown",
-             worst.deviation, conditions.deviation, leastRadius(conditions), 0.0);
+             worst.deviation, conditions.deviation, leastRadius(conditions), 0.0) +
+         (conditions.is_rate_presumed ? format(" (%.0f deg/s presumed, as model/roll_rate_max is not set)",
+                                               kDegree * conditions.roll_rate, 0.0, 0.0, 0.0)
+                                      : std::string());
 }
 
 }  // namespace

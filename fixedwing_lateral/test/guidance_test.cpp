@@ -270,7 +270,7 @@ TEST_F(Failsafe, BeginsAnewWhereTheOptimisationFailsThenHoldsTheLastHorizon) {
   fly(1.0);
   SafetyOptions trusting;
   trusting.jump_patience = 0.0;
-  guidance_.setTuning(withFeedforward(), LateralLimits{}, trusting);
+  guidance_.setTuning(defaultWeights(), LateralLimits{}, trusting);
   // Finite numbers whose squares are not: only the optimisation can notice.
   const auto overflow = [](GuidanceInput& input) { input.state.position.y() = 1e200; };
   GuidanceOutput output = flyWith(0.04, overflow);

@@ -180,6 +180,8 @@ TEST(LateralObserver, DoesNotLearnFromAHeadingThatIsSetAnew) {
 /// A loiter by the guidance; (mean, largest) distance from the circle once it settled [m].
 std::pair<double, double> flyCircle(Aircraft& aircraft, bool learn, double radius, TurnDirection direction) {
   GuidanceOptions options;
+  // As published: the weaker it is, the more of an offset the estimate has to take.
+  options.weights.track = LateralWeights{}.track;
   options.learn_disturbance = learn;
   LateralGuidance guidance(options, "test");
   guidance.setMission(makeMission({LoiterCircle{{0.0, 0.0}, radius, direction}}, {}, "test"));

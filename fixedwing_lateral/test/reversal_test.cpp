@@ -137,6 +137,8 @@ AircraftState at(const Vector2d& position, double heading, double airspeed) {
 TEST(Reversal, LinesThereAndBackAreFlown) {
   for (const double airspeed : {14.0, 22.0, 25.0}) {
     for (const double share : {0.0, 0.5}) {
+      LateralWeights published_track = defaultWeights();
+      published_track.track = LateralWeights{}.track;
       std::vector<PathSegment> segments;
       for (int i = 0; i < 4; ++i) {
         const bool back = i % 2 == 1;
@@ -145,7 +147,7 @@ TEST(Reversal, LinesThereAndBackAreFlown) {
       LoiterOptions loiter;
       loiter.radius = leastRadiusFor(airspeed, share);
       const Mission mission = makeMission(segments, loiter, "test");
-      for (const LateralWeights& weights : {withFeedforward(), closeTracking()}) {
+      for (const LateralWeights& weights : {defaultWeights(), published_track}) {
         const Flown flown = fly(mission, airspeed, airspeed * share * Vector2d(0.6, 0.8),
                                 at({0.0, 0.0}, 0.0, airspeed), weights);
         EXPECT_EQ(flown.last, 4) << airspeed << ' ' << share;
@@ -163,7 +165,7 @@ TEST(Reversal, ALoiterIsMetFromTheWrongSideToo) {
         const double radius = leastRadiusFor(airspeed, 0.5);
         const Mission mission = makeMission({LoiterCircle{{0.0, 0.0}, radius, direction}}, {}, "test");
         const Flown flown = fly(mission, airspeed, airspeed * 0.5 * Vector2d(0.6, -0.8),
-                                at({0.0, -radius}, heading, airspeed), closeTracking(), 0.5);
+                                at({0.0, -radius}, heading, airspeed), defaultWeights(), 0.5);
         // This limit is for flight in gusts [m].
         EXPECT_LT(flown.late, 5.0) << airspeed << ' ' << heading;
         EXPECT_LE(flown.leaps, 4) << airspeed << ' ' << heading;
@@ -177,10 +179,10 @@ TEST(Reversal, ALoiterIsMetFromTheWrongSideToo) {
 TEST(Reversal, APathFarAwayIsJoinedWithoutJumps) {
   const Mission mission = makeMission({LoiterCircle{{0.0, 0.0}, 135.0, TurnDirection::kRight}}, {}, "test");
   const AircraftState start = at({400.0, 300.0}, 2.0, 14.0);
-  LateralWeights plain = closeTracking();
+  LateralWeights plain = defaultWeights();
   plain.curvature = 0.0;
   EXPECT_GT(fly(mission, 14.0, {3.0, 4.0}, start, plain).leaps, 20);
-  const Flown flown = fly(mission, 14.0, {3.0, 4.0}, start, closeTracking());
+  const Flown flown = fly(mission, 14.0, {3.0, 4.0}, start, defaultWeights());
   EXPECT_LE(flown.leaps, 2);
   EXPECT_LT(flown.late, 3.0);
 }
@@ -200,7 +202,7 @@ TEST(Reversal, ArcsThatCannotBeFlownDoNotHoldUpAMission) {
     course += 2.8;
   }
   const Mission mission = makeMission(segments, {200.0, TurnDirection::kRight}, "test");
-  const Flown flown = fly(mission, 22.0, {5.0, 5.0}, at({0.0, 0.0}, 0.0, 22.0), withFeedforward());
+  const Flown flown = fly(mission, 22.0, {5.0, 5.0}, at({0.0, 0.0}, 0.0, 22.0), defaultWeights());
   EXPECT_EQ(flown.last + 1, static_cast<int>(mission.segments.size()));
   EXPECT_LT(flown.late, 3.0);
 }

@@ -268,9 +268,23 @@ TEST(TurnPlan, OfTheNodeCountsWhatWasLearnt) {
   EXPECT_EQ(conditions.turn_bias, 0.02);
   EXPECT_EQ(conditions.wind_speed, 5.0);
   EXPECT_EQ(conditions.roll_rate, 0.7);
+  EXPECT_FALSE(conditions.is_rate_presumed);
   EXPECT_NEAR(conditions.roll, 0.9 * (0.6108652382 - 0.03) * 13.48 / 13.97, 1e-9);
   EXPECT_NEAR(conditions.roll_variance, 0.0785, 1e-3);
   EXPECT_EQ(conditions.deviation, parameters.turn_deviation);
+}
+
+TEST(TurnPlan, OfAnUnknownRollRatePresumesOneThatFallsWithTheAirspeed) {
+  LateralParameters parameters;
+  const TurnConditions slow = turnPlanOf(parameters, {}).conditions;
+  EXPECT_TRUE(slow.is_rate_presumed);
+  EXPECT_EQ(slow.roll_rate, 0.3);
+  EXPECT_EQ(presumedRollRate(8.0), 0.3);
+  parameters.guidance.airspeed_nominal = 42.0;
+  EXPECT_NEAR(turnPlanOf(parameters, {}).conditions.roll_rate, 0.1, 1e-12);
+  // A rate that is known makes turns tighter.
+  parameters.guidance.model.roll_rate_max = 1.0;
+  EXPECT_GT(plannedRoll(turnPlanOf(parameters, {}).conditions), plannedRoll(slow));
 }
 
 // An aircraft that turns too little by its roll and rolls slowly, in wind: planned by what is known of it, the sequence is

@@ -34,6 +34,10 @@ namespace polyfly {
 // as the second moment of the response is what its double integral leaves. The second term is the variance of the
 // roll loop of Eq. 45. From one turn to an opposite one d is 0.5 m for the default loop with 35 degrees, and 35 m for a
 // loop that rolls by 9 deg/s. Therefore a path with a bound of d needs wider turns.
+//
+// Where the greatest roll rate is not known, nothing is known of the roll loop at this airspeed. Turns are then planned with
+// a presumed rate: low, so that aircraft with slower loops than the Techpod's stay within the bound too. It falls with the
+// airspeed as the rates of similar aircraft do (speed_scaling.hpp). model/roll_rate_max replaces it.
 
 /// In what a path is to be flown.
 struct TurnConditions {
@@ -49,11 +53,16 @@ struct TurnConditions {
   double turn_bias = 0.0;
   /// Greatest roll rate; 0: no bound [rad/s], >= 0.
   double roll_rate = 0.0;
+  /// Whether roll_rate is presumed, and not known of this aircraft.
+  bool is_rate_presumed = false;
   /// Variance of the roll loop's impulse response [s^2], >= 0.
   double roll_variance = 0.0;
   /// Greatest deviation from the path where a turn follows another one; 0: no bound [m], >= 0.
   double deviation = 0.0;
 };
+
+/// The roll rate that turns are planned with where the greatest one is not known [rad/s].
+double presumedRollRate(double airspeed) noexcept;
 
 /// Variance of the impulse response of the roll loop [s^2]; 0 where it is negative, for a loop with little damping.
 double rollVariance(const LateralModel& model) noexcept;

@@ -163,7 +163,7 @@ class LateralNmpcTest(unittest.TestCase):
         status = keeping.exchange(accept=tracks)
         self.assertEqual(status.reason, LateralStatus.REASON_TOO_STEEP)
         self.assertGreater(status.segment_roll, 0.611)
-        widening = self.start_as("widening", {"path/tight_turns": "widen"})
+        widening = self.start_as("widening", {"path/tight_turns": "widen", "model/roll_rate_max": 1.2})
         widening.mission.publish(loiter(20.0))
         status = widening.exchange(accept=tracks)
         self.assertEqual(status.reason, LateralStatus.REASON_NONE)
