@@ -228,6 +228,12 @@ TEST(FastFlight, DubinsByDefaultsAndCalibratedIsHeldAndNeverWorseThanByL1) {
       EXPECT_LT(flight.metrics.loiter, 1.0) << share;
       EXPECT_EQ(flight.fallbacks, 0);
       expectNeverWorse(mission, flight, share, parameters.guidance.criterion, true);
+      // Shorter periods too, where L1 joins by them.
+      for (const double period : {16.0, 25.0}) {
+        const Flight usual = flyL1(mission, windOf(share), parameters.guidance.criterion, period);
+        if (!usual.metrics.has_joined) continue;
+        EXPECT_LE(flight.metrics.after_joining, usual.metrics.after_joining) << share << ' ' << period;
+      }
     }
   }
 }
@@ -258,6 +264,8 @@ TEST(FastFlight, TheBoxConvergesWithAllOptionsAsShipped) {
     EXPECT_LT(flight.metrics.loiter, 1.0) << share;
     EXPECT_EQ(flight.fallbacks, 0);
     expectNeverWorse(mission, flight, share, options.criterion, false);
+    const Flight usual = flyL1(mission, windOf(share), options.criterion, L1Options{}.period);
+    EXPECT_LE(flight.metrics.rms, usual.metrics.rms) << share;
   }
   GuidanceOptions published_track;
   published_track.weights.track = LateralWeights{}.track;
