@@ -60,7 +60,7 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
 
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
-  CodeCost cost = codeCost(map, tables);
+  CodeCost cost = codeCost(map, tables, options.type);
   if (bound.work) {
     cost.rows = static_cast<std::uint32_t>(bound.work->rows);
     cost.multiply_adds = (bound.work->planes + map.inputs().size()) * map.parameters().size();
