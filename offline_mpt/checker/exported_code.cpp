@@ -211,8 +211,7 @@ ExportedCode readCode(const std::string& text) {
   readTree(code, tables);
   readLeaves(code, tables);
   tables.takes_first = result.type != CodeType::kDouble;
-  const bool has_handicap =
-      !tables.takes_first && code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
+  const bool has_handicap = !tables.takes_first && code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
   tables.handicap = has_handicap ? code.scalar("handicap") : 0.0;
   checkIndices(tables);
   if (result.type == CodeType::kInt16) {

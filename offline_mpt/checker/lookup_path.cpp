@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
-#include <cstdlib>
 
 namespace checker {
 namespace {
 
-/// In each part: corners, numbers between the centre and each of them, and how many numbers away the tried one is.
-const int kCorners = getenv("C")?atoi(getenv("C")):4;
-const int kTries = getenv("TRIES")?atoi(getenv("TRIES")):16;
-constexpr double kBeside = 3.0;
+/// Numbers beside the centre of each part that are tried, up to 2 to this power numbers away.
+constexpr int kTries = 200;
+constexpr int kMostBeside = 6;
+/// Combinations of numbers that are tried one by one.
+constexpr std::size_t kMostNumbers = 1u << 16;
 constexpr std::uint64_t kSeed = 1;
 // The sums below are in doubles; these cover their rounding.
 constexpr double kOwnRounding = 1.0 + 1e-9;
@@ -32,10 +33,12 @@ struct Rounded {
   double greatest() const { return std::max(std::abs(lower), std::abs(upper)); }
 };
 
-/// With the rounding of one more operation.
+/// With the rounding of one more operation: half the distance of numbers of the greatest size.
 Rounded rounded(Rounded value, const Arithmetic& arithmetic) {
   value.arithmetic = arithmetic;
-  value.error += arithmetic.unit * (value.greatest() + value.error) + arithmetic.smallest;
+  const double greatest = (value.greatest() + value.error) * kOwnRounding;
+  const double power = greatest > 0.0 ? std::ldexp(1.0, std::ilogb(greatest)) : 0.0;
+  value.error += arithmetic.unit * power + arithmetic.smallest;
   return value;
 }
 
@@ -67,8 +70,15 @@ Arithmetic arithmeticOf(CodeType type) {
 PathSearch::Verdict PathSearch::run(const std::vector<PathStep>& path, int most_parts) {
   path_ = path;
   tried_.clear();
-  parts_left_ = most_parts;
-  return search(code_.box);
+  parts_.assign(1, code_.box);
+  is_cut_ = true;
+  for (std::size_t done = 0; done < parts_.size(); ++done) {
+    if (done == static_cast<std::size_t>(most_parts)) return Verdict::kUnknown;
+    // A copy, because halves are added behind.
+    const Box part = parts_[done];
+    if (search(part) == Verdict::kTaken) return Verdict::kTaken;
+  }
+  return is_cut_ ? Verdict::kImpossible : Verdict::kUnknown;
 }
 
 /// The computed value of a step is a rounded sum of two parts. So it is at most the limit only where their exact sum is at
@@ -81,13 +91,15 @@ void PathSearch::addSteps(const Box& box, Cell& cell) const {
   for (const PathStep& step : path_) {
     const double* const plane = code_.planes.data() + std::size_t{step.row / 2} * (code_.p + 1);
     const auto [first, last] = sums.parts(plane);
-    const double error = (first.error + last.error + arithmetic.unit * std::abs(step.limit) + arithmetic.smallest) *
-                         kOwnRounding;
+    const double error =
+        (first.error + last.error + arithmetic.unit * std::abs(step.limit) + arithmetic.smallest) *
+        kOwnRounding;
     const double sign = step.row % 2 == 0 ? 1.0 : -1.0;
     const double constant = sign * plane[code_.p];
     const double limit = step.limit - (step.is_strict ? code_.distance_unit : 0.0);
     const double own = kOwnUnit * (std::abs(constant) + std::abs(step.limit) + error);
-    cell.add({plane, sign, constant + limit + error + own, std::max(code_.plane_error[step.row / 2], kLeastWeight)});
+    cell.add({plane, sign, constant + limit + error + own,
+              std::max(code_.plane_error[step.row / 2], kLeastWeight)});
   }
 }
 
@@ -114,20 +126,23 @@ bool PathSearch::shrink(Cell& cell, Box& box) const {
   return true;
 }
 
-bool PathSearch::isTakenBy(const std::vector<double>& theta) const {
-  return std::all_of(path_.begin(), path_.end(), [&](const PathStep& step) {
+/// The step that failed last is tried first.
+bool PathSearch::isTakenBy(const std::vector<double>& theta) {
+  const auto fails = [&](const PathStep& step) {
     const double plane = valueAt(exported_, step.row / 2, theta);
     const double value = step.row % 2 == 0 ? plane : -plane;
-    return step.is_strict ? value < step.limit : value <= step.limit;
-  });
+    return step.is_strict ? value >= step.limit : value > step.limit;
+  };
+  if (!path_.empty() && fails(path_.front())) return false;
+  const auto failing = std::find_if(path_.begin(), path_.end(), fails);
+  if (failing == path_.end()) return true;
+  std::iter_swap(path_.begin(), failing);
+  return false;
 }
 
-/// The centre of the cell, and numbers between it and corners. The cell may be as thin as the distance of two numbers, so
-/// those beside them are tried too.
+/// The centre of the cell, and numbers beside it. The cell may be as thin as the distance of two numbers.
 bool PathSearch::tryNumbers(const Cell& cell, const Box& box) {
   const std::size_t p = box.size();
-  std::mt19937_64 random(kSeed);
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   std::vector<double> function(p + 1);
   // Without symmetry, so that dual variables are apart.
   for (std::size_t k = 0; k < p; ++k) function[k] = 1e-13 * (1.0 + 0.37 * static_cast<double>(k));
@@ -136,19 +151,15 @@ bool PathSearch::tryNumbers(const Cell& cell, const Box& box) {
   if (centre.empty()) return false;
   if (tried_.empty()) tried_ = givenNumbers(exported_, centre);
   if (take(centre, box)) return true;
-  function[p] = 1e-3;
-  for (int i = 0; i < kCorners; ++i) {
-    for (std::size_t k = 0; k < p; ++k) function[k] = uniform() - 0.5;
-    const std::vector<double> corner = cell.point(function);
-    for (int k = 0; k < kTries && !corner.empty(); ++k) {
-      const double share = uniform();
-      std::vector<double> theta = centre;
-      for (std::size_t j = 0; j < p; ++j) {
-        theta[j] += share * (corner[j] - centre[j]);
-        theta[j] += std::round(kBeside * (2.0 * uniform() - 1.0)) * numberDistance(theta[j], j);
-      }
-      if (take(theta, box)) return true;
+  std::mt19937_64 random(kSeed);
+  for (int i = 0; i < kTries; ++i) {
+    const double most = std::ldexp(1.0, i % kMostBeside);
+    std::vector<double> theta = centre;
+    for (std::size_t k = 0; k < p; ++k) {
+      const double share = static_cast<double>(random() >> 11) * 0x1p-52 - 1.0;
+      theta[k] += std::round(most * share) * numberDistance(theta[k], k);
     }
+    if (take(theta, box)) return true;
   }
   return false;
 }
@@ -167,8 +178,61 @@ bool PathSearch::take(std::vector<double> theta, const Box& box) {
   return true;
 }
 
-/// Of the widest parameter; nothing where no parameter can be cut.
-std::optional<std::vector<Box>> PathSearch::halves(const Box& box) const {
+/// All numbers of the code's type in a part, for each parameter; nothing where they are too many to try.
+std::optional<PathSearch::Numbers> PathSearch::numbersIn(const Box& box) const {
+  if (exported_.type == CodeType::kDouble) return std::nullopt;
+  Numbers numbers(box.size());
+  std::size_t combinations = 1;
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    for (double value = firstNumber(box.lower[i], i); value <= box.upper[i]; value = nextNumber(value, i)) {
+      if (numbers[i].size() == kMostNumbers / combinations) return std::nullopt;
+      numbers[i].push_back(value);
+    }
+    combinations *= numbers[i].size();
+  }
+  return numbers;
+}
+
+double PathSearch::nextNumber(double value, std::size_t parameter) const {
+  if (!code_.parameter_unit.empty()) return value + code_.parameter_unit[parameter];
+  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
+}
+
+/// The least one that is at least `bound`.
+double PathSearch::firstNumber(double bound, std::size_t parameter) const {
+  if (!code_.parameter_unit.empty())
+    return std::ceil(bound / code_.parameter_unit[parameter]) * code_.parameter_unit[parameter];
+  const double nearest = static_cast<float>(bound);
+  return nearest < bound ? nextNumber(nearest, parameter) : nearest;
+}
+
+/// Whether one of the combinations takes the path.
+bool PathSearch::tryAll(const Numbers& numbers) {
+  const std::size_t p = numbers.size();
+  std::vector<std::size_t> at(p, 0);
+  std::vector<double> theta(p);
+  for (std::size_t i = 0; i < p; ++i) {
+    if (numbers[i].empty()) return false;
+    theta[i] = numbers[i].front();
+  }
+  while (true) {
+    if (isTakenBy(theta)) {
+      theta_ = theta;
+      return true;
+    }
+    std::size_t i = 0;
+    while (i < p && ++at[i] == numbers[i].size()) {
+      at[i] = 0;
+      theta[i] = numbers[i].front();
+      ++i;
+    }
+    if (i == p) return false;
+    theta[i] = numbers[i][at[i]];
+  }
+}
+
+/// Of the widest parameter, where it is not as narrow already as it can be.
+void PathSearch::cutInHalves(const Box& box) {
   std::size_t widest = 0;
   double greatest = 0.0;
   for (std::size_t i = 0; i < box.size(); ++i) {
@@ -180,18 +244,19 @@ std::optional<std::vector<Box>> PathSearch::halves(const Box& box) const {
   }
   constexpr double kLeastShare = 1e-6;
   const bool has_units = !code_.parameter_unit.empty();
-  if (!(greatest > (has_units ? 0.0 : kLeastShare))) return std::nullopt;
+  is_cut_ = is_cut_ && greatest > (has_units ? 0.0 : kLeastShare);
+  if (!is_cut_) return;
   Box lower = box, upper = box;
   double middle = 0.5 * (box.lower[widest] + box.upper[widest]);
   const double unit = has_units ? code_.parameter_unit[widest] : 0.0;
   if (has_units) middle = std::floor(middle / unit) * unit;
   lower.upper[widest] = middle;
   upper.lower[widest] = middle + unit;
-  return std::vector<Box>{lower, upper};
+  parts_.push_back(std::move(lower));
+  parts_.push_back(std::move(upper));
 }
 
 PathSearch::Verdict PathSearch::search(Box box) {
-  if (--parts_left_ < 0) return Verdict::kUnknown;
   const Box whole = box;
   Cell cell(whole);
   addSteps(whole, cell);
@@ -200,15 +265,10 @@ PathSearch::Verdict PathSearch::search(Box box) {
   addSteps(box, smaller);
   if (smaller.isEmpty()) return Verdict::kImpossible;
   if (tryNumbers(smaller, box)) return Verdict::kTaken;
-  const std::optional<std::vector<Box>> parts = halves(box);
-  if (!parts) return Verdict::kUnknown;
-  Verdict verdict = Verdict::kImpossible;
-  for (const Box& part : *parts) {
-    const Verdict found = search(part);
-    if (found == Verdict::kTaken) return found;
-    if (found == Verdict::kUnknown) verdict = found;
-  }
-  return verdict;
+  if (const std::optional<Numbers> numbers = numbersIn(box))
+    return tryAll(*numbers) ? Verdict::kTaken : Verdict::kImpossible;
+  cutInHalves(box);
+  return Verdict::kUnknown;
 }
 
 }  // namespace checker

@@ -32,20 +32,29 @@ class PathSearch {
   const std::vector<double>& theta() const { return theta_; }
 
  private:
+  /// Of each parameter.
+  using Numbers = std::vector<std::vector<double>>;
+
   Verdict search(Box box);
+  void cutInHalves(const Box& box);
   bool shrink(Cell& cell, Box& box) const;
   void addSteps(const Box& box, Cell& cell) const;
   bool tryNumbers(const Cell& cell, const Box& box);
   bool take(std::vector<double> theta, const Box& box);
   double numberDistance(double value, std::size_t parameter) const;
-  bool isTakenBy(const std::vector<double>& theta) const;
-  std::optional<std::vector<Box>> halves(const Box& box) const;
+  bool isTakenBy(const std::vector<double>& theta);
+  std::optional<Numbers> numbersIn(const Box& box) const;
+  double firstNumber(double bound, std::size_t parameter) const;
+  double nextNumber(double value, std::size_t parameter) const;
+  bool tryAll(const Numbers& numbers);
 
   const ExportedCode& exported_;
   const LookupTables& code_;
   std::vector<PathStep> path_;
   std::vector<double> theta_, tried_;
-  int parts_left_ = 0;
+  std::vector<Box> parts_;
+  /// Whether all parts in which nothing is known were cut.
+  bool is_cut_ = true;
 };
 
 }  // namespace checker

@@ -22,12 +22,11 @@ double valueOf(const LookupTables& code, std::uint32_t plane, const std::vector<
 }  // namespace
 
 LookupWork sum(const LookupWork& a, const LookupWork& b) {
-  return {a.nodes + b.nodes, a.rows + b.rows, a.planes + b.planes, a.comparisons + b.comparisons};
+  return {a.planes + b.planes, a.comparisons + b.comparisons};
 }
 
 LookupWork greater(const LookupWork& a, const LookupWork& b) {
-  return {std::max(a.nodes, b.nodes), std::max(a.rows, b.rows), std::max(a.planes, b.planes),
-          std::max(a.comparisons, b.comparisons)};
+  return {std::max(a.planes, b.planes), std::max(a.comparisons, b.comparisons)};
 }
 
 std::vector<double> givenNumbers(const ExportedCode& code, std::vector<double> theta) {
@@ -49,7 +48,7 @@ double valueAt(const ExportedCode& code, std::uint32_t plane, const std::vector<
 
 LookupWork workAt(const ExportedCode& exported, const std::vector<double>& theta) {
   const LookupTables& code = exported.tables;
-  LookupWork work = {0, 0, 0, 2 * code.p};
+  LookupWork work = {0, 2 * code.p};
   std::uint32_t child = code.root();
   while (child < code.node_plane.size()) {
     work = sum(work, kNodeWork);

@@ -11,10 +11,7 @@ namespace checker {
 
 /// Operations of one look-up.
 struct LookupWork {
-  std::uint64_t nodes = 0;
-  /// Rows of candidates.
-  std::uint64_t rows = 0;
-  /// Half-spaces whose value is computed: of nodes and of rows.
+  /// Half-spaces whose value is computed: of nodes, and of the rows that candidates test.
   std::uint64_t planes = 0;
   /// Two for each parameter, one for each node, one for each row and candidate. Where the candidate with the least
   /// violation is taken, two for each row and four for each candidate.
@@ -25,10 +22,10 @@ struct LookupWork {
 LookupWork sum(const LookupWork& a, const LookupWork& b);
 LookupWork greater(const LookupWork& a, const LookupWork& b);
 
-constexpr LookupWork kNodeWork = {1, 0, 1, 1};
+constexpr LookupWork kNodeWork = {1, 1};
 
 constexpr LookupWork candidateWork(const LookupTables& code, std::uint64_t rows) {
-  return {0, rows, rows, code.takes_first ? rows + 1 : 2 * rows + 4};
+  return {rows, code.takes_first ? rows + 1 : 2 * rows + 4};
 }
 
 /// a . theta - c as two sums: the code adds them last. Number has the code's arithmetic.

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <cstdio>
-#include <cstdlib>
 
 namespace checker {
 namespace {
@@ -15,8 +13,7 @@ constexpr int kMostParts = 400;
 /// Paths in one leaf that are looked at. From then on each path counts as taken.
 constexpr std::uint64_t kMostTried = 20000;
 
-constexpr std::uint64_t LookupWork::*kKinds[] = {&LookupWork::nodes, &LookupWork::rows, &LookupWork::planes,
-                                                 &LookupWork::comparisons};
+constexpr std::uint64_t LookupWork::*kKinds[] = {&LookupWork::planes, &LookupWork::comparisons};
 
 bool exceeds(const LookupWork& work, const LookupWork& other) {
   return std::any_of(std::begin(kKinds), std::end(kKinds),
@@ -49,11 +46,10 @@ LookupWork WorkProof::run() {
   for (const int most_parts : {1, kMostParts}) {
     most_parts_ = most_parts;
     unknown_ = {};
-    descend(code_.root(), {0, 0, 0, 2 * code_.p});
+    descend(code_.root(), {0, 2 * code_.p});
   }
   keepReached();
   greatest_ = greater(greatest_, unknown_);
-  if (getenv("DBG")) { fprintf(stderr, "DBG proven n%d r%d p%d c%d; kept", (int)greatest_.nodes,(int)greatest_.rows,(int)greatest_.planes,(int)greatest_.comparisons); for (auto& t : reached_) { auto w=workAt(exported_, t); fprintf(stderr, " n%d r%d p%d c%d;", (int)w.nodes,(int)w.rows,(int)w.planes,(int)w.comparisons);} fprintf(stderr,"\n"); }
   return greatest_;
 }
 
@@ -82,7 +78,6 @@ bool WorkProof::mayRaise(const LookupWork& work, const LookupWork& rest) const {
 void WorkProof::raise(const LookupWork& work) {
   if (!exceeds(work, greatest_)) return;
   const PathSearch::Verdict verdict = paths_.run(path_, most_parts_);
-  if (getenv("DBG")) fprintf(stderr, "DBG  raise p%d r%d verdict %d\n", (int)work.planes, (int)work.rows, (int)verdict);
   // They may take another path with more work.
   if (!paths_.tried().empty()) reach(paths_.tried());
   if (verdict == PathSearch::Verdict::kImpossible) return;
@@ -124,18 +119,20 @@ void WorkProof::addStep(const PathStep& step) {
   const double limit = step.limit - (step.is_strict ? code_.distance_unit : 0.0);
   const double rounding = kOwnRounding * (std::abs(constant) + std::abs(limit) + error);
   cell_.add({plane, sign, constant + limit + error + rounding});
+  const auto contradicts = [&step](const PathStep& other) { return contradict(step, other); };
+  if (possible_ == path_.size() && std::none_of(path_.begin(), path_.end(), contradicts)) ++possible_;
   path_.push_back(step);
 }
 
 void WorkProof::shrink(std::size_t size) {
   cell_.shrink(size);
   path_.resize(size);
+  possible_ = std::min(possible_, size);
 }
 
 bool WorkProof::isTaken() {
   ++tried_;
-  const auto isContradicted = [this](const PathStep& step) { return contradict(path_.back(), step); };
-  if (!path_.empty() && std::any_of(path_.begin(), path_.end(), isContradicted)) return false;
+  if (possible_ < path_.size()) return false;
   return tried_ > kMostTried || !cell_.isEmpty();
 }
 

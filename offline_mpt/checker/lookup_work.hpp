@@ -47,6 +47,8 @@ class WorkProof {
   Cell cell_;
   /// The comparisons on the way, which the cell holds.
   std::vector<PathStep> path_;
+  /// The first steps of the path, up to one that contradicts an earlier one.
+  std::size_t possible_ = 0;
   /// Bounds of |computed - exact| of each plane, at the parameter that the code is given.
   std::vector<double> error_;
   /// Of each node and leaf, then of each candidate of a leaf: what may follow, whatever the parameter is.

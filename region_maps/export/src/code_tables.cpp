@@ -161,9 +161,10 @@ CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
   return tables;
 }
 
-CodeCost codeCost(const RegionMap& map, const CodeTables& tables, ExportType type) {
+LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type) {
   // Row: tolerance, and in doubles greatest. Candidate: whether it holds; in doubles handicap, least, end of the search.
-  const std::uint64_t of_row = type == ExportType::kDouble ? 2 : 1, of_candidate = type == ExportType::kDouble ? 4 : 1;
+  const std::uint64_t of_row = type == ExportType::kDouble ? 2 : 1,
+                      of_candidate = type == ExportType::kDouble ? 4 : 1;
   const std::size_t nodes = map.nodeCount();
   // A child comes after its parent, so one pass finds the depth of each.
   std::vector<std::uint32_t> depth(nodes + map.leafCount(), 0);
@@ -174,21 +175,18 @@ CodeCost codeCost(const RegionMap& map, const CodeTables& tables, ExportType typ
     }
   }
   const std::uint64_t p = map.parameters().size();
-  CodeCost cost;
+  LookupWork work;
   for (std::size_t i = 0; i < map.leafCount(); ++i) {
     const std::uint32_t first = tables.leaf_first[i];
     const std::uint32_t end = tables.leaf_first[i + 1];
     const std::uint32_t rows = tables.candidate_first[end] - tables.candidate_first[first];
     const std::uint32_t path = depth[nodes + i];
-    cost.nodes = std::max(cost.nodes, path);
-    cost.rows = std::max(cost.rows, rows);
-    cost.multiply_adds =
-        std::max(cost.multiply_adds, (std::uint64_t{path} + rows) * p + map.inputs().size() * p);
+    work.planes = std::max(work.planes, std::uint64_t{path} + rows);
     // Box: two for each parameter.
-    cost.comparisons =
-        std::max(cost.comparisons, 2 * p + path + of_row * rows + of_candidate * (end - first));
+    work.comparisons =
+        std::max(work.comparisons, 2 * p + path + of_row * rows + of_candidate * (end - first));
   }
-  return cost;
+  return work;
 }
 
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values) {

@@ -41,18 +41,11 @@ struct CodeTables {
   std::vector<std::uint32_t> region_law;
 };
 
-/// Greatest numbers of operations of one evaluation, over all paths of the tree.
-struct CodeCost {
-  std::uint32_t nodes = 0;
-  std::uint32_t rows = 0;
-  std::uint64_t multiply_adds = 0;
-  std::uint64_t comparisons = 0;
-};
-
 /// Throws Error where a number exceeds the type.
 CodeTables codeTables(const RegionMap& map, const ExportOptions& options);
 
-CodeCost codeCost(const RegionMap& map, const CodeTables& tables, ExportType type);
+/// Greatest numbers of operations of one evaluation: the longest path of the tree to each leaf, and all rows of it.
+LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type);
 
 /// Bytes of the narrowest unsigned type for these values: 1, 2 or 4.
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values);

@@ -182,11 +182,11 @@ void addFixedPoint(Replacements& keys, const FixedPoint& fixed) {
 
 /// The parts of NAME.c of doubles that search a leaf.
 void addLeastSearch(Replacements& keys, bool has_fallback, double handicap, const std::string& name) {
-  keys["handicap_table"] =
-      !has_fallback ? ""
-                    : "/* What is added to the violation of a fallback region [" + keys["distance_unit"] +
-                          "]. */\nstatic const double " + name +
-                          "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
+  keys["handicap_table"] = !has_fallback
+                               ? ""
+                               : "/* What is added to the violation of a fallback region [" +
+                                     keys["distance_unit"] + "]. */\nstatic const double " + name +
+                                     "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
   keys["offer"] = has_fallback ? replaced(kFallbackTemplate, keys)
                                : "            const double violation = " + name + "_violation(theta, i);\n\n";
   keys["least"] = replaced("        @sum@ least = @most@;\n", keys);

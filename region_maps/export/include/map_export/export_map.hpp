@@ -41,8 +41,13 @@ struct ExportOptions {
 struct LookupWork {
   /// Nodes of the tree and rows of candidates: planes whose value is computed.
   std::uint64_t planes = 0;
-  std::uint64_t rows = 0;
   std::uint64_t comparisons = 0;
+};
+
+/// A parameter in numbers of the code's type, and the operations of the code's look-up there.
+struct CostlyPoint {
+  std::vector<double> theta;  ///< size p [the signals' units]
+  LookupWork work;
 };
 
 /// What is proven of the exported code, to be stated in its header.
@@ -56,6 +61,8 @@ struct ExportBound {
   /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
   /// input's unit]
   std::vector<double> allowed;
+  /// Parameters that reach the numbers of `work`, for NAME_test.c.
+  std::vector<CostlyPoint> costly = {};
 
   /// Whether the errors are within what the filter allows.
   bool isAllowed() const;
