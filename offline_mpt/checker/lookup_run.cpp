@@ -22,11 +22,11 @@ double valueOf(const LookupTables& code, std::uint32_t plane, const std::vector<
 }  // namespace
 
 LookupWork sum(const LookupWork& a, const LookupWork& b) {
-  return {a.planes + b.planes, a.comparisons + b.comparisons};
+  return {a.sums + b.sums, a.comparisons + b.comparisons};
 }
 
 LookupWork greater(const LookupWork& a, const LookupWork& b) {
-  return {std::max(a.planes, b.planes), std::max(a.comparisons, b.comparisons)};
+  return {std::max(a.sums, b.sums), std::max(a.comparisons, b.comparisons)};
 }
 
 std::vector<double> givenNumbers(const ExportedCode& code, std::vector<double> theta) {
@@ -55,6 +55,7 @@ LookupWork workAt(const ExportedCode& exported, const std::vector<double>& theta
     child = code.children[child][valueAt(exported, code.node_plane[child], theta) <= 0.0 ? 0 : 1];
   }
   double least = kInfinity;
+  bool has_answer = false;
   for (const LookupTables::Candidate& candidate : code.leaves[child - code.node_plane.size()]) {
     double greatest = -kInfinity;
     std::uint64_t tested = 0;
@@ -65,12 +66,13 @@ LookupWork workAt(const ExportedCode& exported, const std::vector<double>& theta
       greatest = violation <= code.tolerance ? std::max(greatest, violation) : kInfinity;
     }
     work = sum(work, candidateWork(code, tested));
-    if (code.takes_first && greatest < kInfinity) break;
+    has_answer = has_answer || greatest < kInfinity;
+    if (code.takes_first && has_answer) break;
     if (candidate.is_fallback) greatest = std::max(greatest, 0.0) + code.handicap;
     least = std::min(least, greatest);
     if (least <= 0.0) break;
   }
-  return work;
+  return has_answer ? sum(work, lawWork(code)) : work;
 }
 
 }  // namespace checker

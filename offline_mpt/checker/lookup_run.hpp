@@ -11,8 +11,8 @@ namespace checker {
 
 /// Operations of one look-up.
 struct LookupWork {
-  /// Half-spaces whose value is computed: of nodes, and of the rows that candidates test.
-  std::uint64_t planes = 0;
+  /// Sums of p products: the half-spaces of nodes, those of the rows that candidates test, and the rows of the law.
+  std::uint64_t sums = 0;
   /// Two for each parameter, one for each node, one for each row and candidate. Where the candidate with the least
   /// violation is taken, two for each row and four for each candidate.
   std::uint64_t comparisons = 0;
@@ -23,6 +23,8 @@ LookupWork sum(const LookupWork& a, const LookupWork& b);
 LookupWork greater(const LookupWork& a, const LookupWork& b);
 
 constexpr LookupWork kNodeWork = {1, 1};
+
+inline LookupWork lawWork(const LookupTables& code) { return {code.q, 0}; }
 
 constexpr LookupWork candidateWork(const LookupTables& code, std::uint64_t rows) {
   return {rows, code.takes_first ? rows + 1 : 2 * rows + 4};

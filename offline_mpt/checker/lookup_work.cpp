@@ -13,7 +13,7 @@ constexpr int kMostParts = 400;
 /// Paths in one leaf that are looked at. From then on each path counts as taken.
 constexpr std::uint64_t kMostTried = 20000;
 
-constexpr std::uint64_t LookupWork::*kKinds[] = {&LookupWork::planes, &LookupWork::comparisons};
+constexpr std::uint64_t LookupWork::*kKinds[] = {&LookupWork::sums, &LookupWork::comparisons};
 
 bool exceeds(const LookupWork& work, const LookupWork& other) {
   return std::any_of(std::begin(kKinds), std::end(kKinds),
@@ -59,7 +59,7 @@ void WorkProof::countPaths() {
   rest_of_leaf_.clear();
   for (std::size_t i = 0; i < code_.leaves.size(); ++i) {
     const std::vector<Candidate>& leaf = code_.leaves[i];
-    std::vector<LookupWork> rest(leaf.size() + 1);
+    std::vector<LookupWork> rest(leaf.size() + 1, lawWork(code_));
     for (std::size_t k = leaf.size(); k-- > 0;)
       rest[k] = sum(candidateWork(code_, leaf[k].rows.size()), rest[k + 1]);
     rest_[nodes + i] = rest.front();
@@ -143,12 +143,12 @@ void WorkProof::descend(std::uint32_t child, LookupWork work) {
   if (watch_.stop != nullptr && *watch_.stop) throw Stopped();
   if (child >= nodes) {
     tried_ = 0;
-    search(static_cast<std::uint32_t>(child - nodes), 0, work);
+    search(static_cast<std::uint32_t>(child - nodes), 0, work, false);
     return;
   }
   const std::size_t size = path_.size();
   const std::array<std::uint32_t, 2>& children = code_.children[child];
-  const std::uint32_t first = rest_[children[1]].planes > rest_[children[0]].planes ? 1 : 0;
+  const std::uint32_t first = rest_[children[1]].sums > rest_[children[0]].sums ? 1 : 0;
   for (const std::uint32_t side : {first, 1 - first}) {
     const std::uint32_t row = 2 * code_.node_plane[child];
     side == 0 ? addRow(row, 0.0) : addViolatedRow(row, 0.0);
@@ -158,27 +158,27 @@ void WorkProof::descend(std::uint32_t child, LookupWork work) {
   }
 }
 
-/// From a candidate of a leaf on. It ends at a row that is violated by more than the tolerance, or with all rows held.
-void WorkProof::search(std::uint32_t leaf, std::size_t candidate, LookupWork work) {
+/// From a candidate of a leaf on. `has_answer`: an earlier one holds. It ends at a row that is violated by more than the tolerance, or with all rows held.
+void WorkProof::search(std::uint32_t leaf, std::size_t candidate, LookupWork work, bool has_answer) {
   const std::vector<Candidate>& candidates = code_.leaves[leaf];
   if (!mayRaise(work, rest_of_leaf_[leaf][candidate])) return;
   if (tried_ > kMostTried) {
     unknown_ = greater(unknown_, sum(work, rest_of_leaf_[leaf][candidate]));
     return;
   }
-  if (candidate == candidates.size()) return raise(work);
+  if (candidate == candidates.size()) return raise(has_answer ? sum(work, lawWork(code_)) : work);
   const Candidate& tested = candidates[candidate];
   const std::size_t size = path_.size();
   for (std::size_t k = 0; k < tested.rows.size(); ++k) {
     const std::size_t held = path_.size();
     addViolatedRow(tested.rows[k], code_.tolerance);
-    goOn(leaf, candidate + 1, sum(work, candidateWork(code_, k + 1)));
+    goOn(leaf, candidate + 1, sum(work, candidateWork(code_, k + 1)), has_answer);
     shrink(held);
     addRow(tested.rows[k], code_.tolerance);
   }
   const LookupWork whole = sum(work, candidateWork(code_, tested.rows.size()));
   if (isTaken()) {
-    raise(whole);
+    raise(sum(whole, lawWork(code_)));
     if (!code_.takes_first) searchBeyond(leaf, candidate, whole);
   }
   shrink(size);
@@ -188,18 +188,18 @@ void WorkProof::search(std::uint32_t leaf, std::size_t candidate, LookupWork wor
 /// than the tolerance.
 void WorkProof::searchBeyond(std::uint32_t leaf, std::size_t candidate, const LookupWork& whole) {
   const Candidate& tested = code_.leaves[leaf][candidate];
-  if (tested.is_fallback) return goOn(leaf, candidate + 1, whole);
+  if (tested.is_fallback) return goOn(leaf, candidate + 1, whole, true);
   const std::size_t held = path_.size();
   for (const std::uint32_t row : tested.rows) {
     addViolatedRow(row, 0.0);
-    goOn(leaf, candidate + 1, whole);
+    goOn(leaf, candidate + 1, whole, true);
     shrink(held);
   }
 }
 
 /// The next candidate, where some parameter comes to it.
-void WorkProof::goOn(std::uint32_t leaf, std::size_t candidate, const LookupWork& work) {
-  if (mayRaise(work, rest_of_leaf_[leaf][candidate]) && isTaken()) search(leaf, candidate, work);
+void WorkProof::goOn(std::uint32_t leaf, std::size_t candidate, const LookupWork& work, bool has_answer) {
+  if (mayRaise(work, rest_of_leaf_[leaf][candidate]) && isTaken()) search(leaf, candidate, work, has_answer);
 }
 
 }  // namespace checker

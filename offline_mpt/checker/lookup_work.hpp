@@ -35,9 +35,9 @@ class WorkProof {
   void shrink(std::size_t size);
   bool isTaken();
   void descend(std::uint32_t child, LookupWork work);
-  void search(std::uint32_t leaf, std::size_t candidate, LookupWork work);
+  void search(std::uint32_t leaf, std::size_t candidate, LookupWork work, bool has_answer);
   void searchBeyond(std::uint32_t leaf, std::size_t candidate, const LookupWork& whole);
-  void goOn(std::uint32_t leaf, std::size_t candidate, const LookupWork& work);
+  void goOn(std::uint32_t leaf, std::size_t candidate, const LookupWork& work, bool has_answer);
   void keepReached();
 
   const ExportedCode& exported_;

@@ -104,10 +104,10 @@ ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, P
   checker::WorkProof proof(proven.code, watch);
   const checker::LookupWork work = proof.run();
   bound.allowed = allowedErrors(map);
-  bound.work = LookupWork{work.planes, work.comparisons};
+  bound.work = LookupWork{work.sums, work.comparisons};
   for (const std::vector<double>& theta : proof.reached()) {
     const checker::LookupWork reached = checker::workAt(proven.code, theta);
-    bound.costly.push_back({theta, {reached.planes, reached.comparisons}});
+    bound.costly.push_back({theta, {reached.sums, reached.comparisons}});
   }
   return {std::move(proven.options), std::move(bound)};
 }

@@ -181,7 +181,7 @@ LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportTy
     const std::uint32_t end = tables.leaf_first[i + 1];
     const std::uint32_t rows = tables.candidate_first[end] - tables.candidate_first[first];
     const std::uint32_t path = depth[nodes + i];
-    work.planes = std::max(work.planes, std::uint64_t{path} + rows);
+    work.sums = std::max(work.sums, std::uint64_t{path} + rows + map.inputs().size());
     // Box: two for each parameter.
     work.comparisons =
         std::max(work.comparisons, 2 * p + path + of_row * rows + of_candidate * (end - first));

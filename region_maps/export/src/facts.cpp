@@ -40,7 +40,7 @@ std::string allowanceFacts(const ExportBound& bound) {
 }
 
 std::string workText(const RegionMap& map, const LookupWork& work) {
-  const std::uint64_t multiply_adds = (work.planes + map.inputs().size()) * map.parameters().size();
+  const std::uint64_t multiply_adds = work.sums * map.parameters().size();
   return "{\"multiply_adds\": " + std::to_string(multiply_adds) +
          ", \"comparisons\": " + std::to_string(work.comparisons) + "}";
 }
@@ -50,7 +50,7 @@ std::string reachedText(const RegionMap& map, const ExportBound& bound) {
   if (bound.costly.empty()) return "";
   LookupWork greatest;
   for (const CostlyPoint& point : bound.costly) {
-    greatest.planes = std::max(greatest.planes, point.work.planes);
+    greatest.sums = std::max(greatest.sums, point.work.sums);
     greatest.comparisons = std::max(greatest.comparisons, point.work.comparisons);
   }
   return ",\n  \"costliest_vector\": " + workText(map, greatest);

@@ -39,8 +39,8 @@ struct ExportOptions {
 
 /// Greatest numbers of operations of one look-up, over all parameters.
 struct LookupWork {
-  /// Nodes of the tree and rows of candidates: planes whose value is computed.
-  std::uint64_t planes = 0;
+  /// Sums of p products: planes of nodes and of candidates' rows, and rows of the law.
+  std::uint64_t sums = 0;
   std::uint64_t comparisons = 0;
 };
 
