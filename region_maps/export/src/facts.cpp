@@ -74,6 +74,23 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
   return tableBytes(codeTables(map, options), options.type);
 }
 
+std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options) {
+  struct Frame {
+    /// Addresses, indices and statuses; numbers of the type in which sums are.
+    std::size_t words, numbers;
+  };
+  const std::size_t terms = map.parameters().size() + 1;
+  // evaluate, locate, violation or holds, distance: see kSourceTemplate.
+  const std::vector<Frame> frames = options.type == ExportType::kDouble
+                                        ? std::vector<Frame>{{8, 1}, {8, 3}, {5, 3}, {2, terms}}
+                                        : std::vector<Frame>{{8, 1}, {8, 1}, {6, 2}, {2, terms}};
+  constexpr std::size_t kWord = 4, kCall = 16;
+  std::size_t bytes = 0;
+  for (const Frame& frame : frames)
+    bytes += kCall + kWord * frame.words + bytesOf(options.type).sum * frame.numbers;
+  return bytes;
+}
+
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
   const LookupWork work = bound.work ? *bound.work : greatestWork(map, tables, options.type);
@@ -84,6 +101,7 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          "\",\n  \"problem\": \"" + keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
          ",\n  \"inputs\": " + keys.at("m") + ",\n  \"regions\": " + keys.at("regions") +
          ",\n  \"table_bytes\": " + number(tableBytes(tables, options.type)) +
+         ",\n  \"stack_bytes\": " + number(exportStackBytes(map, options)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": " + workText(map, work) + reachedText(map, bound) +
          ",\n  \"error_bound\": " + errorList(bound) + ",\n  \"margin\": " + roundedUp(bound.margin) +
          allowanceFacts(bound) + "\n}\n";
