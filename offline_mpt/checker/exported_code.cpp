@@ -211,6 +211,9 @@ ExportedCode readCode(const std::string& text) {
   readTree(code, tables);
   readLeaves(code, tables);
   tables.takes_first = result.type != CodeType::kDouble;
+  const bool tests_whether_held = text.find(result.name + "_holds(") != std::string::npos;
+  require(tests_whether_held == tables.takes_first,
+          "the code searches a leaf in another way than its type does now; export it again");
   const bool has_handicap = !tables.takes_first && code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
   tables.handicap = has_handicap ? code.scalar("handicap") : 0.0;
   checkIndices(tables);

@@ -216,6 +216,15 @@ TEST_P(ExportBoundTest, AStatedBoundBelowTheProvenOneIsRefused) {
   EXPECT_NE(refusal([&] { checker::confirmExport(others, code, map); }).find("margin"), std::string::npos);
 }
 
+// Earlier versions took the candidate with the least violation, which is another look-up.
+TEST_P(ExportBoundTest, CodeThatSearchesInAnotherWayIsRefused) {
+  std::string text = code;
+  const std::string present = "code_holds(", former = "code_violation(";
+  for (std::size_t at = text.find(present); at != std::string::npos; at = text.find(present))
+    text.replace(at, present.size(), former);
+  EXPECT_NE(verdict(text).find("export it again"), std::string::npos);
+}
+
 TEST_P(ExportBoundTest, CodeOfAnotherMapIsRefused) {
   MapContent content = kinkedMap();
   content.laws[0] += 1e-3;
