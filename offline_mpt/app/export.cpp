@@ -21,7 +21,7 @@ const char kExportFooter[] =
   NAME.h       Functions, statuses, signals, and what is proven of the answers.
   NAME.c       Constant tables and the look-up. C99, also valid C++.
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
-  NAME.json    Sizes of tables, greatest numbers of operations, bounds, checksums.
+  NAME.json    Sizes of tables and stack, greatest numbers of operations, bounds, checksums.
 
 --type double answers as the map does, bit for bit. --type float and --type int16 answer within a bound that
 the command proves. Code of int16 has no floating-point numbers: signals are integers with scales of their
@@ -30,7 +30,8 @@ says what is proven.
 
 With --flash-limit, the command takes the first of these that fits: the map in double and in float; the
 map reduced, and reduced with --separate (offline_mpt reduce), in double and in float; the same three in
-int16. With --type, only that type. Of a reduced map it writes DIR/NAME.map too, for check_certificate.
+int16. With --type, only that type. The search tree is no choice: it is that of the map, or of its reduction.
+Of a reduced map it writes DIR/NAME.map too, for check_certificate.
 If nothing fits, it says how many bytes each would take.
 
 --online writes code that solves the problem for each parameter instead: small where the map does not fit, but

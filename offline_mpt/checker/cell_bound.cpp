@@ -98,6 +98,46 @@ bool Cell::solve(const std::vector<double>& function, double constant, double& b
   return weakDual(std::vector<double>(p, 0.0), 0.0) < 0.0;
 }
 
+template <class Number>
+std::vector<double> Cell::pointBy(const std::vector<double>& function) const {
+  const std::size_t p = box_->size();
+  double unit = 0.0;
+  for (const HalfSpace& half_space : half_spaces_) unit = std::max(unit, half_space.weight);
+  std::vector<Number> normals, limits;
+  std::vector<double> middle(p), half(p);
+  for (std::size_t i = 0; i < p; ++i) {
+    middle[i] = 0.5 * (box_->lower[i] + box_->upper[i]);
+    half[i] = 0.5 * (box_->upper[i] - box_->lower[i]);
+  }
+  for (const HalfSpace& half_space : half_spaces_) {
+    Number limit(half_space.limit);
+    for (std::size_t i = 0; i < p; ++i) {
+      const Number entry(half_space.sign * half_space.normal[i]);
+      normals.emplace_back(entry * Number(half[i]));
+      limit -= entry * Number(middle[i]);
+    }
+    normals.emplace_back(unit > 0.0 ? half_space.weight / unit : 0.0);
+    limits.push_back(limit);
+  }
+  // The distance is not negative.
+  normals.insert(normals.end(), p, Number(0));
+  normals.emplace_back(-1);
+  limits.emplace_back(0);
+  DualSimplex<Number> simplex(std::move(normals), std::move(limits), p + 1);
+  const std::vector<Number> objective(function.begin(), function.end());
+  if (simplex.solve(objective, rules<Number>()) != SimplexOutcome::kOptimal) return {};
+  const std::vector<Number> point = simplex.point();
+  std::vector<double> theta(p);
+  for (std::size_t i = 0; i < p; ++i)
+    theta[i] = std::clamp(middle[i] + half[i] * asDouble(point[i]), box_->lower[i], box_->upper[i]);
+  return theta;
+}
+
+std::vector<double> Cell::point(const std::vector<double>& function) const {
+  const std::vector<double> theta = pointBy<double>(function);
+  return theta.empty() ? pointBy<mpq_class>(function) : theta;
+}
+
 bool Cell::isEmpty() {
   // Any function serves; one without symmetry keeps dual variables apart.
   std::vector<double> function(box_->size());

@@ -12,6 +12,8 @@ struct HalfSpace {
   const double* normal = nullptr;
   double sign = 1.0;
   double limit = 0.0;
+  /// Of Cell::point.
+  double weight = 0.0;
 };
 
 /// A box of parameters.
@@ -42,7 +44,14 @@ class Cell {
   /// however the multipliers were found: in doubles, and where these get stuck in rational numbers.
   double upperBound(const std::vector<double>& function, double constant);
 
+  /// A theta of the cell that maximises the function, of parameters in half-ranges of the box. A last entry counts the
+  /// distance from the half-spaces, in shares of the greatest weight: each holds by its weight times that at least.
+  /// Nothing is proven of it. Empty where none is found.
+  std::vector<double> point(const std::vector<double>& function) const;
+
  private:
+  template <class Number>
+  std::vector<double> pointBy(const std::vector<double>& function) const;
   template <class Number>
   bool solve(const std::vector<double>& function, double constant, double& bound);
   double weakDual(const std::vector<double>& function, double constant) const;

@@ -43,6 +43,15 @@ class DualSimplex {
     return SimplexOutcome::kStopped;
   }
 
+  /// Where the rows of the basis hold with equality: after kOptimal, a maximiser.
+  std::vector<Number> point() const {
+    std::vector<Number> result(p_, Number(0));
+    for (std::size_t j = 0; j < p_; ++j) {
+      for (std::size_t i = 0; i < p_; ++i) result[i] += limits_[basis_[j]] * inverse_[j * p_ + i];
+    }
+    return result;
+  }
+
   /// Nonnegative multipliers of rows, without faces of the box: of the function at the optimum, or of a contradiction.
   std::vector<std::pair<std::size_t, Number>> multipliers(SimplexOutcome outcome) const {
     std::vector<std::pair<std::size_t, Number>> result;
@@ -77,14 +86,11 @@ class DualSimplex {
 
   /// The row that enters the basis; the number of all rows where none is violated.
   std::size_t entering(const Rules& rules) const {
-    std::vector<Number> point(p_, Number(0));
-    for (std::size_t j = 0; j < p_; ++j) {
-      for (std::size_t i = 0; i < p_; ++i) point[i] += limits_[basis_[j]] * inverse_[j * p_ + i];
-    }
+    const std::vector<Number> reached = point();
     std::size_t worst = limits_.size();
     Number violation = rules.feasible;
     for (std::size_t row = 0; row < limits_.size(); ++row) {
-      const Number beyond = product(row, point.data()) - limits_[row];
+      const Number beyond = product(row, reached.data()) - limits_[row];
       if (!(beyond > violation)) continue;
       worst = row;
       violation = beyond;

@@ -151,9 +151,9 @@ void ExportProof::choices(const LookupTables& tables, const std::vector<Candidat
   const Candidate* const fallback =
       std::find_if(begin, end, [](const Candidate& candidate) { return candidate.is_fallback; });
   for (const Candidate* candidate = begin; candidate != fallback; ++candidate) within(*candidate);
-  // A fallback region counts its handicap beyond its own violation. So each ordinary one violates a row by more than
-  // the handicap, and by more than the fallback region violates any of its rows. That is no row of both.
-  const double limit = std::min(tables.handicap, tables.tolerance);
+  // Each ordinary one violates a row by more than this, and by more than the fallback region violates any of its rows.
+  // That is no row of both. Where the least violation counts, the fallback region's one has its handicap.
+  const double limit = tables.takes_first ? tables.tolerance : std::min(tables.handicap, tables.tolerance);
   for (const Candidate* candidate = fallback; candidate != end; ++candidate)
     withoutHeld(tables, {begin, fallback}, limit, candidate->rows, [&] { within(*candidate); });
   if (visits_outside) withoutHeld(tables, {begin, end}, tables.tolerance, {}, [&] { visit(nullptr); });

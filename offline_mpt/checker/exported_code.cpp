@@ -169,7 +169,6 @@ IntegerScales integerScales(const CodeText& code, const LookupTables& tables) {
   scales.plane = static_cast<int>(code.macro("PLANE_EXPONENT"));
   scales.plane_unit = code.macro("PLANE_UNIT");
   scales.law_unit = code.macro("LAW_UNIT");
-  scales.not_held = code.macro("NOT_HELD");
   scales.greatest_input = code.macro("GREATEST_INPUT");
   scales.law_shift = code.indices("law_shift");
   return scales;
@@ -211,8 +210,12 @@ ExportedCode readCode(const std::string& text) {
   tables.tolerance = code.scalar("tolerance");
   readTree(code, tables);
   readLeaves(code, tables);
-  tables.handicap =
-      code.macro("FIRST_FALLBACK") == code.macro("REGION_COUNT") ? 0.0 : code.scalar("handicap");
+  tables.takes_first = result.type != CodeType::kDouble;
+  const bool tests_whether_held = text.find(result.name + "_holds(") != std::string::npos;
+  require(tests_whether_held == tables.takes_first,
+          "the code searches a leaf in another way than its type does now; export it again");
+  const bool has_handicap = !tables.takes_first && code.macro("FIRST_FALLBACK") != code.macro("REGION_COUNT");
+  tables.handicap = has_handicap ? code.scalar("handicap") : 0.0;
   checkIndices(tables);
   if (result.type == CodeType::kInt16) {
     scaleIntegers(integerScales(code, tables), tables);

@@ -38,10 +38,8 @@ void requireFitting(const IntegerScales& scales, const LookupTables& words) {
   requireWords(words.box.upper, kGreatestWord - 1.0);
   requireWords(words.planes, kGreatestWord);
   requireWords(words.laws, kGreatestWord);
-  requireWords({words.tolerance, words.handicap}, kGreatestSum);
-  require(words.tolerance >= 0.0 && words.handicap >= 0.0 &&
-              words.tolerance + words.handicap < scales.not_held && scales.not_held <= kGreatestSum,
-          "the code's tolerance is out of range");
+  requireWords({words.tolerance}, kGreatestSum);
+  require(words.tolerance >= 0.0, "the code's tolerance is out of range");
   require(isPowerOfTwo(scales.plane_unit) && isPowerOfTwo(scales.law_unit) && scales.plane >= 0 &&
               scales.plane <= kMostExponent && scales.greatest_input <= kGreatestWord,
           "a scale of the code is out of range");
@@ -72,6 +70,7 @@ void scaleIntegers(const IntegerScales& scales, LookupTables& tables) {
   for (std::size_t i = 0; i < p; ++i) {
     tables.box.lower[i] = std::ldexp(tables.box.lower[i], -scales.theta[i]);
     tables.box.upper[i] = std::ldexp(tables.box.upper[i], -scales.theta[i]);
+    tables.parameter_unit.push_back(std::ldexp(1.0, -scales.theta[i]));
     tables.parameter_error.push_back(std::ldexp(0.5, -scales.theta[i]));
   }
   const auto scale = [&](double* row, int exponent, double unit) {
@@ -88,8 +87,8 @@ void scaleIntegers(const IntegerScales& scales, LookupTables& tables) {
     scale(law, static_cast<int>(scales.law_shift[row]) + u_exponent, scales.law_unit);
     tables.law_error.push_back(fromParameters(law, tables) + std::ldexp(0.5, -u_exponent));
   }
+  tables.distance_unit = std::ldexp(1.0, -scales.plane);
   tables.tolerance = std::ldexp(tables.tolerance, -scales.plane);
-  tables.handicap = std::ldexp(tables.handicap, -scales.plane);
   for (const int exponent : scales.u)
     tables.greatest_input.push_back(std::ldexp(scales.greatest_input, -exponent));
 }

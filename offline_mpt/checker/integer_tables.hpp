@@ -11,12 +11,10 @@ namespace checker {
 struct IntegerScales {
   /// Of each parameter and of each input.
   std::vector<int> theta, u;
-  /// Of distances, tolerance and handicap.
+  /// Of distances and of the tolerance.
   int plane = 0;
   /// Factors of the constants of planes and of laws.
   double plane_unit = 0.0, law_unit = 0.0;
-  /// Violations of this size count as not held.
-  double not_held = 0.0;
   /// Inputs are limited to this size.
   double greatest_input = 0.0;
   /// Each row's sum is divided by 2 to this power and rounded to the nearest.

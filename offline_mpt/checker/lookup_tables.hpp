@@ -27,6 +27,10 @@ struct LookupTables {
   std::vector<double> planes;
   /// q rows of p + 1 numbers each.
   std::vector<double> laws;
+  /// Whether the first candidate of a leaf whose rows hold within the tolerance is taken. Otherwise it is the one whose
+  /// greatest violation is least, and the search ends at one without a violation.
+  bool takes_first = false;
+  /// The handicap is added to the violation of a fallback region, where the least counts.
   double tolerance = 0.0, handicap = 0.0;
   /// Node 0 is the root; without nodes it is leaf `root_leaf`. Children from the number of nodes on are leaves.
   std::vector<std::uint32_t> node_plane;
@@ -38,6 +42,9 @@ struct LookupTables {
   std::vector<double> plane_error, law_error;
   /// Greatest rounding of each parameter of the box on its way to the look-up.
   std::vector<double> parameter_error;
+  /// Of integers, what one unit of each parameter and of a distance stands for; empty and 0 for other types.
+  std::vector<double> parameter_unit;
+  double distance_unit = 0.0;
   /// Greatest size of each input that the code can answer; empty: no limit.
   std::vector<double> greatest_input;
 

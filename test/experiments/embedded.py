@@ -231,7 +231,7 @@ def page(summary, measured, pictures):
         *filter_section(summary["filter"], pictures["filter"]),
         "<h2>On a board of your own</h2><p>Compile <code>filter_test.c</code> with <code>FILTER_TEST_NO_MAIN</code>, define "
         "<code>FILTER_TEST_BEGIN()</code> and <code>FILTER_TEST_END()</code> to read a cycle counter, for example DWT_CYCCNT, and call "
-        "<code>filter_test()</code>. Its last vector is the one with the most operations that was met.</p></body></html>", ""])
+        "<code>filter_test()</code>. Its first vectors are those with the most operations.</p></body></html>", ""])
 
 
 def main(folder):

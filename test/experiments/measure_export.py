@@ -2,8 +2,8 @@
 
 usage: measure_export.py FOLDER
 
-FOLDER is that of `offline_mpt export`. The inputs are the vectors of NAME_test.c, of which the last has the most operations
-that were met. The result is added to NAME.json as "cortex_m4f". Needs arm-none-eabi-gcc and qemu-system-arm.
+FOLDER is that of `offline_mpt export`. The inputs are the vectors of NAME_test.c, of which the first have the most
+operations. The result is added to NAME.json as "cortex_m4f". Needs arm-none-eabi-gcc and qemu-system-arm.
 """
 
 import json

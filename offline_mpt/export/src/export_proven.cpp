@@ -48,11 +48,18 @@ bool addCandidates(const std::set<checker::LeafRegion>& places, const LeafRows* 
 
 enum class AddedRows { kNeeded, kAll };
 
+/// What is proven of code, and the options that give it.
+struct ProvenCode {
+  ExportOptions options;
+  checker::ExportedCode code;
+  ExportBound bound;
+};
+
 /// Proves code with one tolerance. Leaves get the candidates that they lack. Nothing where the code may have no answer
 /// though the map has one.
-std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Map& checked,
-                                         const checker::ProofWatch& watch, AddedRows added,
-                                         ExportOptions& options) {
+std::optional<ProvenCode> proveRepaired(const RegionMap& map, const checker::Map& checked,
+                                        const checker::ProofWatch& watch, AddedRows added,
+                                        ExportOptions options) {
   constexpr int kMostRepairs = 4;
   options.chosen.clear();
   const checker::ExportedCode first = checker::readCode(exportSource(map, options));
@@ -60,15 +67,16 @@ std::optional<ExportBound> proveRepaired(const RegionMap& map, const checker::Ma
   const LeafRows* const of_added = added == AddedRows::kNeeded ? &rows : nullptr;
   if (options.type != ExportType::kDouble) options.chosen = neededRows(map, rows);
   for (int repairs = 0;; ++repairs) {
-    const checker::ExportedAnswers proven =
-        checker::exportedAnswers(checked, checker::readCode(exportSource(map, options)), watch);
+    checker::ExportedCode code = checker::readCode(exportSource(map, options));
+    const checker::ExportedAnswers proven = checker::exportedAnswers(checked, code, watch);
     bool lacks = false;
     if (repairs < kMostRepairs) {
       lacks = addCandidates(proven.missing, of_added, options.chosen);
       lacks = addCandidates(proven.jumps, of_added, options.chosen) || lacks;
     }
-    if (!lacks && proven.missing.empty()) return ExportBound{proven.error, proven.margin, {}, {}};
-    if (!lacks) return std::nullopt;
+    if (lacks) continue;
+    if (!proven.missing.empty()) return std::nullopt;
+    return ProvenCode{std::move(options), std::move(code), {proven.error, proven.margin, {}, {}}};
   }
 }
 
@@ -91,12 +99,17 @@ std::vector<double> allowedErrors(const RegionMap& map) {
   return {problem.input_errors.data(), problem.input_errors.data() + problem.input_errors.size()};
 }
 
-ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, ProvenExport proven) {
-  const checker::ExportedCode code = checker::readCode(exportSource(map, proven.options));
-  const checker::LookupWork work = checker::WorkProof(code, watch).run();
-  proven.bound.allowed = allowedErrors(map);
-  proven.bound.work = LookupWork{work.planes, work.rows, work.comparisons};
-  return proven;
+ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, ProvenCode proven) {
+  ExportBound& bound = proven.bound;
+  checker::WorkProof proof(proven.code, watch);
+  const checker::LookupWork work = proof.run();
+  bound.allowed = allowedErrors(map);
+  bound.work = LookupWork{work.sums, work.comparisons};
+  for (const std::vector<double>& theta : proof.reached()) {
+    const checker::LookupWork reached = checker::workAt(proven.code, theta);
+    bound.costly.push_back({theta, {reached.sums, reached.comparisons}});
+  }
+  return {std::move(proven.options), std::move(bound)};
 }
 
 }  // namespace
@@ -110,15 +123,14 @@ ProvenExport proveExport(const RegionMap& map, ExportOptions options, const Expo
     const checker::Map checked{std::string(map.file())};
     for (int round = 0; round < kRounds; ++round, options.tolerance *= kGrowth) {
       const checker::ProofWatch watch = {proof.stop, proof.progress};
-      const std::optional<ExportBound> bound =
-          proveRepaired(map, checked, watch, AddedRows::kNeeded, options);
-      if (!bound) continue;
-      if (options.type == ExportType::kDouble) return withFacts(watch, map, {std::move(options), *bound});
-      // A candidate that was added for a steep law may differ much where its rows hold by the tolerance only.
-      ExportOptions whole = options;
-      const std::optional<ExportBound> other = proveRepaired(map, checked, watch, AddedRows::kAll, whole);
-      if (other && isMuchBetter(*other, *bound)) return withFacts(watch, map, {std::move(whole), *other});
-      return withFacts(watch, map, {std::move(options), *bound});
+      std::optional<ProvenCode> code = proveRepaired(map, checked, watch, AddedRows::kNeeded, options);
+      if (!code) continue;
+      if (options.type != ExportType::kDouble) {
+        // A candidate that was added for a steep law may differ much where its rows hold by the tolerance only.
+        std::optional<ProvenCode> whole = proveRepaired(map, checked, watch, AddedRows::kAll, options);
+        if (whole && isMuchBetter(whole->bound, code->bound)) code = std::move(whole);
+      }
+      return withFacts(watch, map, std::move(*code));
     }
   } catch (const checker::Stopped&) {
     throw Error(map.path() + ": the proof of its code was interrupted");

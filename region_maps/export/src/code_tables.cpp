@@ -10,9 +10,6 @@
 namespace polyfly {
 namespace {
 
-/// Share of the tolerance by which fallback regions stand behind ordinary ones, of a type whose rounding
-/// exceeds the map's own handicap.
-constexpr double kFloatHandicap = 0.5;
 /// Tolerances in greatest rounding errors of a half-space.
 constexpr double kFloatTolerance = 64.0;
 constexpr double kInt16Tolerance = 2.0;
@@ -135,7 +132,6 @@ void fillReals(const RegionMap& map, const ExportOptions& options, CodeTables& t
     tables.handicap = format::kHandicap * map.tolerance();
   } else {
     tables.tolerance = floatTolerance(map, tables, kFloatTolerance * options.tolerance);
-    tables.handicap = rounded(kFloatHandicap * tables.tolerance, type);
   }
 }
 
@@ -165,7 +161,10 @@ CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
   return tables;
 }
 
-CodeCost codeCost(const RegionMap& map, const CodeTables& tables) {
+LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type) {
+  // Row: tolerance, and in doubles greatest. Candidate: whether it holds; in doubles handicap, least, end of the search.
+  const std::uint64_t of_row = type == ExportType::kDouble ? 2 : 1,
+                      of_candidate = type == ExportType::kDouble ? 4 : 1;
   const std::size_t nodes = map.nodeCount();
   // A child comes after its parent, so one pass finds the depth of each.
   std::vector<std::uint32_t> depth(nodes + map.leafCount(), 0);
@@ -176,21 +175,18 @@ CodeCost codeCost(const RegionMap& map, const CodeTables& tables) {
     }
   }
   const std::uint64_t p = map.parameters().size();
-  CodeCost cost;
+  LookupWork work;
   for (std::size_t i = 0; i < map.leafCount(); ++i) {
     const std::uint32_t first = tables.leaf_first[i];
     const std::uint32_t end = tables.leaf_first[i + 1];
     const std::uint32_t rows = tables.candidate_first[end] - tables.candidate_first[first];
     const std::uint32_t path = depth[nodes + i];
-    cost.nodes = std::max(cost.nodes, path);
-    cost.rows = std::max(cost.rows, rows);
-    cost.multiply_adds =
-        std::max(cost.multiply_adds, (std::uint64_t{path} + rows) * p + map.inputs().size() * p);
-    // Box: two for each parameter. Row: tolerance and greatest. Candidate: least, handicap, end of the search.
-    cost.comparisons =
-        std::max(cost.comparisons, 2 * p + path + 2 * std::uint64_t{rows} + 4 * std::uint64_t{end - first});
+    work.sums = std::max(work.sums, std::uint64_t{path} + rows + map.inputs().size());
+    // Box: two for each parameter.
+    work.comparisons =
+        std::max(work.comparisons, 2 * p + path + of_row * rows + of_candidate * (end - first));
   }
-  return cost;
+  return work;
 }
 
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values) {

@@ -15,7 +15,7 @@ constexpr std::uint32_t exportedRow(std::int32_t row) {
 }
 
 /// The tables of the exported code. Each leaf has candidates of its own, each candidate the rows that are tested. Of
-/// kInt16, planes, laws, box, tolerance and handicap are integers, as `fixed` scales them.
+/// kInt16, planes, laws, box and tolerance are integers, as `fixed` scales them.
 struct CodeTables {
   /// p + 1 numbers each, as the type rounds them.
   std::vector<double> planes;
@@ -24,7 +24,7 @@ struct CodeTables {
   /// Lower and upper bound of each parameter, widened by the tolerance, rounded outwards.
   std::vector<double> box;
   double tolerance = 0.0;  ///< [scaled]
-  /// What is added to the violation of a fallback region.
+  /// Of doubles, what is added to the violation of a fallback region.
   double handicap = 0.0;  ///< [scaled]
   /// Of kInt16.
   FixedPoint fixed;
@@ -41,18 +41,11 @@ struct CodeTables {
   std::vector<std::uint32_t> region_law;
 };
 
-/// Greatest numbers of operations of one evaluation, over all paths of the tree.
-struct CodeCost {
-  std::uint32_t nodes = 0;
-  std::uint32_t rows = 0;
-  std::uint64_t multiply_adds = 0;
-  std::uint64_t comparisons = 0;
-};
-
 /// Throws Error where a number exceeds the type.
 CodeTables codeTables(const RegionMap& map, const ExportOptions& options);
 
-CodeCost codeCost(const RegionMap& map, const CodeTables& tables);
+/// Greatest numbers of operations of one evaluation: the longest path of the tree to each leaf, and all rows of it.
+LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type);
 
 /// Bytes of the narrowest unsigned type for these values: 1, 2 or 4.
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values);

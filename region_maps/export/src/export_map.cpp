@@ -180,6 +180,20 @@ void addFixedPoint(Replacements& keys, const FixedPoint& fixed) {
   keys["advice"] = keys["nan_note"] = "";
 }
 
+/// The parts of NAME.c of doubles that search a leaf.
+void addLeastSearch(Replacements& keys, bool has_fallback, double handicap, const std::string& name) {
+  keys["handicap_table"] = !has_fallback
+                               ? ""
+                               : "/* What is added to the violation of a fallback region [" +
+                                     keys["distance_unit"] + "]. */\nstatic const double " + name +
+                                     "_handicap = " + constant(handicap, ExportType::kDouble) + ";\n";
+  keys["offer"] = has_fallback ? replaced(kFallbackTemplate, keys)
+                               : "            const double violation = " + name + "_violation(theta, i);\n\n";
+  keys["least"] = replaced("        @sum@ least = @most@;\n", keys);
+  keys["candidate_test"] = replaced(kLeastTest, keys);
+  keys["search"] = replaced(kLeastSearch, keys);
+}
+
 }  // namespace
 
 void checkExportName(const std::string& name) {
@@ -219,9 +233,7 @@ Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
           {"cast", is_fixed ? "(int32_t)" : ""},
           {"number", is_fixed ? "I16" : "REAL"},
           {"avr_read", is_fixed ? "(int16_t)pgm_read_word" : "pgm_read_float"},
-          {"most", is_fixed    ? "NOT_HELD"
-                   : is_double ? "DBL_MAX"
-                               : "FLT_MAX"},
+          {"most", is_double ? "DBL_MAX" : "FLT_MAX"},
           {"prefix", is_double ? "DBL" : "FLT"},
           {"digits", is_double ? "53" : "24"},
           {"zero", constant(0.0, options.type)},
@@ -254,16 +266,14 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   keys["tree"] = has_nodes ? replaced(kTreeTemplate, keys) : "";
   keys["node_count"] = has_nodes ? "#define NODE_COUNT " + keys["nodes"] + "u\n" : "";
   keys["descent"] = has_nodes ? replaced(kDescentTemplate, keys) : "";
-  const bool has_fallback = map.firstFallback() != map.regionCount();
   keys["first_fallback"] = std::to_string(map.firstFallback());
-  keys["handicap_table"] =
-      !has_fallback ? ""
-                    : "/* What is added to the violation of a fallback region [" + keys["distance_unit"] +
-                          "]. */\nstatic const " + keys["sum"] + " " + options.name +
-                          "_handicap = " + constant(tables.handicap, options.type) + ";\n";
-  keys["offer"] = has_fallback ? replaced(kFallbackTemplate, keys)
-                               : "            const " + keys["sum"] + " violation = " + options.name +
-                                     "_violation(theta, i);\n\n";
+  if (options.type == ExportType::kDouble) {
+    addLeastSearch(keys, map.firstFallback() != map.regionCount(), tables.handicap, options.name);
+  } else {
+    keys["handicap_table"] = keys["least"] = "";
+    keys["candidate_test"] = replaced(kFirstTest, keys);
+    keys["search"] = replaced(kFirstSearch, keys);
+  }
   return replaced(kSourceTemplate, keys);
 }
 

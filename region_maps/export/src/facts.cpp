@@ -1,7 +1,6 @@
-#include <cstdio>
+#include <algorithm>
 
 #include "code_tables.hpp"
-#include "costly_point.hpp"
 #include "map_facts.hpp"
 
 namespace polyfly {
@@ -40,6 +39,23 @@ std::string allowanceFacts(const ExportBound& bound) {
   return text + "],\n  \"is_allowed\": " + (bound.isAllowed() ? "true" : "false");
 }
 
+std::string workText(const RegionMap& map, const LookupWork& work) {
+  const std::uint64_t multiply_adds = work.sums * map.parameters().size();
+  return "{\"multiply_adds\": " + std::to_string(multiply_adds) +
+         ", \"comparisons\": " + std::to_string(work.comparisons) + "}";
+}
+
+/// The greatest numbers that vectors of NAME_test.c reach.
+std::string reachedText(const RegionMap& map, const ExportBound& bound) {
+  if (bound.costly.empty()) return "";
+  LookupWork greatest;
+  for (const CostlyPoint& point : bound.costly) {
+    greatest.sums = std::max(greatest.sums, point.work.sums);
+    greatest.comparisons = std::max(greatest.comparisons, point.work.comparisons);
+  }
+  return ",\n  \"costliest_vector\": " + workText(map, greatest);
+}
+
 std::size_t tableBytes(const CodeTables& tables, ExportType type) {
   const auto [number, sum] = bytesOf(type);
   std::size_t bytes = number * (tables.planes.size() + tables.laws.size() + tables.box.size()) + sum;
@@ -58,15 +74,26 @@ std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options)
   return tableBytes(codeTables(map, options), options.type);
 }
 
+std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options) {
+  struct Frame {
+    /// Addresses, indices and statuses; numbers of the type in which sums are.
+    std::size_t words, numbers;
+  };
+  const std::size_t terms = map.parameters().size() + 1;
+  // evaluate, locate, violation or holds, distance: see kSourceTemplate.
+  const std::vector<Frame> frames = options.type == ExportType::kDouble
+                                        ? std::vector<Frame>{{8, 1}, {8, 3}, {5, 3}, {2, terms}}
+                                        : std::vector<Frame>{{8, 1}, {8, 1}, {6, 2}, {2, terms}};
+  constexpr std::size_t kWord = 4, kCall = 16;
+  std::size_t bytes = 0;
+  for (const Frame& frame : frames)
+    bytes += kCall + kWord * frame.words + bytesOf(options.type).sum * frame.numbers;
+  return bytes;
+}
+
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   const CodeTables tables = codeTables(map, options);
-  CodeCost cost = codeCost(map, tables);
-  if (bound.work) {
-    cost.rows = static_cast<std::uint32_t>(bound.work->rows);
-    cost.multiply_adds = (bound.work->planes + map.inputs().size()) * map.parameters().size();
-    cost.comparisons = bound.work->comparisons;
-  }
-  const CodeCost reached = costlyPoint(map, options).cost;
+  const LookupWork work = bound.work ? *bound.work : greatestWork(map, tables, options.type);
   const Replacements keys = sharedKeys(map, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
   return "{\n  \"name\": \"" + options.name + "\",\n  \"type\": \"" + std::string(toString(options.type)) +
@@ -74,13 +101,10 @@ std::string exportFacts(const RegionMap& map, const ExportOptions& options, cons
          "\",\n  \"problem\": \"" + keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
          ",\n  \"inputs\": " + keys.at("m") + ",\n  \"regions\": " + keys.at("regions") +
          ",\n  \"table_bytes\": " + number(tableBytes(tables, options.type)) +
-         ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"nodes\": " + number(cost.nodes) +
-         ", \"rows\": " + number(cost.rows) + ", \"multiply_adds\": " + number(cost.multiply_adds) +
-         ", \"comparisons\": " + number(cost.comparisons) +
-         "},\n  \"costliest_vector\": {\"nodes\": " + number(reached.nodes) +
-         ", \"rows\": " + number(reached.rows) + ", \"multiply_adds\": " + number(reached.multiply_adds) +
-         ", \"comparisons\": " + number(reached.comparisons) + "},\n  \"error_bound\": " + errorList(bound) +
-         ",\n  \"margin\": " + roundedUp(bound.margin) + allowanceFacts(bound) + "\n}\n";
+         ",\n  \"stack_bytes\": " + number(exportStackBytes(map, options)) +
+         ",\n  \"writable_bytes\": 0,\n  \"worst_case\": " + workText(map, work) + reachedText(map, bound) +
+         ",\n  \"error_bound\": " + errorList(bound) + ",\n  \"margin\": " + roundedUp(bound.margin) +
+         allowanceFacts(bound) + "\n}\n";
 }
 
 }  // namespace polyfly

@@ -15,11 +15,7 @@ namespace {
 /// Room for answers just beyond an input's bounds.
 constexpr double kInputRoom = 1.0 / 64.0;
 constexpr double kGreatestSum = 2147483647.0;
-/// Violations of this size and more are all the same, see kSourceTemplate.
-constexpr double kGreatestTolerance = 1073741823.0;
 constexpr int kMostExponent = 30;
-/// Share of the tolerance by which fallback regions stand behind ordinary ones.
-constexpr double kFixedHandicap = 0.5;
 
 /// The greatest e with value * 2^e <= limit; `most` for zero.
 int greatestExponent(double value, double limit, int most) {
@@ -169,8 +165,7 @@ void fillFixedPoint(const RegionMap& map, const std::vector<double>& box, double
   fillLaws(map, scaler, tables);
   tables.tolerance =
       std::ceil(std::ldexp(map.tolerance(), exponent) + errors * greatestPlaneError(map, tables));
-  tables.handicap = std::ceil(kFixedHandicap * tables.tolerance);
-  if (!(tables.tolerance + tables.handicap <= kGreatestTolerance))
+  if (!(tables.tolerance <= kGreatestSum))
     throw Error("--type int16: the half-spaces' rounding needs a tolerance beyond its range");
 }
 

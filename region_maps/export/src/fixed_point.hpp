@@ -17,7 +17,7 @@ struct FixedPoint {
   std::vector<int> theta_exponent;
   /// Of each input. Size m.
   std::vector<int> u_exponent;
-  /// Of distances, of the tolerance and of the handicap.
+  /// Of distances and of the tolerance.
   int plane_exponent = 0;
   /// The sum of each row of a law is divided by 2 to this power, 1 .. kMostShift.
   std::vector<std::uint32_t> law_shift;
@@ -28,7 +28,7 @@ constexpr int kPlaneUnit = 16;
 constexpr int kLawUnit = 15;
 constexpr int kMostShift = 24;
 
-/// Fills in box, planes, laws, tolerance, handicap and scales as integers. No sum of the code exceeds 32 bits for a
+/// Fills in box, planes, laws, tolerance and scales as integers. No sum of the code exceeds 32 bits for a
 /// parameter in the box. The tolerance is `errors` times the greatest error of a plane's value. Throws Error where a law
 /// or plane needs more bits.
 void fillFixedPoint(const RegionMap& map, const std::vector<double>& box, double errors, CodeTables& tables);

@@ -16,8 +16,6 @@ inline constexpr char kFixedMacros[] =
 #define PLANE_EXPONENT @plane_exponent@
 #define PLANE_UNIT @plane_unit_value@
 #define LAW_UNIT @law_unit_value@
-/* More than any violation that counts as held. */
-#define NOT_HELD 1073741824
 #define GREATEST_INPUT 32767
 )code";
 

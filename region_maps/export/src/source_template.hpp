@@ -65,30 +65,7 @@ static @sum@ @name@_distance(const @real@ theta[@p@], @index@ plane)
 {
 @distance@}
 
-/* Greatest violation of the rows of a candidate; @most@ where one exceeds the tolerance. */
-static @sum@ @name@_violation(const @real@ theta[@p@], @index@ candidate)
-{
-    const @index@ end = @candidate_first_read@(@name@_candidate_first[candidate + 1u]);
-    @sum@ greatest = -@most@;
-    @index@ i;
-
-    for (i = @candidate_first_read@(@name@_candidate_first[candidate]); i < end; ++i) {
-        const @index@ row = @row_read@(@name@_row[i]);
-        const @sum@ distance = @name@_distance(theta, row >> 1u);
-        const @sum@ violation = ((row & 1u) != 0u) ? -distance : distance;
-
-@nan_note@        if (!(violation <= @name@_tolerance)) {
-            greatest = @most@;
-            break;
-        }
-        if (violation > greatest) {
-            greatest = violation;
-        }
-    }
-    return greatest;
-}
-
-/* OK where theta lies in the box. */
+@candidate_test@/* OK where theta lies in the box. */
 static @name@_status @name@_test_box(const @real@ theta[@p@])
 {
     @name@_status status = @NAME@_OK;
@@ -107,23 +84,10 @@ static @name@_status @name@_test_box(const @real@ theta[@p@])
         @index@ child = ROOT;
         @index@ i;
         @index@ end;
-        @sum@ least = @most@;
-
+@least@
 @descent@        status = @NAME@_OUTSIDE;
         end = @leaf_first_read@(@name@_leaf_first[child + 1u]);
-        /* The first candidate without a violation, or else the one with the least. */
-        for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
-            const @index@ number = @candidate_region_read@(@name@_candidate_region[i]);
-@offer@            if (violation < least) {
-                least = violation;
-                *region = (uint32_t)number;
-                status = @NAME@_OK;
-            }
-            if (least <= @zero@) {
-                break;
-            }
-        }
-    }
+@search@    }
     return status;
 }
 
@@ -186,6 +150,84 @@ inline constexpr char kDescentTemplate[] =
             child = @node_child_read@(@name@_node_child[child][side]);
         }
         child -= NODE_COUNT;
+)code";
+
+/// The search of doubles, which is that of RegionMap: the candidate with the least violation.
+inline constexpr char kLeastTest[] =
+    R"code(/* Greatest violation of the rows of a candidate; @most@ where one exceeds the tolerance. */
+static @sum@ @name@_violation(const @real@ theta[@p@], @index@ candidate)
+{
+    const @index@ end = @candidate_first_read@(@name@_candidate_first[candidate + 1u]);
+    @sum@ greatest = -@most@;
+    @index@ i;
+
+    for (i = @candidate_first_read@(@name@_candidate_first[candidate]); i < end; ++i) {
+        const @index@ row = @row_read@(@name@_row[i]);
+        const @sum@ distance = @name@_distance(theta, row >> 1u);
+        const @sum@ violation = ((row & 1u) != 0u) ? -distance : distance;
+
+@nan_note@        if (!(violation <= @name@_tolerance)) {
+            greatest = @most@;
+            break;
+        }
+        if (violation > greatest) {
+            greatest = violation;
+        }
+    }
+    return greatest;
+}
+
+)code";
+
+inline constexpr char kLeastSearch[] =
+    R"code(        /* The first candidate without a violation, or else the one with the least. */
+        for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
+            const @index@ number = @candidate_region_read@(@name@_candidate_region[i]);
+@offer@            if (violation < least) {
+                least = violation;
+                *region = (uint32_t)number;
+                status = @NAME@_OK;
+            }
+            if (least <= @zero@) {
+                break;
+            }
+        }
+)code";
+
+/// The search of types whose tolerance exceeds all rounding: the first candidate that holds.
+inline constexpr char kFirstTest[] =
+    R"code(/* Whether all rows of a candidate hold within the tolerance. */
+static int @name@_holds(const @real@ theta[@p@], @index@ candidate)
+{
+    const @index@ end = @candidate_first_read@(@name@_candidate_first[candidate + 1u]);
+    int holds = 1;
+    @index@ i;
+
+    for (i = @candidate_first_read@(@name@_candidate_first[candidate]); i < end; ++i) {
+        const @index@ row = @row_read@(@name@_row[i]);
+        const @sum@ distance = @name@_distance(theta, row >> 1u);
+        const @sum@ violation = ((row & 1u) != 0u) ? -distance : distance;
+
+@nan_note@        if (!(violation <= @name@_tolerance)) {
+            holds = 0;
+            break;
+        }
+    }
+    return holds;
+}
+
+)code";
+
+inline constexpr char kFirstSearch[] =
+    R"code(        for (i = @leaf_first_read@(@name@_leaf_first[child]); i < end; ++i) {
+            if (@name@_holds(theta, i) != 0) {
+                const @index@ number = @candidate_region_read@(@name@_candidate_region[i]);
+
+                *region = (uint32_t)number;
+                status = @NAME@_OK;
+                break;
+            }
+        }
 )code";
 
 /// What a candidate counts, in a map with fallback regions.

@@ -3,7 +3,7 @@
 #include <limits>
 #include <random>
 
-#include "costly_point.hpp"
+#include "code_tables.hpp"
 #include "map_facts.hpp"
 #include "test_template.hpp"
 
@@ -15,6 +15,8 @@ constexpr std::size_t kWithin = 24;
 constexpr std::size_t kFacets = 24;
 constexpr std::size_t kOutside = 8;
 constexpr std::uint64_t kSeed = 1;
+/// Where OK and OUTSIDE are both right, see kTestTemplate.
+constexpr std::uint32_t kEither = 3;
 /// What stays in u where there is no answer, and as an integer.
 constexpr double kUntouched = 0.5;
 constexpr double kUntouchedWord = 77.0;
@@ -40,8 +42,8 @@ class VectorMaker {
         margin_(margin),
         random_(kSeed) {}
 
-  Vectors make(const CostlyPoint& costly) {
-    if (!costly.theta.empty()) add(costly.theta);
+  Vectors make(const std::vector<CostlyPoint>& costly) {
+    for (const CostlyPoint& point : costly) add(point.theta, true);
     const std::size_t p = map_.parameters().size();
     for (std::size_t i = 0; i < kVertices; ++i) {
       std::vector<double> theta(p);
@@ -107,7 +109,8 @@ class VectorMaker {
     return true;
   }
 
-  void add(std::vector<double> theta) {
+  /// A costly parameter stays where rounding decides whether there is an answer.
+  void add(std::vector<double> theta, bool is_costly = false) {
     if (!round(theta)) return;
     std::vector<double> u(map_.inputs().size(), kUntouched);
     const Lookup found = map_.evaluate(theta.data(), u.data());
@@ -117,10 +120,11 @@ class VectorMaker {
     // Rounding puts vertices just outside of the box: the code's box is as much wider.
     const bool is_beside_box =
         type_ != ExportType::kDouble && found.status == LookupStatus::kOutsideBox && isInBox(theta);
-    if (may_differ || is_beside_box) return;
+    const bool is_either = may_differ || is_beside_box;
+    if (is_either && !is_costly) return;
     for (std::size_t k = 0; k < theta.size(); ++k)
       vectors_.theta.push_back(number(theta[k], exponents_.theta, k));
-    vectors_.status.push_back(is_inside ? 0 : 1);
+    vectors_.status.push_back(is_either ? kEither : is_inside ? 0 : 1);
     const bool is_untouched = type_ == ExportType::kInt16 && !is_inside;
     for (std::size_t j = 0; j < u.size(); ++j)
       vectors_.u.push_back(is_untouched ? kUntouchedWord : limited(number(u[j], exponents_.u, j)));
@@ -188,7 +192,7 @@ std::vector<double> comparedWithin(const RegionMap& map, const ExportOptions& op
 
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
-  const Vectors vectors = VectorMaker(map, options, bound.margin).make(costlyPoint(map, options));
+  const Vectors vectors = VectorMaker(map, options, bound.margin).make(bound.costly);
   const std::size_t m = map.inputs().size();
   const std::vector<double> tolerance = comparedWithin(map, options, bound, vectors.u);
   Replacements keys = sharedKeys(map, options);

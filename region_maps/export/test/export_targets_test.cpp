@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -16,9 +17,9 @@ namespace {
 
 std::string file(const std::string& name) { return projectRoot() + "/region_maps/export/test/" + name; }
 
-MapContent content() {
+MapContent content(std::uint32_t parameters = 3) {
   TreeRecipe recipe;
-  recipe.parameters = 3;
+  recipe.parameters = parameters;
   recipe.inputs = 2;
   recipe.regions = 40;
   recipe.leaf_regions = 3;
@@ -66,6 +67,14 @@ std::map<std::string, int> stackOf(const std::string& usage) {
   return bytes;
 }
 
+/// Bytes of evaluate, of locate, which it calls, and of what that calls in turn; functions that were inlined have none.
+int stackOfLookup(const std::string& usage) {
+  std::map<std::string, int> bytes = stackOf(usage);
+  EXPECT_GT(bytes["evaluate"], 0) << usage;
+  const int test = bytes["violation"] + bytes["holds"] + bytes["distance"];
+  return bytes["evaluate"] + bytes["locate"] + std::max(test, bytes["test_box"]);
+}
+
 /// The capital before the first point that follows one, as the program on the ATmega sends its result.
 std::optional<char> letterSent(const std::string& log) {
   for (std::size_t at = log.find('.'); at != std::string::npos; at = log.find('.', at + 1)) {
@@ -101,6 +110,24 @@ class ExportTargets : public testing::Test {
     EXPECT_GT(run(), 0) << logOf(folder);
   }
 
+  /// For few and many parameters, at each level of optimisation.
+  void expectStackWithinBound(ExportType type, const std::string& compiler) const {
+    for (const std::uint32_t parameters : {1u, 8u}) {
+      const MapContent map = content(parameters);
+      save(type, map);
+      ExportOptions options;
+      options.name = "code";
+      options.type = type;
+      const std::size_t stated = exportStackBytes(MadeMap(map).map, options);
+      for (const char* const level : {"-O0", "-O2"}) {
+        ASSERT_EQ(runCommand(folder, compiler + kStrict + level + " -fstack-usage -c code.c -o code.o"), 0);
+        ASSERT_EQ(runCommand(folder, "cat code.su"), 0);
+        EXPECT_LE(static_cast<std::size_t>(stackOfLookup(logOf(folder))), stated)
+            << parameters << level << logOf(folder);
+      }
+    }
+  }
+
   ScratchFolder folder;
   bool test_is_saved = false;
 };
@@ -122,14 +149,14 @@ TEST_P(OnCortexM4, ItsOwnTestPassesAndSeesChangedLaws) {
                       "timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config "
                       "enable=on,target=native -kernel code.elf");
   });
-  // Stack of a look-up: evaluate, which calls locate, which calls the deeper of the others.
   ASSERT_EQ(runCommand(folder, "cat *code.su"), 0);
-  const std::string usage = logOf(folder);
-  std::map<std::string, int> bytes = stackOf(usage);
-  ASSERT_GT(bytes["evaluate"], 0) << usage;
-  const int stack =
-      bytes["evaluate"] + bytes["locate"] + bytes["violation"] + bytes["distance"] + bytes["test_box"];
-  EXPECT_LE(stack, GetParam() == ExportType::kDouble ? 256 : 128) << usage;
+  EXPECT_LE(stackOfLookup(logOf(folder)), GetParam() == ExportType::kDouble ? 256 : 128) << logOf(folder);
+}
+
+TEST_P(OnCortexM4, StackIsWithinTheStatedBound) {
+  if (!hasProgram("arm-none-eabi-gcc")) GTEST_SKIP() << "no arm-none-eabi-gcc";
+  expectStackWithinBound(GetParam(),
+                         "arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16");
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, OnCortexM4,
@@ -149,6 +176,11 @@ TEST_P(OnAtmega328p, ItsOwnTestPassesAndSeesChangedLaws) {
     EXPECT_TRUE(letter.has_value()) << log;
     return letter ? *letter - 'A' : -1;
   });
+}
+
+TEST_P(OnAtmega328p, StackIsWithinTheStatedBound) {
+  if (!hasProgram("avr-gcc")) GTEST_SKIP() << "no avr-gcc";
+  expectStackWithinBound(GetParam(), "avr-gcc -mmcu=atmega328p");
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, OnAtmega328p, testing::Values(ExportType::kFloat, ExportType::kInt16));

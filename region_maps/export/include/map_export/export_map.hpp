@@ -39,10 +39,15 @@ struct ExportOptions {
 
 /// Greatest numbers of operations of one look-up, over all parameters.
 struct LookupWork {
-  /// Nodes of the tree and rows of candidates: planes whose value is computed.
-  std::uint64_t planes = 0;
-  std::uint64_t rows = 0;
+  /// Sums of p products: planes of nodes and of candidates' rows, and rows of the law.
+  std::uint64_t sums = 0;
   std::uint64_t comparisons = 0;
+};
+
+/// A parameter in numbers of the code's type, and the operations of the code's look-up there.
+struct CostlyPoint {
+  std::vector<double> theta;  ///< size p [the signals' units]
+  LookupWork work;
 };
 
 /// What is proven of the exported code, to be stated in its header.
@@ -56,6 +61,8 @@ struct ExportBound {
   /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
   /// input's unit]
   std::vector<double> allowed;
+  /// Parameters that reach the numbers of `work`, for NAME_test.c.
+  std::vector<CostlyPoint> costly = {};
 
   /// Whether the errors are within what the filter allows.
   bool isAllowed() const;
@@ -70,6 +77,11 @@ std::string exportSource(const RegionMap& map, const ExportOptions& options);
 
 /// Bytes of all constant tables of NAME.c.
 std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options);
+
+/// Bytes of stack of one look-up, where addresses have up to 32 bits: arguments and automatic variables of the deepest
+/// chain of calls, in 4 bytes each or 8 of a double, the terms of a sum, and 16 bytes for each call. Compilers keep most
+/// of them in registers. Routines of the compiler for numbers that the processor does not have are not counted.
+std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options);
 
 /// The text of NAME.h.
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
