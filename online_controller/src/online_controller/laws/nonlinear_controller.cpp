@@ -50,6 +50,11 @@ double aheadOfHalf(double time, double period) noexcept {
   return 1.0 / risen - time / period - 0.5;
 }
 
+/// The integral of a decaying rate of 1 over `time`.
+double rateShare(double time) noexcept {
+  return ForceObserver::kRateTime * (1.0 - std::exp(-time / ForceObserver::kRateTime));
+}
+
 /// The command that moves a first-order lag from one angle to the next while it decays so far.
 double leadingCommand(double from, double to, double gain, double decay) noexcept {
   return (to - decay * from) / (gain * (1.0 - decay));
@@ -61,7 +66,7 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
     : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
       options_(checked(options)),
       mpc_(completed(mpc, options)),
-      observer_(mpc_.options().model, options),
+      observer_(mpc_.options().model, options, options.disturbance_rate_drift),
       trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
              mpc_.options().model.pitch_time},
             options),
@@ -72,6 +77,8 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
   stages_.resize(points);
   references_.resize(points);
   preview_.resize(points);
+  for (std::size_t k = 0; k < points; ++k)
+    rate_shares_.push_back(rateShare(static_cast<double>(k) * mpc.period));
   const NonlinearMpcOptions& chosen = mpc_.options();
   ahead_ = {aheadOfHalf(chosen.model.roll_time, chosen.period),
             aheadOfHalf(chosen.model.pitch_time, chosen.period)};
@@ -137,15 +144,17 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
 void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
   const Eigen::Vector3d estimated = options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
   disturbance_ = estimated + integrator_.disturbance();
+  disturbance_rate_ = options_.offset_free ? observer_.disturbanceRate() : Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const double rate = yawRate(options_, preview[k], yaw);
-    stages_[k] = {yaw, rate, disturbance_};
+    stages_[k] = {yaw, rate, disturbance_ + rate_shares_[k] * disturbance_rate_};
     yaw += mpc_.options().period * rate;
   }
 }
 
 // Attitude and lift from the specific force that the path needs (the model is flat).
-StageReference NonlinearController::onPath(const Reference& path, double yaw) const noexcept {
+StageReference NonlinearController::onPath(const Reference& path, double yaw,
+                                           const Eigen::Vector3d& disturbance) const noexcept {
   const MultirotorModel& model = mpc_.options().model;
   const double sine = std::sin(yaw), cosine = std::cos(yaw);
   const auto heading = [&](const Eigen::Vector3d& world) {
@@ -153,7 +162,7 @@ StageReference NonlinearController::onPath(const Reference& path, double yaw) co
                            world.z());
   };
   Eigen::Vector3d force =
-      heading(path.acceleration - disturbance_) + model.drag.cwiseProduct(heading(path.velocity));
+      heading(path.acceleration - disturbance) + model.drag.cwiseProduct(heading(path.velocity));
   force.z() = std::max(force.z() + model.gravity, kLeastSupport);
   StageReference reference;
   reference.position = path.position;
@@ -173,7 +182,8 @@ void NonlinearController::lead(StageReference& from, const StageReference& to,
 }
 
 void NonlinearController::makeReferences(const Reference* preview) noexcept {
-  for (std::size_t k = 0; k < references_.size(); ++k) references_[k] = onPath(preview[k], stages_[k].yaw);
+  for (std::size_t k = 0; k < references_.size(); ++k)
+    references_[k] = onPath(preview[k], stages_[k].yaw, stages_[k].disturbance);
   // A stage's command is right for all of its time; what is sent is held for one control period only. At the
   // middle of a stage a command that changes would lead by the difference.
   Reference soon = *preview;
@@ -181,7 +191,8 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   soon.velocity += period * soon.acceleration;
   soon.acceleration += period * soon.jerk;
   StageReference now = references_.front();
-  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate), period_decay_);
+  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate, disturbance_ + period * disturbance_rate_),
+       period_decay_);
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
