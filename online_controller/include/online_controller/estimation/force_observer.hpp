@@ -14,12 +14,10 @@ namespace polyfly {
 /// follows from the attitude, which is measured, and the thrust that was sent, so the rest of the model is
 /// linear and its steady-state gain is exact at any tilt:
 ///
-///     p' = v,  v' = R e_z T - g e_z - R A R' v + d,  d' = 0, or d' = r and r' = -r / kRateTime.
+///     p' = v,  v' = R e_z T - g e_z - R A R' v + d,  d' = 0, or d' = r and r' = -r / 1 s.
 class ForceObserver {
  public:
   static constexpr int kMaxPeriods = DisturbanceObserver::kMaxPeriods;
-
-  static constexpr double kRateTime = ObserverOptions{}.rate_time;  ///< in which a rate decays to 1 / e [s]
 
   /// Period, noise and drift of d are those of the options. `rate_drift` is that of the rate r per control period; 0: d
   /// has none [m/s^3]. Throws Error when one is out of range.

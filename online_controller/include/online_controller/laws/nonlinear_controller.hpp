@@ -61,9 +61,8 @@ class NonlinearController : public ControlLaw {
   TiltAngles ahead_;
   // Disturbance of the last step, or of the step that is prepared [m/s^2].
   Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();
-  // Its rate then [m/s^3], and by how much of that it has changed at each stage [s].
+  // Its rate then [m/s^3].
   Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
-  std::vector<double> rate_shares_;  // N + 1
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;  // N + 1

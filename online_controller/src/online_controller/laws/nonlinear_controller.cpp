@@ -50,11 +50,6 @@ double aheadOfHalf(double time, double period) noexcept {
   return 1.0 / risen - time / period - 0.5;
 }
 
-/// The integral of a decaying rate of 1 over `time`.
-double rateShare(double time) noexcept {
-  return ForceObserver::kRateTime * (1.0 - std::exp(-time / ForceObserver::kRateTime));
-}
-
 /// The command that moves a first-order lag from one angle to the next while it decays so far.
 double leadingCommand(double from, double to, double gain, double decay) noexcept {
   return (to - decay * from) / (gain * (1.0 - decay));
@@ -77,8 +72,6 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
   stages_.resize(points);
   references_.resize(points);
   preview_.resize(points);
-  for (std::size_t k = 0; k < points; ++k)
-    rate_shares_.push_back(rateShare(static_cast<double>(k) * mpc.period));
   const NonlinearMpcOptions& chosen = mpc_.options();
   ahead_ = {aheadOfHalf(chosen.model.roll_time, chosen.period),
             aheadOfHalf(chosen.model.pitch_time, chosen.period)};
@@ -147,7 +140,7 @@ void NonlinearController::predictYaw(double yaw, const Reference* preview) noexc
   disturbance_rate_ = options_.offset_free ? observer_.disturbanceRate() : Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const double rate = yawRate(options_, preview[k], yaw);
-    stages_[k] = {yaw, rate, disturbance_ + rate_shares_[k] * disturbance_rate_};
+    stages_[k] = {yaw, rate, disturbance_};
     yaw += mpc_.options().period * rate;
   }
 }
@@ -183,8 +176,9 @@ void NonlinearController::lead(StageReference& from, const StageReference& to,
 
 void NonlinearController::makeReferences(const Reference* preview) noexcept {
   for (std::size_t k = 0; k < references_.size(); ++k)
-    references_[k] = onPath(preview[k], stages_[k].yaw, stages_[k].disturbance);
-  // A stage's command is right for all of its time; what is sent is held for one control period only. At the
+    references_[k] = onPath(preview[k], stages_[k].yaw, disturbance_);
+  // All stages have the disturbance of now: over the horizon the noise of its rate would grow. The command that is sent
+  // leads by it. A stage's command is right for all of its time; what is sent is held for one control period only. At the
   // middle of a stage a command that changes would lead by the difference.
   Reference soon = *preview;
   const double period = options_.control_period;
