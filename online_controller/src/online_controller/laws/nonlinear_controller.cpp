@@ -118,6 +118,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
   if (observing_ && late < -0.5) {
     observer_.reset();  // time went back: another flight
     trim_.reset();
+    iterating_ = false;
   } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
     periods = static_cast<int>(std::lround(late));
   }
