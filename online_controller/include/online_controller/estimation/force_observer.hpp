@@ -21,7 +21,7 @@ class ForceObserver {
 
   /// Period, noise and drift of d are those of the options. `rate_drift` is that of the rate r per control period; 0: d
   /// has none [m/s^3]. Throws Error when one is out of range.
-  ForceObserver(const MultirotorModel& model, const MultirotorOptions& options, double rate_drift);
+  ForceObserver(const MultirotorModel& model, const MultirotorOptions& options, double rate_drift = 0.0);
 
   /// The sample came `periods` periods after the last one; `thrust` over mass [m/s^2] was held meanwhile. The
   /// first sample after reset, or one more than kMaxPeriods late, sets the state and keeps d.

@@ -53,7 +53,7 @@ VehicleObserver::VehicleObserver(const MultirotorModel& model, const MultirotorO
     : mass_(vehicle.mass),
       period_(vehicle.control_period),
       duration_(checked(moments).calibration_duration),
-      force_(model, vehicle, 0.0),
+      force_(model, vehicle),
       angles_{makeTilt(moments.roll_omega, moments.roll_damping, moments.roll_gain, vehicle),
               makeTilt(moments.pitch_omega, moments.pitch_damping, moments.pitch_gain, vehicle),
               makeLoop(0.0, -moments.yaw_omega, moments.yaw_gain * moments.yaw_omega, vehicle)} {}

@@ -24,6 +24,16 @@ const MultirotorOptions& checked(const MultirotorOptions& options) {
   return options;
 }
 
+/// The options of the vehicle, with the limits of the chapter's listing where they are wished.
+MultirotorOptions limited(MultirotorOptions options, const NonlinearMpcOptions& mpc) {
+  if (!mpc.chapter_limits) return options;
+  constexpr double kChapterAngle = 0.25 * M_PI;  // [rad]
+  options.angle_max = kChapterAngle;
+  options.thrust_min = 0.5 * options.gravity;
+  options.thrust_max = 1.5 * options.gravity;
+  return options;
+}
+
 NonlinearMpcOptions completed(const NonlinearMpcOptions& mpc, const MultirotorOptions& options) {
   NonlinearMpcOptions result = mpc;
   result.model.gravity = options.gravity;
@@ -59,15 +69,15 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
     : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
-      options_(checked(options)),
-      mpc_(completed(mpc, options)),
+      options_(checked(limited(options, mpc))),
+      mpc_(completed(mpc, options_)),
       observer_(mpc_.options().model, options, options.disturbance_rate_drift),
       trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
              mpc_.options().model.pitch_time},
             options),
       period_decay_(decayOf(mpc_.options().model, options.control_period)),
       stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)),
-      integrator_(options) {
+      integrator_(options_) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
   references_.resize(points);
