@@ -33,6 +33,20 @@ def random_attitude(source):
     return tuple(v / norm for v in q)
 
 
+class VehicleTest(unittest.TestCase):
+    def test_problems_have_the_loop_and_nothing_else_changes(self):
+        folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "region_maps", "problems")
+        for axis, changes in (("longitudinal", 2), ("lateral", 2), ("vertical", 0)):
+            with open(os.path.join(folder, "multirotor_%s.yaml" % axis)) as file:
+                given = file.read()
+            pairs = list(zip(given.split("\n"), link.with_loop(given).split("\n")))
+            changed = [new for old, new in pairs if old != new]
+            self.assertEqual(len(changed), changes)
+            if changes:
+                self.assertEqual(changed[0].strip(), "- [0, 0, -12.5]  # -1 / tau")
+                self.assertEqual(changed[1].strip(), "- [12.5]  # K / tau")
+
+
 class PacketTest(unittest.TestCase):
     def test_sizes_are_those_of_the_structures(self):
         for layout, structure in ((link.MOTORS, ServoPacket), (link.STATE, FdmPacket), (link.RC, RcPacket)):

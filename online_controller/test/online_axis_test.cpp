@@ -158,7 +158,7 @@ TEST(Axis, TakesTheMapOfARobustProblem) {
   polyfly::AxisReport report;
   EXPECT_EQ(axis.evaluate(sample, reference, 0.02, 0.0, report), polyfly::ControlStatus::kOptimal);
   ASSERT_EQ(report.size, 5);
-  const AxisTarget target = axis.target(reference, 0.0);
+  const AxisTarget target = axis.target(reference, 0.0, 0.0);
   EXPECT_NEAR(report.theta[0], 0.4, 1e-15);
   EXPECT_NEAR(report.theta[1], -0.5, 1e-15);
   EXPECT_NEAR(report.theta[2], 0.04 - target.angle, 1e-15);
@@ -200,7 +200,7 @@ TEST(AxisTarget, AtRestIsTheSteadyStateOfEquation6) {
     for (const double disturbance : {0.0, 0.7, -1.3}) {
       const polyfly::SteadyState steady = polyfly::steadyState(
           model, problem.C, Eigen::VectorXd::Constant(1, disturbance), Eigen::VectorXd::Ones(1));
-      const AxisTarget target = axis.target({1.0, 0.0, 0.0, 0.0}, disturbance);
+      const AxisTarget target = axis.target({1.0, 0.0, 0.0, 0.0}, disturbance, 0.0);
       EXPECT_NEAR(target.input, steady.u(0), 1e-10);
       if (problem.stateCount() == 3) {
         EXPECT_NEAR(target.angle, steady.x(2), 1e-10);
@@ -214,7 +214,8 @@ TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
   constexpr double kStep = 1e-4;
   // Angular frequency of the sine [rad/s].
   constexpr double kRate = 1.7;
-  constexpr double kDisturbance = 0.4;
+  const auto disturbance = [](double t) { return 0.4 + 0.3 * std::sin(0.9 * t); };
+  const auto change = [](double t) { return 0.3 * 0.9 * std::cos(0.9 * t); };
   const auto along = [](double t) {
     return AxisReference{2.0 * std::sin(kRate * t), 2.0 * kRate * std::cos(kRate * t),
                          -2.0 * kRate * kRate * std::sin(kRate * t),
@@ -229,14 +230,14 @@ TEST(AxisTarget, SatisfiesTheModelAlongAMovingReference) {
       const AxisReference reference = along(t);
       Eigen::VectorXd state(states);
       state.head(2) << reference.position, reference.velocity;
-      if (states == 3) state(2) = axis.target(reference, kDisturbance).angle;
+      if (states == 3) state(2) = axis.target(reference, disturbance(t), change(t)).angle;
       return state;
     };
     for (double t = 0.0; t < 4.0; t += 0.37) {
       const Eigen::VectorXd rate = (state_at(t + kStep) - state_at(t - kStep)) / (2.0 * kStep);
-      const Eigen::VectorXd model = problem.A_c * state_at(t) +
-                                    problem.B_c * axis.target(along(t), kDisturbance).input +
-                                    problem.Bd_c * kDisturbance;
+      const double input = axis.target(along(t), disturbance(t), change(t)).input;
+      const Eigen::VectorXd model =
+          problem.A_c * state_at(t) + problem.B_c * input + problem.Bd_c * disturbance(t);
       EXPECT_LT((rate - model).lpNorm<Eigen::Infinity>(), 1e-6) << kAxisNames[i].axis << " at " << t;
     }
   }

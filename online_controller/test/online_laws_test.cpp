@@ -1,7 +1,11 @@
 // The laws that solve online: against the dense solver, and without a single allocation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "allocations.hpp"
 #include "mpc_core/dense_qp.hpp"
@@ -72,6 +76,40 @@ TEST(OnlineProgram, RefusesWhatIsNotConvex) {
   ParametricProgram program = condense(problems()[2]);
   program.H.setZero();
   EXPECT_THROW(OnlineProgram{program}, Error);
+}
+
+/// The greatest angle that is commanded, and the least and greatest thrust over mass, far from where it shall be.
+std::array<double, 3> limitsMet(const NonlinearMpcOptions& mpc) {
+  std::array<double, 3> met{0.0, 1e9, 0.0};
+  for (const Eigen::Vector3d& far : {Eigen::Vector3d(20.0, -20.0, 0.0), Eigen::Vector3d(-20.0, 20.0, 0.0),
+                                     Eigen::Vector3d(0.0, 0.0, 40.0), Eigen::Vector3d(0.0, 0.0, -40.0)}) {
+    NonlinearController law(MultirotorOptions{}, mpc);
+    const std::vector<Reference> preview(static_cast<std::size_t>(law.previewLength()));
+    VehicleState state;
+    state.position = far;
+    for (int i = 0; i < 20; ++i, state.stamp += 0.01) {
+      const AttitudeCommand command = law.step(state, preview.data()).command;
+      law.prepare();
+      met[0] = std::max({met[0], std::abs(command.roll), std::abs(command.pitch)});
+      met[1] = std::min(met[1], command.thrust / MultirotorOptions{}.mass);
+      met[2] = std::max(met[2], command.thrust / MultirotorOptions{}.mass);
+    }
+  }
+  return met;
+}
+
+TEST(NonlinearLimits, AreThoseOfTheVehicleOrOfTheChapter) {
+  constexpr double kDegree = 3.14159265358979 / 180.0, kWithin = 1e-6;
+  NonlinearMpcOptions mpc;
+  const std::array<double, 3> usual = limitsMet(mpc);
+  EXPECT_NEAR(usual[0], 25.0 * kDegree, kWithin);
+  EXPECT_NEAR(usual[1], 5.0, kWithin);
+  EXPECT_NEAR(usual[2], 20.0, kWithin);
+  mpc.chapter_limits = true;
+  const std::array<double, 3> chapter = limitsMet(mpc);
+  EXPECT_NEAR(chapter[0], 45.0 * kDegree, kWithin);
+  EXPECT_NEAR(chapter[1], 9.8066 / 2.0, kWithin);
+  EXPECT_NEAR(chapter[2], 9.8066 * 1.5, kWithin);
 }
 
 // The commands that an attitude controller needs which is not aligned with odometry: the same, moved by the

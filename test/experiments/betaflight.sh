@@ -35,7 +35,8 @@ flyBetaflight() {
     # shellcheck source=/dev/null
     . "$root/build/catkin/devel/setup.bash"
     exec timeout --kill-after=10 150 roslaunch --port="$port" polyfly_launch multirotor_mavros.launch law:="$law" \
-      maps_dir:="$(realpath build/demo/maps)" priority:=0 thrust_polynomial:="$polynomial"
+      maps_dir:="$(realpath "$output/maps")" config:="$(realpath "$output/vehicle.yaml")" priority:=0 \
+      thrust_polynomial:="$polynomial"
   ) > "${result%.json}.log" 2>&1 &
   launch=$!
   (cd "$folder" && exec timeout --kill-after=5 150 "$sitl" > sitl.log 2>&1) &
@@ -47,7 +48,8 @@ flyBetaflight() {
   return $code
 }
 
-solveAxes || return
+/usr/bin/python3 test/experiments/betaflight_link.py "$output" || return
+solveAxes "$output/problems" "$output/maps" || return
 polynomial=$(PYTHONPATH=$link /usr/bin/python3 -c 'import betaflight_link as b; print(b.thrust_polynomial())') || return
 for law in linear explicit_linear nonlinear; do
   for ((flight = 1; flight <= flights; ++flight)); do

@@ -1,11 +1,16 @@
 """UDP packets of Betaflight's SITL, its configuration, a rigid multirotor for it, and what a flight must keep.
 Without ROS.
 
+usage: betaflight_link.py FOLDER writes what the node flies by: vehicle.yaml and problems/multirotor_AXIS.yaml.
+
 Axes of the plant: body forward, left, up; world east, north, up. SI units. Quaternions are (w, x, y, z).
 """
 
 import math
+import os
+import re
 import struct
+import sys
 
 GRAVITY = 9.8066  # [m/s^2]
 MOTOR_PORT, STATE_PORT, RC_PORT = 9002, 9003, 9004
@@ -48,6 +53,21 @@ aux 0 0 0 1700 2100 0 0
 aux 1 1 1 1700 2100 0 0
 save
 """ % (THROTTLE_LOW, round(10000 * IDLE), ANGLE_LIMIT, YAW_RATE_LIMIT // 10, YAW_RATE_LIMIT // 10)
+
+
+# Attitude loop from the odometry to the tilt, a lag of first order behind a dead time: the best fit to the commands and
+# tilts of a flight, alike for roll and pitch. Most of the dead time is Betaflight's filters and the rotors.
+GAIN, LAG, DEAD_TIME = 1.0, 0.08, 0.09  # [1], [s], [s]
+
+VEHICLE = """vehicle: {mass: %g, delay: %g}
+nonlinear: {roll_gain: %g, roll_time: %g, pitch_gain: %g, pitch_time: %g}
+""" % (1.52, DEAD_TIME, GAIN, LAG, GAIN, LAG)
+
+
+def with_loop(problem):
+    """The text of a problem file of an axis, with this attitude loop; that of the vertical axis has none."""
+    problem = re.sub(r"-[0-9.]+\](  # -1 / tau)", r"%.17g]\1" % (-1.0 / LAG), problem)
+    return re.sub(r"\[[0-9.]+\](  # K / tau)", r"[%.17g]\1" % (GAIN / LAG), problem)
 
 
 def rotated(q, v):
@@ -150,3 +170,18 @@ def thrust_polynomial():
     force = numpy.linspace(4.0, 21.0, 100) * Plant.mass
     throttle = (numpy.sqrt(force / (4.0 * Plant.rotor_thrust)) - IDLE) / (1.0 - IDLE)
     return [float(c) for c in numpy.polyfit(force, throttle, 2)[::-1]]
+
+
+def main(folder):
+    os.makedirs(os.path.join(folder, "problems"))
+    with open(os.path.join(folder, "vehicle.yaml"), "w") as file:
+        file.write(VEHICLE)
+    problems = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "region_maps", "problems")
+    for axis in ("longitudinal", "lateral", "vertical"):
+        name = "multirotor_%s.yaml" % axis
+        with open(os.path.join(problems, name)) as given, open(os.path.join(folder, "problems", name), "w") as file:
+            file.write(with_loop(given.read()))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

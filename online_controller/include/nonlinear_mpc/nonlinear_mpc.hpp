@@ -32,6 +32,10 @@ struct NonlinearMpcOptions {
   /// Greatest thrust over mass [m/s^2].
   double thrust_max = 20.0;
 
+  /// Whether NonlinearController takes the limits of the chapter's listing (below Eq. 43) instead of the vehicle's: commands
+  /// of roll and pitch within 45 degrees, thrust over mass within g / 2 and 3 g / 2.
+  bool chapter_limits = false;
+
   /// Limit of each component of the velocity [m/s]; 0: not limited.
   double speed_max = 0.0;
   /// Penalty of the l1 relaxation of the velocity limit [s/m].
@@ -77,6 +81,7 @@ void visitNonlinearOptions(Options& options, Visit&& visit) {
   visit("nonlinear/roll_command_weight", options.roll_command_weight, "1/rad^2", Range{1e-3, 1e6});
   visit("nonlinear/pitch_command_weight", options.pitch_command_weight, "1/rad^2", Range{1e-3, 1e6});
   visit("nonlinear/thrust_weight", options.thrust_weight, "s^4/m^2", Range{1e-3, 1e6});
+  visit("nonlinear/chapter_limits", options.chapter_limits);
   visit("nonlinear/speed_max", options.speed_max, "m/s", anyChange(0.0, 1000.0));
   visit("nonlinear/speed_penalty", options.speed_penalty, "s/m", Range{1e-3, 1e9});
   visit("nonlinear/position_max", options.position_max, "m", anyChange(0.0, 1e6));

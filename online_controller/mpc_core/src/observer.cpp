@@ -18,6 +18,8 @@ void checkOptions(const ObserverOptions& options, int states) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   require(positive(options.period), "period", "must be greater than 0");
   require(positive(options.disturbance), "disturbance", "must be greater than 0");
+  require(std::isfinite(options.rate) && options.rate >= 0.0, "rate", "must be 0 or more");
+  require(positive(options.rate_time), "rate_time", "must be greater than 0");
   for (int i = 0; i < states; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const std::string entry = "[" + std::to_string(i) + "]";
@@ -27,11 +29,26 @@ void checkOptions(const ObserverOptions& options, int states) {
   }
 }
 
-/// L of the filter form: minus the steady-state Kalman gain for the output [I 0], by the dual Riccati
+/// [A Bd; 0 I], or with a rate of the disturbance [A Bd 0; 0 1 T(1 - e); 0 0 e], where e is what a period leaves of it.
+Eigen::MatrixXd transitionOf(const DiscreteModel& model, const ObserverOptions& options) {
+  const Eigen::Index nx = model.A.rows();
+  const Eigen::Index size = nx + (options.rate > 0.0 ? 2 : 1);
+  Eigen::MatrixXd transition = Eigen::MatrixXd::Identity(size, size);
+  transition.topLeftCorner(nx, nx) = model.A;
+  transition.block(0, nx, nx, 1) = model.Bd;
+  if (options.rate > 0.0) {
+    const double left = std::exp(-options.period / options.rate_time);
+    transition(nx, nx + 1) = options.rate_time * (1.0 - left);
+    transition(nx + 1, nx + 1) = left;
+  }
+  return transition;
+}
+
+/// L of the filter form: minus the steady-state Kalman gain for the output [I 0] of nx states, by the dual Riccati
 /// equation.
-Eigen::MatrixXd kalmanGain(const Eigen::MatrixXd& transition, const ObserverOptions& options) {
+Eigen::MatrixXd kalmanGain(const Eigen::MatrixXd& transition, Eigen::Index nx,
+                           const ObserverOptions& options) {
   const Eigen::Index size = transition.rows();
-  const Eigen::Index nx = size - 1;
   const Eigen::MatrixXd C = Eigen::MatrixXd::Identity(nx, size);
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(size, size);
   Eigen::MatrixXd V = Eigen::MatrixXd::Zero(nx, nx);
@@ -41,6 +58,7 @@ Eigen::MatrixXd kalmanGain(const Eigen::MatrixXd& transition, const ObserverOpti
     V(i, i) = options.measurement[index] * options.measurement[index];
   }
   W(nx, nx) = options.disturbance * options.disturbance;
+  if (size > nx + 1) W(nx + 1, nx + 1) = options.rate * options.rate;
   const Eigen::MatrixXd P = solveRiccati(transition.transpose(), C.transpose(), W, V);
   const Eigen::MatrixXd S = C * P * C.transpose() + V;
   return -S.ldlt().solve(C * P).transpose();
@@ -56,19 +74,19 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
   checkOptions(options, state_count_);
   const DiscreteModel model = discretise(problem, options.period);
   const Eigen::Index nx = state_count_;
-  Eigen::MatrixXd transition = Eigen::MatrixXd::Identity(nx + 1, nx + 1);
-  transition.topLeftCorner(nx, nx) = model.A;
-  transition.topRightCorner(nx, 1) = model.Bd;
+  const Eigen::MatrixXd transition = transitionOf(model, options);
+  const Eigen::Index size = transition.rows();
+  size_ = static_cast<int>(size);
   Eigen::MatrixXd gain;
   try {
-    gain = kalmanGain(transition, options);
+    gain = kalmanGain(transition, nx, options);
   } catch (const Error& error) {
     throw Error("observer: " + problem.name + ": no stable observer: " + error.what());
   }
-  for (Eigen::Index row = 0; row <= nx; ++row) {
+  for (Eigen::Index row = 0; row < size; ++row) {
     const auto r = static_cast<std::size_t>(row);
     input_[r] = row < nx ? model.B(row, 0) : 0.0;
-    for (Eigen::Index col = 0; col <= nx; ++col)
+    for (Eigen::Index col = 0; col < size; ++col)
       transition_[r][static_cast<std::size_t>(col)] = transition(row, col);
     for (Eigen::Index col = 0; col < nx; ++col) gain_[r][static_cast<std::size_t>(col)] = gain(row, col);
   }
@@ -77,6 +95,7 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
 void DisturbanceObserver::transferState(const DisturbanceObserver& other) noexcept {
   if (state_count_ != other.state_count_) return;
   estimate_ = other.estimate_;
+  if (size_ == state_count_ + 1) setDisturbance(disturbance());
   started_ = other.started_;
 }
 
@@ -86,7 +105,9 @@ void DisturbanceObserver::reset() noexcept {
 }
 
 void DisturbanceObserver::setDisturbance(double disturbance) noexcept {
-  if (std::isfinite(disturbance)) estimate_[static_cast<std::size_t>(state_count_)] = disturbance;
+  if (!std::isfinite(disturbance)) return;
+  estimate_[static_cast<std::size_t>(state_count_)] = disturbance;
+  estimate_[static_cast<std::size_t>(state_count_) + 1] = 0.0;
 }
 
 void DisturbanceObserver::update(const double* y, const double* u_previous, int periods) noexcept {
@@ -95,6 +116,7 @@ void DisturbanceObserver::update(const double* y, const double* u_previous, int 
   if (!finite) return;
   if (!started_ || periods > kMaxPeriods) {
     std::copy(y, y + state_count_, estimate_.begin());
+    setDisturbance(disturbance());
     started_ = true;
     return;
   }
@@ -103,7 +125,7 @@ void DisturbanceObserver::update(const double* y, const double* u_previous, int 
 }
 
 void DisturbanceObserver::predict(double u) noexcept {
-  const auto size = static_cast<std::size_t>(state_count_) + 1;
+  const auto size = static_cast<std::size_t>(size_);
   Vector next{};
   for (std::size_t row = 0; row < size; ++row) {
     next[row] = input_[row] * u;
@@ -116,14 +138,14 @@ void DisturbanceObserver::correct(const double* y) noexcept {
   const auto nx = static_cast<std::size_t>(state_count_);
   Vector innovation{};  // predicted minus measured, as in Eq. 5
   for (std::size_t i = 0; i < nx; ++i) innovation[i] = estimate_[i] - y[i];
-  for (std::size_t row = 0; row <= nx; ++row) {
+  for (std::size_t row = 0; row < static_cast<std::size_t>(size_); ++row) {
     for (std::size_t col = 0; col < nx; ++col) estimate_[row] += gain_[row][col] * innovation[col];
   }
 }
 
 Eigen::MatrixXd DisturbanceObserver::gain() const {
-  Eigen::MatrixXd gain(state_count_ + 1, state_count_);
-  for (int row = 0; row <= state_count_; ++row) {
+  Eigen::MatrixXd gain(size_, state_count_);
+  for (int row = 0; row < size_; ++row) {
     for (int col = 0; col < state_count_; ++col) {
       gain(row, col) = gain_[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)];
     }

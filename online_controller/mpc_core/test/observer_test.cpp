@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "allocations.hpp"
 #include "support.hpp"
@@ -36,11 +38,19 @@ class Axis {
     x_ = step_ * all;
   }
   VectorXd& x() { return x_; }
-  /// [A Bd; 0 1]
-  MatrixXd transition() const {
-    MatrixXd matrix = MatrixXd::Identity(nx_ + 1, nx_ + 1);
+  /// [A Bd; 0 1], and with a rate of the disturbance what it does in a period.
+  MatrixXd transition(const ObserverOptions& options) const {
+    const Eigen::Index more = options.rate > 0.0 ? 2 : 1;
+    MatrixXd rate(more, more);
+    if (more == 1) {
+      rate << 0.0;
+    } else {
+      rate << 0.0, 1.0, 0.0, -1.0 / options.rate_time;
+    }
+    MatrixXd matrix = MatrixXd::Zero(nx_ + more, nx_ + more);
     matrix.topLeftCorner(nx_, nx_) = step_.leftCols(nx_);
-    matrix.topRightCorner(nx_, 1) = step_.rightCols(1);
+    matrix.block(0, nx_, nx_, 1) = step_.rightCols(1);
+    matrix.bottomRightCorner(more, more) = exponentialSeries(rate * options.period);
     return matrix;
   }
 
@@ -50,23 +60,89 @@ class Axis {
   MatrixXd step_;
 };
 
+/// Without a rate of the disturbance, and with one.
+std::vector<ObserverOptions> bothModels() {
+  ObserverOptions with;
+  with.rate = 0.04;
+  return {ObserverOptions{}, with};
+}
+
+void expectNoOffset(const char* file, const ObserverOptions& options) {
+  const MpcProblem problem = loadProblem(problemFile(file));
+  DisturbanceObserver observer(problem, options);
+  Axis axis(problem, options.period);
+  double u = 0.0;
+  int settled = 0;  // first period after which the estimate stays within 10 %
+  for (int k = 0; k < 3000; ++k) {
+    observer.update(axis.x().data(), &u, 1);
+    if (std::abs(observer.disturbance() - 0.8) > 0.08) settled = k;
+    u = 0.1 * std::sin(0.02 * k);
+    axis.advance(u, 0.8);
+  }
+  EXPECT_NEAR(observer.disturbance(), 0.8, 1e-8) << file;
+  EXPECT_NEAR(observer.rate(), 0.0, 1e-8) << file;
+  EXPECT_LT(settled * options.period, 1.5) << file;
+}
+
 TEST(Observer, ConstantDisturbanceIsEstimatedWithoutOffset) {
+  for (const ObserverOptions& options : bothModels())
+    for (const char* file : kFiles) expectNoOffset(file, options);
+}
+
+/// RMS of the error of d and of its rate while d = 0.3 sin(t).
+std::pair<double, double> errorsWhileTurning(const MpcProblem& problem, const ObserverOptions& options) {
+  DisturbanceObserver observer(problem, options);
+  Axis axis(problem, options.period);
+  const double u = 0.0;
+  double of_value = 0.0, of_rate = 0.0;
+  constexpr int kFirst = 1000, kSamples = 3000;
+  for (int k = 0; k < kSamples; ++k) {
+    axis.advance(u, 0.3 * std::sin(options.period * k));
+    observer.update(axis.x().data(), &u, 1);
+    if (k < kFirst) continue;
+    const double time = options.period * (k + 1);
+    of_value += std::pow(observer.disturbance() - 0.3 * std::sin(time), 2);
+    of_rate += std::pow(observer.rate() - 0.3 * std::cos(time), 2);
+  }
+  return {std::sqrt(of_value / (kSamples - kFirst)), std::sqrt(of_rate / (kSamples - kFirst))};
+}
+
+TEST(Observer, ADisturbanceThatTurnsIsFollowedByItsRate) {
   for (const char* file : kFiles) {
     const MpcProblem problem = loadProblem(problemFile(file));
-    const ObserverOptions options;
-    DisturbanceObserver observer(problem, options);
-    Axis axis(problem, options.period);
-    double u = 0.0;
-    int settled = 0;  // first period after which the estimate stays within 10 %
-    for (int k = 0; k < 3000; ++k) {
-      observer.update(axis.x().data(), &u, 1);
-      if (std::abs(observer.disturbance() - 0.8) > 0.08) settled = k;
-      u = 0.1 * std::sin(0.02 * k);
-      axis.advance(u, 0.8);
-    }
-    EXPECT_NEAR(observer.disturbance(), 0.8, 1e-8) << file;
-    EXPECT_LT(settled * options.period, 1.5) << file;
+    ObserverOptions options;
+    options.disturbance = 0.005;
+    const double without = errorsWhileTurning(problem, options).first;
+    options.rate = 0.04;
+    const auto [value, rate] = errorsWhileTurning(problem, options);
+    EXPECT_LT(value, 0.3 * without) << file;
+    EXPECT_LT(rate, 0.7 * 0.3 / std::sqrt(2.0)) << file;
   }
+}
+
+TEST(Observer, ARestartAndAnObserverWithoutARateForgetIt) {
+  const MpcProblem problem = loadProblem(problemFile(kFiles[1]));
+  const std::vector<ObserverOptions> models = bothModels();
+  DisturbanceObserver observer(problem, models[1]);
+  Axis axis(problem, models[1].period);
+  const double u = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    axis.advance(u, 0.01 * k);
+    observer.update(axis.x().data(), &u, 1);
+  }
+  ASSERT_GT(observer.rate(), 0.1);
+  const double disturbance = observer.disturbance();
+  DisturbanceObserver with(problem, models[1]), without(problem, models[0]);
+  with.transferState(observer);
+  EXPECT_EQ(with.rate(), observer.rate());
+  without.transferState(observer);
+  EXPECT_EQ(without.disturbance(), disturbance);
+  EXPECT_EQ(without.rate(), 0.0);
+  with.setDisturbance(0.2);
+  EXPECT_EQ(with.rate(), 0.0);
+  observer.update(axis.x().data(), &u, DisturbanceObserver::kMaxPeriods + 1);
+  EXPECT_EQ(observer.disturbance(), disturbance);
+  EXPECT_EQ(observer.rate(), 0.0);
 }
 
 TEST(Observer, EstimatesTheState) {
@@ -109,40 +185,48 @@ TEST(Observer, EstimateHasNoBiasUnderNoise) {
   EXPECT_LT(std::sqrt(squares / kSamples), 0.1);
 }
 
-TEST(Observer, ErrorDynamicsAreStableForEveryGap) {
-  for (const char* file : kFiles) {
-    const MpcProblem problem = loadProblem(problemFile(file));
-    const DisturbanceObserver observer(problem, {});
-    const MatrixXd transition = Axis(problem, ObserverOptions{}.period).transition();
-    MatrixXd predict = MatrixXd::Identity(transition.rows(), transition.cols());
-    for (int periods = 1; periods <= DisturbanceObserver::kMaxPeriods; ++periods) {
-      predict = (transition * predict).eval();
-      const MatrixXd error = predict + observer.gain() * predict.topRows(observer.stateCount());
-      EXPECT_LT(spectralRadius(error), 1.0 - 1e-3) << file << " " << periods;
-    }
+void expectStableForEveryGap(const char* file, const ObserverOptions& options) {
+  const MpcProblem problem = loadProblem(problemFile(file));
+  const DisturbanceObserver observer(problem, options);
+  const MatrixXd transition = Axis(problem, options.period).transition(options);
+  MatrixXd predict = MatrixXd::Identity(transition.rows(), transition.cols());
+  for (int periods = 1; periods <= DisturbanceObserver::kMaxPeriods; ++periods) {
+    predict = (transition * predict).eval();
+    const MatrixXd error = predict + observer.gain() * predict.topRows(observer.stateCount());
+    EXPECT_LT(spectralRadius(error), 1.0 - 1e-3) << file << " " << periods;
   }
 }
 
-TEST(Observer, GainIsThatOfTheCovarianceRecursion) {
+TEST(Observer, ErrorDynamicsAreStableForEveryGap) {
+  for (const ObserverOptions& options : bothModels())
+    for (const char* file : kFiles) expectStableForEveryGap(file, options);
+}
+
+void expectGainOfTheRecursion(const ObserverOptions& options) {
   const MpcProblem problem = loadProblem(problemFile(kFiles[1]));
-  const ObserverOptions options;
   const DisturbanceObserver observer(problem, options);
-  const MatrixXd F = Axis(problem, options.period).transition();
-  const MatrixXd C = MatrixXd::Identity(3, 4);
-  MatrixXd W = MatrixXd::Zero(4, 4);
+  const MatrixXd F = Axis(problem, options.period).transition(options);
+  const Eigen::Index size = F.rows();
+  const MatrixXd C = MatrixXd::Identity(3, size);
+  MatrixXd W = MatrixXd::Zero(size, size);
   MatrixXd V = MatrixXd::Zero(3, 3);
   for (int i = 0; i < 3; ++i) {
     W(i, i) = std::pow(options.process[static_cast<std::size_t>(i)], 2);
     V(i, i) = std::pow(options.measurement[static_cast<std::size_t>(i)], 2);
   }
   W(3, 3) = std::pow(options.disturbance, 2);
-  MatrixXd P = MatrixXd::Identity(4, 4);  // predicted covariance, by the textbook recursion
+  if (size == 5) W(4, 4) = std::pow(options.rate, 2);
+  MatrixXd P = MatrixXd::Identity(size, size);  // predicted covariance, by the textbook recursion
   MatrixXd K;
   for (int i = 0; i < 20000; ++i) {
     K = P * C.transpose() * (C * P * C.transpose() + V).inverse();
     P = (F * (P - K * C * P) * F.transpose() + W).eval();
   }
   EXPECT_LT(maxAbs(observer.gain() + K), 1e-9);  // sign of Eq. 5: predicted minus measured
+}
+
+TEST(Observer, GainIsThatOfTheCovarianceRecursion) {
+  for (const ObserverOptions& options : bothModels()) expectGainOfTheRecursion(options);
 }
 
 TEST(Observer, MissedSamplesArePredictedAcross) {
@@ -232,7 +316,7 @@ TEST(Observer, ResetForgets) {
 
 TEST(Observer, UpdateDoesNotAllocate) {
   const MpcProblem problem = loadProblem(problemFile(kFiles[1]));
-  DisturbanceObserver observer(problem, {});
+  DisturbanceObserver observer(problem, bothModels()[1]);
   const double y[] = {1.0, 0.5, 0.1};
   const double u = 0.1;
   long start = allocationCount();
@@ -259,6 +343,9 @@ TEST(Observer, RefusesBadOptionsAndModels) {
   EXPECT_EQ(message([](Problem, Options o) { o->period = 0.0; }), "observer: period: must be greater than 0");
   EXPECT_EQ(message([](Problem, Options o) { o->disturbance = 0.0; }),
             "observer: disturbance: must be greater than 0");
+  EXPECT_EQ(message([](Problem, Options o) { o->rate = -1.0; }), "observer: rate: must be 0 or more");
+  EXPECT_EQ(message([](Problem, Options o) { o->rate_time = 0.0; }),
+            "observer: rate_time: must be greater than 0");
   EXPECT_EQ(message([](Problem, Options o) { o->measurement[2] = -1.0; }),
             "observer: measurement[2]: must be greater than 0");
   EXPECT_EQ(message([](Problem, Options o) { o->process[1] = std::nan(""); }),

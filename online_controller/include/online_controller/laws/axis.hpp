@@ -111,10 +111,11 @@ class Axis {
 
   /// Eq. 6 in the frame that moves with the reference: e = x - x_ref obeys the model with the equivalent
   /// disturbance B_d d_eq = B_d d - drag v_ref - a_ref, and (s_ref, u_ref) is its steady state. When a_ref
-  /// changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
+  /// or d changes, s_ref does, and the lag is led: u_ref = (steady input) + s_ref' / b. With this the acceleration
   /// feed-forward of Eq. 41 is part of u_ref, hence of what the map's constraints limit. A lag of second order has
   /// u_ref = -(a s_ref + c s_ref') / b: the second derivative of a_ref is not known.
-  AxisTarget target(const AxisReference& reference, double disturbance) const noexcept;
+  AxisTarget target(const AxisReference& reference, double disturbance,
+                    double disturbance_rate) const noexcept;
 
   /// Lets the observer take the sample, `periods` control periods after the last one, during which
   /// `applied_input` was held.

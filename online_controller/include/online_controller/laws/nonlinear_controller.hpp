@@ -39,7 +39,7 @@ class NonlinearController : public ControlLaw {
  private:
   int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
-  StageReference onPath(const Reference& path, double yaw) const noexcept;
+  StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
   void lead(StageReference& from, const StageReference& to, const TiltAngles& decay) const noexcept;
   void makeReferences(const Reference* preview) noexcept;
   void matchStages() noexcept;
@@ -61,6 +61,8 @@ class NonlinearController : public ControlLaw {
   TiltAngles ahead_;
   // Disturbance of the last step, or of the step that is prepared [m/s^2].
   Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();
+  // Its rate then [m/s^3].
+  Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;  // N + 1

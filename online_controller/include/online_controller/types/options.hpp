@@ -73,6 +73,9 @@ struct MultirotorOptions {
   double repeat_time = 0.1;
   /// Drift of the disturbance per control period in the observer's model: a greater one follows faster [m/s^2].
   double disturbance_drift = 0.005;
+  /// Drift of the disturbance's rate per control period in the model of the laws' observers, which follow what turns with
+  /// the path the better the greater it is; 0: no rate. The robust law has none [m/s^3].
+  double disturbance_rate_drift = 0.03;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].
   double trim_drift = 5e-4;
@@ -123,6 +126,8 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/jump_angle", options.jump_angle, "rad", Range{0.0, 3.1415927, 10.0, 0.1});
   visit("controller/repeat_time", options.repeat_time, "s", Range{0.0, 10.0, 10.0, 0.05});
   visit("controller/disturbance_drift", options.disturbance_drift, "m/s^2", Range{1e-6, 1.0});
+  visit("controller/disturbance_rate_drift", options.disturbance_rate_drift, "m/s^3",
+        Range{0.0, 10.0, 10.0, 0.03});
   visit("controller/trim_drift", options.trim_drift, "rad", Range{0.0, 0.1, 10.0, 5e-4});
   visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));
   visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});

@@ -21,6 +21,13 @@ struct ObserverOptions {
 
   /// Drift of the disturbance in one period, above 0 [unit of the disturbance]
   double disturbance = 0.01;
+
+  /// Drift of the disturbance's rate in one period; 0: the disturbance is constant but for its drift [unit of the
+  /// disturbance per s]
+  double rate = 0.0;
+
+  /// Time in which a rate decays to 1 / e, above 0 [s]
+  double rate_time = 1.0;
 };
 
 /// Observer of Eq. 5 for one axis whose whole state is measured: it estimates the constant disturbance d that
@@ -31,6 +38,9 @@ struct ObserverOptions {
 ///     [x; d] = [x^-; d^-] + L (x^- - y)            (sign of Eq. 5: predicted minus measured, hence L < 0)
 /// It is Eq. 5 with the gain [A Bd; 0 I] L, its estimates taken after the correction. L is the steady-state
 /// Kalman gain.
+///
+/// With options.rate above 0 the disturbance has a rate, d' = r, r' = -r / rate_time, which is estimated too. So a
+/// disturbance that turns with the path is followed with less delay. A constant one is still estimated without offset.
 class DisturbanceObserver {
  public:
   static constexpr int kMaxStates = 4;
@@ -43,13 +53,13 @@ class DisturbanceObserver {
   /// The sample `y` (all states, absolute) is `periods` nominal periods after the last one, during which
   /// `u_previous` was held. The first sample after reset, or one more than kMaxPeriods late, sets the state
   /// and keeps the disturbance. Values that are not finite are ignored; count their periods into the next
-  /// call.
+  /// call. A restart on the sample sets the rate to 0.
   void update(const double* y, const double* u_previous, int periods) noexcept;
 
   /// Forgets the state and sets the disturbance to 0.
   void reset() noexcept;
 
-  /// Sets the estimate of the disturbance; what is not finite is ignored.
+  /// Sets the estimate of the disturbance, and its rate to 0; what is not finite is ignored.
   void setDisturbance(double disturbance) noexcept;
 
   /// Goes on with the estimate of another observer; one with another number of states is ignored.
@@ -57,23 +67,26 @@ class DisturbanceObserver {
 
   const double* state() const noexcept { return estimate_.data(); }  ///< stateCount() entries
   double disturbance() const noexcept { return estimate_[static_cast<std::size_t>(state_count_)]; }
+  /// Rate r of the disturbance, 0 without options.rate [unit of the disturbance per s]
+  double rate() const noexcept { return estimate_[static_cast<std::size_t>(state_count_) + 1]; }
   int stateCount() const noexcept { return state_count_; }
 
-  /// L = [L_x; L_d], (nx + 1) x nx.
+  /// L = [L_x; L_d], (nx + 1) x nx; with options.rate a row L_r more.
   Eigen::MatrixXd gain() const;
 
  private:
-  static constexpr int kMaxSize = kMaxStates + 1;
+  static constexpr int kMaxSize = kMaxStates + 2;
   using Vector = std::array<double, kMaxSize>;
 
   void predict(double u) noexcept;
   void correct(const double* y) noexcept;
 
   int state_count_ = 0;
-  std::array<Vector, kMaxSize> transition_{};  ///< rows of [A Bd; 0 I]
+  int size_ = 0;                               ///< of what is estimated: x, d, and r with options.rate
+  std::array<Vector, kMaxSize> transition_{};  ///< rows of [A Bd; 0 I], with options.rate also of r
   Vector input_{};                             ///< [B; 0]
   std::array<Vector, kMaxSize> gain_{};        ///< rows of L
-  Vector estimate_{};                          ///< [x; d]
+  Vector estimate_{};                          ///< [x; d; r]
   bool started_ = false;
 };
 

@@ -16,19 +16,22 @@ MpcProblem doubleIntegrator() {
   return problem;
 }
 
-DisturbanceObserver makeAxis(const MultirotorOptions& options) {
+DisturbanceObserver makeAxis(const MultirotorOptions& options, double rate_drift) {
   ObserverOptions observer;
   observer.period = options.control_period;
   observer.process = {std::sqrt(options.noise.q_position), std::sqrt(options.noise.q_velocity), 0.0, 0.0};
   observer.measurement = {std::sqrt(options.noise.r_position), std::sqrt(options.noise.r_velocity), 1.0, 1.0};
   observer.disturbance = options.disturbance_drift;
+  observer.rate = rate_drift;
   return {doubleIntegrator(), observer};
 }
 
 }  // namespace
 
-ForceObserver::ForceObserver(const MultirotorModel& model, const MultirotorOptions& options)
-    : model_(model), axes_{makeAxis(options), makeAxis(options), makeAxis(options)} {}
+ForceObserver::ForceObserver(const MultirotorModel& model, const MultirotorOptions& options,
+                             double rate_drift)
+    : model_(model),
+      axes_{makeAxis(options, rate_drift), makeAxis(options, rate_drift), makeAxis(options, rate_drift)} {}
 
 Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eigen::Vector3d& velocity,
                                             double thrust) const noexcept {
@@ -82,6 +85,10 @@ Eigen::Vector3d ForceObserver::velocity() const noexcept {
 
 Eigen::Vector3d ForceObserver::disturbance() const noexcept {
   return {axes_[0].disturbance(), axes_[1].disturbance(), axes_[2].disturbance()};
+}
+
+Eigen::Vector3d ForceObserver::disturbanceRate() const noexcept {
+  return {axes_[0].rate(), axes_[1].rate(), axes_[2].rate()};
 }
 
 }  // namespace polyfly

@@ -69,6 +69,7 @@ ObserverOptions observerOptions(const MpcProblem& problem, const AxisNames& name
   ObserverOptions result;
   result.period = options.control_period;
   result.disturbance = options.disturbance_drift;
+  if (!problem.minimum_peak) result.rate = options.disturbance_rate_drift;
   for (const MpcProblem::Parameter& parameter : problem.parameters) {
     const bool position = parameter.signal.name == names.position_error;
     const bool is_state = parameter.role == ParameterRole::kError && parameter.index >= 0 &&
@@ -114,9 +115,9 @@ void Axis::prepareLookAhead(const AxisNames& names) {
       StageReferences::Targets::Zero(problem.stateCount() + 1, kReferenceDerivatives);
   targets(position_state_, 0) = 1.0;
   targets(velocity_state_, 1) = 1.0;
-  const std::array<AxisTarget, 3> by_derivative{target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0),
-                                                target({0.0, 0.0, 1.0, 0.0, 0.0}, 0.0),
-                                                target({0.0, 0.0, 0.0, 1.0, 0.0}, 0.0)};
+  const std::array<AxisTarget, 3> by_derivative{target({0.0, 1.0, 0.0, 0.0, 0.0}, 0.0, 0.0),
+                                                target({0.0, 0.0, 1.0, 0.0, 0.0}, 0.0, 0.0),
+                                                target({0.0, 0.0, 0.0, 1.0, 0.0}, 0.0, 0.0)};
   for (std::size_t i = 0; i < by_derivative.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i) + 1;
     if (has_lag_) targets(angle_state_, column) = by_derivative[i].angle;
@@ -320,11 +321,13 @@ void Axis::readModel(const MpcProblem& given, const AxisNames& names) {
   lag_gain_ = has_lag_ ? B(r, 0) : 0.0;
 }
 
-AxisTarget Axis::target(const AxisReference& reference, double disturbance) const noexcept {
-  // B_d d_eq and its rate, with the disturbance constant.
+AxisTarget Axis::target(const AxisReference& reference, double disturbance,
+                        double disturbance_rate) const noexcept {
+  // B_d d_eq and its rate.
   const double equivalent =
       disturbance_gain_ * disturbance + velocity_gain_ * reference.velocity - reference.acceleration;
-  const double equivalent_rate = velocity_gain_ * reference.acceleration - reference.jerk;
+  const double equivalent_rate =
+      disturbance_gain_ * disturbance_rate + velocity_gain_ * reference.acceleration - reference.jerk;
   const double drive = -equivalent / drive_gain_;
   if (!has_lag_) return {0.0, drive};
   const double drive_rate = -equivalent_rate / drive_gain_;
@@ -367,7 +370,8 @@ int Axis::firstOutside(const Parameters& theta) const noexcept {
 
 AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
-  return target(reference, disturbance() + reference.disturbance / disturbance_gain_);
+  return target(reference, disturbance() + reference.disturbance / disturbance_gain_,
+                offset_free_ ? observer_.rate() : 0.0);
 }
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,

@@ -24,6 +24,16 @@ const MultirotorOptions& checked(const MultirotorOptions& options) {
   return options;
 }
 
+/// The options of the vehicle, with the limits of the chapter's listing where they are wished.
+MultirotorOptions limited(MultirotorOptions options, const NonlinearMpcOptions& mpc) {
+  if (!mpc.chapter_limits) return options;
+  constexpr double kChapterAngle = 0.25 * M_PI;  // [rad]
+  options.angle_max = kChapterAngle;
+  options.thrust_min = 0.5 * options.gravity;
+  options.thrust_max = 1.5 * options.gravity;
+  return options;
+}
+
 NonlinearMpcOptions completed(const NonlinearMpcOptions& mpc, const MultirotorOptions& options) {
   NonlinearMpcOptions result = mpc;
   result.model.gravity = options.gravity;
@@ -59,15 +69,15 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
     : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
-      options_(checked(options)),
-      mpc_(completed(mpc, options)),
-      observer_(mpc_.options().model, options),
+      options_(checked(limited(options, mpc))),
+      mpc_(completed(mpc, options_)),
+      observer_(mpc_.options().model, options, options.disturbance_rate_drift),
       trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
              mpc_.options().model.pitch_time},
             options),
       period_decay_(decayOf(mpc_.options().model, options.control_period)),
       stage_decay_(decayOf(mpc_.options().model, mpc_.options().period)),
-      integrator_(options) {
+      integrator_(options_) {
   const auto points = static_cast<std::size_t>(mpc_.horizon() + 1);
   stages_.resize(points);
   references_.resize(points);
@@ -118,6 +128,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
   if (observing_ && late < -0.5) {
     observer_.reset();  // time went back: another flight
     trim_.reset();
+    iterating_ = false;
   } else if (observing_ && late < ForceObserver::kMaxPeriods + 0.5) {
     periods = static_cast<int>(std::lround(late));
   }
@@ -137,6 +148,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
 void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
   const Eigen::Vector3d estimated = options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
   disturbance_ = estimated + integrator_.disturbance();
+  disturbance_rate_ = options_.offset_free ? observer_.disturbanceRate() : Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const double rate = yawRate(options_, preview[k], yaw);
     stages_[k] = {yaw, rate, disturbance_};
@@ -145,7 +157,8 @@ void NonlinearController::predictYaw(double yaw, const Reference* preview) noexc
 }
 
 // Attitude and lift from the specific force that the path needs (the model is flat).
-StageReference NonlinearController::onPath(const Reference& path, double yaw) const noexcept {
+StageReference NonlinearController::onPath(const Reference& path, double yaw,
+                                           const Eigen::Vector3d& disturbance) const noexcept {
   const MultirotorModel& model = mpc_.options().model;
   const double sine = std::sin(yaw), cosine = std::cos(yaw);
   const auto heading = [&](const Eigen::Vector3d& world) {
@@ -153,7 +166,7 @@ StageReference NonlinearController::onPath(const Reference& path, double yaw) co
                            world.z());
   };
   Eigen::Vector3d force =
-      heading(path.acceleration - disturbance_) + model.drag.cwiseProduct(heading(path.velocity));
+      heading(path.acceleration - disturbance) + model.drag.cwiseProduct(heading(path.velocity));
   force.z() = std::max(force.z() + model.gravity, kLeastSupport);
   StageReference reference;
   reference.position = path.position;
@@ -173,15 +186,18 @@ void NonlinearController::lead(StageReference& from, const StageReference& to,
 }
 
 void NonlinearController::makeReferences(const Reference* preview) noexcept {
-  for (std::size_t k = 0; k < references_.size(); ++k) references_[k] = onPath(preview[k], stages_[k].yaw);
-  // A stage's command is right for all of its time; what is sent is held for one control period only. At the
+  for (std::size_t k = 0; k < references_.size(); ++k)
+    references_[k] = onPath(preview[k], stages_[k].yaw, disturbance_);
+  // All stages have the disturbance of now: over the horizon the noise of its rate would grow. The command that is sent
+  // leads by it. A stage's command is right for all of its time; what is sent is held for one control period only. At the
   // middle of a stage a command that changes would lead by the difference.
   Reference soon = *preview;
   const double period = options_.control_period;
   soon.velocity += period * soon.acceleration;
   soon.acceleration += period * soon.jerk;
   StageReference now = references_.front();
-  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate), period_decay_);
+  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate, disturbance_ + period * disturbance_rate_),
+       period_decay_);
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
