@@ -33,7 +33,7 @@ std::string disturbanceText(const MpcProblem& problem);
 /// `partition` is the complete one of condense(problem).
 ///
 /// In each region, two numbers bound what the loop reaches: the excess now, and that of the prediction. They grow from 0
-/// until each step from all these parameters stays within them, in steps of a 64th of the greatest values. Linear programs
+/// until each step from all these parameters stays within them, in steps of a 1024th of the greatest values. Linear programs
 /// in doubles over pairs of regions: none that the loop can pass is left out, but rounding is not bounded. After a million
 /// pairs there is no number.
 std::vector<LoopExcess> loopExcess(const MpcProblem& problem, const Partition& partition);

@@ -13,7 +13,7 @@ namespace polyfly {
 namespace {
 
 // Levels of an excess that are told apart.
-constexpr double kLevels = 64.0;
+constexpr double kLevels = 1024.0;
 // Pairs of regions that are looked at.
 constexpr int kMostPairs = 1000000;
 
