@@ -39,10 +39,11 @@ void confirmTracking(const checker::Certificate& certificate, const std::string&
 void confirmRobust(const checker::RobustCertificate& certificate, const std::string& text) {
   const checker::RobustMatch match =
       checker::matchRobust(certificate, checker::readRobustProblem(text), kTolerance);
-  std::printf(
-      "confirmed: the model is that of the problem, within %.3g; %zu rows follow from it exactly\n"
-      "%zu rows more bound the first step; that they are the invariant set is not confirmed\n",
-      match.difference.get_d(), match.rows, match.invariance_rows);
+  std::printf("confirmed: the model is that of the problem, within %.3g; %zu rows follow from it exactly\n",
+              match.difference.get_d(), match.rows);
+  if (match.invariance_rows > 0)
+    std::printf("%zu rows more bound the first step; that they are the invariant set is not confirmed\n",
+                match.invariance_rows);
 }
 
 void confirm(const checker::Arguments& arguments) {

@@ -284,6 +284,7 @@ RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& pr
             "a row of the certificate is none of the problem");
     match.first_step += rows.size();
   }
+  require(!problem.bounds_first_step || match.first_step > 0, "rows of the invariant set are missing");
   return match;
 }
 
