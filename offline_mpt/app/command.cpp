@@ -4,13 +4,38 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "mpc_core/parametric_program.hpp"
 #include "mpi_group.hpp"
 #include "polyfly_base/write_file.hpp"
 
 namespace polyfly {
+
+namespace {
+
+// So many slacks of one bound are told of.
+constexpr int kManySlacks = 5;
+
+/// Each slack may be at its floor or not, in each region anew.
+std::vector<std::string> remarksOnSlacks(const ParametricProgram& program) {
+  std::map<std::string, int> counts;
+  for (const SlackVariable& slack : program.slacks) ++counts[slack.name];
+  std::vector<std::string> remarks;
+  for (const auto& [name, count] : counts) {
+    if (count < kManySlacks) continue;
+    remarks.push_back(
+        "the soft bound " + name + " has " + std::to_string(count) +
+        " slacks, which may multiply the regions; one for all stages ('slack: horizon') adds few, and "
+        "fewer stages or blocked moves help");
+  }
+  return remarks;
+}
+
+}  // namespace
 
 // Processes of a launcher share the machine; one that is bound to some processors sees those only.
 int defaultThreads() {
@@ -20,7 +45,9 @@ int defaultThreads() {
 }
 
 void printRemarks(const std::string& problem, const ParametricProgram& program) {
-  for (const std::string& remark : program.remarks)
+  std::vector<std::string> remarks = program.remarks;
+  for (std::string& remark : remarksOnSlacks(program)) remarks.push_back(std::move(remark));
+  for (const std::string& remark : remarks)
     std::fprintf(stderr, "offline_mpt: %s: %s\n", problem.c_str(), remark.c_str());
 }
 

@@ -13,6 +13,7 @@
 #include "mpi_group.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
+#include "offline_mpt/loop_excess.hpp"
 #include "offline_mpt/process_group.hpp"
 #include "offline_mpt/soft_bounds.hpp"
 #include "polyfly_base/error.hpp"
@@ -333,11 +334,14 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
   if (program.slacks.empty() || partition.status != ExploreStatus::kComplete) return;
   ExploreOptions explore_options = options.explore;
   explore_options.region_limit = kHardRegionFactor * partition.regions.size() + kHardRegionFactor;
-  for (const SoftBound& bound : softBounds(program, partition, explore_options)) {
-    const std::string text = softBoundText(bound);
+  const auto note = [&](const std::string& text) {
     content->solver_notes += text + "\n";
     if (!options.quiet) std::printf("%s: %s\n", options.map.c_str(), text.c_str());
-  }
+  };
+  for (const SoftBound& bound : softBounds(program, partition, explore_options)) note(softBoundText(bound));
+  if (program.text_kind != "yaml") return;
+  const MpcProblem problem = parseProblem(program.text, options.problem);
+  for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
 ExitCode lead(const SolveArguments& options, Session& session) {

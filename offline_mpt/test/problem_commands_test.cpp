@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,11 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenReducedAndCounted) {
   expectPart(solved.out, ": soft bound v_y: exceeded by at most ");
   expectPart(solved.out, " m/s in a prediction, at theta = (");
   expectPart(solved.out, "; linear weight 400");
-  expectPart(tool({"info", path("speed.map")}).out, "  soft bound v_y: exceeded by at most ");
+  expectPart(solved.out, ": soft bound v_y with d_y in [-0.5, 0.5] m/s^2: exceeded by at most ");
+  EXPECT_EQ(solved.err, "");
+  const std::string notes = tool({"info", path("speed.map")}).out;
+  expectPart(notes, "  soft bound v_y: exceeded by at most ");
+  expectPart(notes, "  soft bound v_y with d_y in [-0.5, 0.5] m/s^2: exceeded by at most ");
 
   const Outcome sampled = tool({"verify", path("speed.map"), "--problem", problem, "--samples", "500"});
   EXPECT_EQ(sampled.exit_code, 0) << sampled.out;
@@ -53,6 +58,22 @@ TEST_F(ProblemCommands, ASoftLimitOnTheSpeedIsSolvedProvenReducedAndCounted) {
       check({path("small.cert"), "--map", path("small.map"), "--reduced-from", path("speed.map")});
   EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
   expectPart(tool({"count", problem}).out, "lateral_speed_limit: complete: 181 regions");
+}
+
+TEST_F(ProblemCommands, CountWarnsOfASlackForEachStage) {
+  const std::string file = path("stages.yaml");
+  std::ifstream shared_slack(problemFile("lateral_speed_limit.yaml"));
+  std::string text{std::istreambuf_iterator<char>(shared_slack), {}};
+  const std::string shared = ", slack: horizon";
+  std::ofstream(file) << text.replace(text.find(shared), shared.size(), "");
+  const Outcome counted = tool({"count", file, "--region-limit", "200", "--quiet"});
+  EXPECT_EQ(counted.exit_code, 3) << counted.err;
+  expectPart(counted.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
+  // The generic form keeps the names of the slacks.
+  ASSERT_EQ(tool({"condense", file, "-o", path("stages.json")}).exit_code, 0);
+  const Outcome generic = tool({"count", path("stages.json"), "--region-limit", "200", "--quiet"});
+  EXPECT_EQ(generic.exit_code, 3) << generic.err;
+  expectPart(generic.err, "the soft bound v_y has 20 slacks, which may multiply the regions");
 }
 
 TEST_F(ProblemCommands, ACondensedProblemHasTheSameMap) {

@@ -3,11 +3,12 @@
 #include <cstdio>
 
 #include "arguments.hpp"
-#include "extensions/read_certificate.hpp"
 #include "files.hpp"
 #include "polyfly_base/out_of_memory.hpp"
 #include "polyfly_base/version.hpp"
 #include "problem/program_match.hpp"
+#include "problem/robust_match.hpp"
+#include "robust/read_map_certificate.hpp"
 
 namespace {
 
@@ -15,12 +16,35 @@ constexpr char kUsage[] =
     R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
-check_certificate confirms. Problems are YAML files of type tracking_mpc.
+check_certificate confirms. Problems are YAML files of type tracking_mpc, or of type robust_mpc: then the model and all
+rows of the certificate are those of the file.
 With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
 const mpq_class kTolerance(mpz_class(1), mpz_class(1000000000000));
+
+void confirmTracking(const checker::Certificate& certificate, const std::string& text) {
+  checker::require(certificate.program().at("A").rows > 0 && certificate.equalities().empty(),
+                   "a tracking problem has no equalities");
+  const checker::TrackingProblem problem = checker::readTrackingProblem(text);
+  const checker::ExpectedProgram expected = checker::expectedProgram(problem);
+  const mpq_class difference = checker::matchProgram(certificate.program(), problem, expected, kTolerance);
+  std::printf(
+      "confirmed: the program is that of the problem, within %.3g of the greatest entry of each row\n"
+      "the Riccati equation of the terminal weight holds within %.3g\n",
+      difference.get_d(), expected.riccati_residual.get_d());
+}
+
+void confirmRobust(const checker::RobustCertificate& certificate, const std::string& text) {
+  const checker::RobustMatch match =
+      checker::matchRobust(certificate, checker::readRobustProblem(text), kTolerance);
+  std::printf("confirmed: the model is that of the problem, within %.3g; %zu rows follow from it exactly\n",
+              match.difference.get_d(), match.rows);
+  if (match.invariance_rows > 0)
+    std::printf("%zu rows more bound the first step; that they are the invariant set is not confirmed\n",
+                match.invariance_rows);
+}
 
 void confirm(const checker::Arguments& arguments) {
   const auto map_file = arguments.find("--map"), problem_file = arguments.find("--problem");
@@ -29,16 +53,12 @@ void confirm(const checker::Arguments& arguments) {
   if (problem_file != arguments.end())
     checker::require(checker::readFile(problem_file->second) == map.problem,
                      "the problem file is not the one that the map was made from");
-  const auto certificate = checker::readCertificate(checker::readFile(arguments.at("")), map);
-  checker::require(certificate->program().at("A").rows > 0 && certificate->equalities().empty(),
-                   "a tracking problem has no equalities");
-  const checker::TrackingProblem problem = checker::readTrackingProblem(map.problem);
-  const checker::ExpectedProgram expected = checker::expectedProgram(problem);
-  const mpq_class difference = checker::matchProgram(certificate->program(), problem, expected, kTolerance);
-  std::printf(
-      "confirmed: the program is that of the problem, within %.3g of the greatest entry of each row\n"
-      "the Riccati equation of the terminal weight holds within %.3g\n",
-      difference.get_d(), expected.riccati_residual.get_d());
+  const auto certificate = checker::readMapCertificate(checker::readFile(arguments.at("")), map);
+  const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
+  if (robust != nullptr)
+    confirmRobust(*robust, map.problem);
+  else
+    confirmTracking(*certificate, map.problem);
 }
 
 }  // namespace

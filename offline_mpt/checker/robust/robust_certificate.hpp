@@ -19,7 +19,6 @@ class RobustCertificate : public ExtendedCertificate {
   using ExtendedCertificate::ExtendedCertificate;
   std::string conditions() const override;
 
- private:
   using Sparse = std::vector<std::pair<std::size_t, Fraction>>;
 
   /// y . (theta, u~_0, tau) + z . plan + sum of |term| <= bound; y is dense.
@@ -33,6 +32,15 @@ class RobustCertificate : public ExtendedCertificate {
     Sparse z;
     std::vector<Term> terms;
   };
+
+  /// What the lines state; its sizes fit.
+  const Matrices& models() const { return model_; }
+  const std::vector<std::size_t>& errors() const { return errors_; }
+  const std::map<std::size_t, std::pair<Fraction, Fraction>>& stateRanges() const { return state_ranges_; }
+  std::size_t predictions() const { return predictions_; }
+  const std::vector<PlanRow>& rows() const { return rows_; }
+
+ private:
   /// (theta, u~_0, tau), and the plan that reaches it.
   struct Point {
     Vector y, plan;

@@ -23,7 +23,7 @@ struct IntegerSolution {
 };
 
 /// Solves a system by fraction-free (Bareiss) elimination. A row is the coefficients, then the right-hand side. A row
-/// that contradicts earlier rows is ignored, and the solution is not consistent.
+/// that contradicts others is ignored, and the solution is not consistent.
 IntegerSolution solveIntegers(std::vector<std::vector<Integer>> rows, int unknowns);
 
 }  // namespace polyfly

@@ -3,26 +3,11 @@
 
 #include "../../test/map_in_memory.hpp"
 #include "../../test/mutation.hpp"
-#include "offline_mpt/encode.hpp"
+#include "proven_robust.hpp"
 #include "robust/read_map_certificate.hpp"
-#include "robust_mpc/prove_map.hpp"
-#include "solved_robust.hpp"
 
 namespace polyfly {
 namespace {
-
-/// A robust map with its proof.
-struct Proven {
-  explicit Proven(const MadeRobust& made) : solved(made) {
-    const RoundedLaw rounded = roundLaw(solved.problem, solved.law, ExploreStatus::kComplete);
-    content = encode(rounded.program, rounded.partition);
-    proof = proveRobustMap(MapInMemory(content).map(), solved.problem);
-  }
-
-  SolvedRobust solved;
-  MapContent content;
-  RobustProof proof;
-};
 
 MadeRobust twoStates() {
   MadeRobust made;
@@ -31,8 +16,8 @@ MadeRobust twoStates() {
   return made;
 }
 
-const Proven& smallProof() {
-  static const Proven proven(twoStates());
+const ProvenRobust& smallProof() {
+  static const ProvenRobust proven(twoStates());
   return proven;
 }
 
@@ -64,7 +49,7 @@ class RobustMutation : public Mutation {
 };
 
 /// What the checker says of a right certificate.
-std::string confirmed(const Proven& proven) {
+std::string confirmed(const ProvenRobust& proven) {
   EXPECT_TRUE(proven.proof.passed()) << proofText(proven.solved.problem, proven.proof);
   const checker::Map map(bytesOf(proven.content));
   const auto certificate = checker::readMapCertificate(proven.proof.certificate, map);
@@ -86,7 +71,7 @@ TEST(RobustCertificate, RightMapsAreConfirmed) {
   made[5].feedback = "zero";
   made[5].peak_in_map = true;
   for (const MadeRobust& one : made) {
-    const Proven proven(one);
+    const ProvenRobust proven(one);
     const bool may_be_lost = confirmed(proven).find("MAY BE LOST") != std::string::npos;
     EXPECT_EQ(may_be_lost, proven.proof.lost.has_value()) << one.text();
   }
@@ -96,9 +81,9 @@ TEST(RobustCertificate, RightMapsAreConfirmed) {
 TEST(RobustCertificate, SaysWhereFeasibilityIsLost) {
   MadeRobust made;
   made.horizon = 3;
-  EXPECT_NE(confirmed(Proven(made)).find("MAY BE LOST"), std::string::npos);
+  EXPECT_NE(confirmed(ProvenRobust(made)).find("MAY BE LOST"), std::string::npos);
   made.horizon = 4;
-  EXPECT_NE(confirmed(Proven(made)).find("feasibility is not lost"), std::string::npos);
+  EXPECT_NE(confirmed(ProvenRobust(made)).find("feasibility is not lost"), std::string::npos);
 }
 
 TEST(RobustCertificate, ARefutedMapHasNone) {

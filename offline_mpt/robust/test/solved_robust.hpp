@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "made_robust.hpp"
 #include "robust_mpc/robust_law.hpp"
 
@@ -12,7 +14,9 @@ struct SolvedRobust {
   FeasibleSet set;
   RobustLaw law;
 
-  explicit SolvedRobust(const MadeRobust& made, int threads = 1) : problem(made.problem()) {
+  explicit SolvedRobust(const MadeRobust& made, int threads = 1) : SolvedRobust(made.problem(), threads) {}
+
+  explicit SolvedRobust(RobustProblem stated, int threads = 1) : problem(std::move(stated)) {
     program = buildRobustProgram(problem);
     ProjectOptions options;
     options.threads = threads;

@@ -1,55 +1,20 @@
 #include "offline_mpt/soft_bounds.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <utility>
 
 #include "lp/polytope.hpp"
-#include "mpc_core/decompositions.hpp"
 #include "offline_mpt/explore.hpp"
+#include "soft/active_solution.hpp"
+#include "soft/excess_text.hpp"
 #include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
 
-// A slack below this, relative to the greatest bound, is rounding of 0.
-constexpr double kNoExcess = 1e-9;
 // By how much a multiplier may exceed the weight, relative, through rounding.
 constexpr double kWeightTolerance = 1e-9;
-// Reciprocal of the condition above which the equations of an active set count as independent.
-constexpr double kRankTolerance = 1e-12;
-
-/// z and the multipliers of an active set as affine functions of theta.
-struct ActiveSolution {
-  Eigen::MatrixXd on_theta;  // (n + active) x p
-  Eigen::VectorXd constant;
-  bool independent = false;
-};
-
-ActiveSolution solveActiveSet(const ParametricProgram& program, const std::vector<int>& active) {
-  const Eigen::Index n = program.variableCount();
-  const Eigen::Index p = program.parameterCount();
-  const auto w = static_cast<Eigen::Index>(active.size());
-  Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(n + w, n + w);
-  Eigen::MatrixXd right(n + w, p + 1);
-  kkt.topLeftCorner(n, n) = program.H;
-  right.topRows(n) << -program.F, -program.f;
-  for (Eigen::Index i = 0; i < w; ++i) {
-    const int row = active[static_cast<std::size_t>(i)];
-    kkt.row(n + i).head(n) = program.A.row(row);
-    kkt.col(n + i).head(n) = program.A.row(row).transpose();
-    right.row(n + i) << program.S.row(row), program.b(row);
-  }
-  const PivotedQr qr(kkt, kRankTolerance);
-  ActiveSolution solution;
-  solution.independent = qr.rank() == n + w;
-  const Eigen::MatrixXd all = qr.solve(right);
-  solution.on_theta = all.leftCols(p);
-  solution.constant = all.col(p);
-  return solution;
-}
-
 /// Greatest values of affine functions over the regions of a partition.
 class RegionMaximum {
  public:
@@ -131,9 +96,8 @@ void setExcess(const ParametricProgram& program, const Partition& partition,
                     &(*bounds)[owner[i]].excess);
     }
   }
-  const double scale = std::max(1.0, program.b.size() > 0 ? program.b.cwiseAbs().maxCoeff() : 0.0);
   for (SoftBound& bound : *bounds)
-    if (bound.excess.value <= kNoExcess * scale) bound.excess = {};
+    if (bound.excess.value <= negligibleExcess(program)) bound.excess = {};
 }
 
 /// Entries of z and rows that stay without the slacks.
@@ -215,12 +179,6 @@ void setExactness(const ParametricProgram& program, const ExploreOptions& option
     const bool below = bound.multiplier.value <= bound.linear_weight * (1.0 + kWeightTolerance);
     bound.exactness = below ? SoftBound::Exactness::kExact : SoftBound::Exactness::kNotExact;
   }
-}
-
-std::string numberText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
 }
 
 }  // namespace

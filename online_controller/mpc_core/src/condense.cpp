@@ -11,6 +11,9 @@
 namespace polyfly {
 namespace {
 
+// From so many free moves on, a parameter of what drifts is told of.
+constexpr std::size_t kManyMoves = 10;
+
 Prediction predict(const MpcProblem& problem, const DiscreteModel& model, const Selectors& selectors) {
   const Eigen::Index nx = model.A.rows();
   const Eigen::Index nu = model.B.cols();
@@ -91,6 +94,21 @@ std::vector<std::string> remarksOn(const MpcProblem& problem) {
   return remarks;
 }
 
+// A parameter of what drifts moves the whole prediction, and with it the bounds that are active at each free move.
+std::vector<std::string> remarksOnDrift(const MpcProblem& problem) {
+  const std::size_t free_moves = blockLengths(problem).size();
+  if (free_moves < kManyMoves) return {};
+  std::vector<std::string> remarks;
+  for (const MpcProblem::Parameter& parameter : problem.parameters) {
+    if (parameter.role != ParameterRole::kDisturbance) continue;
+    remarks.push_back(
+        "parameters: " + parameter.signal.name + ": with " + std::to_string(free_moves) +
+        " free moves it may multiply the regions of a map; a few blocks (moves: [1, 1, 2, 4, ...]) "
+        "keep them few");
+  }
+  return remarks;
+}
+
 /// The problem with its fixed parameters as further entries of theta.
 MpcProblem withFixedAsParameters(const MpcProblem& problem) {
   MpcProblem all = problem;
@@ -152,6 +170,7 @@ ParametricProgram condense(const MpcProblem& problem) {
   program.c = Eigen::VectorXd::Zero(nu);
   fixLastParameters(fixedValues(problem), &program);
   program.remarks = remarksOn(problem);
+  for (std::string& remark : remarksOnDrift(problem)) program.remarks.push_back(std::move(remark));
   checkProgram(program);
   return program;
 }

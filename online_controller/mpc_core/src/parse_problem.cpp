@@ -65,9 +65,10 @@ void readInputs(const YamlField& model, Names* taken, MpcProblem* problem) {
 void readDisturbances(const YamlField& model, Names* taken, MpcProblem* problem) {
   if (!model.has("disturbances")) return;
   for (const YamlField& field : model.at("disturbances").items()) {
-    field.checkKeys({"name", "unit"}, {});
+    field.checkKeys({"name", "unit"}, {"range"});
     Signal disturbance = readSignal(field, taken);
     removeBounds(&disturbance);
+    if (field.has("range")) field.at("range").range(&disturbance.lower, &disturbance.upper);
     problem->disturbances.push_back(disturbance);
   }
 }

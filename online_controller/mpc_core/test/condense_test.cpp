@@ -338,6 +338,15 @@ TEST(Condense, RemarksOnReferencesThatNoInputHolds) {
       << remarks[0];
 }
 
+TEST(Condense, RemarksOnParametersOfADriftWithManyFreeMoves) {
+  MpcProblem problem = loadProblem(problemFile("look_ahead/lateral.yaml"));
+  EXPECT_TRUE(condense(problem).remarks.empty());
+  problem.moves.clear();
+  const std::vector<std::string> remarks = condense(problem).remarks;
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("parameters: d_y_ahead: with 20 free moves"), std::string::npos) << remarks[0];
+}
+
 TEST(Condense, EqualsTheReferenceProblem) {
   const std::string path = referenceData("rmpc/lmpc_N20_5.json");
   if (path.empty()) GTEST_SKIP() << "the reference data are absent";

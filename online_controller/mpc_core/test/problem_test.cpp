@@ -69,6 +69,7 @@ TEST(ProblemFile, IsReadAsWritten) {
   EXPECT_EQ(problem.inputs[0].upper, 1.5);
   ASSERT_EQ(problem.disturbances.size(), 1u);
   EXPECT_EQ(problem.disturbances[0].name, "d");
+  EXPECT_EQ(problem.disturbances[0].upper, std::numeric_limits<double>::infinity());
   EXPECT_EQ(problem.A_c, (Eigen::Matrix2d() << 0, 1, 0, -0.5).finished());
   EXPECT_EQ(problem.B_c, Eigen::Vector2d(0, 1));
   EXPECT_EQ(problem.Bd_c, Eigen::Vector2d(0, 2));
@@ -139,8 +140,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  D: [[1, 0]]", "D:", "model.D", "unknown key"},
         BadCase{"{name: p, unit: m}", "{name: p, unit: m, rang: [0, 1]}", "rang:", "model.states[0].rang",
                 "unknown"},
-        BadCase{"{name: d, unit", "{range: [0, 1], name: d, unit", "name: d", "model.disturbances[0].range",
+        BadCase{"{name: d, unit", "{rang: [0, 1], name: d, unit", "name: d", "model.disturbances[0].rang",
                 "unknown"},
+        BadCase{"{name: d, unit", "{range: [1, 0], name: d, unit", "name: d", "model.disturbances[0].range",
+                "lower end must be below"},
         BadCase{"role: previous_input", "roll: previous_input", "roll:", "parameters[2].roll", "unknown key"},
         BadCase{"horizon: 5\n", "", "polyfly_problem", "horizon", "missing"},
         BadCase{"sampling_time: 0.1\n", "", "polyfly_problem", "sampling_time", "missing"},
@@ -259,8 +262,9 @@ std::string nameOfFlightModel(const std::string& file) {
 // What flies a type, and which of them are explored as a parametric program, is what the registry says.
 TEST(ProblemTypes, EachHasWhatFliesIt) {
   ASSERT_EQ(problemTypes().size(), 3U);
-  EXPECT_NE(errorOf([] { nameOfFlightModel("safety/fence_y.yaml"); })
-                .find("type: no controller flies a map of a safety_filter"),
+  EXPECT_NE(errorOf([] {
+              nameOfFlightModel("safety/fence_y.yaml");
+            }).find("type: no controller flies a map of a safety_filter"),
             std::string::npos);
   EXPECT_EQ(nameOfFlightModel("multirotor_lateral.yaml"), "multirotor_lateral");
   EXPECT_EQ(nameOfFlightModel("robust/aslquad_lateral.yaml"), "aslquad_lateral");

@@ -64,7 +64,9 @@ struct MpcProblem {
   std::vector<Signal> states;
   /// The nu inputs, with the bounds of u (absolute).
   std::vector<Signal> inputs;
-  std::vector<Signal> disturbances;  ///< nd
+  /// The nd disturbances, with the range that each stays in, infinite where none is given. The program does not depend on
+  /// the ranges.
+  std::vector<Signal> disturbances;
   /// The ny outputs; the name is empty where the file gives none and the row of C is not that of one state.
   std::vector<Signal> outputs;
   /// False: the model is x' = A_c x + B_c u + Bd_c d (Eq. 39). True: x_{k+1} = A_c x_k + B_c u_k + Bd_c d_k over one

@@ -1,0 +1,235 @@
+#include "problem/robust_problem.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+
+#include "core/text.hpp"
+
+namespace checker {
+namespace {
+
+constexpr std::size_t kMostStages = 40;
+constexpr unsigned kMostBits = 200;
+constexpr long kMostDigits = 400;
+
+void requireOnly(const YAML::Node& node, const std::set<std::string>& known) {
+  require(node.IsMap(), "problem: an entry has no keys");
+  for (const auto& entry : node) {
+    const auto key = entry.first.as<std::string>();
+    require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
+  }
+}
+
+mpz_class wholeOf(const std::string& digits) {
+  mpz_class value;
+  require(!digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos &&
+              value.set_str(digits, 10) == 0,
+          "problem: " + digits + " is no number");
+  return value;
+}
+
+mpz_class powerOfTen(long exponent) {
+  mpz_class power;
+  mpz_ui_pow_ui(power.get_mpz_t(), 10, static_cast<unsigned long>(exponent));
+  return power;
+}
+
+/// A decimal number without sign: digits, perhaps a point, perhaps an exponent.
+Fraction decimalOf(const std::string& text) {
+  const std::size_t e = text.find_first_of("eE");
+  std::string digits = text.substr(0, e);
+  long exponent = 0;
+  if (e != std::string::npos) {
+    const bool has_sign = e + 1 < text.size() && (text[e + 1] == '-' || text[e + 1] == '+');
+    const mpz_class stated = wholeOf(text.substr(e + (has_sign ? 2 : 1)));
+    require(stated <= kMostDigits, "problem: " + text + " is out of range");
+    exponent = stated.get_si();
+    if (has_sign && text[e + 1] == '-') exponent = -exponent;
+  }
+  const std::size_t point = digits.find('.');
+  if (point != std::string::npos) {
+    exponent -= static_cast<long>(digits.size() - point - 1);
+    digits.erase(point, 1);
+  }
+  require(std::abs(exponent) <= kMostDigits, "problem: " + text + " is out of range");
+  Fraction value(wholeOf(digits));
+  if (exponent >= 0) return value * Fraction(powerOfTen(exponent));
+  value /= Fraction(powerOfTen(-exponent));
+  return value;
+}
+
+/// A number as written, or a quotient of two.
+Fraction exactOf(const YAML::Node& node) {
+  std::string text = node.as<std::string>();
+  const bool is_negative = !text.empty() && text[0] == '-';
+  if (is_negative || (!text.empty() && text[0] == '+')) text.erase(0, 1);
+  const std::size_t slash = text.find('/');
+  Fraction value = decimalOf(text.substr(0, slash));
+  if (slash != std::string::npos) {
+    const Fraction divisor = decimalOf(text.substr(slash + 1));
+    require(divisor != 0, "problem: a division by 0");
+    value /= divisor;
+  }
+  return is_negative ? Fraction(-value) : value;
+}
+
+Matrix zeros(std::size_t rows, std::size_t columns) { return {rows, columns, Vector(rows * columns)}; }
+
+Matrix exactMatrix(const YAML::Node& node, std::size_t columns) {
+  require(node.IsSequence(), "problem: a matrix is no list");
+  Matrix matrix = zeros(node.size(), columns);
+  for (std::size_t i = 0; i < matrix.rows; ++i) {
+    require(node[i].IsSequence() && node[i].size() == columns, "problem: a matrix has another size");
+    for (std::size_t j = 0; j < columns; ++j) matrix.entries[i * columns + j] = exactOf(node[i][j]);
+  }
+  return matrix;
+}
+
+/// A matrix, or its diagonal.
+Matrix exactWeight(const YAML::Node& node, std::size_t size) {
+  require(node.IsSequence() && node.size() == size, "problem: a weight has another size");
+  if (node[0].IsSequence()) return exactMatrix(node, size);
+  Matrix matrix = zeros(size, size);
+  for (std::size_t i = 0; i < size; ++i) matrix.entries[i * size + i] = exactOf(node[i]);
+  return matrix;
+}
+
+RobustProblem::Range exactRange(const YAML::Node& node) {
+  require(node.IsSequence() && node.size() == 2, "problem: a range has two numbers");
+  RobustProblem::Range range(exactOf(node[0]), exactOf(node[1]));
+  require(range.first < range.second, "problem: a range is empty");
+  return range;
+}
+
+/// One of several words; the first where there is none.
+std::size_t choiceAmong(const YAML::Node& node, const std::vector<std::string>& words) {
+  if (!node) return 0;
+  const auto at = std::find(words.begin(), words.end(), node.as<std::string>());
+  require(at != words.end(), "problem: " + node.as<std::string>() + " is not known to this checker");
+  return static_cast<std::size_t>(at - words.begin());
+}
+
+class RobustReader {
+ public:
+  explicit RobustReader(const YAML::Node& root) : root_(root) {}
+
+  RobustProblem read() {
+    requireOnly(root_, {"polyfly_problem", "name", "type", "description", "provenance", "model",
+                        "sampling_time", "horizon", "stack", "feedback_predictions", "feedback_gain",
+                        "tie_break", "floor", "invariance", "peak_in_map", "parameters"});
+    require(root_["type"].as<std::string>() == "robust_mpc", "problem: is of no type robust_mpc");
+    problem_.sampling_time = Fraction(root_["sampling_time"].as<double>());
+    problem_.horizon = root_["horizon"].as<std::size_t>();
+    require(problem_.sampling_time > 0 && problem_.horizon >= 2 && problem_.horizon <= kMostStages,
+            "problem: sampling_time or horizon is out of range");
+    readSignals(root_["model"]);
+    readModel(root_["model"]);
+    readChoices();
+    readGains();
+    readParameters(root_["parameters"]);
+    return problem_;
+  }
+
+ private:
+  void readSignals(const YAML::Node& model) {
+    requireOnly(model, {"time", "bits", "states", "inputs", "disturbances", "A", "B", "G", "C"});
+    for (const auto& state : model["states"]) {
+      requireOnly(state, {"name", "unit", "range"});
+      if (state["range"]) problem_.state_ranges[states_.size()] = exactRange(state["range"]);
+      states_.push_back(state["name"].as<std::string>());
+    }
+    require(!states_.empty() && model["inputs"].size() == 1, "problem: one input is needed, and a state");
+    problem_.input_range = exactRange(model["inputs"][0]["range"]);
+    for (const auto& disturbance : model["disturbances"])
+      problem_.disturbances.push_back(exactRange(disturbance["range"]));
+  }
+
+  void readModel(const YAML::Node& model) {
+    const std::size_t nx = states_.size();
+    problem_.is_discrete = choiceAmong(model["time"], {"continuous", "discrete"}) == 1;
+    if (model["bits"]) problem_.bits = model["bits"].as<unsigned>();
+    require(problem_.bits >= 8 && problem_.bits <= kMostBits, "problem: bits is out of range");
+    problem_.A = exactMatrix(model["A"], nx);
+    problem_.B = exactMatrix(model["B"], 1);
+    problem_.G = exactMatrix(model["G"], problem_.disturbances.size());
+    problem_.C = exactMatrix(model["C"], nx);
+    require(problem_.A.rows == nx && problem_.B.rows == nx && problem_.G.rows == nx,
+            "problem: a matrix has another size");
+  }
+
+  void readChoices() {
+    problem_.is_shifted = choiceAmong(root_["stack"], {"paper", "shift"}) == 1;
+    problem_.feedback = static_cast<RobustProblem::Feedback>(
+        choiceAmong(root_["feedback_predictions"], {"free", "zero", "fixed"}));
+    problem_.bounds_first_step = choiceAmong(root_["invariance"], {"none", "first_step"}) == 1;
+    problem_.has_peak = choiceAmong(root_["peak_in_map"], {"false", "true"}) == 1;
+    if (root_["floor"]) problem_.floor = exactOf(root_["floor"]);
+  }
+
+  void readGains() {
+    const YAML::Node tie = root_["tie_break"], feedback = root_["feedback_gain"];
+    requireOnly(tie, {"gain", "Q", "R"});
+    if (tie["gain"]) {
+      problem_.tie_gain = gainOf(tie["gain"]);
+    } else {
+      problem_.Q = exactWeight(tie["Q"], states_.size());
+      problem_.R = exactWeight(tie["R"], 1);
+    }
+    if (!feedback) return;
+    requireOnly(feedback, {"gain"});
+    problem_.feedback_gain = gainOf(feedback["gain"]);
+  }
+
+  Matrix gainOf(const YAML::Node& node) const {
+    Matrix gain = exactMatrix(node, states_.size());
+    require(gain.rows == 1, "problem: a gain has another size");
+    return gain;
+  }
+
+  void readParameters(const YAML::Node& parameters) {
+    const std::size_t p = parameters.size(), nx = states_.size();
+    problem_.ranges = zeros(p, 2);
+    problem_.state_shift = zeros(p, nx);
+    problem_.input_shift = zeros(p, 1);
+    problem_.errors.assign(nx, p);
+    for (std::size_t j = 0; j < p; ++j) {
+      const YAML::Node parameter = parameters[j];
+      requireOnly(parameter, {"name", "role", "of", "unit", "range", "state", "input"});
+      const RobustProblem::Range range = exactRange(parameter["range"]);
+      problem_.ranges.entries[2 * j] = range.first;
+      problem_.ranges.entries[2 * j + 1] = range.second;
+      if (choiceAmong(parameter["role"], {"error", "reference"}) == 0) {
+        const auto state = std::find(states_.begin(), states_.end(), parameter["of"].as<std::string>());
+        require(state != states_.end(), "problem: a parameter names no state");
+        problem_.errors[static_cast<std::size_t>(state - states_.begin())] = j;
+        continue;
+      }
+      require(parameter["state"].size() == nx && parameter["input"].size() == 1,
+              "problem: a reference has another size");
+      for (std::size_t i = 0; i < nx; ++i)
+        problem_.state_shift.entries[j * nx + i] = exactOf(parameter["state"][i]);
+      problem_.input_shift.entries[j] = exactOf(parameter["input"][0]);
+    }
+    require(std::count(problem_.errors.begin(), problem_.errors.end(), p) == 0,
+            "problem: a state has no error among the parameters");
+  }
+
+  const YAML::Node root_;
+  std::vector<std::string> states_;
+  RobustProblem problem_;
+};
+
+}  // namespace
+
+RobustProblem readRobustProblem(const std::string& text) {
+  try {
+    return RobustReader(YAML::Load(text)).read();
+  } catch (const YAML::Exception& error) {
+    throw Refused(std::string("problem: ") + error.what());
+  }
+}
+
+}  // namespace checker

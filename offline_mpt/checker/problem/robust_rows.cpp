@@ -1,0 +1,291 @@
+#include "problem/robust_rows.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "core/text.hpp"
+
+namespace checker {
+namespace {
+
+using PlanRow = RobustCertificate::PlanRow;
+using Sparse = RobustCertificate::Sparse;
+
+/// v M
+Vector timesMatrix(const Vector& v, const Matrix& M) {
+  Vector result(M.columns);
+  for (std::size_t i = 0; i < M.rows; ++i)
+    for (std::size_t j = 0; j < M.columns; ++j) result[j] += v[i] * M.at(i, j);
+  return result;
+}
+
+Matrix multiplied(const Matrix& a, const Matrix& b) {
+  Matrix result{a.rows, b.columns, {}};
+  for (std::size_t i = 0; i < a.rows; ++i) {
+    const Vector row(a.entries.begin() + static_cast<std::ptrdiff_t>(i * a.columns),
+                     a.entries.begin() + static_cast<std::ptrdiff_t>((i + 1) * a.columns));
+    const Vector image = timesMatrix(row, b);
+    result.entries.insert(result.entries.end(), image.begin(), image.end());
+  }
+  return result;
+}
+
+/// Sorted, without zeros; equal places are added.
+Sparse tidy(const Sparse& entries) {
+  std::map<std::size_t, Fraction> sums;
+  for (const auto& [place, value] : entries) sums[place] += value;
+  Sparse result;
+  for (const auto& [place, value] : sums)
+    if (value != 0) result.emplace_back(place, value);
+  return result;
+}
+
+std::string textOf(const Sparse& entries) {
+  std::string text;
+  for (const auto& [place, value] : entries) text += " " + std::to_string(place) + ":" + value.get_str(16);
+  return text;
+}
+
+/// The same for rows that say the same: terms in order, with the sign that makes their first number positive.
+std::string keyOf(const PlanRow& row) {
+  Fraction bound = row.bound;
+  std::vector<std::string> terms;
+  for (const PlanRow::Term& term : row.terms) {
+    Sparse z = tidy(term.z);
+    if (z.empty()) {
+      bound -= abs(term.constant);
+      continue;
+    }
+    const bool is_turned = z.front().second < 0;
+    for (auto& entry : z)
+      if (is_turned) entry.second = -entry.second;
+    const Fraction constant = is_turned ? Fraction(-term.constant) : term.constant;
+    terms.push_back("|" + constant.get_str(16) + textOf(z));
+  }
+  std::sort(terms.begin(), terms.end());
+  std::string key = bound.get_str(16);
+  for (const Fraction& value : row.y) key += " " + value.get_str(16);
+  key += " z" + textOf(tidy(row.z));
+  for (const std::string& term : terms) key += term;
+  return key;
+}
+
+/// The rows of a problem, by the closed form of the prediction:
+///   e_k = A^k e_0 + sum_{j<k} A^(k-1-j) (B u~_j + drift) + sum_i (A^(k-1-i) G + sum_{i<j<k} A^(k-1-j) B L_ji) s_i
+class ExpectedRows {
+ public:
+  ExpectedRows(const RobustCertificate& certificate, const RobustProblem& problem)
+      : certificate_(certificate),
+        problem_(problem),
+        A_(certificate.models().at("A")),
+        B_(certificate.models().at("B")),
+        G_(certificate.models().at("G")),
+        p_(problem.ranges.rows),
+        last_input_(problem.is_shifted ? problem.horizon - 1 : problem.horizon - 2) {
+    if (problem.feedback == RobustProblem::Feedback::kFixed) setFixedFeedback();
+  }
+
+  std::size_t predictions() const {
+    const bool is_free = problem_.feedback == RobustProblem::Feedback::kFree;
+    return last_input_ + (is_free ? G_.columns * last_input_ * (last_input_ + 1) / 2 : 0);
+  }
+
+  std::vector<PlanRow> run() {
+    addParameters();
+    const std::size_t first = problem_.is_shifted ? 1 : 0;
+    for (std::size_t k = first; k < first + problem_.horizon; ++k) {
+      addPeaks(k);
+      addStates(k);
+    }
+    for (std::size_t k = 0; k <= last_input_; ++k) addInput(k);
+    return rows_;
+  }
+
+ private:
+  PlanRow empty() const {
+    PlanRow row;
+    row.y.resize(p_ + 2);
+    return row;
+  }
+
+  /// K (A + B K)^j G for each j.
+  void setFixedFeedback() {
+    const Matrix gain =
+        problem_.feedback_gain ? *problem_.feedback_gain : certificate_.models().at("tie_gain");
+    Matrix closed_loop = multiplied(B_, gain);
+    for (std::size_t k = 0; k < closed_loop.entries.size(); ++k) closed_loop.entries[k] += A_.entries[k];
+    Matrix reaction = G_;
+    for (std::size_t j = 0; j < problem_.horizon; ++j) {
+      fixed_.push_back(multiplied(gain, reaction));
+      reaction = multiplied(closed_loop, reaction);
+    }
+  }
+
+  /// The term has weight times L_ji of a channel.
+  void addFeedback(const Fraction& weight, std::size_t j, std::size_t i, std::size_t channel,
+                   PlanRow::Term& term) const {
+    if (problem_.feedback == RobustProblem::Feedback::kFixed)
+      term.constant += weight * fixed_[j - 1 - i].at(0, channel);
+    if (problem_.feedback == RobustProblem::Feedback::kFree)
+      term.z.emplace_back(last_input_ + (j * (j - 1) / 2 + i) * G_.columns + channel, weight);
+  }
+
+  /// Adds weight times u~_j.
+  void addPlanned(const Fraction& weight, std::size_t j, PlanRow& row) const {
+    if (j == 0)
+      row.y[p_] += weight;
+    else
+      row.z.emplace_back(j - 1, weight);
+  }
+
+  /// The worst case of direction e_k.
+  PlanRow worstState(const Vector& direction, std::size_t k) const {
+    std::vector<Vector> powers = {direction};  // direction A^j
+    for (std::size_t j = 0; j < k; ++j) powers.push_back(timesMatrix(powers.back(), A_));
+    PlanRow row = empty();
+    for (std::size_t i = 0; i < A_.rows; ++i) row.y[problem_.errors[i]] += powers[k][i];
+    std::vector<Fraction> on_input;  // direction A^(k-1-j) B
+    for (std::size_t j = 0; j < k; ++j) {
+      on_input.push_back(timesMatrix(powers[k - 1 - j], B_)[0]);
+      addPlanned(on_input.back(), j, row);
+      row.bound -= timesMatrix(powers[k - 1 - j], certificate_.models().at("drift"))[0];
+    }
+    for (std::size_t i = 0; i < k; ++i) {
+      const Vector direct = timesMatrix(powers[k - 1 - i], G_);
+      for (std::size_t channel = 0; channel < G_.columns; ++channel) {
+        PlanRow::Term term{direct[channel], {}};
+        for (std::size_t j = i + 1; j < k; ++j) addFeedback(on_input[j], j, i, channel, term);
+        row.terms.push_back(term);
+      }
+    }
+    return row;
+  }
+
+  void addParameters() {
+    for (std::size_t j = 0; j < p_; ++j) {
+      for (const int sign : {1, -1}) {
+        PlanRow row = empty();
+        row.y[j] = sign;
+        row.bound = sign > 0 ? problem_.ranges.at(j, 1) : Fraction(-problem_.ranges.at(j, 0));
+        rows_.push_back(row);
+      }
+    }
+    PlanRow floor = empty();
+    floor.y[p_ + 1] = -1;
+    floor.bound = -problem_.floor;
+    rows_.push_back(floor);
+  }
+
+  void addPeaks(std::size_t k) {
+    for (std::size_t i = 0; i < problem_.C.rows; ++i) {
+      for (const int sign : {1, -1}) {
+        Vector direction;
+        for (std::size_t s = 0; s < A_.rows; ++s) direction.emplace_back(sign * problem_.C.at(i, s));
+        PlanRow row = worstState(direction, k);
+        row.y[p_ + 1] -= 1;
+        rows_.push_back(row);
+      }
+    }
+  }
+
+  void addBound(PlanRow row, const Matrix& shift, std::size_t entry, int sign,
+                const RobustProblem::Range& range) {
+    for (std::size_t j = 0; j < p_; ++j) row.y[j] += sign * shift.at(j, entry);
+    row.bound += sign > 0 ? range.second : Fraction(-range.first);
+    rows_.push_back(row);
+  }
+
+  void addStates(std::size_t k) {
+    for (const auto& [state, range] : problem_.state_ranges) {
+      for (const int sign : {1, -1}) {
+        Vector direction(A_.rows);
+        direction[state] = sign;
+        addBound(worstState(direction, k), problem_.state_shift, state, sign, range);
+      }
+    }
+  }
+
+  void addInput(std::size_t k) {
+    for (const int sign : {1, -1}) {
+      PlanRow row = empty();
+      addPlanned(Fraction(sign), k, row);
+      for (std::size_t i = 0; i < k; ++i) {
+        for (std::size_t channel = 0; channel < G_.columns; ++channel) {
+          PlanRow::Term term;
+          addFeedback(Fraction(sign), k, i, channel, term);
+          row.terms.push_back(term);
+        }
+      }
+      addBound(row, problem_.input_shift, 0, sign, problem_.input_range);
+    }
+  }
+
+  const RobustCertificate& certificate_;
+  const RobustProblem& problem_;
+  const Matrix &A_, &B_, &G_;
+  const std::size_t p_, last_input_;
+  std::vector<Matrix> fixed_;
+  std::vector<PlanRow> rows_;
+};
+
+/// Solves a A = c for a; throws Refused where A is singular.
+Vector solvedFromLeft(const Matrix& A, const Vector& c) {
+  const std::size_t n = A.rows;
+  std::vector<Vector> system(n);  // A' a = c
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) system[i].push_back(A.at(j, i));
+    system[i].push_back(c[i]);
+  }
+  for (std::size_t column = 0; column < n; ++column) {
+    std::size_t pivot = column;
+    while (pivot < n && system[pivot][column] == 0) ++pivot;
+    require(pivot < n, "the model cannot be inverted, so rows of the first step are not recognised");
+    std::swap(system[column], system[pivot]);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == column || system[i][column] == 0) continue;
+      const Fraction factor = system[i][column] / system[column][column];
+      for (std::size_t j = column; j <= n; ++j) system[i][j] -= factor * system[column][j];
+    }
+  }
+  Vector a;
+  for (std::size_t i = 0; i < n; ++i) a.emplace_back(system[i][n] / system[i][i]);
+  return a;
+}
+
+/// Whether a row is a half-space of e_1 and of the references.
+bool boundsFirstStep(const PlanRow& row, const RobustCertificate& certificate, const RobustProblem& problem) {
+  const std::size_t p = problem.ranges.rows;
+  if (!tidy(row.z).empty() || !row.terms.empty() || row.y[p + 1] != 0) return false;
+  Vector on_errors;
+  for (const std::size_t error : problem.errors) on_errors.push_back(row.y[error]);
+  const Vector a = solvedFromLeft(certificate.models().at("A"), on_errors);
+  return timesMatrix(a, certificate.models().at("B"))[0] == row.y[p];
+}
+
+}  // namespace
+
+RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& problem) {
+  ExpectedRows expected(certificate, problem);
+  require(certificate.predictions() == expected.predictions(),
+          "the plan has another size than that of the problem");
+  std::map<std::string, std::vector<const PlanRow*>> open;
+  for (const PlanRow& row : certificate.rows()) open[keyOf(row)].push_back(&row);
+  RowMatch match;
+  for (const PlanRow& row : expected.run()) {
+    const auto at = open.find(keyOf(row));
+    require(at != open.end(),
+            "row " + std::to_string(match.expected) + " of the problem is none of the certificate");
+    at->second.pop_back();
+    if (at->second.empty()) open.erase(at);
+    ++match.expected;
+  }
+  for (const auto& [key, rows] : open) {
+    require(problem.bounds_first_step && boundsFirstStep(*rows.front(), certificate, problem),
+            "a row of the certificate is none of the problem");
+    match.first_step += rows.size();
+  }
+  require(!problem.bounds_first_step || match.first_step > 0, "rows of the invariant set are missing");
+  return match;
+}
+
+}  // namespace checker

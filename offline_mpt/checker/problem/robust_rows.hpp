@@ -1,0 +1,20 @@
+#pragma once
+
+#include "problem/robust_problem.hpp"
+#include "robust/robust_certificate.hpp"
+
+namespace checker {
+
+struct RowMatch {
+  /// Rows that the model and the bounds give.
+  std::size_t expected = 0;
+  /// Other rows, each a half-space of the state after the first step and of the references.
+  std::size_t first_step = 0;
+};
+
+/// Computes the rows of the robust MPC from the model of the certificate, in fractions, and finds each of them in the
+/// certificate as often as it occurs. Other rows are refused, but for those of `invariance: first_step`. The plan is the
+/// inputs u~_1 .., then the disturbance feedback L_ki by k, i and channel. Throws Refused.
+RowMatch matchRows(const RobustCertificate& certificate, const RobustProblem& problem);
+
+}  // namespace checker

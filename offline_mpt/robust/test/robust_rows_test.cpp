@@ -1,0 +1,191 @@
+// check_problem: model and rows of a robust map's certificate against the problem file, by arithmetic of its own.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../../test/mutation.hpp"
+#include "problem/robust_match.hpp"
+#include "proven_robust.hpp"
+#include "random_robust.hpp"
+#include "robust/read_map_certificate.hpp"
+
+namespace polyfly {
+namespace {
+
+const mpq_class kTolerance(1, 1000000000000);
+
+checker::RobustMatch matchOf(const std::string& certificate, const MapContent& content,
+                             const std::string& text) {
+  const checker::Map map(bytesOf(content));
+  const auto read = checker::readMapCertificate(certificate, map);
+  const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(read.get());
+  if (robust == nullptr) throw checker::Refused("is no robust certificate");
+  return checker::matchRobust(*robust, checker::readRobustProblem(text), kTolerance);
+}
+
+/// Empty: model and rows are those of the problem. Else why they are not.
+std::string refusalOf(const std::string& certificate, const MapContent& content, const std::string& text) {
+  try {
+    matchOf(certificate, content, text);
+  } catch (const checker::Refused& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string refusalOf(const ProvenRobust& proven, const std::string& text) {
+  return refusalOf(proven.proof.certificate, proven.content, text);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+MadeRobust withReferences() {
+  MadeRobust made;
+  made.horizon = 3;
+  made.references = true;
+  made.torque = true;
+  return made;
+}
+
+const ProvenRobust& referenceProof() {
+  static const ProvenRobust proven(withReferences());
+  return proven;
+}
+
+TEST(RobustRows, AreThoseOfMadeProblems) {
+  std::vector<MadeRobust> made(6);
+  for (MadeRobust& one : made) one.horizon = 3;
+  made[0].stack = "shift";
+  made[1].feedback = "fixed";
+  made[1].horizon = 4;
+  made[2].feedback = "zero";
+  made[2].peak_in_map = true;
+  made[3].states = 2;
+  made[3].floor = "5e-2";
+  made[3].outputs = "[[1, 0], [\"1/3\", 0.25]]";
+  made[4].disturbance = "[-0.1, 0.4]";
+  made[5].states = 4;
+  for (const MadeRobust& one : made) {
+    const ProvenRobust proven(one);
+    ASSERT_NE(proven.proof.certificate, "");
+    EXPECT_EQ(refusalOf(proven, one.text()), "") << one.text();
+  }
+}
+
+TEST(RobustRows, AreThoseOfDrawnProblems) {
+  int tried = 0;
+  for (std::uint64_t seed = 1; tried < 4 && seed < 40; ++seed) {
+    const std::string text = RandomRobust(seed, 3).text();
+    const RobustProblem problem = parseRobustProblem(text, "drawn.yaml");
+    if (problem.stateCount() > 3 || problem.parameterCount() > 3) continue;  // others take long to prove
+    const ProvenRobust proven(problem);
+    if (proven.proof.certificate.empty()) continue;
+    ++tried;
+    EXPECT_EQ(refusalOf(proven, text), "") << text;
+  }
+  EXPECT_EQ(tried, 4);
+}
+
+TEST(RobustRows, OfAnInvariantSetBoundTheFirstStep) {
+  MadeRobust made;
+  made.states = 2;
+  made.horizon = 3;
+  made.bounded_position = true;
+  made.input = "[-3, 3]";
+  const ProvenRobust without(made);
+  made.invariance = "first_step";
+  const ProvenRobust proven(made);
+  EXPECT_GT(matchOf(proven.proof.certificate, proven.content, made.text()).invariance_rows, 0u);
+  EXPECT_NE(refusalOf(proven, replaced(made.text(), "invariance: first_step", "invariance: none")), "");
+  EXPECT_NE(refusalOf(without, made.text()), "");
+}
+
+TEST(RobustRows, OfADiscreteModelAreExact) {
+  MadeRobust made;
+  made.states = 2;
+  made.horizon = 3;
+  std::string text =
+      replaced(made.text(), "A: [[0, 1], [0, -0.01]]", "time: discrete\n  A: [[1, 0.1], [0, 1]]");
+  text = replaced(text, "B: [[0], [1]]", "B: [[0.005], [0.1]]");
+  text = replaced(text, "G: [[0], [1]]", "G: [[0.005], [\"1/10\"]]");
+  text = replaced(text, "{Q: [40, 20], R: [35]}", "{gain: [[-0.8, -1.2]]}");
+  const ProvenRobust proven(parseRobustProblem(text, "discrete.yaml"));
+  EXPECT_EQ(matchOf(proven.proof.certificate, proven.content, text).difference, 0);
+  EXPECT_NE(refusalOf(proven, replaced(text, "0.005", "0.00500000000000001")), "");
+  EXPECT_NE(refusalOf(proven, replaced(text, "-1.2", "-1.20000000000001")), "");
+}
+
+TEST(RobustRows, AnotherProblemIsRefused) {
+  const std::string text = withReferences().text();
+  ASSERT_EQ(refusalOf(referenceProof(), text), "");
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"-0.01, 9.81", "-0.0100001, 9.81"},
+      {"[4.5]", "[4.50001]"},
+      {"[0, 1]]", "[0, 1.00001]]"},
+      {"C: [[1, 0, 0]]", "C: [[1, 1e-9, 0]]"},
+      {"range: [-0.5, 0.5]", "range: [-0.4, 0.5]"},
+      {"range: [-0.5, 0.5]", "range: [-0.4, 0.4]"},
+      {"range: [-0.1, 0.2]", "range: [-0.1, 0.21]"},
+      {"unit: rad, range: [-0.35, 0.35]}\n  inputs", "unit: rad, range: [-0.35, 0.36]}\n  inputs"},
+      {"unit: m/s, range: [-1.5, 1.5]}\n", "unit: m/s}\n"},
+      {"{name: p, unit: m}", "{name: p, unit: m, range: [-9, 9]}"},
+      {"{name: u, unit: rad, range: [-0.35, 0.35]}", "{name: u, unit: rad, range: [-0.35, 0.351]}"},
+      {"sampling_time: 0.08", "sampling_time: 0.0801"},
+      {"horizon: 3", "horizon: 4"},
+      {"horizon: 3", "horizon: 2"},
+      {"stack: paper", "stack: shift"},
+      {"feedback_predictions: free", "feedback_predictions: zero"},
+      {"feedback_predictions: free", "feedback_predictions: fixed"},
+      {"floor: 0\n", "floor: 1e-6\n"},
+      {"peak_in_map: false", "peak_in_map: true"},
+      {"invariance: none", "invariance: first_step"},
+      {"invariance: none", "invariance: terminal"},
+      {"Q: [40, 20, 10]", "Q: [40, 20, 10.0001]"},
+      {"R: [35]", "R: [34.9]"},
+      {"state: [0, 1, 0], input: [0]", "state: [0, 0.999, 0], input: [0]"},
+      {"10/9", "11/9"},
+      {"role: error, of: p, unit: m, range: [-1.5, 1.5]", "role: error, of: p, unit: m, range: [-1.5, 1.6]"},
+      {"range: [-0.8, 0.8]", "range: [-0.8, 0.7]"},
+      {"floor: 0\n", "floor: 0\nunknown: 1\n"},
+      {"type: robust_mpc", "type: tracking_mpc"},
+  };
+  for (const auto& [from, to] : changes)
+    EXPECT_NE(refusalOf(referenceProof(), replaced(text, from, to)), "") << to;
+}
+
+class RobustRowMutation : public Mutation {
+ protected:
+  RobustRowMutation() : Mutation(referenceProof().content, referenceProof().proof.certificate) {}
+
+  std::string refusalWithLines(const std::vector<std::string>& lines) const {
+    return refusalOf(sealed(joined(lines, "\n") + "\n", map_), referenceProof().content,
+                     withReferences().text());
+  }
+};
+
+TEST_F(RobustRowMutation, ALoosenedOrRepeatedRowIsRefused) {
+  const std::vector<std::string> lines = linesOf(certificate_);
+  ASSERT_EQ(refusalWithLines(lines), "");
+  int tried = 0;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k].compare(0, 4, "row ") != 0) continue;
+    ++tried;
+    std::vector<std::string> loosened = lines;
+    loosened[k] = "row 7fff" + lines[k].substr(lines[k].find(' ', 4));
+    EXPECT_NE(refusalWithLines(loosened).find("of the problem is none of the certificate"), std::string::npos)
+        << lines[k];
+    std::vector<std::string> repeated = lines;
+    repeated.insert(repeated.begin() + static_cast<std::ptrdiff_t>(k), lines[k]);
+    EXPECT_NE(refusalWithLines(repeated), "") << lines[k];
+  }
+  EXPECT_GT(tried, 20);
+}
+
+}  // namespace
+}  // namespace polyfly
