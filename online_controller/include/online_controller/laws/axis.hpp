@@ -202,6 +202,7 @@ class Axis {
   double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
   double lagTime() const noexcept { return has_rate_ ? lag_damping_ / lag_pole_ : -1.0 / lag_pole_; }
 
+  double drag() const noexcept { return -velocity_gain_; }  ///< [1/s]
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
 

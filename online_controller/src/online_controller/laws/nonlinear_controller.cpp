@@ -58,7 +58,7 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 }  // namespace
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
-    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
+    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}, {mpc.model}),
       options_(checked(options)),
       mpc_(completed(mpc, options)),
       observer_(mpc_.options().model, options),
