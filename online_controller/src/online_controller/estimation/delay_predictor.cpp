@@ -12,6 +12,7 @@ namespace polyfly {
 namespace {
 
 constexpr double kGreatestDelay = 0.5;  // [s]
+constexpr double kLongestStep = 0.02;   // of the integration [s]
 
 double checkedDelay(double delay, const MultirotorOptions& options) {
   if (!(delay >= 0.0 && delay <= kGreatestDelay))
@@ -134,11 +135,14 @@ VehicleState DelayPredictor::ahead(const VehicleState& measured) noexcept {
   double yaw = angles.yaw;
   StageStep step;
   visitSent(measured.stamp - delay_, measured.stamp, [&](const AttitudeCommand& command, double duration) {
-    const TiltAngles by = trim_.added({x(6), x(7)}, command.yaw_rate, 0.0);
-    const MultirotorInput u(command.roll - by.roll, command.pitch - by.pitch, command.thrust / mass_);
-    integrateStage(model_, duration, {yaw, command.yaw_rate, force_.disturbance()}, x, u, step);
-    x = step.next;
-    yaw += command.yaw_rate * duration;
+    const int parts = static_cast<int>(std::ceil(duration / kLongestStep));
+    for (int i = 0; i < parts; ++i) {
+      const TiltAngles by = trim_.added({x(6), x(7)}, command.yaw_rate, 0.0);
+      const MultirotorInput u(command.roll - by.roll, command.pitch - by.pitch, command.thrust / mass_);
+      integrateStage(model_, duration / parts, {yaw, command.yaw_rate, force_.disturbance()}, x, u, step);
+      x = step.next;
+      yaw += command.yaw_rate * duration / parts;
+    }
   });
   VehicleState result = measured;
   result.position = x.head<3>();
