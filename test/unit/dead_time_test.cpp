@@ -57,6 +57,11 @@ VectorXd moved(const MatrixXd& A, const VectorXd& b, const VectorXd& x, double u
   return (exponential(augmented, duration) * both).head(n);
 }
 
+DelayPredictor predictorOf(double delay, const VehicleModel& model = {}, MultirotorOptions options = {}) {
+  options.delay = delay;
+  return {model, options};
+}
+
 struct SentAt {
   double stamp;
   AttitudeCommand command;
@@ -82,8 +87,9 @@ VectorXd exactAhead(const MatrixXd& A, const VectorXd& b, VectorXd x, double now
 }
 
 TEST(DelayPredictor, FollowsTheLinearModelForSmallAngles) {
-  const MultirotorModel model{9.8066, 0.9, 0.25, 0.85, 0.2, {0.3, 0.2, 0.1}};
-  MultirotorOptions options;
+  VehicleModel model;
+  model.motion = {9.8066, 0.9, 0.25, 0.85, 0.2, {0.3, 0.2, 0.1}};
+  const MultirotorOptions options;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   MatrixXd A_x(3, 3), A_y(3, 3), A_z(2, 2);
@@ -96,7 +102,7 @@ TEST(DelayPredictor, FollowsTheLinearModelForSmallAngles) {
     const double delay = trial % 3 == 0 ? 0.06 : 0.25 * (unit(random) + 1.0);
     // Small enough that the model's products do not show.
     const double small = 1e-5;
-    DelayPredictor predictor(model, delay, options);
+    DelayPredictor predictor = predictorOf(delay, model);
     std::vector<SentAt> sent;
     double stamp = 100.0;
     for (int i = 0; i < trial % 40; ++i, stamp += kPeriod * (1.0 + 0.3 * unit(random))) {
@@ -137,6 +143,39 @@ TEST(DelayPredictor, FollowsTheLinearModelForSmallAngles) {
   }
 }
 
+// The trapezoidal rule in steps of 0.01 s leaves less than a hundredth of the motion.
+TEST(DelayPredictor, FollowsLoopsOfSecondOrder) {
+  VehicleModel model;
+  model.motion = {9.8066, 0.9, 19.2 / 144.0, 0.9, 19.2 / 144.0, Vector3d::Zero()};
+  model.roll = model.pitch = {144.0, 19.2};
+  MatrixXd A(4, 4);
+  A << 0, 1, 0, 0, 0, 0, -9.8066, 0, 0, 0, 0, 1, 0, 0, -144, -19.2;
+  const VectorXd b = (VectorXd(4) << 0, 0, 0, 129.6).finished();
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int trial = 0; trial < 40; ++trial) {
+    DelayPredictor predictor = predictorOf(0.06, model);
+    const double small = 1e-4;
+    std::vector<SentAt> sent{{-1e9, command(0.0, 0.0, 1.52 * 9.8066)}};
+    for (int i = 0; i < 8; ++i) {
+      sent.push_back({kPeriod * i, command(small * unit(random), 0.0, 1.52 * 9.8066)});
+      predictor.sent(sent.back().stamp, sent.back().command);
+    }
+    VehicleState state;
+    state.stamp = kPeriod * 8;
+    const VectorXd y =
+        (VectorXd(4) << 0.0, 0.0, small * unit(random), 10.0 * small * unit(random)).finished();
+    state.attitude = Eigen::AngleAxisd(y(2), Vector3d::UnitX());
+    state.angular_velocity.x() = y(3);
+    const VectorXd exact =
+        exactAhead(A, b, y, state.stamp, 0.06, sent, [](const AttitudeCommand& u) { return u.roll; });
+    const VehicleState ahead = predictor.ahead(state);
+    EXPECT_NEAR(eulerAngles(ahead.attitude).roll, exact(2), 0.01 * small) << trial;
+    EXPECT_NEAR(ahead.angular_velocity.x(), exact(3), 0.1 * small) << trial;
+    EXPECT_NEAR(ahead.velocity.y(), exact(1), 0.01 * small) << trial;
+  }
+}
+
 /// The plant is Eq. 37 as another hand integrates it.
 TEST(DelayPredictor, IsWhereThePlantWillBe) {
   for (const double delay : {0.06, 0.043, 0.1}) {
@@ -147,7 +186,7 @@ TEST(DelayPredictor, IsWhereThePlantWillBe) {
     PlantState start;
     start.thrust = options.gravity;
     MultirotorPlant plant(options, start);
-    DelayPredictor predictor(MultirotorModel{}, delay, MultirotorOptions{});
+    DelayPredictor predictor = predictorOf(delay);
     predictor.setDisturbance(options.wind);
     struct Promised {
       double time;
@@ -185,7 +224,7 @@ TEST(DelayPredictor, IsWhereThePlantWillBe) {
 }
 
 TEST(DelayPredictor, WithoutADelayTheStateComesBack) {
-  DelayPredictor predictor(MultirotorModel{}, 0.0, MultirotorOptions{});
+  DelayPredictor predictor = predictorOf(0.0);
   VehicleState state;
   state.position = {1.0, 2.0, 3.0};
   state.velocity = {3.0, 2.0, 1.0};
@@ -196,7 +235,7 @@ TEST(DelayPredictor, WithoutADelayTheStateComesBack) {
 }
 
 TEST(DelayPredictor, NumbersThatAreNoneChangeNothing) {
-  DelayPredictor predictor(MultirotorModel{}, 0.06, MultirotorOptions{}), other = predictor;
+  DelayPredictor predictor = predictorOf(0.06), other = predictor;
   VehicleState state;
   state.velocity = {1.0, 0.0, 0.0};
   VehicleState bad = state;
@@ -209,7 +248,7 @@ TEST(DelayPredictor, NumbersThatAreNoneChangeNothing) {
 
 // More commands than there is room for: the oldest stands for those before it. A clock that goes back: the same.
 TEST(DelayPredictor, StaysBoundedWhenCommandsComeTooOftenOrTimeGoesBack) {
-  DelayPredictor predictor(MultirotorModel{}, 0.5, MultirotorOptions{});
+  DelayPredictor predictor = predictorOf(0.5);
   VehicleState state;
   for (int k = 0; k < 1000; ++k) {
     state.stamp = 0.001 * (k < 700 ? k : k - 600);
@@ -225,7 +264,9 @@ TEST(DelayPredictor, RefusesDelaysThatItCannotHold) {
   options.control_period = 0.004;
   const auto complaint = [&](double delay) -> std::string {
     try {
-      DelayPredictor(MultirotorModel{}, delay, options);
+      VehicleModel model;
+      model.delay = delay;
+      DelayPredictor(model, options);
     } catch (const Error& error) {
       return error.what();
     }

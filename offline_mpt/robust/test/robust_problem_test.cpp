@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "made_robust.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "robust_mpc/robust_program.hpp"
 

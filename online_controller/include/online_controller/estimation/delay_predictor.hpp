@@ -2,11 +2,11 @@
 
 #include <array>
 
-#include "nonlinear_mpc/multirotor_model.hpp"
 #include "online_controller/estimation/attitude_trim.hpp"
 #include "online_controller/estimation/force_observer.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
+#include "online_controller/types/vehicle_model.hpp"
 
 namespace polyfly {
 
@@ -27,14 +27,14 @@ class DelayPredictor {
   /// Greatest number of commands that are kept.
   static constexpr int kMostCommands = 100;
 
-  /// `delay` [s], 0 .. 0.5; 0: nothing is predicted. Throws Error when it is out of range, or longer than kMostCommands - 1
-  /// control periods.
-  DelayPredictor(const MultirotorModel& model, double delay, const MultirotorOptions& options);
+  /// The delay is that of the options, or where it is 0 the model's, 0 .. 0.5 s; 0: nothing is predicted. Throws Error when
+  /// it is out of range, or longer than kMostCommands - 1 control periods.
+  DelayPredictor(const VehicleModel& model, const MultirotorOptions& options);
 
   double delay() const noexcept { return delay_; }  ///< [s]
 
-  /// The state `delay` after the measured one. It keeps stamp and body rates of the measured one. A state that is not valid
-  /// comes back as it is, and changes nothing.
+  /// The state `delay` after the measured one. It keeps the stamp, and the body rates unless loops of second order move
+  /// them. A state that is not valid comes back as it is, and changes nothing.
   VehicleState ahead(const VehicleState& measured) noexcept;
 
   /// The command sent at `stamp` [s] holds until the next one. Commands of that time or later are forgotten: time began
@@ -56,6 +56,13 @@ class DelayPredictor {
     AttitudeCommand command;
   };
 
+  // What is predicted.
+  struct Motion {
+    MultirotorState x;
+    double yaw;
+    TiltAngles rate;  // derivatives of roll and pitch, moved by loops of second order
+  };
+
   const Sent& at(int i) const noexcept {
     return sent_[static_cast<std::size_t>((first_ + i) % kMostCommands)];
   }
@@ -65,8 +72,14 @@ class DelayPredictor {
   void visitSent(double from, double until, Use&& use) const noexcept;
   AttitudeCommand meanSent(double from, double until) const noexcept;
   void observe(const VehicleState& state, const EulerAngles& angles) noexcept;
+  struct Lag {
+    double gain, time;
+  };
+  static double asLag(const AngleLoop& loop, const Lag& lag, double command, double duration, double angle,
+                      double& rate) noexcept;
+  void advance(const AttitudeCommand& command, double duration, Motion& motion) const noexcept;
 
-  MultirotorModel model_;
+  VehicleModel model_;
   double delay_;
   double mass_;
   double period_;  // [s]

@@ -11,6 +11,7 @@
 #include "online_controller/laws/stage_references.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
+#include "online_controller/types/vehicle_model.hpp"
 #include "region_maps/lookup.hpp"
 
 namespace polyfly {
@@ -201,6 +202,9 @@ class Axis {
   /// Of the lag: its steady gain -b / a [1], and its time -1 / a or c / a [s]; not for the vertical axis.
   double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
   double lagTime() const noexcept { return has_rate_ ? lag_damping_ / lag_pole_ : -1.0 / lag_pole_; }
+
+  /// The lag where it is of second order.
+  AngleLoop loop() const noexcept { return has_rate_ ? AngleLoop{-lag_pole_, -lag_damping_} : AngleLoop{}; }
 
   double drag() const noexcept { return -velocity_gain_; }  ///< [1/s]
   double inputLower() const noexcept { return input_lower_; }

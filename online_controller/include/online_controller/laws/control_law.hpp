@@ -1,7 +1,7 @@
 #pragma once
 
-#include "nonlinear_mpc/multirotor_model.hpp"
 #include "online_controller/types/types.hpp"
+#include "online_controller/types/vehicle_model.hpp"
 
 namespace polyfly {
 
@@ -12,13 +12,6 @@ struct LawTiming {
   double preview_period = 0.0;  ///< [s]
   /// Time between the positions of inspect() [s].
   double stage_period = 0.0;
-};
-
-/// How the vehicle answers commands, as a law has it from its problems or options.
-struct LawModel {
-  MultirotorModel motion;
-  /// Dead time from an odometry to the effect of its command, which LawSwitch takes into account [s].
-  double delay = 0.0;
 };
 
 /// What a law can be told to forget.
@@ -63,7 +56,8 @@ struct Substitute {
 /// allocates, locks, logs or reads a clock. A law fills `report_`.
 class ControlLaw {
  public:
-  explicit ControlLaw(const LawTiming& timing, const LawModel& model = {}) : timing_(timing), model_(model) {}
+  explicit ControlLaw(const LawTiming& timing, const VehicleModel& model = {})
+      : timing_(timing), model_(model) {}
   virtual ~ControlLaw() = default;
 
   /// One control period. State and references are those of the time from which the command acts. Without an answer the report has kHoldLast and the reason, and the command of the last period.
@@ -91,7 +85,8 @@ class ControlLaw {
   /// positions, as far as there is room. Costs some microseconds: not for the way from odometry to command.
   virtual void inspect(const Reference* preview, LawInsight& insight) const noexcept = 0;
 
-  const LawModel& model() const noexcept { return model_; }
+  /// What LawSwitch predicts with over a dead time.
+  const VehicleModel& model() const noexcept { return model_; }
   const LawTiming& timing() const noexcept { return timing_; }
   int previewLength() const noexcept { return timing_.preview_length; }
   double previewPeriod() const noexcept { return timing_.preview_period; }  ///< [s]
@@ -114,7 +109,7 @@ class ControlLaw {
 
  private:
   LawTiming timing_;
-  LawModel model_;
+  VehicleModel model_;
 };
 
 }  // namespace polyfly

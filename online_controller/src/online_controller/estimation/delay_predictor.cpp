@@ -44,21 +44,37 @@ Eigen::Quaterniond attitudeOf(double roll, double pitch, double yaw) noexcept {
          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
 }
 
+/// Derivatives of the angles while the body turns at `rates`. The cosine of the pitch counts as at least kLeastTiltCosine.
+EulerAngles eulerRates(const EulerAngles& angles, const Eigen::Vector3d& rates) noexcept {
+  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
+  const double turn =
+      (sine * rates.y() + cosine * rates.z()) / std::max(std::cos(angles.pitch), kLeastTiltCosine);
+  return {rates.x() + std::sin(angles.pitch) * turn, cosine * rates.y() - sine * rates.z(), turn};
+}
+
+/// The inverse.
+Eigen::Vector3d bodyRates(const EulerAngles& angles, const EulerAngles& rates) noexcept {
+  const double sine = std::sin(angles.roll), cosine = std::cos(angles.roll);
+  const double turn = std::cos(angles.pitch) * rates.yaw;
+  return {rates.roll - std::sin(angles.pitch) * rates.yaw, cosine * rates.pitch + sine * turn,
+          cosine * turn - sine * rates.pitch};
+}
+
 bool isSame(const AttitudeCommand& a, const AttitudeCommand& b) noexcept {
   return a.roll == b.roll && a.pitch == b.pitch && a.yaw_rate == b.yaw_rate && a.thrust == b.thrust;
 }
 
 }  // namespace
 
-DelayPredictor::DelayPredictor(const MultirotorModel& model, double delay, const MultirotorOptions& options)
+DelayPredictor::DelayPredictor(const VehicleModel& model, const MultirotorOptions& options)
     : model_(model),
-      delay_(checkedDelay(delay, options)),
+      delay_(checkedDelay(options.delay > 0.0 ? options.delay : model.delay, options)),
       mass_(options.mass),
       period_(options.control_period),
       hover_{options.roll_trim, options.pitch_trim, 0.0, options.mass * options.gravity},
-      force_(model, following(options)),
-      trim_(loopsOf(model), options) {
-  model_.gravity = options.gravity;
+      force_(model.motion, following(options)),
+      trim_(loopsOf(model.motion), options) {
+  model_.motion.gravity = options.gravity;
   reset();
 }
 
@@ -126,28 +142,56 @@ void DelayPredictor::observe(const VehicleState& state, const EulerAngles& angle
   trim_.update({angles.roll, angles.pitch}, acted, periods);
 }
 
+// The command with which a lag of first order ends where this loop of second order does, by the trapezoidal rule: it is
+// stable for any loop.
+double DelayPredictor::asLag(const AngleLoop& loop, const Lag& lag, double command, double duration,
+                             double angle, double& rate) noexcept {
+  if (loop.stiffness == 0.0) return command;
+  const double half = 0.5 * duration;
+  const double pull = half * loop.damping + half * half * loop.stiffness;
+  const double before = rate;
+  rate = ((1.0 - pull) * rate + duration * loop.stiffness * (lag.gain * command - angle)) / (1.0 + pull);
+  const double moved = half * (before + rate);
+  const double risen = -std::expm1(-duration / lag.time);
+  return (moved / risen + angle) / lag.gain;
+}
+
+void DelayPredictor::advance(const AttitudeCommand& command, double duration, Motion& motion) const noexcept {
+  const MultirotorModel& model = model_.motion;
+  const int parts = static_cast<int>(std::ceil(duration / kLongestStep));
+  const double part = duration / parts;
+  StageStep step;
+  for (int i = 0; i < parts; ++i) {
+    MultirotorState& x = motion.x;
+    const TiltAngles by = trim_.added({x(6), x(7)}, command.yaw_rate, 0.0);
+    const MultirotorInput u(asLag(model_.roll, {model.roll_gain, model.roll_time}, command.roll - by.roll,
+                                  part, x(6), motion.rate.roll),
+                            asLag(model_.pitch, {model.pitch_gain, model.pitch_time},
+                                  command.pitch - by.pitch, part, x(7), motion.rate.pitch),
+                            command.thrust / mass_);
+    integrateStage(model, part, {motion.yaw, command.yaw_rate, force_.disturbance()}, x, u, step);
+    x = step.next;
+    motion.yaw += command.yaw_rate * part;
+  }
+}
+
 VehicleState DelayPredictor::ahead(const VehicleState& measured) noexcept {
   if (delay_ == 0.0 || !isValid(measured)) return measured;
   const EulerAngles angles = eulerAngles(measured.attitude.normalized());
   observe(measured, angles);
-  MultirotorState x;
-  x << measured.position, measured.velocity, angles.roll, angles.pitch;
-  double yaw = angles.yaw;
-  StageStep step;
-  visitSent(measured.stamp - delay_, measured.stamp, [&](const AttitudeCommand& command, double duration) {
-    const int parts = static_cast<int>(std::ceil(duration / kLongestStep));
-    for (int i = 0; i < parts; ++i) {
-      const TiltAngles by = trim_.added({x(6), x(7)}, command.yaw_rate, 0.0);
-      const MultirotorInput u(command.roll - by.roll, command.pitch - by.pitch, command.thrust / mass_);
-      integrateStage(model_, duration / parts, {yaw, command.yaw_rate, force_.disturbance()}, x, u, step);
-      x = step.next;
-      yaw += command.yaw_rate * duration / parts;
-    }
-  });
+  const EulerAngles rates = eulerRates(angles, measured.angular_velocity);
+  Motion motion{MultirotorState(), angles.yaw, {rates.roll, rates.pitch}};
+  motion.x << measured.position, measured.velocity, angles.roll, angles.pitch;
+  visitSent(measured.stamp - delay_, measured.stamp,
+            [&](const AttitudeCommand& command, double duration) { advance(command, duration, motion); });
   VehicleState result = measured;
-  result.position = x.head<3>();
-  result.velocity = x.segment<3>(3);
-  result.attitude = attitudeOf(x(6), x(7), yaw);
+  result.position = motion.x.head<3>();
+  result.velocity = motion.x.segment<3>(3);
+  result.attitude = attitudeOf(motion.x(6), motion.x(7), motion.yaw);
+  if (model_.roll.stiffness > 0.0 || model_.pitch.stiffness > 0.0) {
+    result.angular_velocity =
+        bodyRates({motion.x(6), motion.x(7), motion.yaw}, {motion.rate.roll, motion.rate.pitch, rates.yaw});
+  }
   return result;
 }
 

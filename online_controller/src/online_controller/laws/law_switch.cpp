@@ -14,15 +14,11 @@ std::vector<std::unique_ptr<ControlLaw>> alone(std::unique_ptr<ControlLaw> law) 
   return laws;
 }
 
-const LawModel& modelOfFirst(const std::vector<std::unique_ptr<ControlLaw>>& laws, Law law) {
+const VehicleModel& modelOfFirst(const std::vector<std::unique_ptr<ControlLaw>>& laws, Law law) {
   const auto place = static_cast<std::size_t>(law);
   if (place >= laws.size() || laws[place] == nullptr)
     throw Error("law: the one that is to fly first is not there");
   return laws[place]->model();
-}
-
-DelayPredictor predictorOf(const LawModel& model, const MultirotorOptions& options) {
-  return {model.motion, options.delay > 0.0 ? options.delay : model.delay, options};
 }
 
 }  // namespace
@@ -36,7 +32,7 @@ LawSwitch::LawSwitch(std::vector<std::unique_ptr<ControlLaw>> laws, Law first,
       active_(first),
       options_(options),
       failsafe_(options),
-      predictor_(predictorOf(modelOfFirst(laws_, first), options)) {
+      predictor_(modelOfFirst(laws_, first), options) {
   for (const auto& law : laws_) {
     if (law == nullptr || law->previewLength() <= preview_length_) continue;
     preview_length_ = law->previewLength();

@@ -76,10 +76,12 @@ TiltModel tiltModel(const std::array<Axis, 3>& axes) {
 }
 
 /// One delay, because one message commands all axes: the mean of those that the attitude's problems state.
-LawModel modelOf(const std::array<Axis, 3>& axes, const MultirotorOptions& options) {
-  LawModel model;
+VehicleModel modelOf(const std::array<Axis, 3>& axes, const MultirotorOptions& options) {
+  VehicleModel model;
   model.motion = {options.gravity,   axes[1].lagGain(), axes[1].lagTime(),
                   axes[0].lagGain(), axes[0].lagTime(), {axes[0].drag(), axes[1].drag(), axes[2].drag()}};
+  model.roll = axes[1].loop();
+  model.pitch = axes[0].loop();
   const double longitudinal = axes[0].problem().delay, lateral = axes[1].problem().delay;
   model.delay =
       longitudinal > 0.0 && lateral > 0.0 ? 0.5 * (longitudinal + lateral) : std::max(longitudinal, lateral);
