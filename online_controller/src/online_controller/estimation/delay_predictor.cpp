@@ -27,9 +27,10 @@ double checkedDelay(double delay, const MultirotorOptions& options) {
 }
 
 // What the predictor does not know of the disturbance costs the delay times that in velocity, while its noise costs little
-// for the same reason. So it follows faster than the observers of the laws.
+// for the same reason. So it follows faster than the observers of the laws. Twice as fast, the nonlinear law comes near to
+// oscillating over 0.14 s.
 MultirotorOptions following(MultirotorOptions options) {
-  constexpr double kDrift = 1.0;  // in a second [m/s^2]
+  constexpr double kDrift = 0.5;  // in a second [m/s^2]
   options.disturbance_drift = std::max(options.disturbance_drift, kDrift * std::sqrt(options.control_period));
   return options;
 }
