@@ -18,9 +18,11 @@ enum class Law : std::uint8_t {};
 /// One of the laws is active, the others track what is sent. So a switch in flight has no bump: the next law's observer is
 /// up to date, and its last command is the one that was sent.
 ///
-/// With a dead time (vehicle/delay, or else that of the first law's model) all laws are given the state that the vehicle
-/// will have when the command acts, see DelayPredictor, and are to be given references from lead() on. None of the functions after construction throws, allocates,
-/// locks, logs or reads a clock.
+/// With a dead time (vehicle/delay, or else that of the first law's model, or else of another's) all laws are given the
+/// state that the vehicle will have when the command acts, see DelayPredictor, and are to be given references from lead()
+/// on.
+///
+/// None of the functions after construction throws, allocates, locks, logs or reads a clock.
 class LawSwitch {
  public:
   /// Laws in the order of lawTypes(), nullptr where there is none; `first` flies first. Throws Error when it is not there,

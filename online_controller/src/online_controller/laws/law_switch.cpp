@@ -14,11 +14,16 @@ std::vector<std::unique_ptr<ControlLaw>> alone(std::unique_ptr<ControlLaw> law) 
   return laws;
 }
 
-const VehicleModel& modelOfFirst(const std::vector<std::unique_ptr<ControlLaw>>& laws, Law law) {
-  const auto place = static_cast<std::size_t>(law);
+/// The delay is the vehicle's: where the first law states none, as the nonlinear one, another law's problems may.
+VehicleModel modelToPredict(const std::vector<std::unique_ptr<ControlLaw>>& laws, Law first) {
+  const auto place = static_cast<std::size_t>(first);
   if (place >= laws.size() || laws[place] == nullptr)
     throw Error("law: the one that is to fly first is not there");
-  return laws[place]->model();
+  VehicleModel model = laws[place]->model();
+  for (const auto& law : laws) {
+    if (law != nullptr && model.delay == 0.0) model.delay = law->model().delay;
+  }
+  return model;
 }
 
 }  // namespace
@@ -32,7 +37,7 @@ LawSwitch::LawSwitch(std::vector<std::unique_ptr<ControlLaw>> laws, Law first,
       active_(first),
       options_(options),
       failsafe_(options),
-      predictor_(modelOfFirst(laws_, first), options) {
+      predictor_(modelToPredict(laws_, first), options) {
   for (const auto& law : laws_) {
     if (law == nullptr || law->previewLength() <= preview_length_) continue;
     preview_length_ = law->previewLength();
