@@ -20,8 +20,8 @@ namespace polyfly {
 /// come from measured states and the commands that acted between them. Without them the predicted state would be off by
 /// the disturbance times the delay, and a law that estimates a disturbance itself would leave an offset.
 ///
-/// The memory is fixed. ahead() integrates over each command that acts meanwhile in steps of at most 0.02 s: that are at most
-/// kMostCommands + 25 of integrateStage(). Nothing after construction throws, allocates, locks, logs or reads a clock.
+/// The memory is fixed. ahead() integrates over each command that acts meanwhile in steps of at most 0.02 s: at most
+/// kMostCommands + 25 times integrateStage(). Nothing after construction throws, allocates, locks, logs or reads a clock.
 class DelayPredictor {
  public:
   /// Greatest number of commands that are kept.

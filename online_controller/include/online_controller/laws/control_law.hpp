@@ -60,8 +60,8 @@ class ControlLaw {
       : timing_(timing), model_(model) {}
   virtual ~ControlLaw() = default;
 
-  /// One control period. State and references are those of the time from which the command acts. Without an answer the report has kHoldLast and the reason, and the command of the last period.
-  /// Bad numbers must not reach the law's memory.
+  /// One control period. State and references are those of the time from which the command acts. Without an answer the
+  /// report has kHoldLast and the reason, and the command of the last period. Bad numbers must not reach the law's memory.
   virtual const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept = 0;
 
   /// What can be done for the next step without its sample.
