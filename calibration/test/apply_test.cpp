@@ -29,7 +29,8 @@ const std::string kAttitude =
     "axes:\n"
     "  roll:\n    supported: true\n    model: {gain: 0.8, tau: 0.2, delay: 0.05, supported: true}\n"
     "    model_without_delay: {gain: 0.81, tau: 0.3, supported: true, reasons: []}\n"
-    "  pitch:\n    model_without_delay: {gain: 0.7, tau: 0.4, supported: true}\n";
+    "  pitch:\n    model: {gain: 0.69, tau: 0.33, delay: 0.07, supported: true}\n    model_without_delay: "
+    "{gain: 0.7, tau: 0.4, supported: true}\n";
 
 const std::string kDrag = head("drag") +
                           "data: {file: \"b.bag\", checksum: \"x\", recorded: \"\"}\nparameters:\n" +
@@ -83,6 +84,23 @@ TEST(ApplyCalibration, putsTheLoopOfTheAxisIntoTheModel) {
     EXPECT_NE(applied.problem.find("\"a.bag\", \"xxh64:1\", \"2016-01-01T00:00:00Z\""), std::string::npos);
     EXPECT_NE(applied.problem.find("model.A[2][2]"), std::string::npos);
   }
+}
+
+// A delay that is stated is compensated; one that is not goes into the lag.
+TEST(ApplyCalibration, theDelayGoesWhereItIsStated) {
+  for (const std::size_t axis : {0u, 1u}) {
+    const std::string stated = without(problemText(axis), "model:\n", "model:\n  delay: 0\n");
+    const AppliedCalibration applied = applyCalibrations(stated, "problem.yaml", {file(kAttitude)});
+    const MpcProblem after = parseProblem(applied.problem, "after");
+    EXPECT_NEAR(after.delay, axis == 0 ? 0.07 : 0.05, kWritten);
+    EXPECT_NEAR(after.A_c(2, 2), -1.0 / (axis == 0 ? 0.33 : 0.2), 1e-6);
+    EXPECT_NEAR(after.B_c(2, 0), axis == 0 ? 0.69 / 0.33 : 0.8 / 0.2, 1e-6);
+    EXPECT_NE(applied.problem.find("model.delay"), std::string::npos);
+  }
+  const std::string negative = without(kAttitude, "delay: 0.05", "delay: -0.05");
+  EXPECT_NE(
+      errorOf(without(problemText(1), "model:\n", "model:\n  delay: 0\n"), negative).find("model.delay"),
+      std::string::npos);
 }
 
 TEST(ApplyCalibration, provenanceListsAllFlights) {

@@ -111,7 +111,7 @@ std::string fullProblem(unsigned seed) {
     text.replace(at, from.size(), to);
   };
   const bool discrete = seed % 2 == 1;
-  change("model:\n", discrete ? "model:\n  time: discrete\n" : "model:\n");
+  change("model:\n", discrete ? "model:\n  time: discrete\n" : "model:\n  delay: 0.03\n");
   change("range: [-2, 2]}\n", "range: [-2, 2], change: [-0.7, 0.9]}\n");
   change("  A:\n",
          "  disturbances:\n    - {name: d1, unit: m}\n  B_d:\n    - [0.1]\n    - [1]\n    - [-0.3]\n  A:\n");

@@ -324,7 +324,7 @@ TEST(MultirotorOptions, TheReadmeListsEachKey) {
     EXPECT_NE(text.find("`" + std::string(key) + "`"), std::string::npos) << key;
     ++count;
   });
-  EXPECT_EQ(count, 41);
+  EXPECT_EQ(count, 42);
 }
 
 TEST(MultirotorController, AMissingMapIsNamed) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,8 +36,11 @@ std::unique_ptr<ControlLaw> nonlinearLaw(const MultirotorOptions& options) {
 
 /// Eq. 37 on a floor at height 0: standing, it neither slides nor leans.
 struct Vehicle {
-  void move(const AttitudeCommand& command) {
+  void move(const AttitudeCommand& sent) {
     constexpr int kSteps = 10;
+    on_its_way.push_back(sent);
+    const AttitudeCommand command = on_its_way.front();
+    on_its_way.pop_front();
     const double h = kPeriod / kSteps;
     for (int k = 0; k < kSteps; ++k) {
       roll += h * (0.9 * command.roll - roll) / 0.25;
@@ -71,7 +75,15 @@ struct Vehicle {
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();
   double roll = 0.0, pitch = 0.0;
   double time = 20.0;
+  // Commands that do not act yet, one for each period of dead time.
+  std::deque<AttitudeCommand> on_its_way;
 };
+
+MultirotorOptions withDelay(int periods) {
+  MultirotorOptions options;
+  options.delay = periods * kPeriod;
+  return options;
+}
 
 ReferenceTrajectory circle() {
   std::vector<TrajectorySample> samples;
@@ -88,10 +100,11 @@ ReferenceTrajectory circle() {
 using MakeLaw = std::unique_ptr<ControlLaw> (*)(const MultirotorOptions&);
 
 struct Flight {
-  Flight(MakeLaw make, const Eigen::Vector3d& wind)
-      : law(make(MultirotorOptions{}), MultirotorOptions{}),
-        supervisor(law, MultirotorOptions{}, FlightOptions{}) {
+  /// Commands act `delay` periods late, which the law is told.
+  Flight(MakeLaw make, const Eigen::Vector3d& wind, int delay = 0)
+      : law(make(withDelay(delay)), withDelay(delay)), supervisor(law, withDelay(delay), FlightOptions{}) {
     vehicle.wind = wind;
+    vehicle.on_its_way.assign(static_cast<std::size_t>(delay), {0.0, 0.0, 0.0, kMass * kGravity});
   }
 
   void run(double seconds) {
@@ -113,8 +126,12 @@ struct Flight {
 class WholeFlight : public testing::TestWithParam<MakeLaw> {};
 
 TEST_P(WholeFlight, FromTheGroundAndBackInWind) {
-  for (const Eigen::Vector3d& wind : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(1.2, -0.8, -0.6)}) {
-    Flight flight(GetParam(), wind);
+  struct Case {
+    Eigen::Vector3d wind;
+    int delay;
+  };
+  for (const Case& one : {Case{{0.0, 0.0, 0.0}, 0}, Case{{1.2, -0.8, -0.6}, 0}, Case{{1.2, -0.8, -0.6}, 6}}) {
+    Flight flight(GetParam(), one.wind, one.delay);
     flight.run(0.1);
     flight.vehicle.position.setZero();  // hover thrust may have lifted it
     flight.vehicle.velocity.setZero();
@@ -137,8 +154,9 @@ TEST_P(WholeFlight, FromTheGroundAndBackInWind) {
   }
 }
 
-TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) {
-  Flight flight(GetParam(), {0.8, 0.3, 0.0});
+/// Faults in a hover, with a command that acts `delay` periods late.
+void surviveFaults(MakeLaw make, int delay) {
+  Flight flight(make, {0.8, 0.3, 0.0}, delay);
   flight.vehicle.position.z() = 1.0;
   flight.run(0.02);
   flight.supervisor.onReference(ReferenceTrajectory::pose({0.0, 0.0, 1.0}, 0.0), std::nullopt);
@@ -161,6 +179,10 @@ TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) {
   flight.run(6.0);
   EXPECT_LT((flight.vehicle.position - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.02);
 }
+
+TEST_P(WholeFlight, SilenceJumpsAndNoiseInStampsAreSurvived) { surviveFaults(GetParam(), 0); }
+
+TEST_P(WholeFlight, TheyAreSurvivedWithADeadTime) { surviveFaults(GetParam(), 6); }
 
 // The solver's bound is reached where many inputs are at their limits at once, far from where it shall be;
 // and what it has by then is no answer, because it breaks a limit of the velocity that costs more than it

@@ -18,16 +18,17 @@ PlantState hovering(const FlightFigure& figure, double gravity, const Eigen::Vec
 }  // namespace
 
 LawFlight::LawFlight(const FlightFigure& figure, const PlantOptions& plant, const LawTiming& preview,
-                     const Eigen::Vector3d& offset)
+                     const Eigen::Vector3d& offset, double lead)
     : figure_(figure),
       plant_(plant, hovering(figure, plant.gravity, offset)),
       preview_period_(preview.preview_period),
+      lead_(lead),
       preview_(static_cast<std::size_t>(preview.preview_length)) {}
 
 void LawFlight::measure() {
   state_ = plant_.measure();
   for (std::size_t k = 0; k < preview_.size(); ++k) {
-    preview_[k] = figure_.at(state_.stamp + static_cast<double>(k) * preview_period_);
+    preview_[k] = figure_.at(state_.stamp + lead_ + static_cast<double>(k) * preview_period_);
   }
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <numeric>
+#include <string>
+#include <vector>
 
 #include "mpc_core/yaml_edits.hpp"
 #include "polyfly_base/error.hpp"
@@ -30,13 +33,28 @@ bool isFixedWing(const YamlEdits& edits) {
   return wing;
 }
 
+// Whether the options state how long commands take to act: then the laws predict over it, and the lag does not hold it.
+bool statesDelay(const YamlEdits& edits) {
+  const YAML::Node& root = edits.root();
+  const YAML::Node vehicle = root["vehicle"];
+  return vehicle.IsDefined() && vehicle.IsMap() && vehicle["delay"].IsDefined();
+}
+
+// One message commands roll and pitch, so there is one delay: the mean of theirs.
 void putLoops(const CalibrationDocument& calibration, YamlEdits* edits) {
+  const bool delayed = statesDelay(*edits);
+  std::vector<double> delays;
   for (const std::string axis : {"roll", "pitch"}) {
     if (!calibration.has({"axes", axis})) continue;
-    const std::vector<std::string> place = {"axes", axis, "model_without_delay"};
+    const std::vector<std::string> place = {"axes", axis, delayed ? "model" : "model_without_delay"};
     edits->putNumber("nonlinear", axis + "_gain",
                      calibration.supportedAbove0(place, "gain", ": wrong sign or frame"));
     edits->putNumber("nonlinear", axis + "_time", calibration.supportedAbove0(place, "tau", ""));
+    if (delayed) delays.push_back(calibration.supported(place, "delay"));
+  }
+  if (!delays.empty()) {
+    edits->putNumber("vehicle", "delay",
+                     std::accumulate(delays.begin(), delays.end(), 0.0) / static_cast<double>(delays.size()));
   }
 }
 

@@ -20,10 +20,12 @@ std::string begin(const std::string& kind, const std::string& vehicle) {
 std::string attitude(const std::string& vehicle) {
   return begin("attitude", vehicle) +
          "axes:\n"
-         "  roll:\n    model_without_delay: {gain: 0.81, tau: 0.31, supported: true}\n"
+         "  roll:\n    model: {gain: 0.82, tau: 0.26, delay: 0.05, supported: true}\n    "
+         "model_without_delay: {gain: 0.81, tau: 0.31, supported: true}\n"
          "    model_second_order: {a0: 14, a1: 6, b0: 13, delay: 0.05, supported: true}\n"
          "    model_second_order_without_delay: {a0: 11, a1: 5, b0: 10, supported: true}\n"
-         "  pitch:\n    model_without_delay: {gain: 0.72, tau: 0.42, supported: true}\n";
+         "  pitch:\n    model: {gain: 0.73, tau: 0.35, delay: 0.07, supported: true}\n    "
+         "model_without_delay: {gain: 0.72, tau: 0.42, supported: true}\n";
 }
 
 const std::string kRotorDrag = begin("drag", "multirotor") +
@@ -200,6 +202,21 @@ TEST(ApplyToOptions, AFixedWingTakesEq45AsItsGuidancePredicts) {
   EXPECT_EQ(yaml["model"]["a0"].as<double>(), 14.0);
   EXPECT_EQ(yaml["guidance"]["delay"].as<double>(), 0.05);
   EXPECT_EQ(yaml["guidance"]["airspeed_nominal"].as<double>(), 14.0);
+}
+
+// A delay that is stated is compensated; one that is not goes into the lag.
+TEST(ApplyToOptions, TheDelayGoesWhereItIsStated) {
+  const std::string before = config("firefly");
+  AppliedOptions applied = appliedTo(before, {attitude("multirotor")});
+  EXPECT_FALSE(YAML::Load(applied.text)["vehicle"]["delay"]);
+  EXPECT_EQ(YAML::Load(applied.text)["nonlinear"]["roll_time"].as<double>(), 0.31);
+  applied = appliedTo(replaced(before, "vehicle:\n", "vehicle:\n  delay: 0\n"), {attitude("multirotor")});
+  const YAML::Node yaml = YAML::Load(applied.text);
+  EXPECT_NEAR(yaml["vehicle"]["delay"].as<double>(), 0.06, 1e-9);
+  EXPECT_EQ(yaml["nonlinear"]["roll_gain"].as<double>(), 0.82);
+  EXPECT_EQ(yaml["nonlinear"]["roll_time"].as<double>(), 0.26);
+  EXPECT_EQ(yaml["nonlinear"]["pitch_time"].as<double>(), 0.35);
+  EXPECT_NE(yaml["provenance"].as<std::string>().find("vehicle/delay"), std::string::npos);
 }
 
 TEST(ApplyToOptions, TwiceIsTheSameNumbersAndBothFilesAreNamed) {

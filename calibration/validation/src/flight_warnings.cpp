@@ -185,8 +185,8 @@ struct Loop {
   double lag = 0.0;  // [s]
 };
 
-// Of a map's model, behind position and velocity: H(0), and -H'(0) / H(0).
-std::optional<Loop> loopOf(const RegionMap& map) {
+// Of a map's model, behind position and velocity: H(0), and -H'(0) / H(0). `delay` is that of the options [s].
+std::optional<Loop> loopOf(const RegionMap& map, double delay) {
   if (map.problemKind() != "yaml") return std::nullopt;
   const MpcProblem problem = continuousModel(parseFlightModel(std::string(map.problemText()), map.path()));
   const Eigen::Index size = problem.A_c.rows() - 2;
@@ -195,7 +195,7 @@ std::optional<Loop> loopOf(const RegionMap& map) {
   if (!inverse.isInvertible()) return std::nullopt;
   const Eigen::VectorXd once = inverse.solve(problem.B_c.col(0).tail(size));
   const Eigen::VectorXd twice = inverse.solve(once);
-  return Loop{-once[0], -twice[0] / once[0]};
+  return Loop{-once[0], -twice[0] / once[0] + (delay > 0.0 ? delay : problem.delay)};
 }
 
 AxisRecords recordsOf(const FlightLog& log, std::size_t angle) {
@@ -217,8 +217,8 @@ AxisRecords recordsOf(const FlightLog& log, std::size_t angle) {
   return records;
 }
 
-std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t angle) {
-  const std::optional<Loop> model = loopOf(map);
+std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t angle, double delay) {
+  const std::optional<Loop> model = loopOf(map, delay);
   if (!model || !(model->gain > 0.0) || !(model->lag > 0.0)) return "";
   const AxisModel flown = identifyAxis(recordsOf(log, angle), {});
   if (!flown.supported) return "";
@@ -237,14 +237,15 @@ std::string modelWarning(const FlightLog& log, const RegionMap& map, std::size_t
   return text.str();
 }
 
-void warnOfModels(const FlightLog& log, const AxisMaps& maps, std::vector<std::string>* warnings) {
+void warnOfModels(const FlightLog& log, const AxisMaps& maps, double delay,
+                  std::vector<std::string>* warnings) {
   // Between commands and odometry of different clocks there is no lag.
   const auto is_steady = [](const FlightLog::TopicClock& topic) { return topic.clock.isSteady(); };
   if (!std::all_of(log.clocks.begin(), log.clocks.end(), is_steady)) return;
   for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
     try {
       // Roll belongs to the lateral map, pitch to the longitudinal map.
-      const std::string sentence = modelWarning(log, *maps[1 - angle], angle);
+      const std::string sentence = modelWarning(log, *maps[1 - angle], angle, delay);
       if (!sentence.empty()) warnings->push_back(sentence);
     } catch (const Error&) {  // too little moved for a fit: nothing to say about the model
     }
@@ -259,7 +260,7 @@ std::vector<std::string> flightWarnings(const FlightLog& log, const std::vector<
   warnOfClock(log, &warnings);
   warnOfFrames(samples, &warnings);
   warnOfCommands(log, samples, options, &warnings);
-  warnOfModels(log, maps, &warnings);
+  warnOfModels(log, maps, options.delay, &warnings);
   return warnings;
 }
 

@@ -88,9 +88,10 @@ std::vector<ReplaySample> replay(const FlightLog& log, const AxisMaps& maps, con
         if (!answered.empty() && answered.count(state.stamp) == 0) break;
         ReplaySample sample;
         sample.state = state;
-        sample.has_reference =
-            schedule.preview(state.stamp, law.previewPeriod(), law.previewLength(), preview.data());
-        if (sample.has_reference) sample.reference = preview.front();
+        sample.has_reference = schedule.preview(state.stamp + law.lead(), law.previewPeriod(),
+                                                law.previewLength(), preview.data());
+        if (sample.has_reference)
+          sample.reference = law.lead() > 0.0 ? *schedule.sample(state.stamp) : preview.front();
         const OdometryGate::Verdict verdict = gate.check(state);
         if (verdict.restarted) law.forget(LawMemory::kObserver);
         if (verdict.refusal == ControlReason::kStale) {

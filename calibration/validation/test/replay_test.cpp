@@ -40,6 +40,21 @@ TEST_F(Replay, repeatsAFlightBitForBit) {
   expectSame(log);
 }
 
+TEST_F(Replay, PredictsOverTheDelayAsTheFlightDid) {
+  options_.delay = 0.047;
+  FlightRecorder recorder(maps_.axes(), options_);
+  recorder.hold(SyntheticFlight::home());
+  flySome(recorder, 0, 100);
+  recorder.beSilent(SyntheticFlight::state(111).stamp);
+  flySome(recorder, 130, 300);
+  const auto samples = replay(recorder.log(), maps_.axes(), options_);
+  EXPECT_EQ(samples.back().reference.position, SyntheticFlight::home());
+  expectSame(recorder.log());
+  options_.delay = 0.0;
+  const auto without = replay(recorder.log(), maps_.axes(), options_);
+  EXPECT_GT(validate(recorder.log(), without, maps_.axes(), options_).commands.difference[0].max, 1e-3);
+}
+
 TEST_F(Replay, withOtherOptionsGivesOtherCommands) {
   const FlightLog log = syntheticFlight(maps_.axes());
   options_.mass = 2.0;

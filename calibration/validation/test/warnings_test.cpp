@@ -200,6 +200,9 @@ TEST_F(Warnings, TellAVehicleThatIsNotTheMaps) {
   EXPECT_FALSE(has(of(0.95, 0.3), "another vehicle"));
   EXPECT_TRUE(has(of(0.9, 0.5), "The map is made for another vehicle"));
   EXPECT_TRUE(has(of(0.6, 0.25), "answers its roll command with gain 0.6"));
+  // What the controller predicts over is no lag of the map.
+  options_.delay = 0.25;
+  EXPECT_FALSE(has(of(0.9, 0.5), "another vehicle"));
 }
 
 }  // namespace

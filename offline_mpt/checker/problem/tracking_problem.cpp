@@ -99,7 +99,8 @@ class Reader {
   }
 
   void readSignals(const YAML::Node& model) {
-    requireKeys(model, {"time", "states", "inputs", "disturbances", "outputs", "A", "B", "B_d", "C"});
+    requireKeys(model,
+                {"time", "states", "inputs", "disturbances", "outputs", "A", "B", "B_d", "C", "delay"});
     for (const auto& state : model["states"]) {
       requireKeys(state, {"name", "unit", "range"});
       addName('x', state, problem_.states.size());

@@ -6,6 +6,7 @@
 
 #include "cited_ranges.hpp"
 #include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/problem_type.hpp"
 #include "mpc_core/read_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/yaml_field.hpp"
@@ -109,7 +110,8 @@ void normaliseDisturbances(RobustProblem& problem, const std::vector<RobustProbl
 }
 
 int readModel(const YamlField& model, RobustProblem& problem) {
-  model.checkKeys({"states", "inputs", "disturbances", "A", "B", "G", "C"}, {"time", "bits"});
+  model.checkKeys({"states", "inputs", "disturbances", "A", "B", "G", "C"}, {"time", "bits", "delay"});
+  readDelay(model);  // of the controller, which predicts over it
   std::vector<RobustProblem::Range> ranges;
   readSignals(model, problem, ranges);
   const int nx = static_cast<int>(problem.states.size());

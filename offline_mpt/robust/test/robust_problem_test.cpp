@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "made_robust.hpp"
+#include "mpc_core/mpc_problem.hpp"
 #include "polyfly_base/error.hpp"
 #include "robust_mpc/robust_program.hpp"
 
@@ -55,6 +56,16 @@ TEST(RobustProblem, DiscreteModelsCountExactly) {
   text = replaced(text, "model:\n", "model:\n  time: discrete\n");
   text = replaced(text, "9.81", "\"1/3\"");
   EXPECT_EQ(parseRobustProblem(text, "a").A(1, 2), Rational(1, 3));
+}
+
+TEST(RobustProblem, TheDelayIsTheControllersAlone) {
+  const std::string text = MadeRobust().text();
+  const std::string with = replaced(text, "model:\n", "model:\n  delay: 0.06\n");
+  EXPECT_EQ(parseRobustProblem(with, "a").A(1, 2), parseRobustProblem(text, "a").A(1, 2));
+  EXPECT_EQ(parseFlightModel(with, "a").delay, 0.06);
+  EXPECT_NE(errorOf(replaced(text, "model:\n", "model:\n  delay: 0.6\n"))
+                .find("model.delay: must be from 0 to 0.5 s"),
+            std::string::npos);
 }
 
 TEST(RobustProblem, RefusesWithFileFieldAndRule) {

@@ -1,6 +1,8 @@
 #include "mpc_core/apply_calibration.hpp"
 
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "mpc_core/yaml_edits.hpp"
 #include "polyfly_base/error.hpp"
@@ -84,6 +86,13 @@ class ProblemText {
     return false;
   }
 
+  // Whether the file states the key `delay`: then the controller predicts over it, and the lag does not hold it.
+  bool statesDelay() const { return root_["model"]["delay"].IsDefined(); }
+  void setDelay(double value) {
+    if (!(value >= 0.0)) edits_.refuse("model.delay", "cannot be below 0, as the calibration has it");
+    edits_.setNumber(root_["model"]["delay"], "model.delay", value);
+  }
+
   // Index of a lag's state: the row of the input in B with a diagonal entry of A only.
   int lagOf(int input) const {
     const YAML::Node a = root_["model"]["A"];
@@ -119,19 +128,25 @@ void applyAttitude(const CalibrationDocument& calibration, ProblemText* problem)
     const char* input;
     const char* axis;
   };
+  const bool delayed = problem->statesDelay();
+  std::vector<double> delays;
   for (const Loop& loop : {Loop{"phi_cmd", "roll"}, Loop{"theta_cmd", "pitch"}}) {
     const int input = problem->indexOf("inputs", loop.input);
     if (input < 0 || !calibration.has({"axes", loop.axis})) continue;
     const int lag = problem->lagOf(input);
     if (lag < 0)
       problem->edits().refuse("model.A", std::string("has no state that lags ") + loop.input + " alone");
-    const std::vector<std::string> place = {"axes", loop.axis, "model_without_delay"};
+    const std::vector<std::string> place = {"axes", loop.axis, delayed ? "model" : "model_without_delay"};
     const double gain = calibration.supportedAbove0(place, "gain", ": wrong sign or frame");
     const double tau = calibration.supportedAbove0(place, "tau", "");
     problem->setEntry("A", lag, lag, -1.0 / tau);
     problem->setEntry("B", lag, input, gain / tau);
     problem->setReferenceGain(lag, input, gain);
+    if (delayed) delays.push_back(calibration.supported(place, "delay"));
   }
+  if (!delays.empty())
+    problem->setDelay(std::accumulate(delays.begin(), delays.end(), 0.0) /
+                      static_cast<double>(delays.size()));
 }
 
 void applyDrag(const CalibrationDocument& calibration, ProblemText* problem) {

@@ -29,6 +29,7 @@ void readModel(const YamlField& model, MpcProblem& problem) {
   problem.A_c = model.at("A").matrix(nx, nx);
   problem.B_c = model.at("B").matrix(nx, static_cast<int>(problem.inputs.size()));
   problem.Bd_c = model.at("G").matrix(nx, static_cast<int>(problem.disturbances.size()));
+  problem.delay = readDelay(model);
 }
 
 void readErrors(const YamlField& parameters, MpcProblem& problem) {
@@ -47,6 +48,14 @@ void readErrors(const YamlField& parameters, MpcProblem& problem) {
 }
 
 }  // namespace
+
+double readDelay(const YamlField& model) {
+  constexpr double kGreatest = 0.5;  // [s]
+  if (!model.has("delay")) return 0.0;
+  const double delay = model.at("delay").number();
+  if (!(delay >= 0.0 && delay <= kGreatest)) model.at("delay").fail("must be from 0 to 0.5 s");
+  return delay;
+}
 
 MpcProblem parseRobustFlightModel(const std::string& text, const std::string& source) {
   const YamlField root = YamlField::parse(text, source);

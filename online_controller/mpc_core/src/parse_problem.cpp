@@ -98,13 +98,14 @@ void readOutputs(const YamlField& model, Names* taken, MpcProblem* problem) {
 }
 
 void readModel(const YamlField& model, MpcProblem* problem) {
-  model.checkKeys({"states", "inputs", "A", "B", "C"}, {"disturbances", "B_d", "time", "outputs"});
+  model.checkKeys({"states", "inputs", "A", "B", "C"}, {"disturbances", "B_d", "time", "outputs", "delay"});
   if (model.has("time")) {
     const std::string time = model.at("time").text();
     if (time != "continuous" && time != "discrete")
       model.at("time").fail("must be continuous or discrete, got '" + time + "'");
     problem->discrete = time == "discrete";
   }
+  problem->delay = readDelay(model);
   Names taken;
   readStates(model, &taken, problem);
   readInputs(model, &taken, problem);

@@ -103,6 +103,14 @@ TEST(ProblemFile, OptionalKeysMayBeAbsent) {
   EXPECT_TRUE(problem.description.empty());
 }
 
+TEST(ProblemFile, TheDelayIsTheControllersAlone) {
+  const MpcProblem with = parseProblem(replaced(kBase, "model:\n", "model:\n  delay: 0.06\n"), "cart.yaml");
+  EXPECT_EQ(with.delay, 0.06);
+  const MpcProblem without = parseProblem(kBase, "cart.yaml");
+  EXPECT_EQ(without.delay, 0.0);
+  EXPECT_EQ(condense(with).F, condense(without).F);
+}
+
 TEST(ProblemFile, WeightsMayBeFullMatrices) {
   const MpcProblem problem = parseProblem(replaced(kBase, "Q: [4, 1]", "Q: [[4, 1], [1, 1]]"), "cart.yaml");
   EXPECT_EQ(problem.Q, (Eigen::Matrix2d() << 4, 1, 1, 1).finished());
@@ -137,6 +145,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"horizon: 5", "horizon: 5\nhorizon: 6", "horizon: 6", "horizon", "duplicate key"},
         BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  R: [1]", "R: [1]", "weights.R", "duplicate key"},
         BadCase{"  R: [[0.5]]", "  R: [[0.5]]\n  S: [1]", "S: [1]", "weights.S", "unknown key"},
+        BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: 0.6", "delay:", "model.delay",
+                "must be from 0 to 0.5 s"},
+        BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  delay: -1", "delay:", "model.delay",
+                "must be from 0 to 0.5 s"},
         BadCase{"  C: [[1, 0]]", "  C: [[1, 0]]\n  D: [[1, 0]]", "D:", "model.D", "unknown key"},
         BadCase{"{name: p, unit: m}", "{name: p, unit: m, rang: [0, 1]}", "rang:", "model.states[0].rang",
                 "unknown"},

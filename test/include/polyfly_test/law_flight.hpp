@@ -24,9 +24,10 @@ class LawFlight {
   template <class AnyLaw>
   LawFlight(const FlightFigure& figure, const PlantOptions& plant, const AnyLaw& law,
             const Eigen::Vector3d& offset = Eigen::Vector3d::Zero())
-      : LawFlight(figure, plant, LawTiming{law.previewLength(), law.previewPeriod()}, offset) {}
+      : LawFlight(figure, plant, LawTiming{law.previewLength(), law.previewPeriod()}, offset, leadOf(law)) {}
+  /// The references begin `lead` [s] after the odometry.
   LawFlight(const FlightFigure& figure, const PlantOptions& plant, const LawTiming& preview,
-            const Eigen::Vector3d& offset);
+            const Eigen::Vector3d& offset, double lead = 0.0);
 
   /// Takes the next odometry and the references from its stamp on.
   void measure();
@@ -45,9 +46,13 @@ class LawFlight {
   const MultirotorPlant& plant() const { return plant_; }
 
  private:
+  static double leadOf(const ControlLaw&) { return 0.0; }
+  static double leadOf(const LawSwitch& law) { return law.lead(); }
+
   const FlightFigure& figure_;
   MultirotorPlant plant_;
   double preview_period_ = 0.0;
+  double lead_ = 0.0;
   std::vector<Reference> preview_;
   VehicleState state_;
 };

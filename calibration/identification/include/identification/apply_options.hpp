@@ -21,7 +21,8 @@ struct AppliedOptions {
 /// (launch/config/firefly.yaml) takes:
 ///
 /// - kind attitude: gain and tau of model_without_delay of roll and pitch as nonlinear/roll_gain, roll_time,
-///   pitch_gain, pitch_time;
+///   pitch_gain, pitch_time. Where the file states vehicle/delay, the laws predict over it: then those of model, and
+///   the mean of their delays as vehicle/delay;
 /// - kind drag: drag_forward, drag_left and drag_z, each above zero with its interval, as nonlinear/drag_x,
 ///   drag_y, drag_z;
 /// - kind mass: mass as vehicle/mass, hover_command as output/hover_thrust;

@@ -91,7 +91,7 @@ class FlightSupervisor {
   /// Whether the command of report() is to be sent.
   bool sends() const noexcept { return report_->status != ControlStatus::kStopped; }
 
-  /// What the law tracked in its last step, at the sample's time and at each previewPeriod() after it:
+  /// What the law tracked in its last step, lead() after the sample's time and at each previewPeriod() after that:
   /// previewNeeded() of them.
   const std::vector<Reference>& preview() const noexcept { return preview_; }
 
@@ -113,6 +113,7 @@ class FlightSupervisor {
   const ControlReport& manual(double stamp) noexcept;
   const ControlReport& fly(const VehicleState& state) noexcept;
   void watchTask(const VehicleState& state) noexcept;
+  // References for a sample of that time.
   bool makePreview(double time, int count) noexcept;
   void checkEarlyReferences() noexcept;
   Reference stop() const noexcept;

@@ -11,6 +11,7 @@
 #include "online_controller/laws/stage_references.hpp"
 #include "online_controller/types/options.hpp"
 #include "online_controller/types/types.hpp"
+#include "online_controller/types/vehicle_model.hpp"
 #include "region_maps/lookup.hpp"
 
 namespace polyfly {
@@ -203,6 +204,10 @@ class Axis {
   double lagGain() const noexcept { return -lag_gain_ / lag_pole_; }
   double lagTime() const noexcept { return has_rate_ ? lag_damping_ / lag_pole_ : -1.0 / lag_pole_; }
 
+  /// The lag where it is of second order.
+  AngleLoop loop() const noexcept { return has_rate_ ? AngleLoop{-lag_pole_, -lag_damping_} : AngleLoop{}; }
+
+  double drag() const noexcept { return -velocity_gain_; }  ///< [1/s]
   double inputLower() const noexcept { return input_lower_; }
   double inputUpper() const noexcept { return input_upper_; }
 

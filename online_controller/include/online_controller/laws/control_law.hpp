@@ -1,12 +1,13 @@
 #pragma once
 
 #include "online_controller/types/types.hpp"
+#include "online_controller/types/vehicle_model.hpp"
 
 namespace polyfly {
 
 /// What a law reads and predicts, fixed when it is made.
 struct LawTiming {
-  /// Number of references that step() reads: the first at the sample's time, each next one preview_period later.
+  /// Number of references that step() reads: the first at the state's time, each next one preview_period later.
   int preview_length = 1;
   double preview_period = 0.0;  ///< [s]
   /// Time between the positions of inspect() [s].
@@ -55,11 +56,12 @@ struct Substitute {
 /// allocates, locks, logs or reads a clock. A law fills `report_`.
 class ControlLaw {
  public:
-  explicit ControlLaw(const LawTiming& timing) : timing_(timing) {}
+  explicit ControlLaw(const LawTiming& timing, const VehicleModel& model = {})
+      : timing_(timing), model_(model) {}
   virtual ~ControlLaw() = default;
 
-  /// One control period. Without an answer the report has kHoldLast and the reason, and the command of the last period.
-  /// Bad numbers must not reach the law's memory.
+  /// One control period. State and references are those of the time from which the command acts. Without an answer the
+  /// report has kHoldLast and the reason, and the command of the last period. Bad numbers must not reach the law's memory.
   virtual const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept = 0;
 
   /// What can be done for the next step without its sample.
@@ -83,6 +85,8 @@ class ControlLaw {
   /// positions, as far as there is room. Costs some microseconds: not for the way from odometry to command.
   virtual void inspect(const Reference* preview, LawInsight& insight) const noexcept = 0;
 
+  /// What LawSwitch predicts with over a dead time.
+  const VehicleModel& model() const noexcept { return model_; }
   const LawTiming& timing() const noexcept { return timing_; }
   int previewLength() const noexcept { return timing_.preview_length; }
   double previewPeriod() const noexcept { return timing_.preview_period; }  ///< [s]
@@ -105,6 +109,7 @@ class ControlLaw {
 
  private:
   LawTiming timing_;
+  VehicleModel model_;
 };
 
 }  // namespace polyfly

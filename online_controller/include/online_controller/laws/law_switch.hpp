@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "online_controller/estimation/delay_predictor.hpp"
 #include "online_controller/laws/control_law.hpp"
 #include "online_controller/laws/failsafe_policy.hpp"
 
@@ -15,8 +16,13 @@ enum class Law : std::uint8_t {};
 /// The laws of a flight, and what is sent where the active one has no answer (FailsafePolicy).
 ///
 /// One of the laws is active, the others track what is sent. So a switch in flight has no bump: the next law's observer is
-/// up to date, and its last command is the one that was sent. None of the functions after construction throws, allocates,
-/// locks, logs or reads a clock.
+/// up to date, and its last command is the one that was sent.
+///
+/// With a dead time (vehicle/delay, or else that of the first law's model, or else of another's) all laws are given the
+/// state that the vehicle will have when the command acts, see DelayPredictor, and are to be given references from lead()
+/// on.
+///
+/// None of the functions after construction throws, allocates, locks, logs or reads a clock.
 class LawSwitch {
  public:
   /// Laws in the order of lawTypes(), nullptr where there is none; `first` flies first. Throws Error when it is not there,
@@ -39,12 +45,14 @@ class LawSwitch {
   /// The longest preview that one of the laws reads; all of them read the same.
   int previewLength() const noexcept { return preview_length_; }
   double previewPeriod() const noexcept { return preview_period_; }  ///< [s]
+  /// Time of the first reference of a preview after the sample: the dead time [s].
+  double lead() const noexcept { return predictor_.delay(); }
   /// How many of them the next step() reads.
   int previewNeeded() const noexcept { return current().previewLength(); }
-  /// Time between the positions of inspect() [s].
+  /// Time between the positions of inspect(), the first lead() after the sample [s].
   double stagePeriod() const noexcept { return current().timing().stage_period; }
 
-  /// One control period.
+  /// One control period, with the sample as it was measured.
   const ControlReport& step(const VehicleState& state, const Reference* preview) noexcept;
 
   /// What can be done for the next step without its sample. The inactive laws track here, after the command was sent;
@@ -90,17 +98,23 @@ class LawSwitch {
   ControlLaw& current() const noexcept { return *laws_[static_cast<std::size_t>(active_)]; }
   void syncInactive() noexcept;
   const ControlReport& sendFromAll(const Substitute& sent) noexcept;
+  // Keeps what is sent for the predictor.
+  const ControlReport& remembered(const ControlReport& report) noexcept {
+    predictor_.sent(report.stamp, report.command);
+    return report;
+  }
 
   std::vector<std::unique_ptr<ControlLaw>> laws_;
   Law active_;
   MultirotorOptions options_;
   FailsafePolicy failsafe_;
+  DelayPredictor predictor_;
   int preview_length_ = 1;
   double preview_period_ = 0.0;
 
   // True when the inactive laws have not tracked the last step yet.
   bool inactive_behind_ = false;
-  // Vehicle state of the last step.
+  // Vehicle state of the last step, lead() after its sample.
   VehicleState last_state_;
   // Command of the last step.
   AttitudeCommand sent_;

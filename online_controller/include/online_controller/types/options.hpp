@@ -47,6 +47,9 @@ struct MultirotorOptions {
   /// Heading of the vehicle minus that of the odometry's attitude, about the z axis of W; see `aligned` [rad].
   /// FlightSupervisor takes it into account; a law alone does not.
   double heading_misalignment = 0.0;
+  /// Dead time from an odometry to the effect of its command, over which LawSwitch predicts; 0: that of the law's problems
+  /// [s].
+  double delay = 0.0;
   /// Nominal time between odometry messages [s].
   double control_period = 0.01;
   double yaw_gain = 1.8;            ///< K_yaw [1/s]
@@ -112,6 +115,7 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("vehicle/pitch_trim", options.pitch_trim, "rad", Range{-0.2, 0.2, 1.0, 0.05});
   visit("vehicle/heading_misalignment", options.heading_misalignment, "rad",
         Range{-3.1415927, 3.1415927, 1.0, 0.05});
+  visit("vehicle/delay", options.delay, "s", Range{0.0, 0.5, 1.0, 0.1});
   visit("controller/control_period", options.control_period, "s", Range{0.0005, 1.0});
   visit("controller/yaw_gain", options.yaw_gain, "1/s", Range{0.0, 20.0, 4.0, 0.1});
   visit("controller/yaw_rate_max", options.yaw_rate_max, "rad/s", Range{0.0, 20.0, 4.0, 0.1});

@@ -16,7 +16,8 @@ struct AppliedCalibration {
 /// Puts what was identified into a problem file (region_maps/problems/README.md), tracking_mpc or robust_mpc:
 ///
 /// - kind attitude: gain and tau of model_without_delay, of roll where the input is phi_cmd, of pitch where it
-///   is theta_cmd: the row of the lag state in A and B (Eq. 37);
+///   is theta_cmd: the row of the lag state in A and B (Eq. 37). Where the file states model.delay, the controller
+///   predicts over it: then gain, tau and delay of model;
 /// - kind drag: minus drag_x, drag_y or drag_z on the diagonal of A, in the row of the state whose error
 ///   is the parameter e_v_x, e_v_y or e_v_z; each must be above zero with its interval;
 /// - kind disturbance: the range of the disturbance that ends in _x, _y or _z, where the problem bounds it.

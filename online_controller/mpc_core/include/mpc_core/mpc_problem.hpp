@@ -77,6 +77,9 @@ struct MpcProblem {
   Eigen::MatrixXd Bd_c;  ///< nx x nd
   Eigen::MatrixXd C;     ///< ny x nx, tracked output y = C x (ny = nu)
 
+  /// Dead time before an input acts, over which the controller predicts; the problem itself has none [s].
+  double delay = 0.0;
+
   double sampling_time = 0.0;  ///< Ts [s]
   int horizon = 0;             ///< N
   /// Lengths of the blocks over which u is held, with sum N; empty: every stage has its own u.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mpc_core/mpc_problem.hpp"
+#include "polyfly_base/yaml_field.hpp"
 
 namespace polyfly {
 
@@ -29,6 +30,9 @@ const ProblemType* problemTypeOf(const std::string& text, const std::string& sou
 
 /// Throws Error `source:line: type: rule` unless the problem file names `type`. The rule lists the types that there are.
 void requireProblemType(const std::string& text, const std::string& source, const std::string& type);
+
+/// Key `delay` of a problem's model, 0 .. 0.5 [s]; 0 where it is absent. Throws Error.
+double readDelay(const YamlField& model);
 
 /// The flight model of a robust_mpc, see parseFlightModel.
 MpcProblem parseRobustFlightModel(const std::string& text, const std::string& source);

@@ -14,6 +14,18 @@ std::vector<std::unique_ptr<ControlLaw>> alone(std::unique_ptr<ControlLaw> law) 
   return laws;
 }
 
+/// The delay is the vehicle's: where the first law states none, as the nonlinear one, another law's problems may.
+VehicleModel modelToPredict(const std::vector<std::unique_ptr<ControlLaw>>& laws, Law first) {
+  const auto place = static_cast<std::size_t>(first);
+  if (place >= laws.size() || laws[place] == nullptr)
+    throw Error("law: the one that is to fly first is not there");
+  VehicleModel model = laws[place]->model();
+  for (const auto& law : laws) {
+    if (law != nullptr && model.delay == 0.0) model.delay = law->model().delay;
+  }
+  return model;
+}
+
 }  // namespace
 
 LawSwitch::LawSwitch(std::unique_ptr<ControlLaw> law, const MultirotorOptions& options)
@@ -21,8 +33,11 @@ LawSwitch::LawSwitch(std::unique_ptr<ControlLaw> law, const MultirotorOptions& o
 
 LawSwitch::LawSwitch(std::vector<std::unique_ptr<ControlLaw>> laws, Law first,
                      const MultirotorOptions& options)
-    : laws_(std::move(laws)), active_(first), options_(options), failsafe_(options) {
-  if (!has(first)) throw Error("law: the one that is to fly first is not there");
+    : laws_(std::move(laws)),
+      active_(first),
+      options_(options),
+      failsafe_(options),
+      predictor_(modelToPredict(laws_, first), options) {
   for (const auto& law : laws_) {
     if (law == nullptr || law->previewLength() <= preview_length_) continue;
     preview_length_ = law->previewLength();
@@ -39,7 +54,8 @@ bool LawSwitch::select(Law law) noexcept {
 
 const ControlReport& LawSwitch::step(const VehicleState& state, const Reference* preview) noexcept {
   syncInactive();
-  const ControlReport& report = current().step(state, preview);
+  const VehicleState ahead = predictor_.ahead(state);
+  const ControlReport& report = current().step(ahead, preview);
   if (isAnswer(report.status)) {
     failsafe_.answered();
   } else {
@@ -48,9 +64,9 @@ const ControlReport& LawSwitch::step(const VehicleState& state, const Reference*
     current().sendInstead(sent);
   }
   inactive_behind_ = true;
-  last_state_ = state;
+  last_state_ = ahead;
   sent_ = report.command;
-  return report;
+  return remembered(report);
 }
 
 void LawSwitch::syncInactive() noexcept {
@@ -65,7 +81,7 @@ const ControlReport& LawSwitch::sendFromAll(const Substitute& sent) noexcept {
   for (const auto& law : laws_) {
     if (law != nullptr) law->sendInstead(sent);
   }
-  return report();
+  return remembered(report());
 }
 
 const ControlReport& LawSwitch::stepWithoutReference(double stamp) noexcept {
@@ -81,7 +97,7 @@ const ControlReport& LawSwitch::withoutSample(double stamp, ControlReason reason
   Substitute sent{stamp, ControlStatus::kHoldLast, reason, report().command};
   sent.status = failsafe_.next(sent.command, report().level_trim);
   current().sendInstead(sent);
-  return report();
+  return remembered(report());
 }
 
 const ControlReport& LawSwitch::onSilence(double now) noexcept {
@@ -95,9 +111,11 @@ void LawSwitch::forget(LawMemory what) noexcept {
   if (what == LawMemory::kAll) {
     inactive_behind_ = false;
     failsafe_.forget();
+    predictor_.reset();
   } else {
     syncInactive();
   }
+  if (what == LawMemory::kObserver) predictor_.restart();
   for (const auto& law : laws_) {
     if (law != nullptr) law->forget(what);
   }
@@ -105,6 +123,7 @@ void LawSwitch::forget(LawMemory what) noexcept {
 
 void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
   syncInactive();
+  predictor_.setDisturbance(disturbance);
   for (const auto& law : laws_) {
     if (law != nullptr) law->setDisturbance(disturbance);
   }
@@ -112,8 +131,10 @@ void LawSwitch::setDisturbance(const Eigen::Vector3d& disturbance) noexcept {
 
 void LawSwitch::track(const VehicleState& state, const AttitudeCommand& sent) noexcept {
   syncInactive();
+  const VehicleState ahead = predictor_.ahead(state);
+  predictor_.sent(state.stamp, sent);
   for (const auto& law : laws_) {
-    if (law != nullptr) law->track(state, sent);
+    if (law != nullptr) law->track(ahead, sent);
   }
   if (isValid(state)) failsafe_.answered();
 }

@@ -75,6 +75,19 @@ TiltModel tiltModel(const std::array<Axis, 3>& axes) {
   return {axes[1].lagGain(), axes[1].lagTime(), axes[0].lagGain(), axes[0].lagTime()};
 }
 
+/// One delay, because one message commands all axes: the mean of those that the attitude's problems state.
+VehicleModel modelOf(const std::array<Axis, 3>& axes, const MultirotorOptions& options) {
+  VehicleModel model;
+  model.motion = {options.gravity,   axes[1].lagGain(), axes[1].lagTime(),
+                  axes[0].lagGain(), axes[0].lagTime(), {axes[0].drag(), axes[1].drag(), axes[2].drag()}};
+  model.roll = axes[1].loop();
+  model.pitch = axes[0].loop();
+  const double longitudinal = axes[0].problem().delay, lateral = axes[1].problem().delay;
+  model.delay =
+      longitudinal > 0.0 && lateral > 0.0 ? 0.5 * (longitudinal + lateral) : std::max(longitudinal, lateral);
+  return model;
+}
+
 /// Looks ahead where all axes can, to the same times.
 LawTiming timingOf(const std::array<Axis, 3>& axes) {
   const double period = axes[0].stagePeriod();
@@ -136,7 +149,7 @@ MultirotorController::MultirotorController(const std::array<MpcProblem, 3>& prob
                            options) {}
 
 MultirotorController::MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options)
-    : ControlLaw(timingOf(axes)),
+    : ControlLaw(timingOf(axes), modelOf(axes, options)),
       options_(options),
       axes_(std::move(axes)),
       clock_(decisionClock(axes_, options.control_period)),

@@ -43,6 +43,12 @@ NonlinearMpcOptions completed(const NonlinearMpcOptions& mpc, const MultirotorOp
   return result;
 }
 
+VehicleModel vehicleOf(const NonlinearMpcOptions& mpc) {
+  VehicleModel vehicle;
+  vehicle.motion = mpc.model;
+  return vehicle;
+}
+
 MultirotorState stateOf(const VehicleState& vehicle, const EulerAngles& angles) noexcept {
   MultirotorState x;
   x << vehicle.position, vehicle.velocity, angles.roll, angles.pitch;
@@ -68,7 +74,7 @@ double leadingCommand(double from, double to, double gain, double decay) noexcep
 }  // namespace
 
 NonlinearController::NonlinearController(const MultirotorOptions& options, const NonlinearMpcOptions& mpc)
-    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}),
+    : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}, vehicleOf(mpc)),
       options_(checked(limited(options, mpc))),
       mpc_(completed(mpc, options_)),
       observer_(mpc_.options().model, options, options.disturbance_rate_drift),

@@ -68,10 +68,21 @@ void LawSwitch::transferState(const LawSwitch& from) noexcept {
     if (laws_[i] != nullptr && from.laws_[i] != nullptr) laws_[i]->transferState(*from.laws_[i]);
   }
   if (has(from.active_)) active_ = from.active_;
+  predictor_.transferState(from.predictor_);
   inactive_behind_ = from.inactive_behind_;
   last_state_ = from.last_state_;
   sent_ = from.sent_;
   failsafe_.transferState(from.failsafe_);
+  if (lead() == from.lead()) return;
+  // The next states are those of another time: the observers go on from there.
+  syncInactive();
+  for (const auto& law : laws_) {
+    if (law != nullptr) law->forget(LawMemory::kObserver);
+  }
+  if (from.lead() > 0.0) return;
+  const ControlReport& known = report();
+  predictor_.setDisturbance(
+      {known.axis[0].disturbance, known.axis[1].disturbance, known.axis[2].disturbance});
 }
 
 }  // namespace polyfly
