@@ -8,6 +8,7 @@
 #include "count/count_state.hpp"
 #include "explore/parallel/scheduler.hpp"
 #include "explore/region/compute_region.hpp"
+#include "explore/region/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/equality_check.hpp"
 #include "program/feasible_slack.hpp"
@@ -51,7 +52,7 @@ bool settled(const NormalisedProgram& program, RegionWorkspace& worker, const Co
     bool held = false;
     for (std::uint32_t k = 0; k < state.found.size() && !held; ++k) {
       const ActiveSet set(state.found[k].begin(), state.found[k].end());
-      held = worker.builder.holds(set, t, kProbeTolerance) &&
+      held = worker.builder.holds(set, t, tolerance::kHeldProbe) &&
              worker.builder.build(set, region) == BuildStatus::kRegion;
     }
     if (held || isEdge(program, Eigen::Map<const Eigen::VectorXd>(t, program.p))) continue;

@@ -13,6 +13,7 @@
 #include "explore/parallel/scheduler.hpp"
 #include "explore/parallel/worker_pool.hpp"
 #include "explore/region/compute_region.hpp"
+#include "explore/region/tolerances.hpp"
 #include "explore/state/checkpoint.hpp"
 #include "explore/state/exploration_state.hpp"
 #include "polyfly_base/error.hpp"
@@ -54,9 +55,9 @@ void checkUnresolved(const NormalisedProgram& program, const ExploreOptions& opt
     }
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unresolved.data() + i, program.p);
     const Eigen::VectorXd theta = unscaled(program, t);
-    const bool held =
-        std::any_of(partition.regions.begin(), partition.regions.end(),
-                    [&](const CriticalRegion& region) { return contains(region, theta, kProbeTolerance); });
+    const bool held = std::any_of(
+        partition.regions.begin(), partition.regions.end(),
+        [&](const CriticalRegion& region) { return contains(region, theta, tolerance::kHeldProbe); });
     if (held || unbounded.direction(t)) continue;
     if (isEdge(program, t)) continue;
     partition.status = ExploreStatus::kIncomplete;

@@ -8,17 +8,11 @@
 #include "lp/polytope.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "offline_mpt/explore.hpp"
+#include "soft/tolerances.hpp"
 #include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
-
-// A slack below this, relative to the greatest bound, is rounding of 0.
-constexpr double kNoExcess = 1e-9;
-// By how much a multiplier may exceed the weight, relative, through rounding.
-constexpr double kWeightTolerance = 1e-9;
-// Reciprocal of the condition above which the equations of an active set count as independent.
-constexpr double kRankTolerance = 1e-12;
 
 /// z and the multipliers of an active set as affine functions of theta.
 struct ActiveSolution {
@@ -41,7 +35,7 @@ ActiveSolution solveActiveSet(const ParametricProgram& program, const std::vecto
     kkt.col(n + i).head(n) = program.A.row(row).transpose();
     right.row(n + i) << program.S.row(row), program.b(row);
   }
-  const PivotedQr qr(kkt, kRankTolerance);
+  const PivotedQr qr(kkt, tolerance::kIndependentEquations);
   ActiveSolution solution;
   solution.independent = qr.rank() == n + w;
   const Eigen::MatrixXd all = qr.solve(right);
@@ -133,7 +127,7 @@ void setExcess(const ParametricProgram& program, const Partition& partition,
   }
   const double scale = std::max(1.0, program.b.size() > 0 ? program.b.cwiseAbs().maxCoeff() : 0.0);
   for (SoftBound& bound : *bounds)
-    if (bound.excess.value <= kNoExcess * scale) bound.excess = {};
+    if (bound.excess.value <= tolerance::kNoExcess * scale) bound.excess = {};
 }
 
 /// Entries of z and rows that stay without the slacks.
@@ -212,7 +206,7 @@ void setExactness(const ParametricProgram& program, const ExploreOptions& option
   for (SoftBound& bound : *bounds) {
     if (never) bound.exactness = SoftBound::Exactness::kNeverFeasible;
     if (!unique) continue;
-    const bool below = bound.multiplier.value <= bound.linear_weight * (1.0 + kWeightTolerance);
+    const bool below = bound.multiplier.value <= bound.linear_weight * (1.0 + tolerance::kWeightTolerance);
     bound.exactness = below ? SoftBound::Exactness::kExact : SoftBound::Exactness::kNotExact;
   }
 }

@@ -56,9 +56,6 @@ struct RegionWorkspace {
 void computeRegion(const NormalisedProgram& program, RegionWorkspace& workspace, const ActiveSet& active,
                    RegionResult& out);
 
-/// A region holds a probe within this, as the map's look-up does [scaled].
-constexpr double kProbeTolerance = 1e-8;
-
 /// Whether a probe that no region holds lies at the edge of the feasible set, or outside.
 bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe);
 

@@ -4,16 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "explore/region/tolerances.hpp"
+
 namespace polyfly {
-namespace {
-
-constexpr double kConstantRow = 1e-11;  // relative slope below which a row does not depend on the parameters
-constexpr double kRounding = 1e-14;     // the same of slacks that are known to the last digit
-constexpr double kFlatness = 1e-8;      // how far rows overlap, or part, with nothing between them [scaled]
-constexpr double kOppositeProduct = 1e-6 - 1.0;  // product of unit rows below which they are opposite
-
-}  // namespace
-
 RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tolerance,
                              double radius_tolerance)
     : program_(program),
@@ -26,7 +19,7 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
       shortest_(program),
       accurate_(program),
       D_size_(program.m),
-      reach_((1.0 + kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
+      reach_((1.0 + tolerance::kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
       solver_(program.p) {
@@ -54,7 +47,7 @@ bool RegionBuilder::factorise(const ActiveSet& active) {
       for (int i = 0; i < c; ++i) value -= row[i] * other[i];
       if (c < r) {
         row[c] = value / other[c];
-      } else if (value > kSafePivot) {
+      } else if (value > tolerance::kSafePivot) {
         row[c] = std::sqrt(value);
         inverse_[c] = 1.0 / row[c];
       } else {
@@ -82,7 +75,7 @@ bool RegionBuilder::factoriseAccurately(const ActiveSet& active) {
       }
     }
     out[r] = row.norm();
-    if (out[r] <= kIndependent) return false;
+    if (out[r] <= tolerance::kIndependent) return false;
     basis.col(r) = row / out[r];
     inverse_[r] = 1.0 / out[r];
   }
@@ -116,15 +109,17 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
   const bool is_slack = origin.kind == RowOrigin::Kind::kSlack;
-  const double flat = (is_accurate_ && is_slack ? kRounding : kConstantRow) * scale;
+  const double flat =
+      (is_accurate_ && is_slack ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
   if (is_accurate_) noise = 0.0;
   const double constant = affine[program_.p];
-  const double blurred = kErrorMargin * noise;
+  const double blurred = tolerance::kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
   if (meets_box && noise > flat && length <= blurred) doubtful_ = true;
   if (length <= flat) {
     // Of a row that nearly repeats an active one, only accurate numbers tell where it is violated.
-    if (is_slack && std::max(length, -constant) > kRounding * scale && constant <= flat) doubtful_ = true;
+    if (is_slack && std::max(length, -constant) > tolerance::kConstantSlack * scale && constant <= flat)
+      doubtful_ = true;
     if (constant < -flat) {
       status = BuildStatus::kEmptyInterior;
       return false;
@@ -142,7 +137,7 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
     return constant > 0.0;
   }
   const double inverse = 1.0 / length;
-  if (noise > kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
+  if (noise > tolerance::kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
   for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
   rows_.push_back(constant * inverse);
   origins_.push_back(origin);
@@ -179,8 +174,8 @@ bool RegionBuilder::findCostMultipliers(const ActiveSet& active) {
   double greatest = 0.0;
   for (const double cost_multiplier : cost_multipliers_)
     greatest = std::max(greatest, std::abs(cost_multiplier));
-  if (kErrorMargin * growth() * greatest > kCostResidual * scale) doubtful_ = true;
-  return rest.cwiseAbs().maxCoeff() <= kCostResidual * scale;
+  if (tolerance::kErrorMargin * growth() * greatest > tolerance::kCostResidual * scale) doubtful_ = true;
+  return rest.cwiseAbs().maxCoeff() <= tolerance::kCostResidual * scale;
 }
 
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
@@ -191,7 +186,7 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
       cost_scale = std::max(cost_scale, std::abs(cost_multiplier));
   }
   // Cost multipliers below this are zero.
-  const double zero = program_.linear ? kCostResidual * cost_scale : 0.0;
+  const double zero = program_.linear ? tolerance::kCostResidual * cost_scale : 0.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear || program_.semidefinite) {
       const double* cost_multiplier = cost_multipliers_.data() + r * width_;
@@ -231,7 +226,7 @@ void RegionBuilder::slackRow(const ActiveSet& active, int row) {
 
 BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
-  const double flat = (is_accurate_ ? kRounding : kConstantRow) * scale;
+  const double flat = (is_accurate_ ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
   idle_.clear();
   for (const int row : active) is_active_[row] = 1;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
@@ -327,8 +322,8 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
 bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) const {
   if (status == BuildStatus::kDependent) return false;
   if (isIllConditioned()) return true;
-  if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
-  return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
+  if (status == BuildStatus::kRegion && law_error_ > tolerance::kAccurate) return true;
+  return plane_error_ > tolerance::kAccurate && region.radius > -tolerance::kErrorMargin * plane_error_;
 }
 
 bool RegionBuilder::describeAccurately(const ActiveSet& active) {
@@ -355,7 +350,8 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
 
 // Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
 bool RegionBuilder::isFlat(const Region& region) const {
-  if (program_.linear || program_.semidefinite || std::abs(region.radius) > kFlatness) return false;
+  if (program_.linear || program_.semidefinite || std::abs(region.radius) > tolerance::kFlatness)
+    return false;
   const auto row = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
   };
@@ -363,9 +359,10 @@ bool RegionBuilder::isFlat(const Region& region) const {
   std::vector<int> tight;
   for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
     if (rows_[static_cast<std::size_t>(i) * width_ + program_.p] - row(i).dot(centre) >
-        region.radius + kFlatness)
+        region.radius + tolerance::kFlatness)
       continue;
-    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOppositeProduct; }))
+    if (std::any_of(tight.begin(), tight.end(),
+                    [&](int k) { return row(i).dot(row(k)) < tolerance::kOppositeProduct; }))
       return true;
     tight.push_back(i);
   }
@@ -374,8 +371,7 @@ bool RegionBuilder::isFlat(const Region& region) const {
 
 // Where regions meet that nothing but a flat set is between, they are neighbours of its facets.
 BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) {
-  constexpr double kMoved = 4.0 * kFlatness;
-  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += kMoved;
+  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += tolerance::kOutwards;
   const BuildStatus status = findFacets(active, facet_tolerance_, region);
   return status == BuildStatus::kRegion ? BuildStatus::kLowerDimensional : status;
 }
