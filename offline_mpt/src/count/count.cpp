@@ -7,6 +7,7 @@
 #include "count/count_proof.hpp"
 #include "count/count_state.hpp"
 #include "explore/parallel/scheduler.hpp"
+#include "explore/parallel/worker_pool.hpp"
 #include "explore/region/compute_region.hpp"
 #include "explore/region/tolerances.hpp"
 #include "polyfly_base/error.hpp"
@@ -104,9 +105,10 @@ class Counting {
     CountState state(program_, options_.map_limit, record());
     state.found.insert({first.data(), first.size()});
     const ExploreOptions explore = exploreOptions(options_);
-    Scheduler scheduler(state, explore, {});
-    runWorkers(countWorkers(reduced_, explore, system_, gap_, names_, state), workerCount(explore),
-               scheduler);
+    Scheduler<ProvenResult> scheduler(state, explore, {});
+    runWorkers<ProvenResult>(workerCount(explore), scheduler, [&](WorkQueue<ProvenResult>& queue) {
+      proveRegions(reduced_, explore, system_, gap_, names_, state, queue);
+    });
     result_.status = scheduler.result();
     if (result_.status == ExploreStatus::kComplete &&
         (state.failed || !settled(reduced_, worker, state, result_.witness)))

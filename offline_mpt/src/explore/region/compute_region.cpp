@@ -111,16 +111,29 @@ void RegionResult::addNeighbour(const ActiveSet& active, std::uint32_t facet) {
 
 void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                    RegionResult& out) {
+  const unsigned long long before = worker.pivots();
   out.clear();
   out.status = worker.builder.build(active, out.region);
-  if (out.status == BuildStatus::kWeaklyActive) addSmallerSets(active, out.neighbours);
-  if (out.status == BuildStatus::kLowerDimensional) addAround(worker, active, out);
-  if (out.status != BuildStatus::kRegion) return;
-  if (program.semidefinite) {
-    findBehindFacets(worker, active, out);
-  } else {
-    crossFacets(program, worker, active, out);
+  switch (out.status) {
+    case BuildStatus::kRegion:
+      if (program.semidefinite) {
+        findBehindFacets(worker, active, out);
+      } else {
+        crossFacets(program, worker, active, out);
+      }
+      break;
+    case BuildStatus::kLowerDimensional:
+      addAround(worker, active, out);
+      break;
+    case BuildStatus::kWeaklyActive:
+      addSmallerSets(active, out.neighbours);
+      break;
+    case BuildStatus::kEmptyInterior:
+    case BuildStatus::kDependent:
+    case BuildStatus::kFailed:
+      break;
   }
+  out.pivots = worker.pivots() - before;
 }
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,

@@ -22,6 +22,8 @@ struct RegionResult {
   /// Probes (p numbers each) that no candidate of their facet holds.
   std::vector<double> unresolved;
   std::uint32_t degenerate_facets = 0;
+  /// Pivots of the linear programs.
+  std::uint64_t pivots = 0;
 
   /// Clears everything but the region.
   void clear();

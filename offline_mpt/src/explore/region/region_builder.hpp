@@ -38,6 +38,9 @@ struct Region {
   ActiveSet tight;          ///< rows that hold with equality everywhere, the active ones among them
   bool by_slack = false;    ///< only slacks bound the region: it depends on `tight` alone
   std::vector<double> law;  ///< q rows of p + 1 numbers: u = law (t, 1)
+
+  /// Whether `tight` names the region: other active sets than this one, of so many rows, may describe it, too.
+  bool isKnownByTightRows(std::size_t active_count) const { return by_slack && tight.size() > active_count; }
 };
 
 /// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
