@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""GLOSSARY.md agrees with the code: its paths exist, and no file or type is named by a word that it replaces."""
+"""GLOSSARY.md agrees with the code: its paths exist, and no file or type is named by a word that it replaces.
+
+NOTATION.md lists the tolerances as the headers define them, and only these headers define any."""
 
 import pathlib
 import re
@@ -9,6 +11,9 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GLOSSARY = (ROOT / "GLOSSARY.md").read_text(encoding="utf-8")
 TYPE = re.compile(r"^\s*(?:class|struct|enum class|enum|using)\s+(\w+)", re.MULTILINE)
+SOLVER = ROOT / "offline_mpt"
+TOLERANCE = re.compile(r"^constexpr double (\w+)(?:\[\])? =\s*([^;]+);", re.MULTILINE)
+SMALL_NUMBER = re.compile(r"constexpr (?:double|float) (\w+)(?:\[\])? =[^;]*(?:\de-\d|0x[\d.]+p-)")
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 
 
@@ -28,6 +33,12 @@ def sources():
     return [path for path in listed if (ROOT / path).is_file()]
 
 
+def solver_sources(ending):
+    """Files of the solver's libraries, relative to its folder."""
+    path = re.compile(r"offline_mpt/((?:src|sets/src|robust/src|safety/src)/.+)")
+    return [m.group(1) for m in map(path.fullmatch, sources()) if m and m.group(1).endswith(ending)]
+
+
 class Glossary(unittest.TestCase):
     def test_paths_exist(self):
         paths = re.findall(r"`([\w./]+\.(?:hpp|cpp|md))`", GLOSSARY)
@@ -41,6 +52,29 @@ class Glossary(unittest.TestCase):
         for path in sources():
             names = {pathlib.Path(path).stem} | set(TYPE.findall((ROOT / path).read_text(encoding="utf-8")))
             wrong += [f"{path}: {name}" for name in sorted(names) if words_of(name) & replaced]
+        self.assertEqual([], wrong)
+
+    def test_tolerances_are_listed(self):
+        notation = (SOLVER / "NOTATION.md").read_text(encoding="utf-8").split("\n## Tolerances\n", 1)[1].split("\n## ", 1)[0]
+        listed = {}
+        for header, rows in re.findall(r"^`(\S+/tolerances\.hpp)`$(.*?)(?=^`|\Z)", notation, re.MULTILINE | re.DOTALL):
+            listed[header] = re.findall(r"^\| `(\w+)` \| `([^`]+)` \| .+ \|$", rows, re.MULTILINE)
+        defined = {}
+        for header in solver_sources("tolerances.hpp"):
+            text = (SOLVER / header).read_text(encoding="utf-8")
+            defined[header] = [(name, " ".join(value.split())) for name, value in TOLERANCE.findall(text)]
+            self.assertEqual(text.count("constexpr"), len(defined[header]), header)
+        self.assertGreater(len(defined), 10)
+        self.assertEqual(defined, listed)
+        names = [name for rows in defined.values() for name, _ in rows]
+        self.assertEqual([], [name for name in names if names.count(name) > 1])
+
+    def test_tolerances_have_one_place(self):
+        wrong = []
+        for path in solver_sources(".cpp") + solver_sources(".hpp"):
+            if path.endswith("tolerances.hpp"):
+                continue
+            wrong += [f"{path}: {name}" for name in SMALL_NUMBER.findall((SOLVER / path).read_text(encoding="utf-8"))]
         self.assertEqual([], wrong)
 
 

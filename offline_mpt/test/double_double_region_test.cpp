@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "arithmetic/tolerances.hpp"
 #include "exact_kkt/exact_description.hpp"
 #include "made_program.hpp"
 #include "random.hpp"
@@ -27,7 +28,7 @@ DoubleDouble longNumber(Random& random) {
 
 void expectNear(const DoubleDouble& found, const mpq_class& truth, const mpq_class& size) {
   const mpq_class error = exactly(found) - truth;
-  EXPECT_LE(mpq_class(abs(error)), size * mpq_class(8.0 * kDoubleDoubleRounding));
+  EXPECT_LE(mpq_class(abs(error)), size * mpq_class(8.0 * tolerance::kDoubleDoubleRounding));
   EXPECT_LE(std::abs(found.low), std::abs(found.high) * 0x1p-53);
 }
 
@@ -53,7 +54,7 @@ TEST(DoubleDouble, ARootSquaredIsTheNumber) {
     DoubleDouble a = longNumber(random);
     if (a.high < 0.0) a = -a;
     const mpq_class root = exactly(sqrt(a)), x = exactly(a);
-    EXPECT_LE(mpq_class(abs(root * root - x)), x * mpq_class(8.0 * kDoubleDoubleRounding));
+    EXPECT_LE(mpq_class(abs(root * root - x)), x * mpq_class(8.0 * tolerance::kDoubleDoubleRounding));
   }
   EXPECT_EQ(sqrt(DoubleDouble(0.0)).high, 0.0);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lp/rational_polytope.hpp"
+#include "lp/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -134,7 +135,7 @@ TEST_P(PolytopeOracle, InscribedBallInTheBoxIsTheLargestOrHopeless) {
     double radius = 0.0;
     ASSERT_TRUE(solver.chebyshevInBox(rows.data.data(), rows.count(), centre.data(), radius));
     const double largest = largestRadius(rows);
-    if (radius < -PolytopeSolver::kHopeless) {  // a bound
+    if (radius < -tolerance::kHopelessRadius) {  // a bound
       EXPECT_LE(largest, radius + kAgreement);
       ++hopeless;
       continue;

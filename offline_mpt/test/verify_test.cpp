@@ -18,6 +18,7 @@
 #include "reference_problems.hpp"
 #include "verify/exact_optimality_check.hpp"
 #include "verify/program_oracle.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
@@ -87,7 +88,7 @@ TEST_F(Verify, PassesARightMap) {
   EXPECT_GT(result.compared, 3000u);
   EXPECT_LT(result.max_scaled_error, manySamples().tolerance);
   EXPECT_GT(result.oracle_residual, 0.0);
-  EXPECT_LE(result.oracle_residual, kInteriorPointAccuracy);
+  EXPECT_LE(result.oracle_residual, tolerance::kInteriorPointAccuracy);
 }
 
 TEST_F(Verify, CatchesACorruptedLaw) {

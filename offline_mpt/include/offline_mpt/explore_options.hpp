@@ -22,6 +22,9 @@ struct ExploreProgress {
   bool unsaved = false;
 };
 
+/// Default of ExploreOptions::radius_tolerance [scaled]. Counts and maps derive tolerances of their own from it.
+constexpr double kDefaultRadiusTolerance = 1e-9;
+
 struct ExploreOptions {
   int threads = 1;  ///< worker threads, at most the machine's; the result does not depend on it
   std::uint64_t region_limit = 10'000'000;  ///< stop when so many regions are found
@@ -32,7 +35,7 @@ struct ExploreOptions {
   double facet_tolerance = 1e-9;  ///< least violation that makes a half-space count as a facet [scaled]
   /// Regions with a smaller inscribed ball are left to their neighbours: maps write planes once that are
   /// closer to each other than a tenth of it [scaled].
-  double radius_tolerance = 1e-9;
+  double radius_tolerance = kDefaultRadiusTolerance;
   const std::atomic<bool>* stop = nullptr;               ///< set from outside to interrupt
   std::function<void(const ExploreProgress&)> progress;  ///< called now and then from the calling thread
 

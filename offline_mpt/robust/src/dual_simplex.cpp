@@ -6,13 +6,11 @@
 #include <numeric>
 
 #include "rational_parts.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kFeasible = 1e-11;      // how far below zero a slack may lie
-constexpr double kPivot = 1e-10;         // least pivot
-constexpr double kDegenerate = 1e-12;    // reduced costs below this are alike in the ratio test
 constexpr std::uint64_t kRebuild = 400;  // pivots after which the dictionary is computed anew
 constexpr int kPatience = 2000;          // pivots before the slow rule that cannot cycle
 
@@ -74,12 +72,12 @@ double DualSimplex::value(int variable) const {
 
 int DualSimplex::leavingRow(bool by_index) const {
   int best = kNone;
-  double worst = -kFeasible;
+  double worst = -tolerance::kFeasibleSlack;
   for (int r = 0; r < static_cast<int>(basic_.size()); ++r) {
     if (isFree(basic_[at(r)])) continue;
     const double value = constant(r);
     if (by_index) {
-      if (value < -kFeasible && (best == kNone || basic_[at(r)] < basic_[at(best)])) best = r;
+      if (value < -tolerance::kFeasibleSlack && (best == kNone || basic_[at(r)] < basic_[at(best)])) best = r;
     } else if (value < worst) {
       worst = value;
       best = r;
@@ -91,7 +89,7 @@ int DualSimplex::leavingRow(bool by_index) const {
 int DualSimplex::enteringColumn(int leaving, bool by_index) const {
   const double* entries = row(leaving);
   int best = kNone;
-  double largest = kPivot;
+  double largest = tolerance::kLeastPivot;
   for (int j = 0; j < n_; ++j) {  // a free one costs nothing
     if (!isFree(nonbasic_[at(j)])) continue;
     if (std::abs(entries[j]) > largest) {
@@ -102,11 +100,11 @@ int DualSimplex::enteringColumn(int leaving, bool by_index) const {
   if (best != kNone) return best;
   double bound = std::numeric_limits<double>::infinity();
   for (int j = 0; j < n_; ++j) {
-    if (entries[j] > kPivot)
-      bound = std::min(bound, (cost_[at(j)] + (by_index ? 0.0 : kDegenerate)) / entries[j]);
+    if (entries[j] > tolerance::kLeastPivot)
+      bound = std::min(bound, (cost_[at(j)] + (by_index ? 0.0 : tolerance::kSameCost)) / entries[j]);
   }
   for (int j = 0; j < n_; ++j) {
-    if (entries[j] <= kPivot || cost_[at(j)] / entries[j] > bound) continue;
+    if (entries[j] <= tolerance::kLeastPivot || cost_[at(j)] / entries[j] > bound) continue;
     const bool better =
         by_index ? best == kNone || nonbasic_[at(j)] < nonbasic_[at(best)] : entries[j] > largest;
     if (!better) continue;
@@ -147,7 +145,7 @@ void DualSimplex::rebuild(const std::vector<int>& nonbasic_rows) {
   std::vector<int> waiting = nonbasic_rows;
   while (!waiting.empty()) {
     int best = kNone, column = kNone;
-    double largest = kPivot;
+    double largest = tolerance::kLeastPivot;
     for (std::size_t k = 0; k < waiting.size(); ++k) {
       const double* entries = row(waiting[k]);
       for (int j = 0; j < n_; ++j) {

@@ -10,16 +10,10 @@
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
 #include "support/in_parallel.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// In floating point, a vertex may be this far outside, relative to its distance from the interior point.
-constexpr double kInside = 1e-9;
-// Multipliers below this share of the greatest one count as zero.
-constexpr double kSupport = 1e-9;
-// Least margin of all rows at the interior point.
-constexpr double kLeastRoom = 1e-9;
 
 Eigen::VectorXd rounded(const RationalVector& values) {
   Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
@@ -49,7 +43,7 @@ Eigen::VectorXd interiorPoint(const RobustProgram& program) {
   }
   ScenarioLp lp(static_cast<int>(n), 1, std::move(rows));
   const bool solved = lp.solve(Eigen::VectorXd::Ones(1)) == DualSimplex::Status::kOptimal;
-  if (!solved || lp.objective() > 1.0 - kLeastRoom)
+  if (!solved || lp.objective() > 1.0 - tolerance::kLeastRoom)
     throw Error("robust program: no parameter in the box has a solution with room around it");
   return lp.x().segment(nz, ny);
 }
@@ -148,7 +142,7 @@ class Projection {
     ++result_.stats.linear_programs;
     const DualSimplex::Status status = gauge_.solve(rounded(y) - centre_);
     const std::vector<ScenarioLp::Tight> tight = gauge_.tight();
-    if (status == DualSimplex::Status::kOptimal && gauge_.objective() > 1.0 + kInside) {
+    if (status == DualSimplex::Status::kOptimal && gauge_.objective() > 1.0 + tolerance::kVertexOutside) {
       std::optional<FeasibleSet::Facet> facet = whole_.combine(support(tight));
       if (facet && dot(facet->half_space.a, y) > facet->half_space.b) return facet;
     }
@@ -163,7 +157,7 @@ class Projection {
     for (const ScenarioLp::Tight& part : tight) greatest = std::max(greatest, part.multiplier);
     std::vector<Scenario> result;
     for (const ScenarioLp::Tight& part : tight) {
-      if (part.multiplier > kSupport * greatest) result.push_back(part.scenario);
+      if (part.multiplier > tolerance::kZeroMultiplier * greatest) result.push_back(part.scenario);
     }
     return result;
   }

@@ -6,12 +6,10 @@
 #include "offline_mpt/exact_lp.hpp"
 #include "polyfly_base/error.hpp"
 #include "rational_parts.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// First slack of tau when the move is chosen.
-constexpr double kSlack = 1e-11;
 
 Eigen::VectorXd rounded(const Rational* first, Eigen::Index count) {
   Eigen::VectorXd result(count);
@@ -108,7 +106,7 @@ OnlineLp::Answer OnlineLp::solve(const Eigen::VectorXd& theta) {
   answer.peak = floor + parts_->least_peak->objective();
   Eigen::VectorXd fixed(np + 2);
   fixed << eta, answer.peak;
-  for (double slack = kSlack;; slack *= 10.0) {
+  for (double slack = tolerance::kFirstSlack;; slack *= 10.0) {
     fixed[np + 1] = answer.peak + slack;
     status = parts_->nearest_move->solve(fixed);
     if (status == DualSimplex::Status::kOptimal) break;

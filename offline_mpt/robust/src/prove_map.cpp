@@ -12,14 +12,10 @@
 #include "region_maps/region_map.hpp"
 #include "robust_certificate.hpp"
 #include "robust_mpc/online_lp.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// Greatest allowed error of the map's law at vertices of its region.
-constexpr double kLawError = 1e-9;
-// Greatest allowed error of the map's planes.
-constexpr double kPlaneError = 1e-9;  // [scaled]
 
 void requireSameSignals(const RegionMap& map, const std::vector<Signal>& have,
                         const std::vector<Signal>& want, const char* kind) {
@@ -96,8 +92,9 @@ class Comparison {
       plane_error = std::max(plane_error, distanceTo(view, row));
     proof_.law_error = std::max(proof_.law_error, law_error);
     proof_.plane_error = std::max(proof_.plane_error, plane_error);
-    if (law_error > kLawError) fail(name + ": law differs by " + std::to_string(law_error));
-    if (plane_error > kPlaneError) fail(name + ": half-spaces differ by " + std::to_string(plane_error));
+    if (law_error > tolerance::kLawError) fail(name + ": law differs by " + std::to_string(law_error));
+    if (plane_error > tolerance::kPlaneError)
+      fail(name + ": half-spaces differ by " + std::to_string(plane_error));
   }
 
   Rational excessOf(std::int32_t row, const RationalVector& vertex) const {

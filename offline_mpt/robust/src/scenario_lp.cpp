@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tolerances.hpp"
+
 namespace polyfly {
 namespace {
 
-// Greatest allowed violation of a scaled row.
-constexpr double kViolation = 1e-10;
 constexpr int kMaxRounds = 500;
 // Rows per variable that are kept from one solution to the next, at most.
 constexpr int kRowsPerVariable = 12;
@@ -61,7 +61,7 @@ bool ScenarioLp::addViolated(const Eigen::VectorXd& eta) {
       scenario.negative[t] = value < 0.0;
       excess += std::abs(value);
     }
-    if (excess > kViolation) add(std::move(scenario));
+    if (excess > tolerance::kRowViolation) add(std::move(scenario));
   }
   return simplex_.rowCount() > before;
 }

@@ -4,6 +4,7 @@
 #include "region_maps/region_map.hpp"
 #include "safety_filter/prove_filter.hpp"
 #include "safety_filter/uncertain_model.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 // A look-up may break half-spaces of the region that answers by this many tolerances of its map: what
 // `certify` proves (offline_mpt/CERTIFICATE.md).
 constexpr int kLookupTolerances = 8;
-// A sum of n products of doubles is off by at most n + 2 of these, relative to the sum of magnitudes.
-constexpr double kRounding = 0x1p-52;
 
 bool passesWishes(const RegionMap& map, std::size_t n, std::size_t nu) {
   bool found = false;
@@ -73,7 +72,8 @@ Answer answerOf(const double* law, std::size_t nu, const RationalVector& theta) 
       size += abs(term);
     }
     answer.u.push_back(sum);
-    answer.error.push_back(size * Rational(kRounding) * static_cast<unsigned long>(columns + 2));
+    answer.error.push_back(size * Rational(tolerance::kSumRounding) *
+                           static_cast<unsigned long>(columns + 2));
   }
   return answer;
 }

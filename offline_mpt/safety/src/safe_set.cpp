@@ -12,15 +12,12 @@
 #include "polytope_sets/polytope.hpp"
 #include "safety_filter/prove_filter.hpp"
 #include "safety_filter/uncertain_model.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-// Of the margin, the recursion in floating point may use this part.
-constexpr double kToleranceOfMargin = 1e-2;
 constexpr int kMaxIterations = 500;
-// Below this, relative to the part in xi, a row does not depend on u.
-constexpr double kNoInput = 1e-13;
 
 RationalVector halfRanges(const UncertainModel& model) {
   RationalVector half;
@@ -91,7 +88,7 @@ void addAdmissibleRow(const UncertainModel& model, Eigen::Index row, SafeSet& se
     payRounding(on_state[at], -set.M(row, j), greatestMagnitude(model.lower[at], model.upper[at]), bound);
   }
   for (int j = 0; j < nu; ++j) set.G(row, j) = nearestDouble(on_input[static_cast<std::size_t>(j)]);
-  if (set.G.row(row).cwiseAbs().maxCoeff() <= kNoInput * greatest) set.G.row(row).setZero();
+  if (set.G.row(row).cwiseAbs().maxCoeff() <= tolerance::kNoInput * greatest) set.G.row(row).setZero();
   for (int j = 0; j < nu; ++j) {
     const auto at = static_cast<std::size_t>(j);
     payRounding(on_input[at], set.G(row, j), greatestMagnitude(model.u_lower[at], model.u_upper[at]), bound);
@@ -122,7 +119,7 @@ SafeSet computeSafeSet(const SafetyFilterProblem& problem) {
   const UncertainModel model = uncertainModel(problem);
   InvariantOptions options;
   options.exact = false;
-  options.tolerance = kToleranceOfMargin * problem.margin;
+  options.tolerance = tolerance::kToleranceOfMargin * problem.margin;
   options.max_iterations = kMaxIterations;
   const InvariantSet found = maximalInvariantSet(scaledModel(problem, model), options);
   requireSet(problem, found);

@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "region_maps/region_map.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-constexpr double kSamePlane = 1e-10;   // difference of two planes that are one [scaled]
-constexpr double kLeastSlack = 1e-12;  // rounding of a vertex [scaled]
 
 /// A half-space sign * (a . theta - c) <= 0 in t, where planes are unit vectors.
 struct ScaledRow {
@@ -41,7 +39,7 @@ class DomainGuess {
     row.exact.b = Rational(sign * plane[p_]);
     const auto same = [&](const ScaledRow& other) {
       for (std::size_t j = 0; j < row.unit.size(); ++j) {
-        if (std::abs(row.unit[j] - other.unit[j]) > kSamePlane) return false;
+        if (std::abs(row.unit[j] - other.unit[j]) > tolerance::kSameDomainSide) return false;
       }
       return true;
     };
@@ -97,7 +95,7 @@ class DomainGuess {
   }
 
   bool holdsAll(const double* plane, double sign) const {
-    const double limit = std::max(regions_.tolerance(), kLeastSlack);
+    const double limit = std::max(regions_.tolerance(), tolerance::kVertexRounding);
     for (std::size_t r = 0; r < regions_.count(); ++r) {
       const std::vector<double>& shape = regions_.shape(r);
       for (std::size_t k = 0; k < shape.size(); k += static_cast<std::size_t>(p_)) {

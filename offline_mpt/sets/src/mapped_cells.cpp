@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "region_maps/region_map.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kTouches = 1e-9;         // [scaled] by which a region must reach over a plane to count there
 constexpr std::size_t kPlanesTried = 48;  // planes weighed against each other to cut one cell
 
 /// Least and greatest a . y - c over points, times sign.
@@ -119,7 +119,7 @@ std::vector<std::uint32_t> MappedCells::reaching(const std::vector<std::uint32_t
   std::vector<std::uint32_t> result;
   for (const std::uint32_t region : candidates) {
     const Reach reach = reachOf(regions_.shape(region), plane.row, sign, regions_.parameters());
-    if (reach.least < -kTouches) result.push_back(region);
+    if (reach.least < -tolerance::kReachesOver) result.push_back(region);
   }
   return result;
 }
@@ -129,7 +129,7 @@ bool MappedCells::reachesOut(const MappedCell& cell, std::uint32_t region, doubl
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const double sign = view.rows[i] > 0 ? 1.0 : -1.0;
     const Reach reach = reachOf(cell.images, numbers(region, i), sign, regions_.parameters());
-    if (reach.greatest > move + kTouches) return true;
+    if (reach.greatest > move + tolerance::kReachesOver) return true;
   }
   return false;
 }
@@ -167,8 +167,8 @@ std::optional<CellPlane> MappedCells::bestCut(const MappedCell& cell,
     std::size_t below = 0, above = 0;
     for (const std::uint32_t other : candidates) {
       const Reach reach = reachOf(regions_.shape(other), row, 1.0, p);
-      below += reach.least < -kTouches ? 1 : 0;
-      above += reach.greatest > kTouches ? 1 : 0;
+      below += reach.least < -tolerance::kReachesOver ? 1 : 0;
+      above += reach.greatest > tolerance::kReachesOver ? 1 : 0;
     }
     const Reach reach = reachOf(cell.images, row, 1.0, p);
     const double width = std::min(-reach.least, reach.greatest);
@@ -199,7 +199,7 @@ std::optional<CellPlane> MappedCells::cutOf(const MappedCell& cell, std::uint32_
   for (std::uint32_t i = 0; i < view.row_count; ++i) {
     const double sign = view.rows[i] > 0 ? 1.0 : -1.0;
     const Reach reach = reachOf(cell.images, numbers(region, i), sign, regions_.parameters());
-    if (reach.least > regions_.tolerance() + kTouches) return std::nullopt;
+    if (reach.least > regions_.tolerance() + tolerance::kReachesOver) return std::nullopt;
     if (first) continue;
     CellPlane candidate = plane(region, i, move);
     if (!cuts(cell, candidate)) continue;

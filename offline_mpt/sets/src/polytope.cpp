@@ -6,14 +6,10 @@
 
 #include "lp/polytope.hpp"
 #include "polyfly_base/error.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// Entries of a row of length 1 below this are zero.
-constexpr double kZeroEntry = 1e-12;
-// Two rows of length 1 are the same if they differ by less.
-constexpr double kSameRow = 1e-11;
 
 std::vector<double> flatRows(const Polytope& set) {
   std::vector<double> rows;
@@ -32,11 +28,12 @@ class RowList {
   // False when the row alone makes the set empty.
   bool add(const Eigen::VectorXd& a, double b, double scale) {
     const double length = a.norm();
-    if (length <= kZeroEntry * scale) return b >= -kZeroEntry * scale;
+    if (length <= tolerance::kZeroEntry * scale) return b >= -tolerance::kZeroEntry * scale;
     Eigen::VectorXd row(dimension_ + 1);
     row << a / length, b / length;
     for (Eigen::VectorXd& other : rows_) {
-      if ((other.head(dimension_) - row.head(dimension_)).cwiseAbs().maxCoeff() > kSameRow) continue;
+      if ((other.head(dimension_) - row.head(dimension_)).cwiseAbs().maxCoeff() > tolerance::kSameRow)
+        continue;
       other[dimension_] = std::min(other[dimension_], row[dimension_]);
       return true;
     }
@@ -151,12 +148,12 @@ Polytope eliminate(const Polytope& set, int column, double tolerance) {
   bool possible = true;
   for (int i = 0; i < set.rowCount(); ++i) {
     const double up = set.A(i, column);
-    if (std::abs(up) <= kZeroEntry)
+    if (std::abs(up) <= tolerance::kZeroEntry)
       possible = rows.add(drop(set.A.row(i).transpose()), set.b[i], 1.0) && possible;
-    if (up <= kZeroEntry) continue;
+    if (up <= tolerance::kZeroEntry) continue;
     for (int k = 0; k < set.rowCount(); ++k) {
       const double down = -set.A(k, column);
-      if (down <= kZeroEntry) continue;
+      if (down <= tolerance::kZeroEntry) continue;
       possible = rows.add(drop((down * set.A.row(i) + up * set.A.row(k)).transpose()),
                           down * set.b[i] + up * set.b[k], up + down) &&
                  possible;

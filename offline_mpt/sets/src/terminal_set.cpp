@@ -8,14 +8,10 @@
 
 #include "polyfly_base/error.hpp"
 #include "polytope_sets/invariant_set.hpp"
+#include "tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// The recursion takes a loop that grows by this factor more, so that its set is invariant with a margin.
-constexpr double kGrowth = 1.0 + 1e-6;
-// The set is scaled by this, so that rounding keeps it within the bounds.
-constexpr double kShrink = 1.0 - 1e-9;
 
 /// Bounds row e <= bound that hold for ever in the set.
 class ErrorBounds {
@@ -143,7 +139,8 @@ TerminalSet terminalSet(const MpcProblem& problem, const std::atomic<bool>* stop
   InvariantOptions options;
   options.exact = false;
   options.stop = stop;
-  const InvariantSet found = maximalInvariantSet(loopModel(problem, kGrowth * loop, X), options);
+  const InvariantSet found =
+      maximalInvariantSet(loopModel(problem, tolerance::kLoopGrowth * loop, X), options);
   if (found.status != InvariantSet::Status::kMaximal)
     throw Error(problem.source + ": terminal set: the recursion did not end within " +
                 std::to_string(found.iterations) + " steps");
@@ -151,7 +148,7 @@ TerminalSet terminalSet(const MpcProblem& problem, const std::atomic<bool>* stop
   TerminalSet result;
   result.iterations = found.iterations;
   result.T.resize(rows, problem.stateCount());
-  result.t = Eigen::VectorXd::Constant(rows, kShrink);
+  result.t = Eigen::VectorXd::Constant(rows, tolerance::kSetShrink);
   ExactPolytope rounded;
   rounded.dimension = problem.stateCount();
   for (Eigen::Index i = 0; i < rows; ++i) {

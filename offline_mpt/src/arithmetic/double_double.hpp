@@ -15,9 +15,6 @@ struct DoubleDouble {
   DoubleDouble(double high_part, double low_part) : high(high_part), low(low_part) {}
 };
 
-/// About what one operation loses, relative.
-constexpr double kDoubleDoubleRounding = 0x1.0p-104;
-
 /// a + b without loss; |a| >= |b|, or a = 0.
 inline DoubleDouble orderedSum(double a, double b) {
   const double sum = a + b;

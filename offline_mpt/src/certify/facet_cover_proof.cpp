@@ -5,6 +5,7 @@
 
 #include "certify/facet_cover.hpp"
 #include "certify/slivers.hpp"
+#include "certify/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "offline_mpt/exact_lp.hpp"
 #include "region_maps/region_map.hpp"
@@ -12,14 +13,12 @@
 namespace polyfly {
 namespace {
 
-constexpr double kTouches = 1e-6;      // difference of unit planes below which regions may share a facet
-constexpr double kClearlyFree = 1e-6;  // distance of a unit row from the span of others
-constexpr int kWitnessBits = 24;       // a witness is searched 2^-24 behind a facet, then nearer
+constexpr int kWitnessBits = 24;  // a witness is searched 2^-24 behind a facet, then nearer
 constexpr int kWitnessTries = 30;
 
 bool onePlane(const std::vector<double>& a, const std::vector<double>& b, int sign) {
   for (std::size_t j = 0; j < a.size(); ++j) {
-    if (std::abs(a[j] - sign * b[j]) > kTouches) return false;
+    if (std::abs(a[j] - sign * b[j]) > tolerance::kTouchingPlanes) return false;
   }
   return true;
 }
@@ -86,8 +85,8 @@ bool FacetCoverProof::mayCancel(const std::vector<int>& rows, int last) const {
   for (std::size_t k = 0; k < rows.size(); ++k)
     others.col(static_cast<Eigen::Index>(k)) = A.row(rows[k]).normalized();
   const Eigen::VectorXd target = A.row(last).normalized();
-  if (rows.empty()) return target.norm() < kClearlyFree;
-  return (others * PivotedQr(others).solve(target) - target).norm() < kClearlyFree;
+  if (rows.empty()) return target.norm() < tolerance::kClearlyFree;
+  return (others * PivotedQr(others).solve(target) - target).norm() < tolerance::kClearlyFree;
 }
 
 // Beyond the facet no z exists: rows that are tight on it add up to 0 z <= something that is negative there.

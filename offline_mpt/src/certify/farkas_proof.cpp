@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "certify/multipliers.hpp"
+#include "certify/tolerances.hpp"
 #include "lp/exact_simplex.hpp"
 
 namespace polyfly {
@@ -12,16 +13,13 @@ namespace {
 // Bits of the weights in a first try. Short weights keep the certificate small.
 constexpr int kShortBits = 24;
 constexpr int kLongBits = 60;
-// Least radius at which a rounded centre counts as an interior point.
-constexpr double kPositive = 1e-10;
-// Greatest difference of two unit rows that may be the same plane.
-constexpr double kNear = 1e-9;
 
 using Rows = ExactRows;
 
 bool nearlySame(const ExactRow& a, const ExactRow& b) {
   for (std::size_t j = 0; j < a.unit.size(); ++j) {
-    if (!(std::abs(a.unit[j] - b.unit[j]) <= kNear * (1.0 + std::abs(a.unit[j])))) return false;
+    if (!(std::abs(a.unit[j] - b.unit[j]) <= tolerance::kNearPlanes * (1.0 + std::abs(a.unit[j]))))
+      return false;
   }
   return true;
 }
@@ -292,7 +290,7 @@ FastInterior findInteriorFast(const Rows& rows, int p, std::vector<Rational>& po
   switch (findInteriorFast(rows, nullptr, p, solver)) {
     case FloatLp::Status::kOptimal:
       point = onPlane(solver.x(), nullptr, p);
-      if (solver.objective() > kPositive && strictlyInside(point, rows, nullptr))
+      if (solver.objective() > tolerance::kInteriorRadius && strictlyInside(point, rows, nullptr))
         return FastInterior::kExists;
       break;
     case FloatLp::Status::kInfeasible:
@@ -312,7 +310,7 @@ Interior findInterior(const Rows& rows, const ExactRow* on, int p) {
   FloatLp solver(p + 1);
   const FloatLp::Status status = findInteriorFast(rows, on, p, solver);
   Interior result;
-  if (status == FloatLp::Status::kOptimal && solver.objective() > kPositive) {
+  if (status == FloatLp::Status::kOptimal && solver.objective() > tolerance::kInteriorRadius) {
     result.radius = solver.objective();
     result.point = onPlane(solver.x(), on, p);
     result.exists = strictlyInside(result.point, rows, on);

@@ -4,13 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "certify/tolerances.hpp"
+
 namespace polyfly {
-namespace {
-
-constexpr double kCounts = 1e-9;  // share of the greatest weight below which one is taken for zero
-
-}  // namespace
-
 std::size_t mostBits(const ExactRows& rows, const ExactRow* other) {
   std::size_t bits = other != nullptr ? other->bits : 0;
   for (const ExactRow* row : rows) bits = std::max(bits, row->bits);
@@ -114,7 +110,7 @@ ExactRows rowsOfWeights(const std::vector<std::pair<int, double>>& weights, cons
   for (const auto& [row, weight] : weights) greatest = std::max(greatest, weight);
   ExactRows chosen;
   for (const auto& [row, weight] : weights) {
-    if (weight <= kCounts * greatest) continue;
+    if (weight <= tolerance::kNoWeight * greatest) continue;
     if (row < static_cast<int>(rows.size())) {
       chosen.push_back(rows[static_cast<std::size_t>(row)]);
       places.push_back(row);

@@ -3,6 +3,7 @@
 
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/implied.hpp"
+#include "certify/tolerances.hpp"
 #include "exact_kkt/exact_equalities.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
@@ -12,8 +13,6 @@
 namespace polyfly {
 namespace {
 
-// Rows at this distance may have counted as one: the exploration compares with the first of several.
-constexpr double kMostRepeated = 2.0 * kRepeatedRow;
 constexpr int kPenalties = 40;  // powers of 4 that are tried as a penalty
 
 bool isConvex(const ParametricProgram& program, const ProgramPerturbation& adjustment) {
@@ -76,7 +75,7 @@ void dropRepeated(const ParametricProgram& program, const std::vector<char>& may
     for (int k = 0; k < program.rowCount(); ++k) {
       const bool gone =
           std::find(adjustment.dropped.begin(), adjustment.dropped.end(), k) != adjustment.dropped.end();
-      if (k == i || gone || rows.distance(i, k) > kMostRepeated) continue;
+      if (k == i || gone || rows.distance(i, k) > tolerance::kMostRepeated) continue;
       if (exactlyRepeated(program, i, k)) continue;  // no harm: their slacks are multiples of each other
       adjustment.dropped.push_back(i);
       break;

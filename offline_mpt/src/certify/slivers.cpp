@@ -8,6 +8,7 @@
 #include <set>
 
 #include "certify/facet_cover.hpp"
+#include "certify/tolerances.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
@@ -15,8 +16,6 @@
 namespace polyfly {
 namespace {
 
-constexpr double kNearlySingular = 1e-8;       // share of the mean eigenvalue that is added to a singular H
-constexpr double kPositiveMultiplier = 1e-10;  // multipliers above this are active at a witness
 constexpr std::size_t kMostChanges =
     4;  // rows by which the active sets of a sliver and of regions about it differ
 
@@ -126,7 +125,8 @@ bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, c
                  std::vector<int>& active) {
   if (program.linear) return false;
   try {
-    const double added = program.semidefinite ? kNearlySingular * source.H.trace() / program.n : 0.0;
+    const double added =
+        program.semidefinite ? tolerance::kNearlySingular * source.H.trace() / program.n : 0.0;
     const Eigen::MatrixXd H = source.H + added * Eigen::MatrixXd::Identity(program.n, program.n);
     DenseQp qp(H, source.A, program.basis);
     const Eigen::VectorXd g = source.f + source.F * theta;
@@ -135,7 +135,7 @@ bool activeSetAt(const ParametricProgram& source, const ExactProgram& program, c
     active.clear();
     for (int k = 0; k < qp.activeCount(); ++k) {
       const int row = qp.activeRows()[k];
-      if (!program.in_basis[row] && qp.lambda()(row) > kPositiveMultiplier) active.push_back(row);
+      if (!program.in_basis[row] && qp.lambda()(row) > tolerance::kPositiveMultiplier) active.push_back(row);
     }
     std::sort(active.begin(), active.end());
     return true;

@@ -7,7 +7,9 @@
 #include "count/count_proof.hpp"
 #include "count/count_state.hpp"
 #include "explore/parallel/scheduler.hpp"
+#include "explore/parallel/worker_pool.hpp"
 #include "explore/region/compute_region.hpp"
+#include "explore/region/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/equality_check.hpp"
 #include "program/feasible_slack.hpp"
@@ -51,7 +53,7 @@ bool settled(const NormalisedProgram& program, RegionWorkspace& worker, const Co
     bool held = false;
     for (std::uint32_t k = 0; k < state.found.size() && !held; ++k) {
       const ActiveSet set(state.found[k].begin(), state.found[k].end());
-      held = worker.builder.holds(set, t, kProbeTolerance) &&
+      held = worker.builder.holds(set, t, tolerance::kHeldProbe) &&
              worker.builder.build(set, region) == BuildStatus::kRegion;
     }
     if (held || isEdge(program, Eigen::Map<const Eigen::VectorXd>(t, program.p))) continue;
@@ -103,9 +105,10 @@ class Counting {
     CountState state(program_, options_.map_limit, record());
     state.found.insert({first.data(), first.size()});
     const ExploreOptions explore = exploreOptions(options_);
-    Scheduler scheduler(state, explore, {});
-    runWorkers(countWorkers(reduced_, explore, system_, gap_, names_, state), workerCount(explore),
-               scheduler);
+    Scheduler<ProvenResult> scheduler(state, explore, {});
+    runWorkers<ProvenResult>(workerCount(explore), scheduler, [&](WorkQueue<ProvenResult>& queue) {
+      proveRegions(reduced_, explore, system_, gap_, names_, state, queue);
+    });
     result_.status = scheduler.result();
     if (result_.status == ExploreStatus::kComplete &&
         (state.failed || !settled(reduced_, worker, state, result_.witness)))

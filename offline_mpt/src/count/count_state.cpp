@@ -12,14 +12,10 @@
 namespace polyfly {
 namespace {
 
-// What is said of a set's proof: none, or a witness follows.
-constexpr std::uint8_t kNone = 0;
-constexpr std::uint8_t kProven = 1;
-constexpr std::uint8_t kLawApart = 2;  // beside kProven
-
 constexpr std::uint32_t kNoFacet = std::numeric_limits<std::uint32_t>::max();
 
-class CountWorker : public Worker {
+/// Examines active sets. One object, one thread.
+class CountWorker {
  public:
   CountWorker(const NormalisedProgram& program, const ExploreOptions& options,
               const StrictComplementaritySystem& system, const LawSeparation& gap,
@@ -33,19 +29,17 @@ class CountWorker : public Worker {
         from_(static_cast<std::size_t>(program.p)),
         direction_(from_) {}
 
-  void answer(RowSpan set, ByteWriter& out) override {
+  void examine(RowSpan set, ProvenResult& out) {
     active_.assign(set.begin(), set.end());
-    computeRegion(program_, worker_, active_, described_);
-    const RegionResult& described = described_;
-    out.put(described.status);
-    out.put(static_cast<std::uint32_t>(described.neighbours.size()));
+    out.proofs.clear();
+    out.witnesses.clear();
+    const RegionResult& described = out.region;
+    computeRegion(program_, worker_, active_, out.region);
     state_.findProven(described.neighbours, proven_);
     facet_ = kNoFacet;
-    for (std::size_t k = 0; k < described.neighbours.size(); ++k) {
-      writeSet(described.neighbours[k], out);
-      writeProof(!proven_[k] && k < described.behind.size() && provenBehind(described, k), out);
-    }
-    if (described.status == BuildStatus::kRegion) writeRegion(described, out);
+    for (std::size_t k = 0; k < described.neighbours.size(); ++k)
+      addProof(!proven_[k] && k < described.behind.size() && provenBehind(described, k), out);
+    addProof(described.status == BuildStatus::kRegion && isProven(described.region), out);
   }
 
  private:
@@ -84,22 +78,16 @@ class CountWorker : public Worker {
     return test_.onRay(rows, from_.data(), direction_.data(), witness_);
   }
 
-  void writeProof(bool proven, ByteWriter& out) {
-    out.put(!proven ? kNone : static_cast<std::uint8_t>(witness_.law_apart ? kProven | kLawApart : kProven));
-    if (proven) out.putArray(witness_.t.data(), witness_.t.size());
+  bool isProven(const Region& region) {
+    return test_.at(named(active()), region.centre.data(), region.radius, witness_) ||
+           exact_.at(active_, region.centre.data(), region.radius, witness_);
   }
 
-  void writeRegion(const RegionResult& described, ByteWriter& out) {
-    const Region& region = described.region;
-    // as ExplorationState: bounded by slacks alone, a region is known by its tight rows
-    const bool by_tight = region.by_slack && region.tight.size() > active_.size();
-    writeSet({region.tight.data(), by_tight ? region.tight.size() : 0}, out);
-    out.put(static_cast<std::uint32_t>(region.facets.size()));
-    out.put(static_cast<std::uint32_t>(described.unresolved.size()));
-    out.putArray(described.unresolved.data(), described.unresolved.size());
-    const bool proven = test_.at(named(active()), region.centre.data(), region.radius, witness_) ||
-                        exact_.at(active_, region.centre.data(), region.radius, witness_);
-    writeProof(proven, out);
+  void addProof(bool proven, ProvenResult& out) const {
+    out.proofs.push_back(!proven              ? SetProof::kNone
+                         : witness_.law_apart ? SetProof::kProvenLawApart
+                                              : SetProof::kProven);
+    if (proven) out.witnesses.insert(out.witnesses.end(), witness_.t.begin(), witness_.t.end());
   }
 
   const NormalisedProgram& program_;
@@ -109,7 +97,6 @@ class CountWorker : public Worker {
   StrictComplementarityCheck test_;
   ExactStrictComplementarity exact_;
   ActiveSet active_;
-  RegionResult described_;
   std::vector<int> rows_;
   // Whether each neighbour is proven.
   std::vector<char> proven_;
@@ -131,14 +118,7 @@ CountState::CountState(const ParametricProgram& program, std::uint64_t map_limit
       unresolved(&memory),
       program_(program),
       map_limit_(map_limit),
-      record_(std::move(record)),
-      witness_(static_cast<std::size_t>(program.parameterCount())) {}
-
-std::uint8_t CountState::readProof(ByteReader& answer) {
-  const auto proof = answer.get<std::uint8_t>();
-  if (proof != kNone) answer.getArray(witness_.data(), witness_.size());
-  return proof;
-}
+      record_(std::move(record)) {}
 
 void CountState::findProven(const ActiveSetList& sets, std::vector<char>& proven) const {
   const std::shared_lock lock(growing_);
@@ -149,8 +129,7 @@ void CountState::findProven(const ActiveSetList& sets, std::vector<char>& proven
   }
 }
 
-// With the witness that was read last.
-void CountState::prove(std::uint32_t index, std::uint8_t proof) {
+void CountState::prove(std::uint32_t index, SetProof proof, const std::int64_t* witness) {
   if (is_proven[index]) return;
   is_proven[index] = true;
   if (index < is_region.size()) {  // it was described before
@@ -163,54 +142,52 @@ void CountState::prove(std::uint32_t index, std::uint8_t proof) {
   const RowSpan set = found[index];
   ++count.proven;
   count.active_rows += set.count;
-  if ((proof & kLawApart) != 0) ++count.laws;
-  if (record_) record_(set, witness_.data());
+  if (proof == SetProof::kProvenLawApart) ++count.laws;
+  if (record_) record_(set, witness);
 }
 
-void CountState::merge(ByteReader& answer) {
-  const auto status = answer.get<BuildStatus>();
-  const auto neighbours = answer.get<std::uint32_t>();
+void CountState::merge(const ProvenResult& result) {
+  const ActiveSetList& neighbours = result.region.neighbours;
+  const auto p = static_cast<std::size_t>(program_.parameterCount());
+  const std::int64_t* witness = result.witnesses.data();
   const std::unique_lock lock(growing_);
   is_proven.resize(found.size());
-  for (std::uint32_t k = 0; k < neighbours; ++k) {
-    const RowSpan set = readSet(answer, rows_);
-    const std::uint8_t proof = readProof(answer);
-    if (found.insert(set)) is_proven.push_back(false);
-    if (proof != kNone) prove(*found.find(set), proof);
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    if (found.insert(neighbours[k])) is_proven.push_back(false);
+    if (result.proofs[k] == SetProof::kNone) continue;
+    prove(*found.find(neighbours[k]), result.proofs[k], witness);
+    witness += p;
   }
-  if (status == BuildStatus::kFailed) failed = true;
-  const bool counted = status == BuildStatus::kRegion && mergeRegion(answer);
+  if (result.region.status == BuildStatus::kFailed) failed = true;
+  const bool counted = result.region.status == BuildStatus::kRegion && mergeRegion(result.region);
+  if (counted && result.proofs.back() != SetProof::kNone)
+    prove(static_cast<std::uint32_t>(described), result.proofs.back(), witness);
+  if (counted && !is_proven[described]) ++unproven;
   if (!counted && is_proven[described]) ++contradicted;
   is_region.push_back(counted);
   ++described;
 }
 
 // False where the same region was found before.
-bool CountState::mergeRegion(ByteReader& answer) {
-  const RowSpan tight_rows = readSet(answer, rows_);
-  const bool known = tight_rows.count > 0 && !tight.insert(tight_rows);
-  const auto facet_count = answer.get<std::uint32_t>();
-  const auto probes = answer.get<std::uint32_t>();
-  answer.need(probes, sizeof(double));
-  const std::size_t before = unresolved.size();
-  unresolved.resize(before + probes);
-  answer.getArray(unresolved.data() + before, probes);
-  const std::uint8_t proof = readProof(answer);
-  if (known) {
-    unresolved.resize(before);
+bool CountState::mergeRegion(const RegionResult& result) {
+  const Region& region = result.region;
+  const std::size_t active_count = found[static_cast<std::uint32_t>(described)].count;
+  if (region.isKnownByTightRows(active_count) && !tight.insert({region.tight.data(), region.tight.size()}))
     return false;
-  }
+  unresolved.insert(unresolved.end(), result.unresolved.begin(), result.unresolved.end());
   ++regions;
-  facets += facet_count;
-  if (proof != kNone) prove(static_cast<std::uint32_t>(described), proof);
-  if (!is_proven[described]) ++unproven;
+  facets += region.facets.size();
   return true;
 }
 
-MakeWorker countWorkers(const NormalisedProgram& program, const ExploreOptions& options,
-                        const StrictComplementaritySystem& system, const LawSeparation& gap,
-                        const std::vector<int>& names, const CountState& state) {
-  return [&] { return std::make_unique<CountWorker>(program, options, system, gap, names, state); };
+void proveRegions(const NormalisedProgram& program, const ExploreOptions& options,
+                  const StrictComplementaritySystem& system, const LawSeparation& gap,
+                  const std::vector<int>& names, const CountState& state, WorkQueue<ProvenResult>& queue) {
+  CountWorker worker(program, options, system, gap, names, state);
+  while (Batch<ProvenResult>* const batch = queue.pop()) {
+    for (std::size_t k = 0; k < batch->sets.size(); ++k) worker.examine(batch->sets[k], batch->results[k]);
+    queue.push(batch);
+  }
 }
 
 }  // namespace polyfly

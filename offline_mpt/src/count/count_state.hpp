@@ -8,15 +8,32 @@
 
 #include "count/law_separation.hpp"
 #include "count/strict_complementarity_check.hpp"
-#include "explore/parallel/worker_pool.hpp"
-#include "explore/region/region_builder.hpp"
+#include "explore/parallel/work_queue.hpp"
+#include "explore/region/compute_region.hpp"
 #include "explore/state/set_queue.hpp"
 #include "offline_mpt/count.hpp"
 
 namespace polyfly {
 
+/// What is known of a set's proof.
+enum class SetProof : std::uint8_t {
+  kNone,
+  kProven,
+  /// Besides, its law is no other's.
+  kProvenLawApart,
+};
+
+/// What examining one active set yields.
+struct ProvenResult {
+  RegionResult region;
+  /// Of each neighbour, then of the set itself.
+  std::vector<SetProof> proofs;
+  /// p numbers for each proof, in their order.
+  std::vector<std::int64_t> witnesses;
+};
+
 /// How far a count has come.
-struct CountState : SetQueue {
+struct CountState : SetQueue<ProvenResult> {
   /// Gets the sets that are proven, with their witness, in the order in which they count. Rows are those of
   /// the reduced program.
   using Record = std::function<void(RowSpan set, const std::int64_t* witness)>;
@@ -25,7 +42,7 @@ struct CountState : SetQueue {
 
   std::uint64_t regionCount() const override { return count.proven; }
   bool enough() const override { return map_limit_ > 0 && leastMapBytes(program_, count) > map_limit_; }
-  void merge(ByteReader& answer) override;
+  void merge(const ProvenResult& result) override;
 
   /// Which of the sets are proven by now. Any thread may ask while another merges: what is proven stays so,
   /// and a proof that comes later is not looked at.
@@ -48,23 +65,20 @@ struct CountState : SetQueue {
   bool failed = false;
 
  private:
-  std::uint8_t readProof(ByteReader& answer);
-  void prove(std::uint32_t set, std::uint8_t proof);
-  bool mergeRegion(ByteReader& answer);
+  void prove(std::uint32_t set, SetProof proof, const std::int64_t* witness);
+  bool mergeRegion(const RegionResult& result);
 
   // Guards `found` and `is_proven`.
   mutable std::shared_mutex growing_;
   const ParametricProgram& program_;
   const std::uint64_t map_limit_;
   const Record record_;
-  std::vector<std::uint16_t> rows_;
-  std::vector<std::int64_t> witness_;
 };
 
-/// Makes workers that answer in the form that CountState::merge reads, and leave out proofs of what
-/// `state` says is proven. `names`: of each row of the reduced program, the row of `system`.
-MakeWorker countWorkers(const NormalisedProgram& program, const ExploreOptions& options,
-                        const StrictComplementaritySystem& system, const LawSeparation& gap,
-                        const std::vector<int>& names, const CountState& state);
+/// The loop of a count, as each thread runs it: computes and proves the regions of the sets of the queue. Leaves out
+/// proofs of what `state` says is proven. `names`: of each row of the reduced program, the row of `system`.
+void proveRegions(const NormalisedProgram& program, const ExploreOptions& options,
+                  const StrictComplementaritySystem& system, const LawSeparation& gap,
+                  const std::vector<int>& names, const CountState& state, WorkQueue<ProvenResult>& queue);
 
 }  // namespace polyfly

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arithmetic/tolerances.hpp"
+#include "count/tolerances.hpp"
+
 namespace polyfly {
-namespace {
-
-constexpr double kDoubleRounding = 0x1.0p-52;
-// Least ratio of a value to its rounding error.
-constexpr double kExactSafety = 100.0;
-
-}  // namespace
-
 ExactStrictComplementarity::ExactStrictComplementarity(const NormalisedProgram& reduced,
                                                        const StrictComplementaritySystem& system,
                                                        const std::vector<double>& gap)
@@ -42,18 +37,18 @@ bool ExactStrictComplementarity::positive(const std::vector<double>& affine, con
   value = affine.back();
   double size = std::abs(value);
   for (std::size_t j = 0; j < witness.t.size(); ++j) {
-    value += affine[j] * kWitnessStep * static_cast<double>(witness.t[j]);
+    value += affine[j] * tolerance::kWitnessStep * static_cast<double>(witness.t[j]);
     size += std::abs(affine[j]);
   }
-  return value > kExactSafety * kDoubleRounding * size;
+  return value > tolerance::kRoundingSafety * tolerance::kDoubleRounding * size;
 }
 
 bool ExactStrictComplementarity::at(const std::vector<std::uint16_t>& active, const double* t, double radius,
                                     Witness& witness) {
-  if (radius < StrictComplementarityCheck::kLeastRadius || !coversRows(active) || !exact_.solve(active))
-    return false;
+  if (radius < tolerance::kLeastRadius || !coversRows(active) || !exact_.solve(active)) return false;
   witness.t.resize(static_cast<std::size_t>(system_.p));
-  for (std::size_t j = 0; j < witness.t.size(); ++j) witness.t[j] = std::llround(t[j] / kWitnessStep);
+  for (std::size_t j = 0; j < witness.t.size(); ++j)
+    witness.t[j] = std::llround(t[j] / tolerance::kWitnessStep);
   if (!insideDomain(system_, witness)) return false;
   std::vector<double> affine(witness.t.size() + 1);
   double value = 0.0;
@@ -69,7 +64,8 @@ bool ExactStrictComplementarity::at(const std::vector<std::uint16_t>& active, co
     exact_.slack(i, affine.data());
     if (!positive(affine, witness, value)) return false;
     const auto row = static_cast<std::size_t>(reduced_.row_ids[static_cast<std::size_t>(i)]);
-    if (witness.law_apart) witness.law_apart = value * reduced_.length(i) > kClearlyApart * gap_[row];
+    if (witness.law_apart)
+      witness.law_apart = value * reduced_.length(i) > tolerance::kClearlyApart * gap_[row];
   }
   return true;
 }

@@ -3,21 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "count/tolerances.hpp"
 #include "mpc_core/dense_qp.hpp"
 #include "offline_mpt/encode.hpp"
 #include "program/program_rows.hpp"
 
 namespace polyfly {
 namespace {
-
-// Weight of |(z, t)|^2 that makes the search for bounds strictly convex.
-constexpr double kBoundWeight = 1e-9;
-// Greatest sum of |coefficients| that the weights may leave besides z_j.
-constexpr double kMostLeft = 0.5;
-// Factor that covers the rounding of the bounds computed here.
-constexpr double kRoundingUp = 1.01;
-// Two laws that a map stores as one differ from the first of them by kSameLaw each. The other half is for rounding.
-constexpr double kLawErrors = 4.0;
 
 /// Whether each variable is an output by itself.
 bool outputsAll(const ParametricProgram& program) {
@@ -62,7 +54,7 @@ Eigen::MatrixXd findWeights(const ParametricProgram& program) {
     A.row(i) /= length(i);
     b(i) /= length(i);
   }
-  DenseQp qp(kBoundWeight * Eigen::MatrixXd::Identity(n + p, n + p), A, program.equalities);
+  DenseQp qp(tolerance::kBoundWeight * Eigen::MatrixXd::Identity(n + p, n + p), A, program.equalities);
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(2 * n, m);
   for (int j = 0; j < 2 * n; ++j) {
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p);
@@ -88,7 +80,8 @@ double greatestVariable(const ParametricProgram& program, const Eigen::MatrixXd&
     bound = std::max(bound, weights.row(j).dot(program.b) +
                                 (weights.row(j) * program.S).cwiseAbs().dot(reach.transpose()));
   }
-  return weights.rows() == 0 || left > kMostLeft ? -1.0 : kRoundingUp * bound / (1.0 - left);
+  return weights.rows() == 0 || left > tolerance::kMostLeft ? -1.0
+                                                            : tolerance::kRoundingUp * bound / (1.0 - left);
 }
 
 }  // namespace
@@ -102,9 +95,9 @@ LawSeparation findLawSeparation(const ParametricProgram& program) {
   const Eigen::VectorXd outputs = greatest * program.E.cwiseAbs().rowwise().sum() +
                                   program.C.cwiseAbs() * greatestParameters(program) + program.c.cwiseAbs();
   const double difference =
-      kLawErrors * (program.parameterCount() + 1) * kSameLaw * std::max(1.0, outputs.maxCoeff());
+      tolerance::kLawErrors * (program.parameterCount() + 1) * kSameLaw * std::max(1.0, outputs.maxCoeff());
   for (int i = 0; i < program.rowCount(); ++i)
-    gap.slack.push_back(kRoundingUp * difference * program.A.row(i).cwiseAbs().sum());
+    gap.slack.push_back(tolerance::kRoundingUp * difference * program.A.row(i).cwiseAbs().sum());
   return gap;
 }
 

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "count/tolerances.hpp"
+
 namespace polyfly {
 namespace {
-
-constexpr double kIndependentRow = 1e-9;  // squared distance of a unit row from the span of the others
-// By how much a value must exceed the estimate of what rounding does.
-constexpr double kRoundingSafety = 100.0;
 
 // Silent: equalities, multiples of active rows.
 enum TestedRow : char { kRowInactive, kRowActive, kRowSilent };
@@ -17,14 +15,13 @@ enum TestedRow : char { kRowInactive, kRowActive, kRowSilent };
 }  // namespace
 
 bool insideDomain(const StrictComplementaritySystem& system, const Witness& witness) {
-  constexpr double kMargin = StrictComplementarityCheck::kLeastRadius / 2.0;
   Eigen::VectorXd t(system.p);
   for (int j = 0; j < system.p; ++j)
-    t(j) = kWitnessStep * static_cast<double>(witness.t[static_cast<std::size_t>(j)]);
-  if (t.cwiseAbs().maxCoeff() > 1.0 - kMargin) return false;
+    t(j) = tolerance::kWitnessStep * static_cast<double>(witness.t[static_cast<std::size_t>(j)]);
+  if (t.cwiseAbs().maxCoeff() > 1.0 - tolerance::kDomainMargin) return false;
   for (Eigen::Index i = 0; i < system.domain.rows(); ++i) {
     const double room = system.domain(i, system.p) - system.domain.row(i).head(system.p).dot(t);
-    if (room < kMargin) return false;
+    if (room < tolerance::kDomainMargin) return false;
   }
   return true;
 }
@@ -61,7 +58,7 @@ bool StrictComplementarityCheck::invert() {
       for (Eigen::Index i = 0; i < c; ++i) value -= L(r, i) * L(c, i);
       if (r > c) {
         L(r, c) = value / L(c, c);
-      } else if (value > kIndependentRow) {
+      } else if (value > tolerance::kIndependentRow) {
         L(c, c) = std::sqrt(value);
       } else {
         return false;
@@ -117,16 +114,17 @@ void StrictComplementarityCheck::findDoubts() {
 bool StrictComplementarityCheck::accept(const Eigen::VectorXd& t, double radius, Witness& witness) {
   witness.t.resize(static_cast<std::size_t>(system_.p));
   for (int j = 0; j < system_.p; ++j)
-    witness.t[static_cast<std::size_t>(j)] = std::llround(t(j) / kWitnessStep);
+    witness.t[static_cast<std::size_t>(j)] = std::llround(t(j) / tolerance::kWitnessStep);
   if (!insideDomain(system_, witness)) return false;
   findDoubts();
   witness.law_apart = !gap_.empty();
   for (Eigen::Index i = 0; i < system_.m; ++i) {
     const char state = state_[static_cast<std::size_t>(i)];
     if (state == kRowSilent) continue;
-    if (!(values_(i) > kRoundingSafety * doubts_(i) + radius * slopes_(i))) return false;
+    if (!(values_(i) > tolerance::kRoundingSafety * doubts_(i) + radius * slopes_(i))) return false;
     if (state == kRowInactive && witness.law_apart)
-      witness.law_apart = values_(i) > kClearlyApart * gap_[static_cast<std::size_t>(i)] / system_.length(i);
+      witness.law_apart =
+          values_(i) > tolerance::kClearlyApart * gap_[static_cast<std::size_t>(i)] / system_.length(i);
   }
   return true;
 }
@@ -163,7 +161,7 @@ void StrictComplementarityCheck::differentiate(const double* direction) {
 
 bool StrictComplementarityCheck::at(const std::vector<int>& set, const double* t, double radius,
                                     Witness& witness) {
-  if (radius < kLeastRadius || !take(set)) return false;
+  if (radius < tolerance::kLeastRadius || !take(set)) return false;
   evaluate(t);
   slopes_.setZero(system_.m);
   return accept(point_, 0.0, witness);
@@ -176,13 +174,14 @@ int StrictComplementarityCheck::leaving(const std::vector<int>& set, int enterin
   for (Eigen::Index r = 0; r < k; ++r)
     right_(r) = system_.gram(active_[static_cast<std::size_t>(r)], entering);
   const Eigen::VectorXd weights = inverse_ * right_;
-  if (system_.gram(entering, entering) - weights.dot(right_) > kIndependentRow) return kNone;
+  if (system_.gram(entering, entering) - weights.dot(right_) > tolerance::kIndependentRow) return kNone;
   evaluate(from);
   double least = std::numeric_limits<double>::infinity();
   int first = kNone;
   for (Eigen::Index r = 0; r < k; ++r) {
     const int row = active_[static_cast<std::size_t>(r)];
-    if (state_[static_cast<std::size_t>(row)] != kRowActive || weights(r) <= kIndependentRow) continue;
+    if (state_[static_cast<std::size_t>(row)] != kRowActive || weights(r) <= tolerance::kIndependentRow)
+      continue;
     const double ratio = values_(row) / weights(r);
     if (ratio >= least) continue;
     least = ratio;
@@ -213,7 +212,7 @@ bool StrictComplementarityCheck::onRay(const std::vector<int>& set, const double
   values_ += middle * changes_;
   point_ += middle * Eigen::Map<const Eigen::VectorXd>(direction, system_.p);
   carry(system_.slope, slopes_);
-  return accept(point_, kLeastRadius, witness);
+  return accept(point_, tolerance::kLeastRadius, witness);
 }
 
 }  // namespace polyfly

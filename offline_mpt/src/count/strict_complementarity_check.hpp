@@ -8,12 +8,6 @@
 
 namespace polyfly {
 
-/// Witnesses are multiples of this in scaled parameters: 40 bits each.
-constexpr double kWitnessStep = 0x1.0p-39;
-
-/// By how much a slack must exceed a gap between laws, for the rounding of both.
-constexpr double kClearlyApart = 1.01;
-
 /// A parameter at which one active set alone is optimal.
 struct Witness {
   std::vector<std::int64_t> t;  ///< p, in units of kWitnessStep
@@ -28,8 +22,7 @@ struct Witness {
 /// One object, one thread.
 class StrictComplementarityCheck {
  public:
-  static constexpr double kLeastRadius = 2e-9;  ///< twice what `solve` keeps [scaled]
-  static constexpr int kNone = -1;              ///< no row
+  static constexpr int kNone = -1;  ///< no row
 
   /// `gap`: m, slacks beyond which laws are apart, of rows of unit length; empty: never.
   StrictComplementarityCheck(const StrictComplementaritySystem& system, const std::vector<double>& gap);

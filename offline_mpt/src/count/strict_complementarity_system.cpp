@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arithmetic/tolerances.hpp"
+#include "count/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -13,12 +15,6 @@ namespace polyfly {
 namespace {
 
 using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-
-constexpr double kSystemRounding = 0x1.0p-52;
-constexpr double kWideRounding = 0x1.0p-62;
-// Least eigenvalue of H with a unit diagonal that doubles can be sure of.
-constexpr double kDefiniteUnitDiagonal = 1e-13;
-constexpr double kMultiple = 1e-12;  // difference above which rows need no exact look
 
 /// Ratio of the eigenvalues of H scaled to a unit diagonal.
 double condition(const ParametricProgram& program) {
@@ -30,7 +26,7 @@ double condition(const ParametricProgram& program) {
     least = values(0);
     greatest = values(scale.size() - 1);
   }
-  if (least <= kDefiniteUnitDiagonal * greatest)
+  if (least <= tolerance::kDefiniteUnitDiagonal * greatest)
     throw Error(program.name + ": H: must be positive definite to count");
   return greatest / least;
 }
@@ -50,7 +46,7 @@ bool isPositiveMultiple(const std::vector<double>& a, const std::vector<double>&
   const double ratio = b[static_cast<std::size_t>(lead)] / a[static_cast<std::size_t>(lead)];
   if (!(ratio > 0.0)) return false;
   for (std::size_t j = 0; j < a.size(); ++j) {
-    if (std::abs(b[j] - ratio * a[j]) > kMultiple * std::abs(b[j])) return false;
+    if (std::abs(b[j] - ratio * a[j]) > tolerance::kMultiple * std::abs(b[j])) return false;
   }
   const mpq_class a_lead(a[static_cast<std::size_t>(lead)]), b_lead(b[static_cast<std::size_t>(lead)]);
   for (std::size_t j = 0; j < a.size(); ++j) {
@@ -91,7 +87,8 @@ StrictComplementaritySystem::StrictComplementaritySystem(const ParametricProgram
     : m(program.rowCount()),
       p(program.parameterCount()),
       length(m),
-      noise(kSystemRounding + kWideRounding * condition(program) * program.variableCount()),
+      noise(tolerance::kDoubleRounding +
+            tolerance::kWideRounding * condition(program) * program.variableCount()),
       equalities(program.equalities),
       first_of(firstOfEach(program)) {
   Eigen::VectorXd centre(p), half(p);

@@ -2,18 +2,12 @@
 
 #include <cmath>
 
+#include "diff/tolerances.hpp"
 #include "lp/exact_simplex.hpp"
 #include "lp/float_lp.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
-namespace {
-
-// Upper bound of the rounding of a unit row and of sums with it, relative to its weight.
-constexpr double kRoundingOfRow = 1e-12;
-
-}  // namespace
-
 // The basis at which floating point stops is mostly the optimal one.
 LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vector<Rational>& function) {
   const std::size_t p = function.size() - 1;
@@ -60,7 +54,7 @@ double upperBound(const std::vector<const ExactRow*>& rows, const std::vector<do
   double side = 0.0;
   for (const double entry : rest) bound += std::abs(entry);
   for (const double entry : direction) side += std::abs(entry);
-  bound += kRoundingOfRow * (rounding + side);
+  bound += tolerance::kRoundingOfRow * (rounding + side);
   // Of a row beyond doubles, the bound is no number.
   return bound < side ? bound : side;
 }

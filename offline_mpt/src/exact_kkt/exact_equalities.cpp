@@ -5,14 +5,13 @@
 #include <utility>
 
 #include "arithmetic/exact_numbers.hpp"
+#include "exact_kkt/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "program/equality_check.hpp"
 #include "program/program_rows.hpp"
 
 namespace polyfly {
 namespace {
-
-constexpr double kDependent = 1e-11;  // relative, of rows that depend on others up to rounding
 
 bool holds(const std::vector<int>& rows, int row) {
   return std::find(rows.begin(), rows.end(), row) != rows.end();
@@ -53,7 +52,7 @@ bool followNearly(const ParametricProgram& program, const std::vector<int>& basi
   for (Eigen::Index k = 0; k < to.cols(); ++k) {
     const double size =
         to.col(k).cwiseAbs().maxCoeff() + (from.cwiseAbs() * weights.col(k).cwiseAbs()).maxCoeff();
-    if (rest.col(k).cwiseAbs().maxCoeff() > kDependent * size) return false;
+    if (rest.col(k).cwiseAbs().maxCoeff() > tolerance::kDependentUpToRounding * size) return false;
   }
   return true;
 }
@@ -66,7 +65,8 @@ void chooseBasis(const ParametricProgram& program, const std::vector<int>& rows,
   adjustment.basis.clear();
   if (rows.empty()) return;
   adjustment.basis = exactBasis(program, rows);
-  const PivotedQr qr(unitColumns(program, adjustment.basis).topRows(program.variableCount()), kDependent);
+  const PivotedQr qr(unitColumns(program, adjustment.basis).topRows(program.variableCount()),
+                     tolerance::kDependentUpToRounding);
   std::vector<int> basis, dropped;
   for (Eigen::Index k = 0; k < qr.rank(); ++k)
     basis.push_back(adjustment.basis[static_cast<std::size_t>(qr.column(k))]);

@@ -9,10 +9,12 @@
 #include <ctime>
 #include <functional>
 
+#include "explore/parallel/compute_regions.hpp"
 #include "explore/parallel/coordinator.hpp"
 #include "explore/parallel/scheduler.hpp"
 #include "explore/parallel/worker_pool.hpp"
 #include "explore/region/compute_region.hpp"
+#include "explore/region/tolerances.hpp"
 #include "explore/state/checkpoint.hpp"
 #include "explore/state/exploration_state.hpp"
 #include "polyfly_base/error.hpp"
@@ -54,9 +56,9 @@ void checkUnresolved(const NormalisedProgram& program, const ExploreOptions& opt
     }
     const Eigen::VectorXd t = Eigen::Map<const Eigen::VectorXd>(unresolved.data() + i, program.p);
     const Eigen::VectorXd theta = unscaled(program, t);
-    const bool held =
-        std::any_of(partition.regions.begin(), partition.regions.end(),
-                    [&](const CriticalRegion& region) { return contains(region, theta, kProbeTolerance); });
+    const bool held = std::any_of(
+        partition.regions.begin(), partition.regions.end(),
+        [&](const CriticalRegion& region) { return contains(region, theta, tolerance::kHeldProbe); });
     if (held || unbounded.direction(t)) continue;
     if (isEdge(program, t)) continue;
     partition.status = ExploreStatus::kIncomplete;
@@ -98,11 +100,11 @@ void resume(const NormalisedProgram& program, const ExploreOptions& options, std
     const RegionStore::Region& region = state.regions[k];
     const RowSpan set = state.found[region.set];
     computeRegion(program, worker, ActiveSet(set.begin(), set.end()), again);
-    std::vector<std::byte> numbers;
-    ByteWriter out(numbers);
-    if (again.status == BuildStatus::kRegion) writeNumbers(again.region, out);
-    same = again.region.facets.size() == region.facets && !numbers.empty() &&
-           std::memcmp(numbers.data(), region.numbers, numbers.size()) == 0;
+    same = again.status == BuildStatus::kRegion && again.region.facets.size() == region.facets;
+    if (!same) break;
+    std::vector<double> numbers(state.regions.numberCount(region.facets));
+    copyNumbers(again.region, numbers.data());
+    same = std::memcmp(numbers.data(), region.numbers, numbers.size() * sizeof(double)) == 0;
   }
   if (!same) throw Error(options.checkpoint + ": was written by another build of the solver");
 }
@@ -122,21 +124,21 @@ bool savedAtEnd(const std::function<void()>& save, ExploreStatus status) {
   return true;
 }
 
-// Describes all open sets, alone or with the group's other processes, until there are none or a limit is
-// reached.
-ExploreStatus describeAll(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
-                          ExplorationState& state, ExploreStats& stats) {
+// The method: while active sets are open, one is popped, its region is computed, and its neighbours are pushed. Each
+// thread runs this loop, computeRegions, on batches of sets; with a group, the threads of the other processes, too.
+// The scheduler is the queue. It merges the results in the order of their sets, whoever computed them.
+ExploreStatus computeAll(const NormalisedProgram& program, const ExploreOptions& options, std::uint64_t key,
+                         ExplorationState& state, ExploreStats& stats) {
   std::function<void()> save;
   if (!options.checkpoint.empty()) save = [&] { saveCheckpoint(options.checkpoint, key, state); };
-  Scheduler scheduler(state, options, save);
+  Scheduler<RegionResult> queue(state, options, save);
+  const auto loop = [&](WorkQueue<RegionResult>& open) { computeRegions(program, options, open); };
   if (options.group != nullptr && options.group->size() > 1) {
-    Coordinator leader(*options.group, scheduler, key);
-    runWorkers(regionWorkers(program, options), workerCount(options), scheduler);
-    stats.lost_process = leader.finish();
+    stats.lost_process = runWithGroup(*options.group, program, key, workerCount(options), queue, loop);
   } else {
-    runWorkers(regionWorkers(program, options), workerCount(options), scheduler);
+    runWorkers<RegionResult>(workerCount(options), queue, loop);
   }
-  const ExploreStatus status = scheduler.result();
+  const ExploreStatus status = queue.result();
   if (save && state.regions.size() > 0) stats.unsaved = !savedAtEnd(save, status);
   return status == ExploreStatus::kComplete && state.failed ? ExploreStatus::kIncomplete : status;
 }
@@ -179,7 +181,7 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
     state.found.insert({first.data(), first.size()});
   }
   partition.stats.resumed_regions = state.regions.size();
-  partition.status = describeAll(program, options, key, state, partition.stats);
+  partition.status = computeAll(program, options, key, state, partition.stats);
   convertRegions(program, state, partition);
   if (partition.status == ExploreStatus::kComplete)
     checkUnresolved(program, options, state.unresolved, unbounded, partition);

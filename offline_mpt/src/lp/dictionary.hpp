@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lp/dictionary_kernels.hpp"
+#include "lp/tolerances.hpp"
 
 namespace polyfly {
 
@@ -24,7 +25,6 @@ class Dictionary {
  public:
   using Row = std::array<double, N + 1>;
 
-  static constexpr double kPivot = 1e-10;   // coefficients below this do not count as a direction
   static constexpr int kStallLimit = 12;    // degenerate pivots before Bland's rule
   static constexpr int kPivotLimit = 4000;  // per optimisation; never met but on numerical breakdown
   static constexpr double kGrowing = -1.0;  // directions of a column
@@ -131,7 +131,8 @@ class Dictionary {
   /// call.
   const int* growingPlaces(int& found) {
     found = static_cast<int>(placesAbove(columns_.data() + stride_, stride_,
-                                         padded(static_cast<std::size_t>(size_)), N, -kPivot, above_.data()));
+                                         padded(static_cast<std::size_t>(size_)), N, -tolerance::kPivot,
+                                         above_.data()));
     // Places in the padding are left out.
     while (found > 0 && above_[found - 1] >= size_) --found;
     return above_.data();
@@ -149,8 +150,8 @@ class Dictionary {
   Blocking ratio(int j, double direction, int except = -1) {
     const std::size_t count = padded(static_cast<std::size_t>(size_));
     const std::size_t left_out = except < 0 ? count : static_cast<std::size_t>(except);
-    return leastRatio(columns_.data(), columns_.data() + (j + 1) * stride_, direction, kPivot, kTie, left_out,
-                      count, quotient_.data());
+    return leastRatio(columns_.data(), columns_.data() + (j + 1) * stride_, direction, tolerance::kPivot,
+                      tolerance::kRatioTie, left_out, count, quotient_.data());
   }
 
   /// The row at `place` becomes zero in place of column j.
@@ -187,10 +188,10 @@ class Dictionary {
   /// optimum.
   int fallingColumn(const Row& objective, bool bland) const {
     int best = -1;
-    double steepest = -kPivot;
+    double steepest = -tolerance::kPivot;
     for (int j = 0; j < N; ++j) {
       const double slope = objective[j + 1];
-      if (slope >= -kPivot) continue;
+      if (slope >= -tolerance::kPivot) continue;
       if (bland ? (best < 0 || nonbasic_[j] < nonbasic_[best]) : slope < steepest) {
         steepest = slope;
         best = j;
@@ -203,7 +204,7 @@ class Dictionary {
   /// steepest; `direction` receives kGrowing or kShrinking.
   int steepestColumn(const Row& objective, double& direction) const {
     int best = -1;
-    double steepest = kPivot;
+    double steepest = tolerance::kPivot;
     for (int j = 0; j < N; ++j) {
       const double slope = objective[j + 1];
       const double fall = nonbasic_[j] < 0 ? std::abs(slope) : -slope;
@@ -216,7 +217,6 @@ class Dictionary {
   }
 
  private:
-  static constexpr double kTie = 1e-14;
   static constexpr std::size_t kCoordinates = padded(N);  // stride of their columns
   static constexpr int kRemoved = std::numeric_limits<int>::min();
 

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lp/tolerances.hpp"
+
 namespace polyfly {
 namespace {
 
-constexpr double kViolated = 1e-13;  // violation from which on a row enters the basis
-constexpr double kPivot = 1e-11;     // weights below this do not leave it
-constexpr int kMaxDimension = 16;    // beyond it, what is exact must do without a guess
+constexpr int kMaxDimension = 16;  // beyond it, what is exact must do without a guess
 
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxDimension, kMaxDimension>;
@@ -33,7 +33,7 @@ void FloatLp::coefficients(int row, double* a, double& b) const {
 
 int FloatLp::mostViolated() const {
   int worst_row = -1;
-  double worst = kViolated;
+  double worst = tolerance::kEnteringViolation;
   const auto consider = [&](int row, double violation) {
     if (violation <= worst || std::find(basis_.begin(), basis_.end(), row) != basis_.end()) return;
     worst = violation;
@@ -89,7 +89,7 @@ FloatLp::Status FloatLp::maximise(const std::vector<double>& c) {
     int leaving = -1;
     double least = 0.0;
     for (int j = 0; j < d; ++j) {
-      if (share(j) <= kPivot) continue;
+      if (share(j) <= tolerance::kLeavingWeight) continue;
       const double ratio = std::max(weights(j), 0.0) / share(j);
       if (leaving >= 0 && (ratio > least || (ratio == least && share(j) <= share(leaving)))) continue;
       leaving = j;

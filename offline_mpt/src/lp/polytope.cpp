@@ -6,6 +6,7 @@
 
 #include "lp/dictionary.hpp"
 #include "lp/rational_polytope.hpp"
+#include "lp/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -22,17 +23,13 @@ class PolytopeSolver::Kernel {
   virtual bool climb(const double* rows, int count, const double* start, const double* direction,
                      double* point) = 0;
   /// Of `rows` in one dimension less, the first of which are those of the box: centre and radius of the
-  /// largest ball, `hopeless` where its radius is below -kHopeless for certain.
+  /// largest ball, `hopeless` where its radius is below -kHopelessRadius for certain.
   enum class Ball { kFound, kHopeless, kFailed };
   virtual Ball ballInBox(const double* rows, int count, double* ball) = 0;
   virtual unsigned long long pivots() const = 0;
 };
 
 namespace {
-
-constexpr double kHopeless = PolytopeSolver::kHopeless;
-constexpr double kShort = 1e-12;  // slacks may be negative by so much
-constexpr double kSame = 1e-9;    // difference of two ways to find one radius, above which both are doubted
 
 enum class RowState : char { kUnknown, kFacet, kRedundant };
 
@@ -74,7 +71,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       }
       const auto [step, blocking] = dictionary_.ratio(column, Dictionary<N>::kGrowing);
       if (blocking < 0) return false;
-      stalled = step > kStall ? 0 : stalled + 1;
+      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
     }
     return false;
@@ -95,7 +92,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
       }
       const auto [step, blocking] = dictionary_.ratio(column, way);
       if (blocking < 0) return false;
-      stalled = step > kStall ? 0 : stalled + 1;
+      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
     }
     return false;
@@ -130,7 +127,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
   Ball largestBall(const double* rows, int count, double* ball) {
     dictionary_.startInBox(rows, count);
     for (int round = 0; round < kDualPivotLimit; ++round) {
-      const int place = dictionary_.worstPlace(kShort);
+      const int place = dictionary_.worstPlace(tolerance::kNegativeSlack);
       if (place < 0) {
         dictionary_.point(0, 0.0, ball);
         return Ball::kFound;
@@ -138,9 +135,9 @@ class KernelOf final : public PolytopeSolver::Kernel {
       const int column = enteringColumn(dictionary_.slack(place));
       if (column < 0) return Ball::kFailed;
       dictionary_.pivot(place, column);
-      if (dictionary_.coordinate(N - 1, 0) >= -2.0 * kHopeless) continue;
+      if (dictionary_.coordinate(N - 1, 0) >= -2.0 * tolerance::kHopelessRadius) continue;
       ball[N - 1] = radiusBound(rows);
-      if (ball[N - 1] < -kHopeless) return Ball::kHopeless;
+      if (ball[N - 1] < -tolerance::kHopelessRadius) return Ball::kHopeless;
     }
     return Ball::kFailed;
   }
@@ -150,7 +147,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     int best = -1;
     double least = std::numeric_limits<double>::infinity();
     for (int j = 0; j < N; ++j) {
-      if (row[j + 1] <= Dictionary<N>::kPivot) continue;
+      if (row[j + 1] <= tolerance::kPivot) continue;
       const double price = std::max(-dictionary_.coordinate(N - 1, j + 1), 0.0) / row[j + 1];
       if (price > least || (price == least && best >= 0 && row[j + 1] <= row[best + 1])) continue;
       least = price;
@@ -175,8 +172,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
     return total > 0.0 ? bound / total : std::numeric_limits<double>::infinity();
   }
 
-  static constexpr double kStall = 1e-13;  // shorter steps count as degenerate
-  static constexpr double kReach = 1.0;    // `beyond` points stay within this of the vertex
+  static constexpr double kReach = 1.0;  // `beyond` points stay within this of the vertex
 
   // Reads off the current dictionary what it proves. A slack that grows along every column never
   // falls below its value here; a tight row whose column can go negative is needed.
@@ -231,7 +227,7 @@ class KernelOf final : public PolytopeSolver::Kernel {
         return true;
       }
       if (blocking < 0) return false;
-      stalled = step > kStall ? 0 : stalled + 1;
+      stalled = step > tolerance::kDegenerateStep ? 0 : stalled + 1;
       dictionary_.pivot(blocking, column);
       if (stalled == 0) sweep();
       if (state_[i] != RowState::kUnknown) return true;
@@ -333,7 +329,7 @@ bool PolytopeSolver::chebyshevInBox(const double* rows, int count, double* centr
       return true;
     case Kernel::Ball::kFound:
       radius = radiusAbout(rows, count, ball);
-      if (std::abs(radius - ball[dimension_]) > kSame) break;
+      if (std::abs(radius - ball[dimension_]) > tolerance::kSameRadius) break;
       std::copy_n(ball, dimension_, centre);
       return true;
     case Kernel::Ball::kFailed:

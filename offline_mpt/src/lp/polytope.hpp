@@ -23,8 +23,6 @@ struct MinimalRows {
 class PolytopeSolver {
  public:
   static constexpr int kMaxDimension = 12;
-  /// chebyshevInBox finds the ball exactly if its radius is at least minus this.
-  static constexpr double kHopeless = 1e-6;
 
   /// Throws Error when `dimension` is not in 1..kMaxDimension.
   explicit PolytopeSolver(int dimension);
@@ -38,7 +36,7 @@ class PolytopeSolver {
   bool chebyshev(const double* rows, int count, double* centre, double& radius);
 
   /// The same where the first rows are those of the box [-1, 1]^n, t_j <= 1 and -t_j <= 1 in turn, all rows
-  /// of unit length; no guess is read. Where the radius is below -kHopeless, it is an upper bound and
+  /// of unit length; no guess is read. Where the radius is below -tolerance::kHopelessRadius, it is an upper bound and
   /// `centre` has no meaning.
   bool chebyshevInBox(const double* rows, int count, double* centre, double& radius);
 

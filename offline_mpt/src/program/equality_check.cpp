@@ -6,17 +6,10 @@
 
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// Distance of a unit row from the span of others, up to which it depends on them. Proofs let rows that are
-// left out fail by twice as much.
-constexpr double kDependent = 0x1p-41;
-// Relative rounding of a right-hand side.
-constexpr double kRounding = 0x1p-49;
-// Distance from which doubles know what the row fixes to nine digits.
-constexpr double kIndependent = 1e-6;
 
 [[noreturn]] void refuse(const ParametricProgram& program, int row, const char* rule, double distance) {
   char text[32];
@@ -57,7 +50,7 @@ void checkEqualities(const ParametricProgram& program) {
   if (program.equalities.size() < 2) return;
   const int n = program.variableCount();
   const Eigen::MatrixXd columns = unitColumns(program, program.equalities);
-  const PivotedQr clear(columns.topRows(n), kIndependent);
+  const PivotedQr clear(columns.topRows(n), tolerance::kClearEquality);
   const Eigen::Index rank = clear.rank(), count = columns.cols();
   if (rank == count) return;
   const Eigen::MatrixXd from = columnsFrom(columns, clear, 0, rank);
@@ -67,12 +60,12 @@ void checkEqualities(const ParametricProgram& program) {
   for (Eigen::Index k = 0; k < rest.cols(); ++k) {
     const int row = program.equalities[static_cast<std::size_t>(clear.column(rank + k))];
     const double distance = rest.col(k).head(n).norm();
-    if (distance > kDependent)
+    if (distance > tolerance::kDependentEquality)
       refuse(program, row, "nearly depends on other equalities, so rounding decides what it fixes", distance);
     const double difference = rest.col(k).tail(rest.rows() - n).cwiseAbs().sum();
     const double size =
         to.col(k).cwiseAbs().maxCoeff() + (from.cwiseAbs() * weights.col(k).cwiseAbs()).maxCoeff();
-    if (difference > std::max(kDependent, kRounding * size))
+    if (difference > std::max(tolerance::kDependentEquality, tolerance::kSideRounding * size))
       refuse(program, row, "depends on other equalities, but its right-hand side does not", difference);
   }
 }

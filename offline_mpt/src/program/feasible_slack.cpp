@@ -3,14 +3,9 @@
 #include <algorithm>
 
 #include "lp/polytope.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
-namespace {
-
-constexpr double kFarAway = 1e4;  // a box around z that bounds the search, in units of the rows' distances
-
-}  // namespace
-
 std::optional<double> feasibleSlack(const NormalisedProgram& program, const Eigen::VectorXd& t) {
   if (program.n < 1 || program.n > PolytopeSolver::kMaxDimension) return std::nullopt;
   Eigen::VectorXd t1(program.p + 1);
@@ -28,7 +23,7 @@ std::optional<double> feasibleSlack(const NormalisedProgram& program, const Eige
     for (const double sign : {-1.0, 1.0}) {
       rows.insert(rows.end(), static_cast<std::size_t>(program.n) + 1, 0.0);
       rows[rows.size() - 1 - static_cast<std::size_t>(program.n) + static_cast<std::size_t>(j)] = sign;
-      rows.back() = kFarAway * distance;
+      rows.back() = tolerance::kSearchBox * distance;
     }
   }
   PolytopeSolver solver(program.n);

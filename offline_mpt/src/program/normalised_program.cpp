@@ -3,25 +3,15 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "arithmetic/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
 #include "program/repeated_rows.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// Relative size below which a pivot or length counts as zero.
-constexpr double kProgramRank = 1e-11;
-constexpr double kEpsilon = 0x1.0p-52;
-// Weight of |z|^2, relative to the mean eigenvalue of a singular H, for starting points.
-constexpr double kSingularStart = 1e-6;
-// Weight of |z|^2, relative to the cost, for starting points of linear programs.
-constexpr double kLinearStart = 1e-5;
-// Difference below which two unit rows are parallel.
-constexpr double kParallel = 1e-12;
-// Difference below which two right-hand sides are equal.
-constexpr double kSameSide = 1e-12;
 
 /// Columns (t, 1) -> columns of theta: M theta + v = M half .* t + (M centre + v).
 Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& v,
@@ -34,8 +24,8 @@ Eigen::MatrixXd affineInScaled(const Eigen::MatrixXd& M, const Eigen::VectorXd& 
 
 void addDomainRow(NormalisedProgram& out, const Eigen::VectorXd& a, double b, double scale) {
   const double length = a.norm();
-  if (length <= kProgramRank * scale) {
-    if (b < -kProgramRank * scale) out.domain_empty = true;
+  if (length <= tolerance::kProgramRank * scale) {
+    if (b < -tolerance::kProgramRank * scale) out.domain_empty = true;
     return;
   }
   for (int j = 0; j < out.p; ++j) out.domain.push_back(a(j) / length);
@@ -73,7 +63,7 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
     b(k) = program.b(program.equalities[k]);
   }
   const Eigen::MatrixXd rhs = affineInScaled(S, b, out);
-  const PivotedQr qr(A.transpose(), kProgramRank);
+  const PivotedQr qr(A.transpose(), tolerance::kProgramRank);
   const int rank = static_cast<int>(qr.rank());
   const Eigen::MatrixXd Q = qr.Q();
   const Eigen::MatrixXd range = Q.leftCols(rank);
@@ -81,7 +71,7 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
   if (rank > 0) z_p = range * ShortestLeastSquares(A * range).solve(rhs);
   const Eigen::VectorXd rest = (A * z_p - rhs).rowwise().lpNorm<Eigen::Infinity>();
   Eigen::Index worst = 0;
-  if (rest.maxCoeff(&worst) > 1e3 * kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
+  if (rest.maxCoeff(&worst) > 1e3 * tolerance::kProgramRank * (1.0 + rhs.cwiseAbs().maxCoeff())) {
     throw Error(program.name + ": row " +
                 std::to_string(program.equalities[static_cast<std::size_t>(worst)]) +
                 ": can only hold with equality, on a lower-dimensional set of parameters");
@@ -94,10 +84,10 @@ EqualityElimination eliminateEqualities(const ParametricProgram& program, const 
 enum class Parallel { kNo, kImplied, kReplaces };
 
 Parallel compare(const NormalisedProgram& ld, const Eigen::MatrixXd& M, int i, int k) {
-  if ((M.row(i) - M.row(k)).cwiseAbs().maxCoeff() > kParallel) return Parallel::kNo;
+  if ((M.row(i) - M.row(k)).cwiseAbs().maxCoeff() > tolerance::kParallelRows) return Parallel::kNo;
   const Eigen::VectorXd difference = ld.D.row(i) - ld.D.row(k);
   const double spread = difference.head(ld.p).cwiseAbs().sum();  // greatest change over the box
-  const double scale = kSameSide * (1.0 + ld.D.row(k).cwiseAbs().maxCoeff());
+  const double scale = tolerance::kSameSide * (1.0 + ld.D.row(k).cwiseAbs().maxCoeff());
   if (difference(ld.p) - spread >= -scale) return Parallel::kImplied;
   if (difference(ld.p) + spread <= 0.0) return Parallel::kReplaces;
   return Parallel::kNo;
@@ -137,7 +127,7 @@ void dropParallelRows(NormalisedProgram& ld, const Eigen::MatrixXd& M) {
     bool implied = false;
     for (int& k : kept) {
       Parallel relation = compare(ld, M, i, k);
-      if (relation == Parallel::kNo && rows.distance(ld.row_ids[i], ld.row_ids[k]) <= kRepeatedRow)
+      if (relation == Parallel::kNo && rows.distance(ld.row_ids[i], ld.row_ids[k]) <= tolerance::kRepeatedRow)
         relation = Parallel::kImplied;
       if (relation == Parallel::kNo) continue;
       if (relation == Parallel::kReplaces) k = i;
@@ -157,23 +147,23 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
   if (vanishes(ld.H, ld.source.H)) {
     ld.linear = true;
     ld.cost = ld.F;
-    ld.H = kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), kProgramRank) *
+    ld.H = tolerance::kLinearStart * std::max(ld.F.cwiseAbs().maxCoeff(), tolerance::kProgramRank) *
            Eigen::MatrixXd::Identity(ld.n, ld.n);
     return Eigen::MatrixXd::Identity(ld.n, ld.n);
   }
   const SymmetricEigen eigen = symmetricEigen(ld.H);
   const double least = eigen.values(0);
-  if (least < -kSemidefinite * mean) {
+  if (least < -tolerance::kSemidefinite * mean) {
     throw Error(name + ": H: must be positive semidefinite where the equalities leave z free");
   }
-  if (least >= kSemidefinite * mean) return ld.H.llt().matrixL();
+  if (least >= tolerance::kSemidefinite * mean) return ld.H.llt().matrixL();
   ld.semidefinite = true;
   ld.cost = ld.F;
   const double greatest = eigen.values(ld.n - 1);
   const Eigen::VectorXd positive =
-      (eigen.values.array() > kNullEigenvalue * greatest).select(eigen.values, 0.0);
+      (eigen.values.array() > tolerance::kNullEigenvalue * greatest).select(eigen.values, 0.0);
   ld.curvature = eigen.vectors * positive.asDiagonal() * eigen.vectors.transpose();
-  ld.H = ld.curvature + kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
+  ld.H = ld.curvature + tolerance::kSingularStart * mean * Eigen::MatrixXd::Identity(ld.n, ld.n);
   return Eigen::MatrixXd::Identity(ld.n, ld.n);
 }
 
@@ -182,7 +172,7 @@ Eigen::MatrixXd metric(const std::string& name, NormalisedProgram& ld) {
 NormalisedProgram normalise(const ParametricProgram& program) {
   NormalisedProgram ld;
   ld.source = program;
-  ld.rounding = kEpsilon;
+  ld.rounding = tolerance::kDoubleRounding;
   ld.p = program.parameterCount();
   ld.centre.resize(ld.p);
   ld.half.resize(ld.p);
@@ -213,7 +203,7 @@ NormalisedProgram normalise(const ParametricProgram& program) {
     if (isEquality(program, i)) continue;
     const Eigen::VectorXd m_row = lower.solve(A_all.row(i).transpose());
     const double scale = std::max(program.A.row(i).cwiseAbs().maxCoeff(), S_all.row(i).cwiseAbs().maxCoeff());
-    if (A_all.row(i).norm() <= kProgramRank * scale) {
+    if (A_all.row(i).norm() <= tolerance::kProgramRank * scale) {
       addDomainRow(ld, -S_all.row(i).head(ld.p), S_all(i, ld.p), scale);
       continue;
     }

@@ -4,19 +4,13 @@
 #include <vector>
 
 #include "mpc_core/parametric_program.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 
-/// Share of the mean eigenvalue below which the least one makes H singular.
-constexpr double kSemidefinite = 1e-8;
-
-/// Eigenvalues of a singular H below this share of the greatest are zero.
-constexpr double kNullEigenvalue = 1e-12;
-
 /// H is zero where the equalities leave z free, `reduced`, but for rounding.
 inline bool vanishes(const Eigen::MatrixXd& reduced, const Eigen::MatrixXd& H) {
-  constexpr double kRounding = 1e-13;
-  return reduced.cwiseAbs().maxCoeff() <= kRounding * H.cwiseAbs().maxCoeff();
+  return reduced.cwiseAbs().maxCoeff() <= tolerance::kVanishingHessian * H.cwiseAbs().maxCoeff();
 }
 
 /// A parametric program brought to the form in which it is explored.

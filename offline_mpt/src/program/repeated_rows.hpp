@@ -6,9 +6,6 @@
 
 namespace polyfly {
 
-/// Distance up to which the exploration takes two inequalities for one.
-constexpr double kRepeatedRow = 1e-10;
-
 /// The rows of a program in units in which those that say the same are equal.
 class RepeatedRows {
  public:

@@ -6,13 +6,12 @@
 #include "arithmetic/exact_numbers.hpp"
 #include "mpc_core/decompositions.hpp"
 #include "program/normalised_program.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kEqualityRank = 1e-11;  // relative pivot below which equalities count as dependent
-constexpr double kInRange = 1e-11;       // relative part outside the range of H that is rounding
-constexpr int kPenalties = 40;           // powers of 4 that are tried as a penalty
+constexpr int kPenalties = 40;  // powers of 4 that are tried as a penalty
 
 std::vector<Rational> fractionsOf(const Eigen::MatrixXd& matrix) {
   std::vector<Rational> values;
@@ -50,9 +49,9 @@ class Range {
     }
     const SymmetricEigen eigen = symmetricEigen(H);
     const double greatest = eigen.values.tail(1)(0);
-    convex_ = eigen.values(0) >= -kInRange * greatest;
+    convex_ = eigen.values(0) >= -tolerance::kOutsideRange * greatest;
     int zeros = 0;
-    while (zeros < n_ && eigen.values(zeros) <= kNullEigenvalue * greatest) ++zeros;
+    while (zeros < n_ && eigen.values(zeros) <= tolerance::kNullEigenvalue * greatest) ++zeros;
     rank_ = n_ - zeros;
     null_ = eigen.vectors.leftCols(zeros);
     positive_ = eigen.values.tail(rank_);
@@ -68,7 +67,8 @@ class Range {
   bool exact() const { return exact_; }
 
   bool holds(const Eigen::VectorXd& vector) const {
-    return (null_.transpose() * vector).cwiseAbs().maxCoeff() <= kInRange * vector.cwiseAbs().maxCoeff();
+    return (null_.transpose() * vector).cwiseAbs().maxCoeff() <=
+           tolerance::kOutsideRange * vector.cwiseAbs().maxCoeff();
   }
 
   /// The vector lies in the range of H without rounding.
@@ -109,14 +109,14 @@ bool isSingular(const ParametricProgram& program, const std::vector<int>& basis)
     Eigen::MatrixXd A(n, static_cast<Eigen::Index>(basis.size()));
     for (std::size_t k = 0; k < basis.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) = program.A.row(basis[k]);
-    const PivotedQr qr(A, kEqualityRank);
+    const PivotedQr qr(A, tolerance::kEqualityRank);
     Z = qr.Q().rightCols(n - qr.rank());
   }
   const Eigen::MatrixXd reduced = Z.transpose() * program.H * Z;
   if (reduced.rows() == 0) return false;
   if (vanishes(reduced, program.H)) return true;
   const double mean = reduced.trace() / static_cast<double>(reduced.rows());
-  return symmetricEigenvalues(reduced)(0) < kSemidefinite * mean;
+  return symmetricEigenvalues(reduced)(0) < tolerance::kSemidefinite * mean;
 }
 
 std::vector<ReplacedEntry> withoutRounding(const ParametricProgram& program, const std::vector<int>& basis,

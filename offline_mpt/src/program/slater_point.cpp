@@ -6,24 +6,10 @@
 #include "mpc_core/dense_qp.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/program_rows.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-// Margins below this count as none.
-constexpr double kLeastMargin = 1e-9;  // [rows of unit length]
-// A margin of zero may be this far below zero by rounding.
-constexpr double kMarginRounding = 1e-7;
-// Weight of |(z, t)|^2 that makes the search strictly convex.
-constexpr double kSlaterWeight = 1e-7;
-// Share of the margin's multiplier above which a row counts as blocking.
-constexpr double kImplied = 1e-4;
-// Two unit rows are opposite if their entries cancel up to this.
-constexpr double kOppositeRows = 1e-14;
-// Variables with greater entries in a row of length one are not scaled.
-constexpr double kSmallColumn = 1e-2;
-// Rows shorter than this, relative to their largest entry, have no normal.
-constexpr double kNoLength = 1e-13;
 
 /// max r over (z, t, r): rows of the program in scaled parameters with slack r, r <= 1. Box rows follow, then
 /// A_theta's.
@@ -38,7 +24,7 @@ void normalise(SlaterSearch& search) {
   for (Eigen::Index i = 0; i + 1 < search.A.rows(); ++i) {
     const double length = search.A.row(i).norm();
     const double largest = std::max(search.A.row(i).cwiseAbs().maxCoeff(), std::abs(search.b(i)));
-    if (length <= kNoLength * largest || length == 0.0) continue;
+    if (length <= tolerance::kNoNormal * largest || length == 0.0) continue;
     search.A.row(i) /= length;
     search.b(i) /= length;
   }
@@ -50,7 +36,7 @@ bool scaleVariables(SlaterSearch& search, int n) {
   bool scaled = false;
   for (int j = 0; j < n; ++j) {
     const double largest = search.A.col(j).cwiseAbs().maxCoeff();
-    if (largest == 0.0 || largest >= kSmallColumn) continue;
+    if (largest == 0.0 || largest >= tolerance::kSmallColumn) continue;
     search.A.col(j) /= largest;
     scaled = true;
   }
@@ -107,7 +93,7 @@ void addOpposite(ParametricProgram& program) {
   for (int i = 0; i < program.rowCount(); ++i) {
     for (int k = 0; k < i && !rows.row(i).isZero(0.0); ++k) {
       const double size = rows.row(i).cwiseAbs().maxCoeff();
-      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > kOppositeRows * size) continue;
+      if ((rows.row(i) + rows.row(k)).cwiseAbs().maxCoeff() > tolerance::kOppositeRows * size) continue;
       for (const int row : {i, k}) {
         if (!isEquality(program, row)) program.equalities.push_back(row);
       }
@@ -120,7 +106,7 @@ void addOpposite(ParametricProgram& program) {
 bool addImplied(const DenseQp& qp, const SlaterSearch& search, ParametricProgram& program) {
   bool added = false;
   for (int row = 0; row < search.domain; ++row) {
-    if (qp.lambda()(row) <= kImplied) continue;
+    if (qp.lambda()(row) <= tolerance::kBlockingShare) continue;
     if (isEquality(program, row)) continue;
     program.equalities.push_back(row);
     added = true;
@@ -137,15 +123,15 @@ SlaterPoint findSlaterPoint(ParametricProgram& program) {
   addOpposite(program);
   for (;;) {
     const SlaterSearch search = assemble(program);
-    const Eigen::MatrixXd H = kSlaterWeight * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
+    const Eigen::MatrixXd H = tolerance::kSlaterWeight * Eigen::MatrixXd::Identity(n + p + 1, n + p + 1);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n + p + 1);
     g(n + p) = -1.0;
     DenseQp qp(H, search.A, program.equalities);
     if (qp.solve(g.data(), search.b.data()) != QpStatus::kOptimal) return {};
     const double margin = qp.z()(n + p);
-    if (margin < -kMarginRounding)
+    if (margin < -tolerance::kMarginRounding)
       return {};  // nearer to zero, it is for the rows as equalities to contradict
-    if (margin > kLeastMargin) return {true, qp.z().segment(n, p)};
+    if (margin > tolerance::kLeastMargin) return {true, qp.z().segment(n, p)};
     if (!addImplied(qp, search, program)) {
       throw Error(program.name + ": the parameters that admit a solution form a lower-dimensional set");
     }

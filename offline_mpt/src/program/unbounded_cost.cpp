@@ -7,14 +7,11 @@
 #include "mpc_core/decompositions.hpp"
 #include "polyfly_base/error.hpp"
 #include "program/slater_point.hpp"
+#include "program/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-// Slope below which the cost is level, relative to its greatest entry.
-constexpr double kFalls = 1e-9;
-// Greatest product of a direction and a row, both of length 1, at which the row leaves the direction open.
-constexpr double kOpen = 1e-9;
 // Directions that the search for a start cuts off at most.
 constexpr int kMostCuts = 300;
 // Number of parameters up to which all corners of their box are tested.
@@ -25,10 +22,6 @@ constexpr int kQuickBits = 6;
 constexpr std::size_t kQuickHarmless = 8;
 // Odd, so that its multiples take all values of their low bits.
 constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
-// Steps across a facet.
-constexpr double kSteps[] = {1e-2, 1e-4};  // [scaled]
-// Planes nearer to a plane of the domain are its edge.
-constexpr double kEdge = 1e-9;  // [scaled]
 
 /// `program` for those t alone where sign * affine(t) >= 0.
 void restrictParameters(ParametricProgram& program, const NormalisedProgram& reduced,
@@ -61,7 +54,8 @@ UnboundedCost::UnboundedCost(const ParametricProgram& program, const NormalisedP
   if (reduced.semidefinite) {
     const SymmetricEigen curvature = symmetricEigen(reduced.curvature);
     Eigen::Index zeros = 0;
-    while (zeros < n && curvature.values(zeros) <= kNullEigenvalue * curvature.values(n - 1)) ++zeros;
+    while (zeros < n && curvature.values(zeros) <= tolerance::kNullEigenvalue * curvature.values(n - 1))
+      ++zeros;
     null_ = curvature.vectors.leftCols(zeros);
   }
   size_ = reduced.cost.size() > 0 ? reduced.cost.cwiseAbs().maxCoeff() : 0.0;
@@ -77,7 +71,7 @@ std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(reduced_.m);
   if (qp_->solve(slope.data(), zero.data()) != QpStatus::kOptimal) return std::nullopt;
   const double length = qp_->z().norm();
-  if (length <= kFalls) return std::nullopt;
+  if (length <= tolerance::kLevelCost) return std::nullopt;
   Eigen::VectorXd direction = qp_->z() / length;
   // Where it is short, it is a difference of numbers that nearly cancel: once more onto the rows it runs
   // along.
@@ -88,8 +82,9 @@ std::optional<Eigen::VectorXd> UnboundedCost::direction(const Eigen::VectorXd& t
     direction -= along * PivotedQr(along).solve(direction);
     direction.normalize();
   }
-  const bool open = reduced_.m == 0 || (reduced_.M * (null_ * direction)).maxCoeff() <= kOpen;
-  if (!open || slope.dot(direction) >= -kFalls) return std::nullopt;
+  const bool open =
+      reduced_.m == 0 || (reduced_.M * (null_ * direction)).maxCoeff() <= tolerance::kOpenDirection;
+  if (!open || slope.dot(direction) >= -tolerance::kLevelCost) return std::nullopt;
   return null_ * direction;
 }
 
@@ -142,7 +137,7 @@ std::optional<Eigen::VectorXd> UnboundedCost::test(const Eigen::VectorXd& t) {
   t1 << t, 1.0;
   const Eigen::VectorXd cost = reduced_.cost * t1 / size_;
   for (const Eigen::VectorXd& known : harmless_) {
-    if (cost.dot(known) < -kFalls) return std::nullopt;  // t itself has no solution
+    if (cost.dot(known) < -tolerance::kLevelCost) return std::nullopt;  // t itself has no solution
   }
   const std::optional<Eigen::VectorXd> falling = direction(t);
   if (!falling) return std::nullopt;
@@ -162,7 +157,8 @@ std::optional<Eigen::VectorXd> UnboundedCost::behind(const CriticalRegion& regio
   const Eigen::VectorXd centre = (region.centre - reduced_.centre).cwiseQuotient(reduced_.half);
   PolytopeSolver solver(p);
   MinimalRows minimal;
-  if (!solver.minimal(rows.data(), static_cast<int>(region.G.rows()), centre.data(), kEdge, minimal))
+  if (!solver.minimal(rows.data(), static_cast<int>(region.G.rows()), centre.data(), tolerance::kDomainEdge,
+                      minimal))
     return std::nullopt;
   for (std::size_t k = 0; k < minimal.facets.size(); ++k) {
     const double* row = rows.data() + static_cast<std::size_t>(minimal.facets[k]) * (p + 1);
@@ -170,10 +166,10 @@ std::optional<Eigen::VectorXd> UnboundedCost::behind(const CriticalRegion& regio
     const Eigen::Map<const Eigen::VectorXd> beyond(minimal.beyond.data() + k * p, p);
     const double inner = row[p] - normal.dot(centre), outer = normal.dot(beyond) - row[p];
     const Eigen::VectorXd foot = centre + inner / (inner + outer) * (beyond - centre);
-    for (const double step : kSteps) {
+    for (const double step : tolerance::kStepsAcross) {
       const Eigen::VectorXd t = foot + step * normal;
       // Points beyond the box are left out: the facet lies on its edge.
-      if (t.cwiseAbs().maxCoeff() > 1.0 + kEdge) continue;
+      if (t.cwiseAbs().maxCoeff() > 1.0 + tolerance::kDomainEdge) continue;
       if (std::optional<Eigen::VectorXd> found = test(t)) return found;
     }
   }

@@ -4,15 +4,14 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kSameCellPlane = 1e-11;  // greatest difference of two planes that are one [scaled]
-constexpr double kNoRest = 1e-12;         // a rest whose largest ball is smaller is no rest [scaled]
-constexpr std::size_t kPoints = 64;       // extreme points kept for each piece
-constexpr int kCuts = 3000;               // cells that a question may be cut into
+constexpr std::size_t kPoints = 64;  // extreme points kept for each piece
+constexpr int kCuts = 3000;          // cells that a question may be cut into
 
 std::size_t planeOf(std::int32_t row) { return static_cast<std::size_t>(std::abs(row)) - 1; }
 
@@ -55,7 +54,7 @@ RowList ScaledPlanes::addBox() {
       const double* const other = planes.data() + found * width;
       const double sign = other[side / 2] > 0.0 ? 1.0 : -1.0;
       if (std::equal(plane.begin(), plane.end(), other,
-                     [&](double a, double b) { return std::abs(a - sign * b) <= kSameCellPlane; }))
+                     [&](double a, double b) { return std::abs(a - sign * b) <= tolerance::kSameCellPlane; }))
         break;
     }
     if (found == planes.size() / width) planes.insert(planes.end(), plane.begin(), plane.end());
@@ -163,7 +162,8 @@ bool CellGeometry::coverCell(std::vector<double>& cell, std::vector<double> cent
     const std::size_t end = cell.size();
     planes_.append(-row, -slack, cell);
     centre = start;
-    if (ball(cell, centre.data()) > kNoRest && !coverCell(cell, centre, cover, slack)) return false;
+    if (ball(cell, centre.data()) > tolerance::kNoRest && !coverCell(cell, centre, cover, slack))
+      return false;
     cell.resize(end);
     planes_.append(row, slack, cell);
   }

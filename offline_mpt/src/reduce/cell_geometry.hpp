@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lp/polytope.hpp"
+#include "reduce/tolerances.hpp"
 
 namespace polyfly {
 
@@ -42,8 +43,6 @@ struct ConvexCell {
 /// refused (verify_reduction.hpp). One object serves one thread.
 class CellGeometry {
  public:
-  static constexpr double kNeeded = 1e-9;  ///< least reach that makes a half-space needed [scaled]
-
   explicit CellGeometry(const ScaledPlanes& planes);
 
   /// Fills centre and radius from the rows. A piece that the simplex fails on gets radius 0.
@@ -61,7 +60,7 @@ class CellGeometry {
 
   /// The rows without which the piece would reach farther than `tolerance`. The piece must have been
   /// described, and be bounded by its own rows.
-  RowList minimal(const ConvexCell& piece, double tolerance = kNeeded);
+  RowList minimal(const ConvexCell& piece, double tolerance = tolerance::kNeededReach);
 
   /// Whether the piece lies in the union of `cover`, their rows moved outwards by `slack`. Work is limited: a
   /// "no" may mean that the question was too long.

@@ -4,12 +4,10 @@
 
 #include "reduce/arrangement.hpp"
 #include "reduce/minimum_cover.hpp"
+#include "reduce/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-constexpr double kNear =
-    1e-4;  // thickness of the slab about a plane in which neighbours are looked for [scaled]
 
 /// Whether two pieces share more than an edge of a facet; a wrong "yes" costs time only.
 bool areNeighbours(CellGeometry& geometry, const ConvexCell& a, const ConvexCell& b, double slack) {
@@ -26,8 +24,10 @@ bool areNeighbours(CellGeometry& geometry, const ConvexCell& a, const ConvexCell
       for (std::size_t j = 0; j <= p; ++j) difference += std::abs(first[j] + second[j]);
       if (difference > 4.0 * slack) continue;
       rows.clear();
-      for (const std::int32_t row : a.rows) planes.append(row, row == own ? kNear : slack, rows);
-      for (const std::int32_t row : b.rows) planes.append(row, row == theirs ? kNear : slack, rows);
+      for (const std::int32_t row : a.rows)
+        planes.append(row, row == own ? tolerance::kNearPlane : slack, rows);
+      for (const std::int32_t row : b.rows)
+        planes.append(row, row == theirs ? tolerance::kNearPlane : slack, rows);
       std::vector<double> centre = a.centre;
       if (geometry.ball(rows, centre.data()) > 4.0 * slack) return true;
     }

@@ -15,18 +15,13 @@
 #include "reduce/merge.hpp"
 #include "reduce/reduced_map.hpp"
 #include "reduce/separate.hpp"
+#include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
 
 namespace polyfly {
 namespace {
 
-// Slack that regions may use when they are joined, as a share of the map's tolerance.
-constexpr double kSlackShare = 0.125;
-// Regions with a smaller inscribed ball are left as they are [scaled]
-constexpr double kEmptyInterior = 1e-11;
-// Greatest change of a constant input over the box, relative as for laws.
-constexpr double kConstantInput = 1e-6;
 constexpr std::size_t kMostFallbacks = 64;
 
 /// Regions of the map with the same law.
@@ -42,7 +37,7 @@ class Reducer {
   Reducer(const RegionMap& map, const ReduceOptions& options)
       : map_(map),
         options_(options),
-        slack_(kSlackShare * map.tolerance()),
+        slack_(tolerance::kMergingShare * map.tolerance()),
         planes_(ScaledPlanes::of(map)),
         box_(planes_.addBox()) {
     stats_.merge = options.merge;
@@ -82,7 +77,7 @@ class Reducer {
       const std::uint32_t law = class_of_[map_.region(r).law];
       const auto [found, is_new] = number.emplace(law, groups_.size());
       if (is_new) groups_.push_back({law, {}, {}});
-      if (pieces_[r].radius > kEmptyInterior) groups_[found->second].regions.push_back(r);
+      if (pieces_[r].radius > tolerance::kEmptyInterior) groups_[found->second].regions.push_back(r);
       centres_.insert(centres_.end(), pieces_[r].centre.begin(), pieces_[r].centre.end());
       laws_.push_back(law);
     }
@@ -137,7 +132,7 @@ class Reducer {
     double best_value = 0.0;
     const std::size_t p = map_.parameters().size();
     for (LawGroup& group : groups_) {
-      if (!isConstantLaw(map_, group.law, kConstantInput)) continue;
+      if (!isConstantLaw(map_, group.law, tolerance::kConstantInput)) continue;
       const double value = map_.law(group.law)[p];
       if (best != nullptr && (upper ? value <= best_value : value >= best_value)) continue;
       best = &group;
@@ -147,7 +142,8 @@ class Reducer {
     const Signal& input = map_.inputs().front();
     const double bound = upper ? input.upper : input.lower;
     const double scale = lawScales(map_).front();
-    if (std::isfinite(bound) && std::abs(best_value - bound) > kConstantInput * scale) return nullptr;
+    if (std::isfinite(bound) && std::abs(best_value - bound) > tolerance::kConstantInput * scale)
+      return nullptr;
     return best;
   }
 
@@ -221,7 +217,7 @@ class Reducer {
     // Regions too thin to be joined stay as they are.
     for (std::uint32_t r = 0; r < pieces_.size(); ++r) {
       const std::uint32_t law = class_of_[map_.region(r).law];
-      if (pieces_[r].radius > kEmptyInterior ||
+      if (pieces_[r].radius > tolerance::kEmptyInterior ||
           std::find(replaced_.begin(), replaced_.end(), law) != replaced_.end())
         continue;
       entries_.push_back({pieces_[r], law, static_cast<int>(r)});

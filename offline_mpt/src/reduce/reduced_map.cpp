@@ -7,14 +7,11 @@
 
 #include "offline_mpt/search_tree.hpp"
 #include "reduce/prune_tree.hpp"
+#include "reduce/tolerances.hpp"
 #include "region_maps/region_map.hpp"
 
 namespace polyfly {
 namespace {
-
-// A sliver that the tree leaves to a neighbour must not be left to a fallback region, whose law may be
-// another.
-constexpr double kSharpSide = 0.03;
 
 // A reduced map is to be small.
 constexpr std::size_t kNodesPerRegion = 2;
@@ -53,7 +50,7 @@ class Encoder {
     PruneRegions regions{tree.rows, {}, content.regions.size()};
     for (const MapContent::Region& region : content.regions) regions.laws.push_back(region.law);
     if (reduced_.first_fallback != 0) {
-      options.side_tolerance *= kSharpSide;
+      options.side_tolerance *= tolerance::kSharpSide;
       regions.first_fallback = reduced_.first_fallback;
     }
     const ScaledPlanes planes{tree.p, tree.planes};

@@ -3,17 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reduce/tolerances.hpp"
+
 namespace polyfly {
 namespace {
 
-// Least distance of the pieces from the plane between them.
-constexpr double kPlaneMargin = 1e-6;  // [scaled]
-// Share of the margin that every piece must keep.
-constexpr double kAccurate = 0.5;
-// A part of a piece is left out if its largest ball is smaller.
-constexpr double kNoPiece = 1e-10;  // [scaled]
-// Fallback regions may reach this far beyond the domain.
-constexpr double kSharp = 1e-12;  // [scaled]
 // Rounds of the search for points that a plane must respect, at most.
 constexpr int kRounds = 400;
 
@@ -36,7 +30,7 @@ class Separator {
     for (const ConvexCell& piece : below) addPoint(piece.centre.data(), 1.0);
     for (int round = 0; round < kRounds; ++round) {
       double margin = 0.0;
-      if (!solve(plane, margin) || margin < kPlaneMargin) return false;
+      if (!solve(plane, margin) || margin < tolerance::kPlaneMargin) return false;
       const bool above_kept = respects(above, plane, margin, -1.0);
       const bool below_kept = respects(below, plane, margin, 1.0);
       if (above_kept && below_kept) return true;
@@ -97,7 +91,7 @@ class Separator {
       if (!geometry_.support(piece, direction.data(), point.data())) return false;
       double distance = -plane[p_];
       for (std::size_t j = 0; j < p_; ++j) distance += plane[j] * point[j];
-      if (side * distance <= -kAccurate * margin) continue;
+      if (side * distance <= -tolerance::kKeptMargin * margin) continue;
       addPoint(point.data(), side);
       kept = false;
     }
@@ -180,8 +174,8 @@ class PieceSplitter {
     if (last != 0) part.piece.rows.push_back(last);
     part.piece.centre = domain_.centre;
     geometry_.describe(part.piece);
-    if (part.piece.radius <= kNoPiece) return;
-    part.piece.rows = geometry_.minimal(part.piece, kSharp);
+    if (part.piece.radius <= tolerance::kNoPiece) return;
+    part.piece.rows = geometry_.minimal(part.piece, tolerance::kSharpFallback);
     result_.fallbacks.push_back(std::move(part));
   }
 
@@ -192,7 +186,7 @@ class PieceSplitter {
         piece.rows.push_back(row);
         piece.points.clear();
         geometry_.describe(piece);
-        if (piece.radius <= kNoPiece) continue;
+        if (piece.radius <= tolerance::kNoPiece) continue;
       }
       kept.push_back(std::move(piece));
     }
@@ -226,7 +220,7 @@ ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, con
   }
   domain.centre = pieces.front().centre;
   geometry.describe(domain);
-  domain.rows = geometry.minimal(domain, kSharp);
+  domain.rows = geometry.minimal(domain, tolerance::kSharpFallback);
   return domain;
 }
 

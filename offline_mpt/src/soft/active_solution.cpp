@@ -1,14 +1,9 @@
 #include "soft/active_solution.hpp"
 
 #include "mpc_core/decompositions.hpp"
+#include "soft/tolerances.hpp"
 
 namespace polyfly {
-namespace {
-
-// Reciprocal of the condition above which the equations of an active set count as independent.
-constexpr double kRankTolerance = 1e-12;
-
-}  // namespace
 
 ActiveSolution solveActiveSet(const ParametricProgram& program, const std::vector<int>& active) {
   const Eigen::Index n = program.variableCount();
@@ -24,7 +19,7 @@ ActiveSolution solveActiveSet(const ParametricProgram& program, const std::vecto
     kkt.col(n + i).head(n) = program.A.row(row).transpose();
     right.row(n + i) << program.S.row(row), program.b(row);
   }
-  const PivotedQr qr(kkt, kRankTolerance);
+  const PivotedQr qr(kkt, tolerance::kIndependentEquations);
   ActiveSolution solution;
   solution.independent = qr.rank() == n + w;
   const Eigen::MatrixXd all = qr.solve(right);

@@ -5,13 +5,13 @@
 #include <string>
 
 #include "mpc_core/parametric_program.hpp"
+#include "soft/tolerances.hpp"
 
 namespace polyfly {
 
-/// An excess up to this is rounding of 0: 1e-9 of the greatest bound.
+/// An excess up to this is rounding of 0.
 inline double negligibleExcess(const ParametricProgram& program) {
-  constexpr double kNoExcess = 1e-9;
-  return kNoExcess * std::max(1.0, program.b.size() > 0 ? program.b.cwiseAbs().maxCoeff() : 0.0);
+  return tolerance::kNoExcess * std::max(1.0, program.b.size() > 0 ? program.b.cwiseAbs().maxCoeff() : 0.0);
 }
 
 /// Six digits, for people.

@@ -2,17 +2,9 @@
 
 #include <cmath>
 
+#include "soft/tolerances.hpp"
+
 namespace polyfly {
-namespace {
-
-// Functions with smaller coefficients are constants [scaled].
-constexpr double kConstant = 1e-12;
-// A constant function up to this is 0 [scaled].
-constexpr double kZero = 1e-9;
-// Cells with a smaller inscribed ball are faces of others [scaled].
-constexpr double kFlat = 1e-9;
-
-}  // namespace
 
 LoopScale::LoopScale(const MpcProblem& problem)
     : p_(static_cast<Eigen::Index>(problem.parameters.size())), channel_count_(problem.Bd_c.cols()) {
@@ -97,8 +89,8 @@ void LoopCell::add(const Eigen::MatrixXd& functions) {
 
 void LoopCell::addRow(const Eigen::RowVectorXd& function) {
   const double length = function.head(size_).norm();
-  if (length <= kConstant) {
-    empty_ = empty_ || function(size_) > kZero;
+  if (length <= tolerance::kConstantFunction) {
+    empty_ = empty_ || function(size_) > tolerance::kZeroFunction;
     return;
   }
   for (Eigen::Index j = 0; j < size_; ++j) rows_.push_back(function(j) / length);
@@ -109,13 +101,13 @@ void LoopCell::addRow(const Eigen::RowVectorXd& function) {
 bool LoopCell::enter() {
   if (empty_) return false;
   double radius = 0.0;
-  return solver_.chebyshevInBox(rows_.data(), count_, interior_.data(), radius) && radius > kFlat;
+  return solver_.chebyshevInBox(rows_.data(), count_, interior_.data(), radius) && radius > tolerance::kFaceOfOthers;
 }
 
 Eigen::VectorXd LoopCell::greatest(const Eigen::RowVectorXd& function) {
   Eigen::VectorXd point = interior_, direction = function.head(size_).transpose();
   const double length = direction.norm();
-  if (length <= kConstant) return interior_;
+  if (length <= tolerance::kConstantFunction) return interior_;
   direction /= length;
   if (!solver_.support(rows_.data(), count_, interior_.data(), direction.data(), point.data()))
     return interior_;

@@ -8,13 +8,12 @@
 #include "offline_mpt/explore.hpp"
 #include "soft/active_solution.hpp"
 #include "soft/excess_text.hpp"
+#include "soft/tolerances.hpp"
 #include "support/vector_text.hpp"
 
 namespace polyfly {
 namespace {
 
-// By how much a multiplier may exceed the weight, relative, through rounding.
-constexpr double kWeightTolerance = 1e-9;
 /// Greatest values of affine functions over the regions of a partition.
 class RegionMaximum {
  public:
@@ -176,7 +175,7 @@ void setExactness(const ParametricProgram& program, const ExploreOptions& option
   for (SoftBound& bound : *bounds) {
     if (never) bound.exactness = SoftBound::Exactness::kNeverFeasible;
     if (!unique) continue;
-    const bool below = bound.multiplier.value <= bound.linear_weight * (1.0 + kWeightTolerance);
+    const bool below = bound.multiplier.value <= bound.linear_weight * (1.0 + tolerance::kWeightTolerance);
     bound.exactness = below ? SoftBound::Exactness::kExact : SoftBound::Exactness::kNotExact;
   }
 }

@@ -5,6 +5,7 @@
 
 #include "support/in_parallel.hpp"
 #include "tree/plane_sides.hpp"
+#include "tree/tolerances.hpp"
 
 namespace polyfly {
 namespace {
@@ -17,8 +18,6 @@ constexpr std::size_t kPlanesTried = 3;
 constexpr std::size_t kManyMembers = 200;
 // Planes tried before a cell counts as one that no plane divides.
 constexpr std::size_t kMostTried = 64;
-// Where no member reaches further across a plane, the cell would have a flat side. Only rounding leads there [scaled].
-constexpr double kFlat = 1e-7;
 // Members that a thread takes at once.
 constexpr std::uint64_t kChunk = 64;
 
@@ -135,9 +134,9 @@ bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::v
     for (std::size_t k = 0; k < sides.size() && is_flat; ++k) {
       if ((sides[k] & side) == 0) continue;
       is_empty = false;
-      is_flat = solver.reachOf(cell.members[k], plane, side) < kFlat;
+      is_flat = solver.reachOf(cell.members[k], plane, side) < tolerance::kFlatCell;
     }
-    if (is_empty) is_flat = solver.depthOf(cell, plane, side) < kFlat;
+    if (is_empty) is_flat = solver.depthOf(cell, plane, side) < tolerance::kFlatCell;
     if (is_flat) return true;
   }
   return false;

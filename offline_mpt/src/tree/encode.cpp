@@ -9,13 +9,10 @@
 #include "polyfly_base/error.hpp"
 #include "region_maps/format.hpp"
 #include "support/vector_text.hpp"
+#include "tree/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-constexpr double kSamePlane = 1e-10;  // greatest difference of two unit planes that are written once [scaled]
-// How far outside a half-space still counts as inside [scaled].
-constexpr double kMembership = format::kMaxTolerance;
 
 /// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
 class Deduplicator {
@@ -96,7 +93,6 @@ struct Planes {
 
 Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
   const std::size_t p = scaling.half.size();
-  constexpr double kLeading = 1e-6;  // entries below this do not decide the sign
   Planes out;
   std::vector<double> row(p + 1);
   for (const CriticalRegion& region : partition.regions) {
@@ -108,8 +104,8 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
         row[p] -= region.G(f, static_cast<Eigen::Index>(j)) * scaling.centre[j];
         squared += row[j] * row[j];
       }
-      const auto leading =
-          std::find_if(row.begin(), row.end(), [](double a) { return std::abs(a) > kLeading; });
+      const auto leading = std::find_if(row.begin(), row.end(),
+                                        [](double a) { return std::abs(a) > tolerance::kLeadingEntry; });
       const bool negate = leading != row.end() && *leading < 0.0;
       const double factor = (negate ? -1.0 : 1.0) / std::sqrt(squared);
       for (const double value : row) out.planes.push_back(factor * value);
@@ -122,7 +118,7 @@ Planes collectPlanes(const Partition& partition, const Scaling& scaling) {
 void addPlanes(const Partition& partition, const Scaling& scaling, MapContent& content, TreeRegions& tree) {
   const std::size_t p = scaling.half.size();
   const Planes all = collectPlanes(partition, scaling);
-  const Deduplicator sharing(all.planes, p + 1, kSamePlane);
+  const Deduplicator sharing(all.planes, p + 1, tolerance::kSamePlane);
   for (const std::size_t i : sharing.representatives()) {
     double bound = all.planes[i * (p + 1) + p];
     for (std::size_t j = 0; j < p; ++j) {
@@ -255,7 +251,7 @@ MapContent encode(const ParametricProgram& program, const Partition& partition, 
   content.problem_kind = program.text_kind;
   content.solver_status = toString(partition.status);
   content.period = program.period;
-  content.tolerance = kMembership;
+  content.tolerance = tolerance::kMembership;
   content.parameters = program.parameters;
   content.inputs = program.inputs;
 

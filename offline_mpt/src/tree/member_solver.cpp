@@ -5,24 +5,13 @@
 #include <limits>
 
 #include "region_maps/format.hpp"
+#include "tree/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
 // Points kept per member besides those on its rows and walls.
 constexpr std::size_t kOtherPoints = 4;
-// A point on a row shows that it is needed if the others leave at least this there [scaled].
-constexpr double kClear = 1e-9;
-// Rows that others imply up to this are dropped [scaled]. It is far below a map's tolerance, so that dropped rows do
-// not change which candidate is the nearest.
-constexpr double kImplied = 1e-12;
-// Tolerances of a look-up by which rows that are not tested may be violated. A certificate proves 8; the rest is for
-// rounding and for the tolerance at the sides of the box.
-constexpr double kReach = 5.0;
-// By how much a parameter may have missed a plane on the way to a cell, by rounding [scaled].
-constexpr double kMissed = 1e-13;
-// Difference from a side of the box up to which a row counts as that side [scaled].
-constexpr double kSameAsBox = 1e-12;
 
 double sign(unsigned side) { return side == kBelow ? -1.0 : 1.0; }
 
@@ -57,13 +46,13 @@ bool MemberSolver::boundsBox(std::int32_t row) const {
   const double* const a = plane(planeOf(row));
   std::size_t large = 0, axis = p;
   for (std::size_t j = 0; j < p; ++j) {
-    if (std::abs(a[j]) <= kSameAsBox) continue;
+    if (std::abs(a[j]) <= tolerance::kSameAsBox) continue;
     ++large;
     axis = j;
   }
   if (large != 1) return false;
   const double bound = (row > 0 ? 1.0 : -1.0) * a[p] / std::abs(a[axis]);
-  return std::abs(bound - 1.0) <= kSameAsBox;
+  return std::abs(bound - 1.0) <= tolerance::kSameAsBox;
 }
 
 unsigned MemberSolver::seenSides(const CellMember& member, std::size_t plane) const {
@@ -133,7 +122,7 @@ void MemberSolver::gatherRows(const CellMember& member) {
       const double* const a = plane(planeOf(row));
       const double factor = row > 0 ? 1.0 : -1.0;
       for (std::size_t j = 0; j < width; ++j) *out++ = factor * a[j];
-      if (list == &member.walls) out[-1] += kMissed;
+      if (list == &member.walls) out[-1] += tolerance::kMissedPlane;
     }
   }
 }
@@ -151,7 +140,7 @@ void MemberSolver::gatherRow(std::int32_t row, double moved) {
 void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std::int32_t>& path) {
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
-  for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : kMissed);
+  for (const std::int32_t row : member.walls) gatherRow(row, boundsBox(row) ? 0.0 : tolerance::kMissedPlane);
   for (const std::int32_t row : member.rows) gatherRow(row, format::kMaxTolerance);
   questioned_.clear();
   std::size_t next = 0;  // of member.rows, which are in the order of `all`
@@ -163,10 +152,12 @@ void MemberSolver::addRowsForTolerance(CellMember& member, const std::vector<std
     }
   }
   if (questioned_.empty()) return;
-  for (const std::int32_t row : questioned_) gatherRow(row, kReach * format::kMaxTolerance);
+  for (const std::int32_t row : questioned_)
+    gatherRow(row, tolerance::kUntestedReach * format::kMaxTolerance);
   const int kept = static_cast<int>(member.bounds());
   const int count = kept + static_cast<int>(questioned_.size());
-  if (solver_.minimalBeside(kept, rows_.data(), count, member.inner.data(), kImplied, minimal_)) {
+  if (solver_.minimalBeside(kept, rows_.data(), count, member.inner.data(), tolerance::kImpliedRow,
+                            minimal_)) {
     std::vector<std::int32_t> left;
     for (const int facet : minimal_.facets)
       left.push_back(questioned_[static_cast<std::size_t>(facet - kept)]);
@@ -180,7 +171,7 @@ void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& 
   const std::size_t p = parameters();
   const std::vector<std::int32_t>& all = regions_.rows[member.region];
   rows_.clear();
-  for (const std::int32_t row : path) gatherRow(row, kMissed);
+  for (const std::int32_t row : path) gatherRow(row, tolerance::kMissedPlane);
   for (const std::int32_t row : all) {
     if (boundsBox(row)) gatherRow(row, 0.0);
   }
@@ -197,7 +188,8 @@ void MemberSolver::addRows(CellMember& member, const std::vector<std::int32_t>& 
       for (std::size_t j = 0; j < p; ++j) direction_[j] = factor * a[j];
       const int count = static_cast<int>(rows_.size() / (p + 1));
       if (solver_.furthest(rows_.data(), count, member.inner.data(), direction_.data(), point_.data()) &&
-          factor * kernels_.distance(a, point_.data(), p) <= kReach * format::kMaxTolerance)
+          factor * kernels_.distance(a, point_.data(), p) <=
+              tolerance::kUntestedReach * format::kMaxTolerance)
         continue;
       tested.push_back(row);
       gatherRow(row, format::kMaxTolerance);
@@ -242,7 +234,8 @@ CellMember MemberSolver::half(const CellMember& member, std::size_t plane, unsig
   is_settled_[bounds] = crossPlane(member, plane, sign(side), part.points.data() + bounds * p) ? 1 : 0;
   for (std::size_t k = 0; k < member.points.size() / p; ++k) {
     const double* const point = member.points.data() + k * p;
-    const bool is_here = sign(side) * kernels_.distance(this->plane(plane), point, p) > kImplied;
+    const bool is_here =
+        sign(side) * kernels_.distance(this->plane(plane), point, p) > tolerance::kImpliedRow;
     if (k < bounds) {
       is_settled_[k] = is_here ? 1 : 0;
     } else if (is_here && part.points.size() < (bounds + 1 + kOtherPoints) * p) {
@@ -322,7 +315,7 @@ bool MemberSolver::castRay(CellMember& member, std::size_t bound) const {
     const double* const row = rows_.data() + k * (p + 1);
     double slope = 0.0;
     for (std::size_t j = 0; j < p; ++j) slope += row[j] * ray[j];
-    if (slacks_[k] - reach * slope <= kClear) return false;
+    if (slacks_[k] - reach * slope <= tolerance::kNeededRow) return false;
   }
   for (std::size_t j = 0; j < p; ++j) member.points[bound * p + j] = member.inner[j] + reach * ray[j];
   return true;
@@ -342,7 +335,7 @@ void MemberSolver::decide(CellMember& member) {
     std::copy_n(rows_.data() + order_[k] * (p + 1), p + 1, ordered_.data() + k * (p + 1));
   const auto kept = static_cast<int>(std::count(is_settled_.begin(), is_settled_.end(), 1));
   if (!solver_.minimalBeside(kept, ordered_.data(), static_cast<int>(order_.size()), member.inner.data(),
-                             kImplied, minimal_)) {
+                             tolerance::kImpliedRow, minimal_)) {
     // All stay.
     for (std::size_t k = 0; k < is_settled_.size(); ++k) {
       if (is_settled_[k] == 0)

@@ -4,9 +4,6 @@
 
 namespace polyfly {
 
-/// Relative, in the rank-revealing factorisations of InteriorPointQp.
-constexpr double kRankTolerance = 1e-11;
-
 /// Largest absolute value; 0 of an empty vector.
 inline double maxAbs(const Eigen::VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 

@@ -8,18 +8,12 @@
 #include "mpc_core/decompositions.hpp"
 #include "verify/interior_point_parts.hpp"
 #include "verify/interior_point_qp.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kActiveBias[] = {1.0, 1e3, 1e-3,
-                                  1e6};  // a row is active if its multiplier exceeds so many slacks
-constexpr double kPolished = 1e-11;      // residual that needs no other guess [scaled]
 constexpr int kMaxPolishRounds = 8;
-constexpr double kPolishStart = 1e-3;  // residual below which the active set is worth guessing [scaled]
-constexpr double kWrongSign =
-    1e-12;  // a multiplier or slack below minus this changes the active set [scaled]
-constexpr double kSolveTolerance = 1e-10;  // relative residual at which an LU solution is trusted
 
 }  // namespace
 
@@ -56,10 +50,10 @@ bool InteriorPointQp::correct(const std::vector<int>& active) {
   if (k <= n) {
     step = Eigen::PartialPivLU<Eigen::MatrixXd>(kkt).solve(residual);
     const double size = maxAbs(residual);
-    solved =
-        step.allFinite() && maxAbs(step) <= 1.0 && maxAbs(kkt * step - residual) <= kSolveTolerance * size;
+    solved = step.allFinite() && maxAbs(step) <= 1.0 &&
+             maxAbs(kkt * step - residual) <= tolerance::kTrustedSolution * size;
   }
-  if (!solved) step = ShortestLeastSquares(kkt, kRankTolerance).solve(residual);
+  if (!solved) step = ShortestLeastSquares(kkt, tolerance::kInteriorPointRank).solve(residual);
   if (!step.allFinite()) return false;
   y_ += step.head(n);
   l_ = kept;
@@ -71,11 +65,11 @@ bool InteriorPointQp::correct(const std::vector<int>& active) {
 // of which both are nearly zero are taken out of it or into it.
 void InteriorPointQp::polish() {
   double best = reducedResidual();
-  if (!(best <= kPolishStart)) return;
+  if (!(best <= tolerance::kPolishStart)) return;
   best_y_ = y_;
   best_l_ = l_;
   const Eigen::VectorXd y = y_, l = l_;
-  for (const double bias : kActiveBias) {
+  for (const double bias : tolerance::kActiveBias) {
     y_ = y;
     l_ = l;
     std::vector<int> active;
@@ -83,7 +77,7 @@ void InteriorPointQp::polish() {
       if (l_[i] > bias * s_[i]) active.push_back(i);
     }
     follow(std::move(active), best);
-    if (best <= kPolished) break;
+    if (best <= tolerance::kPolished) break;
   }
   y_ = best_y_;
   l_ = best_l_;
@@ -104,7 +98,8 @@ void InteriorPointQp::follow(std::vector<int> active, double& best) {
       const bool was_active = std::binary_search(active.begin(), active.end(), i);
       const double slack = b_y_[i] - A_y_.row(i).dot(y_);
       const double scale = std::max(1.0, std::abs(b_y_[i]));
-      if (was_active ? l_[i] >= -kWrongSign : slack < -kWrongSign * scale) next.push_back(i);
+      if (was_active ? l_[i] >= -tolerance::kWrongSign : slack < -tolerance::kWrongSign * scale)
+        next.push_back(i);
     }
     if (next == active) return;
     active = std::move(next);

@@ -7,6 +7,7 @@
 
 #include "mpc_core/decompositions.hpp"
 #include "verify/interior_point_parts.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
@@ -15,39 +16,11 @@ constexpr int kMaxIterations = 80;
 constexpr int kMehrotraIterations = 30;
 // Target of plain path-following steps after the Mehrotra iterations, as a share of the mean product.
 constexpr double kPlainCentring = 0.2;
-// Residual of a row that is only rounding.
-constexpr double kRowRounding = 1e-15;  // [scaled]
 constexpr int kMaxStalledSteps = 4;
-// A shorter step is no progress.
-constexpr double kStalledStep = 1e-6;
 // Share of the way to the boundary that a step may take, at first.
 constexpr double kStepFraction = 0.995;
 // Share of the way to the boundary that a step may take, near the end.
 constexpr double kLastStepFraction = 0.999999;
-// Residual at which the Newton iteration ends.
-constexpr double kResidualGoal = 1e-11;  // [scaled]
-// Mean complementarity product at which the iteration ends when residuals are small.
-constexpr double kEarlyGapGoal = 1e-12;  // [scaled]
-// Mean complementarity product from which on kLateResidualGoal is enough.
-constexpr double kGapGoal = 1e-14;  // [scaled]
-// Mean complementarity product that tells multipliers from slacks of 1e-10.
-constexpr double kCarefulGapGoal = 1e-22;
-// Greatest residual that the final correction can remove.
-constexpr double kLateResidualGoal = 1e-6;  // [scaled]
-// The equalities imply a row if it is shorter than this times its norm.
-constexpr double kRowTolerance = 1e-11;
-// Equalities hold if their error is smaller.
-constexpr double kConsistency = 1e-9;  // [scaled]
-// Added to the diagonal of the normal matrix if that is not positive definite.
-constexpr double kRegularisation = 1e-14;
-// Size of the multipliers from which on a Farkas certificate is tried.
-constexpr double kCertificateSum = 1e2;
-// A Farkas certificate excludes all solutions up to this norm.
-constexpr double kCertificateRadius = 1e7;
-// Size of the iterates from which on unboundedness is tested.
-constexpr double kRayGrowth = 1e6;
-// Relative tolerance for a direction of unlimited descent.
-constexpr double kRayTolerance = 1e-7;
 
 }  // namespace
 
@@ -81,9 +54,9 @@ InteriorPointQp::InteriorPointQp(const Eigen::MatrixXd& H, const Eigen::MatrixXd
   if (eq_count == 0) {
     N_ = Eigen::MatrixXd::Identity(n, n);
   } else {
-    eq_factor_ = ShortestLeastSquares(A_eq_, kRankTolerance);
-    eq_transposed_factor_ = ShortestLeastSquares(A_eq_.transpose(), kRankTolerance);
-    const PivotedQr qr(A_eq_.transpose(), kRankTolerance);
+    eq_factor_ = ShortestLeastSquares(A_eq_, tolerance::kInteriorPointRank);
+    eq_transposed_factor_ = ShortestLeastSquares(A_eq_.transpose(), tolerance::kInteriorPointRank);
+    const PivotedQr qr(A_eq_.transpose(), tolerance::kInteriorPointRank);
     N_ = qr.Q().rightCols(n - qr.rank());
   }
   H_y_ = N_.transpose() * H_ * N_;
@@ -91,7 +64,8 @@ InteriorPointQp::InteriorPointQp(const Eigen::MatrixXd& H, const Eigen::MatrixXd
   const Eigen::MatrixXd rows = A_ * N_;
   for (int i = 0; i < static_cast<int>(m); ++i) {
     if (std::binary_search(equalities_.begin(), equalities_.end(), i)) continue;
-    const bool vanishes = rows.row(i).norm() <= kRowTolerance * std::max(row_norm_[i], kRowTolerance);
+    const bool vanishes = rows.row(i).norm() <= tolerance::kImpliedByEqualities *
+                                                    std::max(row_norm_[i], tolerance::kImpliedByEqualities);
     (vanishes ? fixed_ : rows_).push_back(i);
   }
   A_y_.resize(static_cast<Eigen::Index>(rows_.size()), N_.cols());
@@ -128,7 +102,7 @@ const InteriorPointSolution& InteriorPointQp::solve(const Eigen::VectorXd& g, co
     }
     polish();
     expand(g, b);
-    if (solution_.residual <= kInteriorPointAccuracy) {
+    if (solution_.residual <= tolerance::kInteriorPointAccuracy) {
       solution_.status = InteriorPointStatus::kOptimal;
       return solution_;
     }
@@ -159,7 +133,8 @@ bool InteriorPointQp::reduce(const Eigen::VectorXd& g, const Eigen::VectorXd& b)
     target_ = rhs_ - A_eq_ * z0_;
     for (Eigen::Index i = 0; i < eq_count; ++i) {
       const double norm = row_norm_[equalities_[static_cast<std::size_t>(i)]];
-      if (std::abs(target_[i]) <= kConsistency * std::max(norm, std::abs(rhs_[i]))) continue;
+      if (std::abs(target_[i]) <= tolerance::kConsistentEqualities * std::max(norm, std::abs(rhs_[i])))
+        continue;
       // The residual of the least-squares solution is orthogonal to the rows' span: it is the certificate.
       solution_.status = InteriorPointStatus::kInfeasible;
       for (Eigen::Index j = 0; j < eq_count; ++j)
@@ -169,7 +144,9 @@ bool InteriorPointQp::reduce(const Eigen::VectorXd& g, const Eigen::VectorXd& b)
   }
   for (const int row : fixed_) {
     const double slack = b[row] - A_.row(row).dot(z0_);
-    if (slack >= -kConsistency * std::max({row_norm_[row], std::abs(b[row]), kConsistency})) continue;
+    if (slack >= -tolerance::kConsistentEqualities *
+                     std::max({row_norm_[row], std::abs(b[row]), tolerance::kConsistentEqualities}))
+      continue;
     solution_.status = InteriorPointStatus::kInfeasible;
     solution_.lambda[row] = 1.0;
     addEqualityMultipliers(A_.row(row).transpose());
@@ -192,7 +169,7 @@ bool InteriorPointQp::reduce(const Eigen::VectorXd& g, const Eigen::VectorXd& b)
 void InteriorPointQp::start() {
   normal_.noalias() = A_y_.transpose() * A_y_;
   normal_ += kappa_ * H_y_;
-  normal_.diagonal().array() += kResidualGoal;
+  normal_.diagonal().array() += tolerance::kResidualGoal;
   factor_.compute(normal_);
   rhs_.noalias() = A_y_.transpose() * b_y_;
   rhs_ -= g_y_;
@@ -212,7 +189,7 @@ void InteriorPointQp::factorise() {
     row_scale_ = l_.cwiseMax(s_);
     newton_.setZero(n + m, n + m);
     newton_.topLeftCorner(n, n) = kappa_ * H_y_;
-    newton_.topLeftCorner(n, n).diagonal().array() += kRegularisation;
+    newton_.topLeftCorner(n, n).diagonal().array() += tolerance::kRegularisation;
     newton_.topRightCorner(n, m) = A_y_.transpose();
     newton_.bottomLeftCorner(m, n) = l_.cwiseQuotient(row_scale_).asDiagonal() * A_y_;
     newton_.bottomRightCorner(m, m).diagonal() = -s_.cwiseQuotient(row_scale_);
@@ -224,8 +201,8 @@ void InteriorPointQp::factorise() {
   normal_ = kappa_ * H_y_;
   normal_.selfadjointView<Eigen::Lower>().rankUpdate(scaled_rows_.transpose());
   factor_.compute(normal_);
-  double shift =
-      kRegularisation * std::max(1.0, normal_.diagonal().size() == 0 ? 0.0 : normal_.diagonal().maxCoeff());
+  double shift = tolerance::kRegularisation *
+                 std::max(1.0, normal_.diagonal().size() == 0 ? 0.0 : normal_.diagonal().maxCoeff());
   while (factor_.info() != Eigen::Success && shift < 1.0) {
     normal_.diagonal().array() += shift;
     factor_.compute(normal_);
@@ -279,15 +256,15 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     mu_ = s_.dot(l_) / count;
     // Past the goal for the gap the normal matrix is too ill-conditioned to gain more: the correction does
     // the rest.
-    const double goal = mu_ <= kGapGoal ? kLateResidualGoal : kResidualGoal;
-    const double gap_goal = careful_ ? kCarefulGapGoal : kEarlyGapGoal;
+    const double goal = mu_ <= tolerance::kGapGoal ? tolerance::kLateResidualGoal : tolerance::kResidualGoal;
+    const double gap_goal = careful_ ? tolerance::kCarefulGapGoal : tolerance::kEarlyGapGoal;
     if (mu_ <= gap_goal && maxAbs(r_dual_) <= goal * std::max(1.0, maxAbs(l_)) &&
         maxAbs(r_primal_) <= goal * b_scale) {
       return End::kConverged;
     }
     // What is left is rounding: chasing it would push slacks smaller than it across zero.
     for (Eigen::Index i = 0; i < r_primal_.size(); ++i) {
-      if (std::abs(r_primal_[i]) <= kRowRounding * (1.0 + std::abs(b_y_[i]))) r_primal_[i] = 0.0;
+      if (std::abs(r_primal_[i]) <= tolerance::kRowRounding * (1.0 + std::abs(b_y_[i]))) r_primal_[i] = 0.0;
     }
     if (provesInfeasible()) return End::kInfeasible;
     if (provesUnbounded()) return End::kUnbounded;
@@ -313,7 +290,7 @@ InteriorPointQp::End InteriorPointQp::iterate() {
     y_ += step * dy_;
     s_ += step * ds_;
     l_ += step * dl_;
-    stalled = step < kStalledStep ? stalled + 1 : 0;
+    stalled = step < tolerance::kStalledStep ? stalled + 1 : 0;
     if (stalled >= kMaxStalledSteps) return End::kStalled;
   }
   return End::kStalled;
@@ -323,21 +300,22 @@ InteriorPointQp::End InteriorPointQp::iterate() {
 // every y with |y|_1 < -b'w / |A'w|_inf.
 bool InteriorPointQp::provesInfeasible() {
   const double sum = l_.sum();
-  if (!(sum > kCertificateSum)) return false;
+  if (!(sum > tolerance::kCertificateSum)) return false;
   const double value = b_y_.dot(l_) / sum;
-  if (value >= -kInteriorPointAccuracy) return false;
+  if (value >= -tolerance::kInteriorPointAccuracy) return false;
   y_work_.noalias() = A_y_.transpose() * l_;
-  return -value >= kCertificateRadius * std::max(maxAbs(y_work_) / sum, std::numeric_limits<double>::min());
+  return -value >=
+         tolerance::kCertificateRadius * std::max(maxAbs(y_work_) / sum, std::numeric_limits<double>::min());
 }
 
 bool InteriorPointQp::provesUnbounded() {
   const double length = y_.norm();
-  if (!(length > kRayGrowth)) return false;
-  if (g_y_.dot(y_) >= -kRayTolerance * length) return false;
+  if (!(length > tolerance::kRayGrowth)) return false;
+  if (g_y_.dot(y_) >= -tolerance::kRayTolerance * length) return false;
   y_work_.noalias() = kappa_ * (H_y_ * y_);
-  if (maxAbs(y_work_) > kRayTolerance * length) return false;
+  if (maxAbs(y_work_) > tolerance::kRayTolerance * length) return false;
   row_work_.noalias() = A_y_ * y_;
-  return row_work_.size() == 0 || row_work_.maxCoeff() <= kRayTolerance * length;
+  return row_work_.size() == 0 || row_work_.maxCoeff() <= tolerance::kRayTolerance * length;
 }
 
 }  // namespace polyfly

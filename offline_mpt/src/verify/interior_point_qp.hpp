@@ -18,9 +18,6 @@ enum class InteriorPointStatus {
 
 const char* toString(InteriorPointStatus status);
 
-/// Greatest scaled KKT residual that counts as solved.
-constexpr double kInteriorPointAccuracy = 1e-9;
-
 struct InteriorPointSolution {
   InteriorPointStatus status = InteriorPointStatus::kInaccurate;
   Eigen::VectorXd z;       ///< n

@@ -7,13 +7,10 @@
 
 #include "region_maps/region_map.hpp"
 #include "verify/interior_point_qp.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
-
-constexpr double kParallelFace = 1e-9;  // a direction that approaches a face slower than this never meets it
-constexpr double kShortDirection = 1e-9;  // directions shorter than this are used up
-constexpr double kOffsets[] = {0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4};  // beside a face [scaled]
 
 // Spreads neighbouring seeds (Steele, Lea and Flood's finaliser, the constants as published).
 std::uint64_t spread(std::uint64_t x) {
@@ -47,7 +44,7 @@ Eigen::VectorXd ParameterSampler::direction() {
   do {
     for (Eigen::Index i = 0; i < result.size(); ++i) result[i] = 2.0 * unit() - 1.0;
     norm = result.norm();
-  } while (norm < kShortDirection);
+  } while (norm < tolerance::kShortDirection);
   return result / norm;
 }
 
@@ -101,7 +98,7 @@ double ParameterSampler::walk(Eigen::VectorXd& t, const Eigen::VectorXd& along, 
   face = -1;
   for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
     const double speed = rows_.row(i).dot(along);
-    if (speed <= kParallelFace) continue;
+    if (speed <= tolerance::kParallelFace) continue;
     const double distance = std::max(0.0, bounds_[i] - rows_.row(i).dot(t)) / speed;
     if (distance < nearest) {
       nearest = distance;
@@ -127,15 +124,15 @@ ParameterSampler::Sample ParameterSampler::degenerate() {
     if (face < 0) break;
     Eigen::VectorXd normal = rows_.row(face).transpose();
     normal -= met * (met.transpose() * normal);
-    if (normal.norm() < kShortDirection) break;
+    if (normal.norm() < tolerance::kShortDirection) break;
     met.conservativeResize(p, met.cols() + 1);
     met.col(met.cols() - 1) = normal.normalized();
     along = direction();
     along -= met * (met.transpose() * along);
-    if (along.norm() < kShortDirection) break;
+    if (along.norm() < tolerance::kShortDirection) break;
     along.normalize();
   }
-  if (faces > 0) t += kOffsets[below(std::size(kOffsets))] * direction();
+  if (faces > 0) t += tolerance::kOffsets[below(std::size(tolerance::kOffsets))] * direction();
   return toParameters(t, radius);
 }
 

@@ -7,22 +7,11 @@
 #include <utility>
 
 #include "mpc_core/decompositions.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-// Two unit rows are opposite if their entries cancel up to this.
-constexpr double kOppositeEntries = 1e-12;
-// A parameter may be this far outside A_theta theta <= b_theta.
-constexpr double kParameterSet = 1e-9;  // [scaled]
-// Least ratio of the least to the greatest eigenvalue that counts as positive.
-constexpr double kLeastEigenvalue = 1e-10;
-// Relative rank tolerance of the equalities.
-constexpr double kOracleRank = 1e-11;
-// Greatest residual at which a solution of an auxiliary program is used.
-constexpr double kUsableResidual = 1e-9;
-// A greater distance to the feasible set cannot be due to rounding.
-constexpr double kCertainDistance = 1e-8;
 constexpr double kOracleInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -38,7 +27,7 @@ std::vector<int> allEqualities(const ParametricProgram& program) {
   for (Eigen::Index i = 0; i < m; ++i) {
     if (program.A.row(i).norm() == 0.0) continue;
     for (Eigen::Index j = i + 1; j < m; ++j) {
-      if ((rows.row(i) + rows.row(j)).cwiseAbs().maxCoeff() <= kOppositeEntries) {
+      if ((rows.row(i) + rows.row(j)).cwiseAbs().maxCoeff() <= tolerance::kOppositeEntries) {
         result.push_back(static_cast<int>(i));
         break;
       }
@@ -99,14 +88,14 @@ bool definiteOnNullSpace(const ParametricProgram& program, const std::vector<int
     for (std::size_t i = 0; i < equalities.size(); ++i) {
       transposed.col(static_cast<Eigen::Index>(i)) = program.A.row(equalities[i]).transpose();
     }
-    const PivotedQr qr(transposed, kOracleRank);
+    const PivotedQr qr(transposed, tolerance::kOracleRank);
     N = qr.Q().rightCols(n - qr.rank());
   }
   if (N.cols() == 0) return true;
   const Eigen::MatrixXd reduced = N.transpose() * program.H * N;
   const Eigen::VectorXd values = symmetricEigenvalues(reduced);
   return values.minCoeff() >
-         kLeastEigenvalue * std::max(values.maxCoeff(), std::numeric_limits<double>::min());
+         tolerance::kLeastEigenvalue * std::max(values.maxCoeff(), std::numeric_limits<double>::min());
 }
 
 }  // namespace
@@ -129,7 +118,7 @@ bool ProgramOracle::inParameterSet(const Eigen::VectorXd& theta) const {
   for (Eigen::Index i = 0; i < program_->A_theta.rows(); ++i) {
     const auto row = program_->A_theta.row(i);
     const double scale = row.transpose().cwiseProduct(half_range_).norm();
-    if (row.dot(theta) - program_->b_theta[i] > kParameterSet * scale) return false;
+    if (row.dot(theta) - program_->b_theta[i] > tolerance::kParameterSet * scale) return false;
   }
   return true;
 }
@@ -150,7 +139,7 @@ const OracleAnswer& ProgramOracle::solve(const Eigen::VectorXd& theta) {
     case InteriorPointStatus::kInfeasible:
       return answer_;
     case InteriorPointStatus::kUnbounded:  // a direction alone: there need not be a solution to start from
-      if (!(distanceToFeasible(theta) > kCertainDistance)) answer_.verdict = Verdict::kUnbounded;
+      if (!(distanceToFeasible(theta) > tolerance::kCertainDistance)) answer_.verdict = Verdict::kUnbounded;
       return answer_;
     case InteriorPointStatus::kOptimal:
       answer_.verdict = Verdict::kFeasible;
@@ -165,7 +154,7 @@ const OracleAnswer& ProgramOracle::solve(const Eigen::VectorXd& theta) {
   answer_.u.noalias() += program_->C * theta;
   answer_.u.noalias() += program_->E * solution.z;
   // Without a certificate of either kind the program may be infeasible by very little: the distance tells.
-  if (answer_.verdict == Verdict::kUndecided && distanceToFeasible(theta) > kCertainDistance) {
+  if (answer_.verdict == Verdict::kUndecided && distanceToFeasible(theta) > tolerance::kCertainDistance) {
     answer_.verdict = Verdict::kInfeasible;
     answer_.residual = 0.0;
   }
@@ -186,7 +175,7 @@ double ProgramOracle::distanceToFeasible(const Eigen::VectorXd& theta) {
   }
   const InteriorPointSolution& solution = distance_.solve(distance_cost_, distance_bounds_);
   if (solution.status == InteriorPointStatus::kInfeasible) return kOracleInfinity;
-  if (!(solution.residual <= kUsableResidual)) return kUnknown;
+  if (!(solution.residual <= tolerance::kUsableResidual)) return kUnknown;
   return std::max(0.0, solution.objective);
 }
 
@@ -224,7 +213,7 @@ double ProgramOracle::objectiveWithOutput(const Eigen::VectorXd& theta, const Ei
   bounds.tail(q) = u - program_->C * theta - program_->c;
   const InteriorPointSolution& solution = with_output_.solve(g, bounds);
   if (solution.status == InteriorPointStatus::kInfeasible) return kOracleInfinity;
-  if (!(solution.residual <= kUsableResidual)) return kUnknown;
+  if (!(solution.residual <= tolerance::kUsableResidual)) return kUnknown;
   return solution.objective;
 }
 

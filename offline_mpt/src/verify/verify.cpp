@@ -13,13 +13,13 @@
 #include "verify/exact_optimality_check.hpp"
 #include "verify/parameter_sampler.hpp"
 #include "verify/program_oracle.hpp"
+#include "verify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr std::uint64_t kBlock = 256;   // samples drawn from one generator, checked by one thread
 constexpr std::uint64_t kRound = 4096;  // blocks whose reports are kept in memory at a time
-constexpr double kSameRange = 1e-12;    // relative, of the ranges of map and program
 
 void note(Finding& finding, double measure, const Eigen::VectorXd& theta) {
   ++finding.count;
@@ -66,7 +66,7 @@ void merge(VerifyReport& total, const VerifyReport& part) {
 /// Equal up to rounding. Both may be infinite: no bound.
 bool sameBound(double in_map, double in_program) {
   if (!std::isfinite(in_map) || !std::isfinite(in_program)) return in_map == in_program;
-  return std::abs(in_map - in_program) <= kSameRange * std::max(1.0, std::abs(in_program));
+  return std::abs(in_map - in_program) <= tolerance::kSameRange * std::max(1.0, std::abs(in_program));
 }
 
 void requireSame(const std::string& where, const std::vector<Signal>& in_map,

@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "certify/tolerances.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -20,9 +22,6 @@ ExactRow opposite(ExactRow row) {
   return row;
 }
 
-// Rounding of a row's value at a point of the box is less.
-constexpr double kSurely = 1e-12;
-
 double product(const std::vector<double>& row, const std::vector<double>& point) {
   return std::inner_product(point.begin(), point.end(), row.begin(), 0.0);
 }
@@ -31,7 +30,7 @@ bool allHold(const std::vector<ExactRow>& rows, const std::vector<Rational>& poi
              const std::vector<double>& rounded) {
   return std::all_of(rows.begin(), rows.end(), [&](const ExactRow& row) {
     const double value = row.unit.back() - product(row.unit, rounded);
-    return value > kSurely || (value > -kSurely && polyfly::valueAt(row, point) >= 0);
+    return value > tolerance::kSurely || (value > -tolerance::kSurely && polyfly::valueAt(row, point) >= 0);
   });
 }
 
@@ -111,7 +110,7 @@ bool CandidateCover::cutByBoundary(Cell cell, std::vector<std::uint32_t> left,
                                    const std::vector<Rational>& point, std::string& text) {
   const BoundaryRow* furthest = nullptr;
   const std::vector<double> rounded = toDoubles(point);
-  double least = context_.check.map.tolerance() - kSurely;
+  double least = context_.check.map.tolerance() - tolerance::kSurely;
   uncovered_ = point;
   if (boundary_ == nullptr) return false;
   for (const BoundaryRow& boundary : *boundary_) {

@@ -6,6 +6,7 @@
 
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/multipliers.hpp"
+#include "certify/tolerances.hpp"
 #include "lp/float_lp.hpp"
 
 namespace polyfly {
@@ -13,9 +14,6 @@ namespace {
 
 // Weights are short where the constant has room for their rounding.
 constexpr int kShortBits = 30, kLongBits = 52;
-constexpr double kDown = 1.0 - 0x1.0p-50, kUp = 1.0 + 0x1.0p-50;
-// What rows that exclude each other are to imply of another one: more than it can be violated in the box.
-constexpr double kFarAway = 16.0;
 // Tolerances of a look-up by which a row that is dropped at a node may be violated where the others are by one, and the
 // same at a leaf.
 constexpr double kNodeReach = 3.0, kLeafReach = 1.0 * kReach;
@@ -87,7 +85,7 @@ class Dropper {
     const double rounding = above(planes_.length(planes_.rounding()));
     std::vector<double> result(view_.row_count, std::numeric_limits<double>::infinity());
     for (std::uint32_t i = 0; i < view_.row_count; ++i) {
-      if (isTested(tests, i)) result[i] = (tolerance_ + rounding) * kUp;
+      if (isTested(tests, i)) result[i] = (tolerance_ + rounding) * tolerance::kRoundUp;
     }
     for (std::size_t visit = leaf;; visit = tree_.parent(visit)) {
       const RegionDrops::Range here = drops_.at(visit);
@@ -95,7 +93,7 @@ class Dropper {
         --dropped;
         double sum = dropped->most_path_weight * rounding - dropped->constant;
         for (const auto& [row, weight] : dropped->rows) sum += weight * result[row];
-        result[dropped->row] = std::min(result[dropped->row], std::max(0.0, sum * kUp));
+        result[dropped->row] = std::min(result[dropped->row], std::max(0.0, sum * tolerance::kRoundUp));
       }
       if (visit == 0) return result;
     }
@@ -180,7 +178,7 @@ class Dropper {
       const auto row = static_cast<std::size_t>(k);
       sum += weight * (row < places.size() ? unitAt(places[row]).back() : 1.0);
     }
-    const double factor = status == FloatLp::Status::kInfeasible ? -kFarAway / sum : 1.0;
+    const double factor = status == FloatLp::Status::kInfeasible ? -tolerance::kFarAway / sum : 1.0;
     for (const auto& [k, weight] : solver_.weights()) {
       const auto row = static_cast<std::size_t>(k);
       if (row < places.size() && weight > 0.0 && std::isfinite(weight * factor))
@@ -296,9 +294,10 @@ class Dropper {
 }  // namespace
 
 bool DroppedRow::holdsInside(double depth, double error) const {
-  const double gain = depth * least_path_weight * kDown;
-  const double loss = error * (1.0 + row_weight) / kDown - std::min(constant, 0.0) / kDown;
-  return std::max(constant, 0.0) * kDown + gain >= loss / kDown;
+  const double gain = depth * least_path_weight * tolerance::kRoundDown;
+  const double loss =
+      error * (1.0 + row_weight) / tolerance::kRoundDown - std::min(constant, 0.0) / tolerance::kRoundDown;
+  return std::max(constant, 0.0) * tolerance::kRoundDown + gain >= loss / tolerance::kRoundDown;
 }
 
 RegionDrops::Range RegionDrops::at(std::size_t visit) const {

@@ -6,14 +6,12 @@
 
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/slivers.hpp"
+#include "certify/tolerances.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kRegionShare =
-    0x1.0p-20;  // of a starting point's depth in the path rows, for the rows of its region
-constexpr double kDeepEnough = 0x1.0p-6;  // a starting point that is as deep needs no better one
-constexpr int kPointBits = 30;            // fraction of a starting point
+constexpr int kPointBits = 30;  // fraction of a starting point
 constexpr long kLeastDepthBits = 100;
 constexpr std::size_t kMostNear = 30;         // regions of one leaf
 constexpr std::size_t kMostNearCells = 5000;  // for one of them
@@ -55,8 +53,8 @@ bool LeafWalk::tryStart(std::uint32_t place, Start& start) const {
     lp.add(row);
   };
   for (const std::int32_t row : path_) add(context_.planes.moved(row, 0).unit, 1.0);
-  for (const ExactRow& row : listed) add(row.unit, kRegionShare);
-  for (int side = 0; side < 2 * p; ++side) add(boxRow(p, side).unit, kRegionShare);
+  for (const ExactRow& row : listed) add(row.unit, tolerance::kRegionShare);
+  for (int side = 0; side < 2 * p; ++side) add(boxRow(p, side).unit, tolerance::kRegionShare);
   std::vector<double> direction(static_cast<std::size_t>(p) + 1, 0.0);
   direction.back() = 1.0;
   if (lp.maximise(direction) != FloatLp::Status::kOptimal || !(lp.objective() > 0.0)) return false;
@@ -78,7 +76,7 @@ bool LeafWalk::tryStart(std::uint32_t place, Start& start) const {
 }
 
 bool LeafWalk::findStart(Start& start) const {
-  const Integer deep_enough = context_.planes.up(Rational(kDeepEnough));
+  const Integer deep_enough = context_.planes.up(Rational(tolerance::kDeepEnough));
   for (std::uint32_t place = 0; place < view_.count && start.depth < deep_enough; ++place) {
     const RegionCheck& check = context_.checks[view_.candidates[place]];
     if (check.forgiven == 0) tryStart(place, start);

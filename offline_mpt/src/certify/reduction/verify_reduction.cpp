@@ -9,6 +9,7 @@
 #include "arithmetic/exact_numbers.hpp"
 #include "certify/reduction/reduction_certificate.hpp"
 #include "certify/reduction/tree_partition.hpp"
+#include "certify/tolerances.hpp"
 #include "polyfly_base/error.hpp"
 #include "reduce/law_classes.hpp"
 #include "region_maps/region_map.hpp"
@@ -17,12 +18,8 @@
 namespace polyfly {
 namespace {
 
-// Slack, as a share of the maps' tolerance.
-constexpr double kSlackShare = 0.5;
 // Up to this number, all regions are tried, and the tree is not asked which ones matter.
 constexpr std::size_t kFew = 16;
-// Regions farther from a sliver's point are looked at only if that fails [scaled]
-constexpr double kNearRegion = 0.01;
 // Number of parts of a region that are reported at most.
 constexpr std::size_t kMostLost = 100;
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
@@ -102,13 +99,13 @@ class ReductionProof {
   /// Every part of a region of the original is answered, with its law or, in slivers that the tree leaves to
   /// a neighbour, with the law of a region that holds it within the slack too.
   Finding checkOriginal(std::uint32_t region) const {
-    Finding finding = checkOriginal(region, kNearRegion);
+    Finding finding = checkOriginal(region, tolerance::kNearSliver);
     return finding.defects.empty() ? finding : checkOriginal(region, kAnywhere);
   }
 
   /// What a region of the reduced map claims belongs to its law.
   Finding checkReduced(std::uint32_t region) const {
-    Finding finding = checkReduced(region, kNearRegion);
+    Finding finding = checkReduced(region, tolerance::kNearSliver);
     return finding.defects.empty() ? finding : checkReduced(region, kAnywhere);
   }
 
@@ -335,7 +332,7 @@ ReductionReport verifyReduction(const RegionMap& reduced, const RegionMap& origi
   report.original_regions = original.regionCount();
   report.reduced_regions = reduced.regionCount();
   report.fallback_regions = reduced.regionCount() - reduced.firstFallback();
-  report.slack = kSlackShare * original.tolerance();
+  report.slack = tolerance::kReductionShare * original.tolerance();
   report.law_tolerance = options.law_tolerance;
   const ReductionProof proof(reduced, original, options, report.slack);
   report.law_error = proof.lawError();

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "explore/parallel/group_message.hpp"
+#include "explore/parallel/result_message.hpp"
+#include "explore/parallel/worker_pool.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -18,10 +20,12 @@ std::string nameOf(int rank) { return "process " + std::to_string(rank); }
 
 }  // namespace
 
-Coordinator::Coordinator(ProcessGroup& group, Scheduler& scheduler, std::uint64_t fingerprint)
+Coordinator::Coordinator(ProcessGroup& group, const NormalisedProgram& program, std::uint64_t fingerprint,
+                         Scheduler<RegionResult>& scheduler)
     : group_(group),
-      scheduler_(scheduler),
+      program_(program),
       fingerprint_(fingerprint),
+      scheduler_(scheduler),
       ranks_(static_cast<std::size_t>(group.size())),
       thread_([this] { run(); }) {}
 
@@ -79,9 +83,9 @@ void Coordinator::receive(int from, const std::vector<std::byte>& message) {
     case GroupMessage::kAnswers: {
       const auto number = in.get<std::uint64_t>();
       const auto batch = std::find_if(member.working.begin(), member.working.end(),
-                                      [number](const Batch* c) { return c->number == number; });
+                                      [number](const Batch<RegionResult>* c) { return c->number == number; });
       if (batch == member.working.end()) throw Error(nameOf(from) + ": answers what it was not asked");
-      (*batch)->answers.assign(in.next(), in.next() + in.left());
+      for (std::size_t k = 0; k < (*batch)->sets.size(); ++k) readResult(program_, in, (*batch)->results[k]);
       member.back.push_back(*batch);
       member.working.erase(batch);
       break;
@@ -97,7 +101,7 @@ void Coordinator::receive(int from, const std::vector<std::byte>& message) {
 bool Coordinator::mergeAnswers() {
   bool any = false;
   for (RankState& member : ranks_) {
-    while (!member.back.empty() && scheduler_.tryComplete(member.back.front())) {
+    while (!member.back.empty() && scheduler_.tryPush(member.back.front())) {
       member.back.pop_front();
       any = true;
     }
@@ -110,17 +114,14 @@ bool Coordinator::sendBatches() {
   for (int rank = 1; rank < group_.size(); ++rank) {
     RankState& member = ranks_[static_cast<std::size_t>(rank)];
     while (member.working.size() + member.back.size() < kAhead * member.threads) {
-      Batch* const batch = scheduler_.tryPop(kMostSetsSent);
+      Batch<RegionResult>* const batch = scheduler_.tryPop(kMostSetsSent);
       if (batch == nullptr) return any;
       member.working.push_back(batch);
       std::vector<std::byte> message = groupMessage(GroupMessage::kBatch);
       ByteWriter out(message);
       out.put(batch->number);
       out.put(static_cast<std::uint32_t>(batch->sets.size()));
-      for (const RowSpan& set : batch->sets) {
-        out.put(static_cast<std::uint16_t>(set.count));
-        out.putArray(set.rows, set.count);
-      }
+      for (const RowSpan& set : batch->sets) writeSet(set, out);
       group_.send(rank, std::move(message));
       any = true;
     }
@@ -149,6 +150,14 @@ void Coordinator::findLostRanks() {
     const bool silent = member.threads > 0 && now - member.heard > kHeartbeatTimeout;
     if (silent || group_.lost(rank)) lost_ = rank;
   }
+}
+
+int runWithGroup(ProcessGroup& group, const NormalisedProgram& program, std::uint64_t fingerprint,
+                 int threads, Scheduler<RegionResult>& scheduler,
+                 const std::function<void(WorkQueue<RegionResult>&)>& loop) {
+  Coordinator coordinator(group, program, fingerprint, scheduler);
+  runWorkers<RegionResult>(threads, scheduler, loop);
+  return coordinator.finish();
 }
 
 }  // namespace polyfly

@@ -17,7 +17,7 @@ enum class GroupMessage : std::uint8_t {
   kFailure,
   /// From process 0: number, count, sets.
   kBatch,
-  /// To process 0: number, then the data that ExplorationState::merge reads.
+  /// To process 0: number, then a result for each set (result_message.hpp).
   kAnswers,
   /// Both ways, periodically.
   kHeartbeat,

@@ -6,7 +6,9 @@
 #include <mutex>
 #include <thread>
 
+#include "explore/parallel/compute_regions.hpp"
 #include "explore/parallel/group_message.hpp"
+#include "explore/parallel/result_message.hpp"
 #include "explore/parallel/worker_pool.hpp"
 #include "explore/state/checkpoint.hpp"
 #include "polyfly_base/error.hpp"
@@ -18,14 +20,14 @@ namespace {
 constexpr int kLeader = 0;
 
 /// A batch whose sets lie in a message.
-struct RemoteBatch : Batch {
+struct RemoteBatch : Batch<RegionResult> {
   std::vector<std::uint16_t> rows;
 };
 
 /// What process 0 asked for and what is answered.
-class RemoteQueue : public WorkQueue {
+class RemoteQueue : public WorkQueue<RegionResult> {
  public:
-  Batch* pop() override {
+  Batch<RegionResult>* pop() override {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return ended_ || !asked_.empty(); });
     if (ended_) return nullptr;
@@ -34,7 +36,7 @@ class RemoteQueue : public WorkQueue {
     return at_work_.back().get();
   }
 
-  void complete(Batch* batch) override {
+  void push(Batch<RegionResult>* batch) override {
     const std::lock_guard<std::mutex> lock(mutex_);
     for (auto& mine : at_work_) {
       if (mine.get() != batch) continue;
@@ -103,6 +105,7 @@ std::unique_ptr<RemoteBatch> readBatch(ByteReader& in) {
     batch->sets.push_back({batch->rows.data() + used, size});
     used += size;
   }
+  batch->fitResults();
   return batch;
 }
 
@@ -150,7 +153,7 @@ bool sendAnswers(RemoteQueue& remote, ProcessGroup& group) {
     std::vector<std::byte> message = groupMessage(GroupMessage::kAnswers);
     ByteWriter out(message);
     out.put(batch->number);
-    out.putArray(batch->answers.data(), batch->answers.size());
+    for (std::size_t k = 0; k < batch->sets.size(); ++k) writeResult(batch->results[k], out);
     group.send(kLeader, std::move(message));
     any = true;
   }
@@ -181,7 +184,8 @@ void assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOp
   group.send(kLeader, std::move(hello));
   RemoteQueue remote;
   std::thread messages([&] { exchange(remote, group); });
-  runWorkers(regionWorkers(program, options), workerCount(options), remote);
+  runWorkers<RegionResult>(workerCount(options), remote,
+                           [&](WorkQueue<RegionResult>& queue) { computeRegions(program, options, queue); });
   messages.join();
 }
 

@@ -1,31 +1,29 @@
 #pragma once
 
+#include <exception>
 #include <functional>
-#include <memory>
 
-#include "explore/parallel/scheduler.hpp"
+#include "explore/parallel/work_queue.hpp"
 #include "offline_mpt/explore_options.hpp"
-#include "program/normalised_program.hpp"
 
 namespace polyfly {
 
 /// Number of worker threads: as asked for, at most the processors of the machine.
 int workerCount(const ExploreOptions& options);
 
-/// Processes active sets. Each thread has one.
-class Worker {
- public:
-  virtual ~Worker() = default;
-  /// Appends the result for one active set, in the form that the queue of the set reads.
-  virtual void answer(RowSpan set, ByteWriter& out) = 0;
-};
-using MakeWorker = std::function<std::unique_ptr<Worker>()>;
+/// Calls `work`, which does not throw, once on each of `threads` threads, the calling one included.
+void runOnThreads(int threads, const std::function<void()>& work);
 
-/// Makes workers whose results ExplorationState::merge reads.
-MakeWorker regionWorkers(const NormalisedProgram& program, const ExploreOptions& options);
-
-/// Processes batches of the queue until it is empty. Runs on `threads` threads, the calling one included; each
-/// has its own worker.
-void runWorkers(const MakeWorker& make, int threads, WorkQueue& queue);
+/// The executor of one process: runs `loop`, which pops from the queue until it ends, on `threads` threads.
+template <typename Result>
+void runWorkers(int threads, WorkQueue<Result>& queue, const std::function<void(WorkQueue<Result>&)>& loop) {
+  runOnThreads(threads, [&] {
+    try {
+      loop(queue);
+    } catch (...) {
+      queue.abort(std::current_exception());
+    }
+  });
+}
 
 }  // namespace polyfly

@@ -5,21 +5,11 @@
 #include <random>
 
 #include "explore/region/starting_point.hpp"
+#include "explore/region/tolerances.hpp"
 #include "program/feasible_slack.hpp"
 
 namespace polyfly {
 namespace {
-
-// Step of a probe across a degenerate facet.
-constexpr double kProbeStep = 1e-7;  // [scaled]
-// Factor of step and edge for linear programs, whose starting points are less exact.
-constexpr double kLinearProbe = 1e4;
-// A region has an interior for certain if a point has this distance from all its half-spaces.
-constexpr double kClearlyInside = 1e-10;  // [scaled]
-// A probe whose rows cannot all keep this slack lies at the edge of the feasible set.
-constexpr double kProbeEdge = 1e-9;
-// Multipliers below this are not active in a starting point.
-constexpr double kActiveMultiplier = 1e-10;
 
 /// A point just across the facet, on the way from the region's centre to a point beyond.
 Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double step) {
@@ -37,9 +27,9 @@ Eigen::VectorXd across(const Region& region, const Facet& facet, int p, double s
 /// them.
 void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const DegenerateFacet& degenerate,
                 RegionResult& out) {
-  const double widen = program.linear ? kLinearProbe : 1.0;
+  const double widen = program.linear ? tolerance::kLinearProbe : 1.0;
   const Facet& facet = out.region.facets[degenerate.facet];
-  const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * kProbeStep);
+  const Eigen::VectorXd probe = across(out.region, facet, program.p, widen * tolerance::kProbeStep);
   const auto held = [&](double tolerance) {
     for (std::size_t k = degenerate.begin; k < degenerate.end; ++k) {
       worker.candidate.assign(out.neighbours[k].begin(), out.neighbours[k].end());
@@ -47,13 +37,16 @@ void probeFacet(const NormalisedProgram& program, RegionWorkspace& worker, const
     }
     return false;
   };
-  if (held(-kClearlyInside)) return;
+  if (held(-tolerance::kClearlyInside)) return;
   ActiveSet active;
   // A probe without an active set lies at the edge of the feasible set.
-  if (!activeSetAt(program, worker.qp, probe, widen * kProbeEdge, kActiveMultiplier, active)) return;
-  if (!activeSetAt(program, worker.qp, probe, 0.0, kActiveMultiplier, active)) return;
+  if (!activeSetAt(program, worker.qp, probe, widen * tolerance::kProbeEdge, tolerance::kActiveMultiplier,
+                   active))
+    return;
+  if (!activeSetAt(program, worker.qp, probe, 0.0, tolerance::kActiveMultiplier, active)) return;
   out.addNeighbour(active, degenerate.facet);
-  if (held(kProbeTolerance) || worker.builder.holds(active, probe.data(), kProbeTolerance)) return;
+  if (held(tolerance::kHeldProbe) || worker.builder.holds(active, probe.data(), tolerance::kHeldProbe))
+    return;
   Region optimal;
   if (worker.builder.build(active, optimal) == BuildStatus::kRegion) return;  // ill-conditioned, but not lost
   out.unresolved.insert(out.unresolved.end(), probe.data(), probe.data() + program.p);
@@ -101,7 +94,7 @@ void crossFacets(const NormalisedProgram& program, RegionWorkspace& worker, cons
 // The edge of the feasible set after all.
 bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe) {
   const std::optional<double> slack = feasibleSlack(program, probe);
-  return slack && *slack <= kProbeEdge;
+  return slack && *slack <= tolerance::kProbeEdge;
 }
 
 void RegionResult::clear() {
@@ -118,22 +111,35 @@ void RegionResult::addNeighbour(const ActiveSet& active, std::uint32_t facet) {
 
 void computeRegion(const NormalisedProgram& program, RegionWorkspace& worker, const ActiveSet& active,
                    RegionResult& out) {
+  const unsigned long long before = worker.pivots();
   out.clear();
   out.status = worker.builder.build(active, out.region);
-  if (out.status == BuildStatus::kWeaklyActive) addSmallerSets(active, out.neighbours);
-  if (out.status == BuildStatus::kLowerDimensional) addAround(worker, active, out);
-  if (out.status != BuildStatus::kRegion) return;
-  if (program.semidefinite) {
-    findBehindFacets(worker, active, out);
-  } else {
-    crossFacets(program, worker, active, out);
+  switch (out.status) {
+    case BuildStatus::kRegion:
+      if (program.semidefinite) {
+        findBehindFacets(worker, active, out);
+      } else {
+        crossFacets(program, worker, active, out);
+      }
+      break;
+    case BuildStatus::kLowerDimensional:
+      addAround(worker, active, out);
+      break;
+    case BuildStatus::kWeaklyActive:
+      addSmallerSets(active, out.neighbours);
+      break;
+    case BuildStatus::kEmptyInterior:
+    case BuildStatus::kDependent:
+    case BuildStatus::kFailed:
+      break;
   }
+  out.pivots = worker.pivots() - before;
 }
 
 bool findStart(const NormalisedProgram& program, const Eigen::VectorXd& centre, RegionWorkspace& worker,
                ActiveSet& active) {
   // Where H is singular, multipliers are as small as the multiple of the identity that is added to H.
-  const double least = program.semidefinite ? 0.0 : kActiveMultiplier;
+  const double least = program.semidefinite ? 0.0 : tolerance::kActiveMultiplier;
   std::mt19937_64 random(1);
   constexpr int kTries = 200;
   Region region;

@@ -22,6 +22,8 @@ struct RegionResult {
   /// Probes (p numbers each) that no candidate of their facet holds.
   std::vector<double> unresolved;
   std::uint32_t degenerate_facets = 0;
+  /// Pivots of the linear programs.
+  std::uint64_t pivots = 0;
 
   /// Clears everything but the region.
   void clear();
@@ -55,9 +57,6 @@ struct RegionWorkspace {
 /// Into `out`, whatever it held before.
 void computeRegion(const NormalisedProgram& program, RegionWorkspace& workspace, const ActiveSet& active,
                    RegionResult& out);
-
-/// A region holds a probe within this, as the map's look-up does [scaled].
-constexpr double kProbeTolerance = 1e-8;
 
 /// Whether a probe that no region holds lies at the edge of the feasible set, or outside.
 bool isEdge(const NormalisedProgram& program, const Eigen::VectorXd& probe);

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "arithmetic/tolerances.hpp"
+#include "explore/region/tolerances.hpp"
+
 namespace polyfly {
 namespace {
-
-// Relative error of multipliers up to which 32 digits are enough.
-constexpr double kTrusted = 1e-16;
-// Factor by which the error of a sum of products exceeds that of one operation.
-constexpr double kGrowth = 64.0;
 
 DoubleDouble dot(const DoubleDouble* a, const DoubleDouble* b, std::size_t count) {
   DoubleDouble sum;
@@ -157,8 +155,9 @@ bool DoubleDoubleRegionSolver::factorise(const std::vector<std::uint16_t>& activ
       if (c == r) least = std::min(least, value.high);
       row[c] = c < r ? value / other[c] : sqrt(value);
     }
-    const double error = kGrowth * static_cast<double>(n_) * root_condition_ * kDoubleDoubleRounding;
-    if (error > kTrusted * least) return false;
+    const double error = tolerance::kErrorOfSums * static_cast<double>(n_) * root_condition_ *
+                         tolerance::kDoubleDoubleRounding;
+    if (error > tolerance::kTrustedMultipliers * least) return false;
   }
   return true;
 }

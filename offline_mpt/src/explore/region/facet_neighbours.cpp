@@ -5,29 +5,12 @@
 #include <limits>
 
 #include "explore/region/starting_point.hpp"
+#include "explore/region/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
 
-// Multiples of the identity that are added to H, as shares of its mean eigenvalue.
-constexpr double kAdded[] = {1e-6, 1e-8, 1e-4, 1e-9};
-// Distances of probes behind the facet.
-constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};  // [scaled]
-// Multipliers below this share of the added multiple of the identity are not active.
-constexpr double kMultiplier = 1e-4;
-// A point lies at the edge of the feasible set if its rows cannot all keep this slack.
-constexpr double kFacetEdge = 1e-9;
-// Parts of a facet with a smaller inscribed ball are left out.
-constexpr double kThinPiece = 1e-9;  // [scaled]
-// Sine below which two planes are parallel.
-constexpr double kParallelPlanes = 1e-9;
-// Distance within which a region holds a point of its own facet.
-constexpr double kHolds = 1e-8;  // [scaled]
-// |z| has no limit if it grows by this factor when a hundredth as much is added to H, and exceeds kFar.
-constexpr double kGrows = 20.0;
-// |z| without limit exceeds this, relative to the rows' distances.
-constexpr double kFar = 1e3;
 constexpr std::size_t kMostPieces = 20'000;
 
 }  // namespace
@@ -37,7 +20,7 @@ FacetNeighbours::FacetNeighbours(const NormalisedProgram& program, double facet_
     : program_(program), builder_(program, facet_tolerance, radius_tolerance) {
   if (program.p > 1) solver_.emplace(program.p - 1);
   const double mean = program.curvature.trace() / program.n;
-  for (const double added : kAdded)
+  for (const double added : tolerance::kAddedIdentity)
     qps_.emplace_back(program.curvature + added * mean * Eigen::MatrixXd::Identity(program.n, program.n),
                       program.A);
 }
@@ -59,7 +42,7 @@ bool FacetNeighbours::restrict(const Facet& facet, int sign, ConvexCell& piece) 
   const Eigen::VectorXd along = sign * (basis_.transpose() * a);
   const double bound = sign * (facet.row[program_.p] - a.dot(foot_));
   const double length = along.norm();
-  if (length <= kParallelPlanes) return bound >= -kThinPiece;
+  if (length <= tolerance::kParallelPlanes) return bound >= -tolerance::kThinPiece;
   for (const double value : along) piece.push_back(value / length);
   piece.push_back(bound / length);
   return true;
@@ -87,29 +70,33 @@ bool FacetNeighbours::takeRegion(const ActiveSet& active) {
 
 FacetNeighbours::Behind FacetNeighbours::lookBehind(const Eigen::VectorXd& t) {
   ActiveSet active;
-  if (!activeSetAt(program_, qps_[0], t + kBehindFacet[3] * normal_, kFacetEdge, 0.0, active))
+  if (!activeSetAt(program_, qps_[0], t + tolerance::kBehindFacet[3] * normal_, tolerance::kProbeEdge, 0.0,
+                   active))
     return Behind::kBoundary;
   const double mean = program_.curvature.trace() / program_.n;
   const auto holds = [&](const Region& region) {
     return std::all_of(region.facets.begin(), region.facets.end(), [&](const Facet& facet) {
       const Eigen::Map<const Eigen::VectorXd> a(facet.row.data(), program_.p);
-      return a.dot(t) <= facet.row[program_.p] + kHolds;
+      return a.dot(t) <= facet.row[program_.p] + tolerance::kHeldOnFacet;
     });
   };
-  for (const double step : kBehindFacet) {
+  for (const double step : tolerance::kBehindFacet) {
     const Eigen::VectorXd probe = t + step * normal_;
     for (std::size_t k = 0; k < qps_.size(); ++k) {
-      if (!activeSetAt(program_, qps_[k], probe, 0.0, kMultiplier * kAdded[k] * mean, active)) continue;
+      if (!activeSetAt(program_, qps_[k], probe, 0.0,
+                       tolerance::kActiveShare * tolerance::kAddedIdentity[k] * mean, active))
+        continue;
       if (takeRegion(active) && holds(behind_.back())) return Behind::kRegion;
     }
   }
-  const Eigen::VectorXd probe = t + kBehindFacet[3] * normal_;
+  const Eigen::VectorXd probe = t + tolerance::kBehindFacet[3] * normal_;
   double lengths[2] = {0.0, 0.0};
   for (const std::size_t k : {0u, 1u}) {
     if (activeSetAt(program_, qps_[k], probe, 0.0, 0.0, active)) lengths[k] = qps_[k].z().norm();
   }
   const double distance = program_.D.size() > 0 ? program_.D.cwiseAbs().maxCoeff() : 1.0;
-  const bool without_limit = lengths[1] > kGrows * lengths[0] && lengths[1] > kFar * (1.0 + distance);
+  const bool without_limit = lengths[1] > tolerance::kUnlimitedGrowth * lengths[0] &&
+                             lengths[1] > tolerance::kUnlimitedSize * (1.0 + distance);
   return without_limit ? Behind::kBoundary : Behind::kUnknown;
 }
 
@@ -135,9 +122,9 @@ bool FacetNeighbours::cut(const ConvexCell& piece, const Region& region, std::ve
   for (const Facet& facet : region.facets) {
     ConvexCell outside = inside;
     if (restrict(facet, -1, outside) && outside.size() > inside.size() &&
-        radius(outside, centre) > kThinPiece)
+        radius(outside, centre) > tolerance::kThinPiece)
       rest.push_back(std::move(outside));
-    left = restrict(facet, 1, inside) && radius(inside, centre) > kThinPiece;
+    left = restrict(facet, 1, inside) && radius(inside, centre) > tolerance::kThinPiece;
     if (!left) break;
   }
   if (!left) rest.resize(before);
@@ -157,7 +144,7 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
   for (std::size_t round = 0; !pieces.empty() && round < kMostPieces; ++round) {
     const ConvexCell piece = std::move(pieces.back());
     pieces.pop_back();
-    if (radius(piece, centre) <= kThinPiece) continue;
+    if (radius(piece, centre) <= tolerance::kThinPiece) continue;
     if (std::any_of(behind_.begin(), behind_.end(),
                     [&](const Region& other) { return cut(piece, other, pieces); }))
       continue;
@@ -170,7 +157,8 @@ void FacetNeighbours::find(const Facet& facet, const Region& region, const Activ
       pieces.push_back(piece);
       continue;
     }
-    const Eigen::VectorXd probe = t + std::min(kBehindFacet[1], 0.5 * distanceToBoundary(t)) * normal_;
+    const Eigen::VectorXd probe =
+        t + std::min(tolerance::kBehindFacet[1], 0.5 * distanceToBoundary(t)) * normal_;
     unresolved.insert(unresolved.end(), probe.data(), probe.data() + program_.p);
   }
   for (const ActiveSet& active : behind_sets_) found.push({active.data(), active.size()});

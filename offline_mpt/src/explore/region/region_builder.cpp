@@ -4,16 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "explore/region/tolerances.hpp"
+
 namespace polyfly {
-namespace {
-
-constexpr double kConstantRow = 1e-11;  // relative slope below which a row does not depend on the parameters
-constexpr double kRounding = 1e-14;     // the same of slacks that are known to the last digit
-constexpr double kFlatness = 1e-8;      // how far rows overlap, or part, with nothing between them [scaled]
-constexpr double kOppositeProduct = 1e-6 - 1.0;  // product of unit rows below which they are opposite
-
-}  // namespace
-
 RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tolerance,
                              double radius_tolerance)
     : program_(program),
@@ -26,7 +19,7 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
       shortest_(program),
       accurate_(program),
       D_size_(program.m),
-      reach_((1.0 + kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
+      reach_((1.0 + tolerance::kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
       solver_(program.p) {
@@ -40,75 +33,6 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
   for (int i = 0; i < program.U.rows(); ++i) U_size_.push_back(program.U.row(i).cwiseAbs().maxCoeff());
 }
 
-bool RegionBuilder::factorise(const ActiveSet& active) {
-  const int k = static_cast<int>(active.size());
-  if (k > program_.n) return false;
-  factor_.resize(static_cast<std::size_t>(k) * k);
-  inverse_.resize(k);
-  for (int r = 0; r < k; ++r) {
-    const double* source = gram_.data() + static_cast<std::size_t>(active[r]) * program_.m;
-    double* row = factor_.data() + static_cast<std::size_t>(r) * k;
-    for (int c = 0; c <= r; ++c) {
-      const double* other = factor_.data() + static_cast<std::size_t>(c) * k;
-      double value = source[active[c]];
-      for (int i = 0; i < c; ++i) value -= row[i] * other[i];
-      if (c < r) {
-        row[c] = value / other[c];
-      } else if (value > kSafePivot) {
-        row[c] = std::sqrt(value);
-        inverse_[c] = 1.0 / row[c];
-      } else {
-        return factoriseAccurately(active);
-      }
-    }
-  }
-  return true;
-}
-
-// The same factor from the rows themselves, orthogonalised twice: distances come out with full accuracy,
-// where products of rows only keep their squares. Few sets need it.
-bool RegionBuilder::factoriseAccurately(const ActiveSet& active) {
-  const int k = static_cast<int>(active.size());
-  Eigen::MatrixXd basis(program_.n, k);
-  for (int r = 0; r < k; ++r) {
-    Eigen::VectorXd row = program_.M.row(active[r]);
-    double* out = factor_.data() + static_cast<std::size_t>(r) * k;
-    std::fill(out, out + r, 0.0);
-    for (int pass = 0; pass < 2; ++pass) {
-      for (int c = 0; c < r; ++c) {
-        const double weight = basis.col(c).dot(row);
-        out[c] += weight;
-        row -= weight * basis.col(c);
-      }
-    }
-    out[r] = row.norm();
-    if (out[r] <= kIndependent) return false;
-    basis.col(r) = row / out[r];
-    inverse_[r] = 1.0 / out[r];
-  }
-  return true;
-}
-
-// Solves factor factor' X = X in place for `width` right-hand sides lying side by side.
-void RegionBuilder::solveFactor(double* x, std::size_t rows, std::size_t width) const {
-  for (std::size_t r = 0; r < rows; ++r) {
-    double* row = x + r * width;
-    for (std::size_t c = 0; c < r; ++c) {
-      const double weight = factor_[r * rows + c];
-      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
-    }
-    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
-  }
-  for (std::size_t r = rows; r-- > 0;) {
-    double* row = x + r * width;
-    for (std::size_t c = r + 1; c < rows; ++c) {
-      const double weight = factor_[c * rows + r];
-      for (std::size_t j = 0; j < width; ++j) row[j] -= weight * x[c * width + j];
-    }
-    for (std::size_t j = 0; j < width; ++j) row[j] *= inverse_[r];
-  }
-}
-
 // Adds affine (t, 1) >= 0, known but for `noise`, as a unit half-space. False: the set describes no region.
 bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale, double noise,
                            BuildStatus& status) {
@@ -116,15 +40,17 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
   const bool is_slack = origin.kind == RowOrigin::Kind::kSlack;
-  const double flat = (is_accurate_ && is_slack ? kRounding : kConstantRow) * scale;
+  const double flat =
+      (is_accurate_ && is_slack ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
   if (is_accurate_) noise = 0.0;
   const double constant = affine[program_.p];
-  const double blurred = kErrorMargin * noise;
+  const double blurred = tolerance::kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
   if (meets_box && noise > flat && length <= blurred) doubtful_ = true;
   if (length <= flat) {
     // Of a row that nearly repeats an active one, only accurate numbers tell where it is violated.
-    if (is_slack && std::max(length, -constant) > kRounding * scale && constant <= flat) doubtful_ = true;
+    if (is_slack && std::max(length, -constant) > tolerance::kConstantSlack * scale && constant <= flat)
+      doubtful_ = true;
     if (constant < -flat) {
       status = BuildStatus::kEmptyInterior;
       return false;
@@ -142,45 +68,12 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
     return constant > 0.0;
   }
   const double inverse = 1.0 / length;
-  if (noise > kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
+  if (noise > tolerance::kAccurate * length) plane_error_ = std::max(plane_error_, noise * inverse);
   for (int j = 0; j < program_.p; ++j) rows_.push_back(-affine[j] * inverse);
   rows_.push_back(constant * inverse);
   origins_.push_back(origin);
   lengths_.push_back(length);
   return true;
-}
-
-// Cost multipliers of the active rows, -gram^-1 M cost. False unless the cost is in their span and none is negative
-// everywhere.
-bool RegionBuilder::findCostMultipliers(const ActiveSet& active) {
-  const auto k = static_cast<Eigen::Index>(active.size());
-  cost_multipliers_.resize(multipliers_.size());
-  if (is_accurate_) {
-    for (std::size_t r = 0; r < active.size(); ++r)
-      accurate_.costMultiplier(r, cost_multipliers_.data() + r * width_);
-    return true;
-  }
-  if (program_.semidefinite) {
-    for (std::size_t r = 0; cost_spanned_ && r < active.size(); ++r)
-      shortest_.costMultiplier(r, cost_multipliers_.data() + r * width_);
-    return cost_spanned_;
-  }
-  for (Eigen::Index r = 0; r < k; ++r) {
-    for (int j = 0; j < width_; ++j)
-      cost_multipliers_[r * width_ + j] = -program_.M.row(active[r]).dot(program_.cost.col(j));
-  }
-  solveFactor(cost_multipliers_.data(), active.size(), width_);
-  const double scale = program_.cost.cwiseAbs().maxCoeff();
-  Eigen::MatrixXd rest = program_.cost;
-  for (Eigen::Index r = 0; r < k; ++r) {
-    for (int j = 0; j < width_; ++j)
-      rest.col(j) += cost_multipliers_[r * width_ + j] * program_.M.row(active[r]).transpose();
-  }
-  double greatest = 0.0;
-  for (const double cost_multiplier : cost_multipliers_)
-    greatest = std::max(greatest, std::abs(cost_multiplier));
-  if (kErrorMargin * growth() * greatest > kCostResidual * scale) doubtful_ = true;
-  return rest.cwiseAbs().maxCoeff() <= kCostResidual * scale;
 }
 
 BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
@@ -191,7 +84,7 @@ BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double sca
       cost_scale = std::max(cost_scale, std::abs(cost_multiplier));
   }
   // Cost multipliers below this are zero.
-  const double zero = program_.linear ? kCostResidual * cost_scale : 0.0;
+  const double zero = program_.linear ? tolerance::kCostResidual * cost_scale : 0.0;
   for (std::size_t r = 0; r < active.size(); ++r) {
     if (program_.linear || program_.semidefinite) {
       const double* cost_multiplier = cost_multipliers_.data() + r * width_;
@@ -231,7 +124,7 @@ void RegionBuilder::slackRow(const ActiveSet& active, int row) {
 
 BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   BuildStatus status = BuildStatus::kRegion;
-  const double flat = (is_accurate_ ? kRounding : kConstantRow) * scale;
+  const double flat = (is_accurate_ ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
   idle_.clear();
   for (const int row : active) is_active_[row] = 1;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
@@ -246,51 +139,6 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
   }
   for (const int row : active) is_active_[row] = 0;
   return status;
-}
-
-// Multipliers of the active rows as functions of (t, 1), and the size of their constants and slopes. False
-// where the rows are dependent.
-bool RegionBuilder::findMultipliers(const ActiveSet& active, double& scale) {
-  multipliers_.resize(active.size() * width_);
-  pivot_ = 1.0;
-  if (!is_accurate_ && !factorise(active)) return false;
-  scale = 1.0;
-  for (std::size_t r = 0; r < active.size(); ++r) {
-    for (int j = 0; j < width_; ++j) {
-      const double value = -D_[static_cast<std::size_t>(active[r]) * width_ + j];
-      multipliers_[r * width_ + j] = value;
-      scale = std::max(scale, std::abs(value));
-    }
-  }
-  if (is_accurate_) {
-    for (std::size_t r = 0; r < active.size(); ++r) accurate_.multiplier(r, multipliers_.data() + r * width_);
-    return true;
-  }
-  if (program_.semidefinite) {
-    if (!findShortest(active)) return false;
-  } else {
-    solveFactor(multipliers_.data(), active.size(), width_);
-  }
-  size_ = 0.0;
-  for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
-  for (std::size_t r = 0; r < active.size(); ++r) pivot_ = std::min(pivot_, factor_[r * active.size() + r]);
-  return true;
-}
-
-// The same where H is singular and not zero.
-bool RegionBuilder::findShortest(const ActiveSet& active) {
-  const ShortestOptimum::Outcome outcome = shortest_.solve(active);
-  doubtful_ = doubtful_ || shortest_.doubtful();
-  cost_spanned_ = outcome != ShortestOptimum::Outcome::kCostNotSpanned;
-  if (outcome == ShortestOptimum::Outcome::kDependent) return false;
-  for (std::size_t r = 0; cost_spanned_ && r < active.size(); ++r)
-    shortest_.multiplier(r, multipliers_.data() + r * width_);
-  return true;
-}
-
-// What rounding does to multipliers and cost multipliers, relative to their size.
-double RegionBuilder::growth() const {
-  return program_.semidefinite ? shortest_.noise() : program_.rounding / pivot_;
 }
 
 BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
@@ -327,8 +175,8 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
 bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) const {
   if (status == BuildStatus::kDependent) return false;
   if (isIllConditioned()) return true;
-  if (status == BuildStatus::kRegion && law_error_ > kAccurate) return true;
-  return plane_error_ > kAccurate && region.radius > -kErrorMargin * plane_error_;
+  if (status == BuildStatus::kRegion && law_error_ > tolerance::kAccurate) return true;
+  return plane_error_ > tolerance::kAccurate && region.radius > -tolerance::kErrorMargin * plane_error_;
 }
 
 bool RegionBuilder::describeAccurately(const ActiveSet& active) {
@@ -355,7 +203,8 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
 
 // Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
 bool RegionBuilder::isFlat(const Region& region) const {
-  if (program_.linear || program_.semidefinite || std::abs(region.radius) > kFlatness) return false;
+  if (program_.linear || program_.semidefinite || std::abs(region.radius) > tolerance::kFlatness)
+    return false;
   const auto row = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
   };
@@ -363,9 +212,10 @@ bool RegionBuilder::isFlat(const Region& region) const {
   std::vector<int> tight;
   for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
     if (rows_[static_cast<std::size_t>(i) * width_ + program_.p] - row(i).dot(centre) >
-        region.radius + kFlatness)
+        region.radius + tolerance::kFlatness)
       continue;
-    if (std::any_of(tight.begin(), tight.end(), [&](int k) { return row(i).dot(row(k)) < kOppositeProduct; }))
+    if (std::any_of(tight.begin(), tight.end(),
+                    [&](int k) { return row(i).dot(row(k)) < tolerance::kOppositeProduct; }))
       return true;
     tight.push_back(i);
   }
@@ -374,8 +224,7 @@ bool RegionBuilder::isFlat(const Region& region) const {
 
 // Where regions meet that nothing but a flat set is between, they are neighbours of its facets.
 BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) {
-  constexpr double kMoved = 4.0 * kFlatness;
-  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += kMoved;
+  for (std::size_t i = 0; i < origins_.size(); ++i) rows_[i * width_ + program_.p] += tolerance::kOutwards;
   const BuildStatus status = findFacets(active, facet_tolerance_, region);
   return status == BuildStatus::kRegion ? BuildStatus::kLowerDimensional : status;
 }

@@ -6,6 +6,7 @@
 
 #include "explore/region/high_precision_region.hpp"
 #include "explore/region/shortest_optimum.hpp"
+#include "explore/region/tolerances.hpp"
 #include "explore/sets/active_set_list.hpp"
 #include "lp/polytope.hpp"
 #include "program/normalised_program.hpp"
@@ -37,6 +38,9 @@ struct Region {
   ActiveSet tight;          ///< rows that hold with equality everywhere, the active ones among them
   bool by_slack = false;    ///< only slacks bound the region: it depends on `tight` alone
   std::vector<double> law;  ///< q rows of p + 1 numbers: u = law (t, 1)
+
+  /// Whether `tight` names the region: other active sets than this one, of so many rows, may describe it, too.
+  bool isKnownByTightRows(std::size_t active_count) const { return by_slack && tight.size() > active_count; }
 };
 
 /// Where the way from the region's centre, 0, to the point beyond the facet, 1, crosses it.
@@ -93,7 +97,7 @@ class RegionBuilder {
   double growth() const;
   BuildStatus measure(const ActiveSet& active, Region& region);
   /// Even estimates of errors do.
-  bool isIllConditioned() const { return doubtful_ || pivot_ < kDistant; }
+  bool isIllConditioned() const { return doubtful_ || pivot_ < tolerance::kDistant; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);
@@ -122,23 +126,6 @@ class RegionBuilder {
   BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
   BuildStatus addSlackRows(const ActiveSet& active, double scale);
   bool findCostMultipliers(const ActiveSet& active);
-
-  // Error of a plane or law up to which doubles are used. Regions that share a facet have its plane from systems of their
-  // own. Between two such planes lies a wedge that no region holds. It may be thousands of times as long as it is wide, and
-  // all of it must lie within the tolerance of a look-up, 1e-8, of some region.
-  static constexpr double kAccurate = 1e-11;
-  // By how much a plane may miss the box and count as one that meets it, relative to the box.
-  static constexpr double kBoxMargin = 1e-9;
-  // Factor by which an estimated error may be too small.
-  static constexpr double kErrorMargin = 10.0;
-  /// Squared distance from others below which products of unit rows mislead.
-  static constexpr double kSafePivot = 1e-6;
-  // Distance of a unit row from the span of the others, above which it is independent of them.
-  static constexpr double kIndependent = 1e-10;
-  // Distance of a unit row from the span of the others, below which error estimates mislead, too.
-  static constexpr double kDistant = 1e-7;
-  /// Residual of the cost outside the span of the active rows, relative to its largest entry.
-  static constexpr double kCostResidual = 1e-9;
 
   const NormalisedProgram& program_;
   double facet_tolerance_;

@@ -2,20 +2,15 @@
 #include <cmath>
 
 #include "explore/region/region_builder.hpp"
+#include "explore/region/tolerances.hpp"
 
 namespace polyfly {
-namespace {
-
-constexpr double kClear =
-    1e-4;  // slack, relative to the multipliers' size, that leaves no doubt whatever the slope
-
-}  // namespace
-
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
   is_accurate_ = false;
   const bool held = holdsAsDescribed(active, t, tolerance);
-  if (!isIllConditioned() && plane_error_ <= kAccurate) return held;
-  if (!held && !isIllConditioned() && !holdsAsDescribed(active, t, tolerance + kErrorMargin * plane_error_))
+  if (!isIllConditioned() && plane_error_ <= tolerance::kAccurate) return held;
+  if (!held && !isIllConditioned() &&
+      !holdsAsDescribed(active, t, tolerance + tolerance::kErrorMargin * plane_error_))
     return false;
   return describeAccurately(active) ? holdsAsDescribed(active, t, tolerance) : held;
 }
@@ -61,7 +56,7 @@ bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double
     double slack = valueOf(D_.data() + static_cast<std::size_t>(i) * width_, t);
     for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
     const double noise = program_.rounding * (D_size_[i] + size_);
-    if (slack > kClear * scale + kErrorMargin * noise) continue;
+    if (slack > tolerance::kClearSlack * scale + tolerance::kErrorMargin * noise) continue;
     slackRow(active, i);
     addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
   }

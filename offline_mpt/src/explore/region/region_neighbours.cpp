@@ -3,16 +3,13 @@
 #include <limits>
 
 #include "explore/region/region_builder.hpp"
+#include "explore/region/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
 
-constexpr double kCoincident = 1e-9;         // difference below which two unit half-spaces are the same plane
-constexpr double kExchange = 1e-9;           // weight above which a row can leave in an exchange
 constexpr std::size_t kCoincidentLimit = 6;  // rows in one facet whose combinations are all tried
-constexpr double kSound = 1e-3;  // least pivot and weight with which estimates of changes are trusted
-constexpr double kRoom = 1e-5;   // distance behind the crossing of which something is said [scaled]
 
 ActiveSet with(const ActiveSet& active, int row) {
   ActiveSet result = active;
@@ -46,7 +43,7 @@ void RegionBuilder::findChanges(const Facet& facet) {
   changes_.clear();
   for (std::size_t i = 0; i < origins_.size(); ++i) {
     int j = 0;
-    while (j < width_ && std::abs(rows_[i * width_ + j] - facet.row[j]) <= kCoincident) ++j;
+    while (j < width_ && std::abs(rows_[i * width_ + j] - facet.row[j]) <= tolerance::kSameFacet) ++j;
     if (j == width_) changes_.push_back(static_cast<int>(i));
   }
 }
@@ -80,15 +77,15 @@ bool RegionBuilder::depends(const ActiveSet& active, int row) {
     for (std::size_t c = r + 1; c < k; ++c) value -= factor_[c * k + r] * weights_[c];
     weights_[r] = value * inverse_[r];
   }
-  if (squared > kSafePivot) return false;
-  if (k == n && pivot_ >= kSound && !is_accurate_) return true;  // they span all there is
+  if (squared > tolerance::kSafePivot) return false;
+  if (k == n && pivot_ >= tolerance::kSoundPivot && !is_accurate_) return true;  // they span all there is
   column_.assign(M_.begin() + row * program_.n, M_.begin() + (row + 1) * program_.n);
   for (std::size_t r = 0; r < k; ++r) {
     for (std::size_t j = 0; j < n; ++j) column_[j] -= weights_[r] * M_[active[r] * n + j];
   }
   double left = 0.0;
   for (const double entry : column_) left += entry * entry;
-  return left <= kIndependent * kIndependent;
+  return left <= tolerance::kIndependent * tolerance::kIndependent;
 }
 
 // A row that depends on the active ones can only join where one of them leaves. With row = sum w_j active_j,
@@ -104,11 +101,11 @@ int RegionBuilder::exchange(const ActiveSet& active, int row, ActiveSetList& set
       program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; constant_costs && r < active.size(); ++r) {
-    if (weights_[r] > kExchange) least = std::min(least, cost_multiplier(r));
+    if (weights_[r] > tolerance::kExchangeWeight) least = std::min(least, cost_multiplier(r));
   }
-  if (constant_costs) least += kCostResidual * (1.0 + std::abs(least));
+  if (constant_costs) least += tolerance::kCostResidual * (1.0 + std::abs(least));
   const auto leaves = [&](std::size_t r) {
-    return weights_[r] > kExchange && (!constant_costs || cost_multiplier(r) <= least);
+    return weights_[r] > tolerance::kExchangeWeight && (!constant_costs || cost_multiplier(r) <= least);
   };
   int first = -1;
   double goes_at = std::numeric_limits<double>::infinity();
@@ -130,7 +127,9 @@ int RegionBuilder::exchange(const ActiveSet& active, int row, ActiveSetList& set
 // lambda - sigma G^-1 e_j / w_j, moved until that of row j is zero; sigma is zero in the facet.
 bool RegionBuilder::beginsBehind(const ActiveSet& active, int leaving) {
   if (program_.linear || program_.semidefinite || is_accurate_ || doubtful_ || !idle_.empty()) return false;
-  if (pivot_ < kSound || plane_error_ > kAccurate || weights_[leaving] < kSound) return false;
+  if (pivot_ < tolerance::kSoundPivot || plane_error_ > tolerance::kAccurate ||
+      weights_[leaving] < tolerance::kSoundPivot)
+    return false;
   const std::size_t k = active.size();
   column_.assign(k, 0.0);
   column_[leaving] = 1.0;
@@ -142,7 +141,7 @@ bool RegionBuilder::beginsBehind(const ActiveSet& active, int leaving) {
   }
   const double weight = weights_[leaving];
   const double steepness = lengths_[changes_.front()] / weight;
-  const double multipliers_change = kRoom * (reach_ * size_ + steepness * greatest);
+  const double multipliers_change = tolerance::kRoomBehind * (reach_ * size_ + steepness * greatest);
   const double step = at_point_[leaving] / weight;
   if (at_point_[leaving] < multipliers_change) return false;
   for (std::size_t r = 0; r < k; ++r) {
@@ -150,7 +149,7 @@ bool RegionBuilder::beginsBehind(const ActiveSet& active, int leaving) {
     if (at_point_[r] - step * weights_[r] < (1.0 + std::abs(weights_[r]) / weight) * multipliers_change)
       return false;
   }
-  return slacksStay(changes_.front(), kRoom * steepness * total);
+  return slacksStay(changes_.front(), tolerance::kRoomBehind * steepness * total);
 }
 
 // Whether the box's half-spaces and the slacks but that of `facet` are farther from zero at the crossing than
@@ -163,7 +162,8 @@ bool RegionBuilder::slacksStay(int facet, double change) const {
     const double* row = rows_.data() + i * width_;
     double room = row[program_.p];
     for (int j = 0; j < program_.p; ++j) room -= row[j] * crossing_[j];
-    const double needed = kind == RowOrigin::Kind::kDomain ? kRoom : kRoom + change / lengths_[i];
+    const double needed = kind == RowOrigin::Kind::kDomain ? tolerance::kRoomBehind
+                                                           : tolerance::kRoomBehind + change / lengths_[i];
     if (room < needed) return false;
   }
   return true;
@@ -185,7 +185,8 @@ void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& s
     basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
   if (!kept.empty()) direction -= basis * PivotedQr(basis).solve(direction);
   for (int i = 0; i < program_.m; ++i) {
-    if (program_.M.row(i).dot(direction) > kExchange) sets.push(spanOf(kept), ActiveSetList::kNone, i);
+    if (program_.M.row(i).dot(direction) > tolerance::kExchangeWeight)
+      sets.push(spanOf(kept), ActiveSetList::kNone, i);
   }
 }
 

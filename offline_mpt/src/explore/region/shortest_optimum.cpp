@@ -4,28 +4,20 @@
 #include <cmath>
 #include <utility>
 
+#include "explore/region/tolerances.hpp"
 #include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
-namespace {
-
-// Distance of a unit row from the span of the others, above which it is independent of them.
-constexpr double kIndependent = 1e-10;
-// Relative size below which a number is zero.
-constexpr double kZero = 1e-10;
-// Rounding may decide the test for zero if a number is within this factor of kZero.
-constexpr double kDoubt = 1e3;
-
-}  // namespace
-
 ShortestOptimum::ShortestOptimum(const NormalisedProgram& program) : program_(program) {
   if (!program.semidefinite) return;
   greatest_ = symmetricEigenvalues(program.curvature)(program.n - 1);
 }
 
 bool ShortestOptimum::isZero(double part, double whole) {
-  if (part > kZero * whole / kDoubt && part < kZero * whole * kDoubt) doubtful_ = true;
-  return part <= kZero * whole;
+  if (part > tolerance::kShortestZero * whole / tolerance::kShortestDoubt &&
+      part < tolerance::kShortestZero * whole * tolerance::kShortestDoubt)
+    doubtful_ = true;
+  return part <= tolerance::kShortestZero * whole;
 }
 
 // With A' = Y T and Z an orthonormal basis of what A leaves free, z = Y T^-1' bound + Z v; v is the shortest
@@ -48,7 +40,7 @@ ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>
     Q = std::move(factors.Q);
     T = std::move(factors.R);
     const double least = T.diagonal().cwiseAbs().minCoeff();
-    if (least <= kIndependent) return Outcome::kDependent;
+    if (least <= tolerance::kIndependent) return Outcome::kDependent;
     noise_ /= least;
   }
   const Eigen::MatrixXd& factor = T;

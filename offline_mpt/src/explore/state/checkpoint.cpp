@@ -8,6 +8,7 @@
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/file_draft.hpp"
 #include "region_maps/mapped_file.hpp"
+#include "support/byte_stream.hpp"
 
 // Compiles XXH64 into this file; nothing to link.
 #define XXH_INLINE_ALL

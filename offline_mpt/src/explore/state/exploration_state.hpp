@@ -12,11 +12,11 @@
 namespace polyfly {
 
 /// How far an exploration has come: all that a checkpoint holds.
-struct ExplorationState : SetQueue {
+struct ExplorationState : SetQueue<RegionResult> {
   explicit ExplorationState(const NormalisedProgram& program);
 
   std::uint64_t regionCount() const override { return regions.size(); }
-  void merge(ByteReader& answer) override;
+  void merge(const RegionResult& result) override;
 
   // Active rows of regions that only slacks bound: such a region may be found from several active sets.
   ActiveSetPool tight;
@@ -29,16 +29,10 @@ struct ExplorationState : SetQueue {
   bool failed = false;
 
  private:
-  void mergeRegion(ByteReader& answer);
-
-  std::vector<std::uint16_t> rows_;
-  ActiveSetList neighbours_;
+  void mergeRegion(const RegionResult& result);
 };
 
-/// Appends the result for one active set, in the format that ExplorationState::merge reads.
-void writeAnswer(const RegionResult& result, const ActiveSet& active, std::uint64_t pivots, ByteWriter& out);
-
-/// The numbers of a region as RegionStore holds them.
-void writeNumbers(const Region& region, ByteWriter& out);
+/// The numbers of a region as RegionStore holds them, into `out`.
+void copyNumbers(const Region& region, double* out);
 
 }  // namespace polyfly

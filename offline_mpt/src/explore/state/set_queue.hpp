@@ -4,11 +4,12 @@
 
 #include "explore/sets/active_set_pool.hpp"
 #include "support/arena.hpp"
-#include "support/byte_stream.hpp"
 
 namespace polyfly {
 
 /// FIFO of active sets. Results are merged in FIFO order, so they do not depend on which thread computed them.
+/// `Result` is what one active set yields.
+template <typename Result>
 struct SetQueue {
   SetQueue() : found(memory) {}
   SetQueue(const SetQueue&) = delete;
@@ -24,7 +25,7 @@ struct SetQueue {
   virtual bool enough() const { return false; }
 
   /// Merges the result of the set number `described`.
-  virtual void merge(ByteReader& answer) = 0;
+  virtual void merge(const Result& result) = 0;
 
   /// Memory of `found` and of all containers of derived queues.
   CountedMemory memory;
@@ -32,9 +33,5 @@ struct SetQueue {
   /// Number of sets of `found` that were merged.
   std::uint64_t described = 0;
 };
-
-/// Reads a set as writeSet wrote it; the view is of `rows`.
-RowSpan readSet(ByteReader& in, std::vector<std::uint16_t>& rows);
-void writeSet(RowSpan set, ByteWriter& out);
 
 }  // namespace polyfly

@@ -1,0 +1,115 @@
+#pragma once
+
+#include "program/tolerances.hpp"
+
+/// Tolerances of the exploration.
+namespace polyfly::tolerance {
+
+/// A region holds a probe within this, as a look-up does [scaled].
+constexpr double kHeldProbe = kMembership;
+
+/// A region holds a point of its own facet within this [scaled].
+constexpr double kHeldOnFacet = kMembership;
+
+/// Error of a plane or law up to which doubles are used. Two regions that share a facet have its plane from systems
+/// of their own. Between these planes lies a wedge that no region holds, which may be thousands of times as long as
+/// it is wide. All of it must lie within kMembership of some region.
+constexpr double kAccurate = kMembership / 1e3;
+
+/// Factor by which an estimated error may be too small.
+constexpr double kErrorMargin = 10.0;
+
+/// By how much a plane may miss the box and count as one that meets it.
+constexpr double kBoxMargin = 1e-9;
+
+/// A row at a greater distance from the span of the others is independent of them.
+constexpr double kIndependent = 1e-10;
+
+/// At a smaller distance even estimates of errors mislead.
+constexpr double kDistant = kIndependent / 1e-3;
+
+/// At a smaller squared distance products of rows mislead.
+constexpr double kSafePivot = 1e-6;
+
+/// A smaller residual outside of the span of the active rows is rounding.
+constexpr double kCostResidual = 1e-9;
+
+/// A row with a smaller slope does not depend on the parameters.
+constexpr double kConstantRow = 1e-11;
+
+/// The same for slacks that are known to the last digit.
+constexpr double kConstantSlack = 1e-14;
+
+/// By how much rows may overlap, or part, with nothing between them [scaled].
+constexpr double kFlatness = kMembership;
+
+/// By how much the half-spaces of a flat set are moved outwards [scaled].
+constexpr double kOutwards = 4.0 * kFlatness;
+
+/// Rows with a smaller product are opposite.
+constexpr double kOppositeProduct = 1e-6 - 1.0;
+
+/// A greater slack leaves no doubt, whatever the slope.
+constexpr double kClearSlack = 1e-4;
+
+/// Half-spaces that differ by less are the same plane.
+constexpr double kSameFacet = 1e-9;
+
+/// A row with a greater weight can leave in an exchange.
+constexpr double kExchangeWeight = 1e-9;
+
+/// Least pivot and weight with which estimates of changes are trusted.
+constexpr double kSoundPivot = 1e-3;
+
+/// Distance behind a crossing of which something is said [scaled].
+constexpr double kRoomBehind = 1e-5;
+
+/// Step of a probe across a degenerate facet [scaled].
+constexpr double kProbeStep = 1e-7;
+
+/// Factor of step and edge for linear programs, whose starting points are less exact.
+constexpr double kLinearProbe = 1e4;
+
+/// A point at this distance from all half-spaces shows that a region has an interior [scaled].
+constexpr double kClearlyInside = 1e-10;
+
+/// A probe whose rows cannot all keep this slack lies at the edge of the feasible set.
+constexpr double kProbeEdge = 1e-9;
+
+/// Rows with smaller multipliers are not active in a starting point.
+constexpr double kActiveMultiplier = 1e-10;
+
+/// Multiples of the identity that are added to a singular H.
+constexpr double kAddedIdentity[] = {1e-6, 1e-8, 1e-4, 1e-9};
+
+/// Distances of probes behind a facet [scaled].
+constexpr double kBehindFacet[] = {1e-5, 1e-7, 1e-3, 1e-6, 1e-4};
+
+/// Rows with smaller multipliers are not active.
+constexpr double kActiveShare = 1e-4;
+
+/// Parts of a facet with a smaller inscribed ball are left out [scaled].
+constexpr double kThinPiece = 1e-9;
+
+/// Planes at a smaller angle are parallel.
+constexpr double kParallelPlanes = 1e-9;
+
+/// z has no limit if it grows by this factor when a hundredth as much is added to H, and exceeds kUnlimitedSize.
+constexpr double kUnlimitedGrowth = 20.0;
+
+/// A z without limit is greater.
+constexpr double kUnlimitedSize = 1e3;
+
+/// A smaller number is zero.
+constexpr double kShortestZero = 1e-10;
+
+/// Within this factor of kShortestZero rounding may decide what is zero.
+constexpr double kShortestDoubt = 1e3;
+
+/// Error of multipliers up to which 32 digits are enough.
+constexpr double kTrustedMultipliers = 1e-16;
+
+/// Factor by which the error of a sum of products exceeds that of one operation.
+constexpr double kErrorOfSums = 64.0;
+
+}  // namespace polyfly::tolerance

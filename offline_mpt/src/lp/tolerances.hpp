@@ -1,0 +1,30 @@
+#pragma once
+
+/// Tolerances of the floating linear programs.
+namespace polyfly::tolerance {
+
+/// Coefficients of a dictionary below this do not count as a direction.
+constexpr double kPivot = 1e-10;
+
+/// Rows whose steps differ by less block at the same step.
+constexpr double kRatioTie = 1e-14;
+
+/// The largest ball is found exactly if its radius is at least minus this.
+constexpr double kHopelessRadius = 1e-6;
+
+/// Slacks may be negative by so much.
+constexpr double kNegativeSlack = 1e-12;
+
+/// Difference of two ways to find one radius, above which both are in doubt.
+constexpr double kSameRadius = 1e-9;
+
+/// Shorter steps count as degenerate.
+constexpr double kDegenerateStep = 1e-13;
+
+/// Violation from which on a row enters the basis.
+constexpr double kEnteringViolation = 1e-13;
+
+/// Rows with weights below this do not leave the basis.
+constexpr double kLeavingWeight = 1e-11;
+
+}  // namespace polyfly::tolerance

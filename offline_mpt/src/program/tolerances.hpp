@@ -1,0 +1,91 @@
+#pragma once
+
+#include "arithmetic/tolerances.hpp"
+#include "region_maps/format.hpp"
+
+/// Tolerances of the program's normal form, and of what all layers share.
+namespace polyfly::tolerance {
+
+/// How far outside of a half-space a look-up still counts a parameter as inside [scaled].
+constexpr double kMembership = format::kMaxTolerance;
+
+/// A least eigenvalue below this makes H singular.
+constexpr double kSemidefinite = 1e-8;
+
+/// Eigenvalues of a singular H below this are zero.
+constexpr double kNullEigenvalue = 1e-12;
+
+/// H is zero where its reduced form has no greater entry.
+constexpr double kVanishingHessian = 1e-13;
+
+/// A smaller pivot or length is zero.
+constexpr double kProgramRank = 1e-11;
+
+/// Equalities with a smaller pivot are dependent.
+constexpr double kEqualityRank = kProgramRank;
+
+/// A smaller part outside of the range of H is rounding.
+constexpr double kOutsideRange = 1e-11;
+
+/// Weight of |z|^2 in the program that finds a starting point where H is singular.
+constexpr double kSingularStart = 1e-6;
+
+/// The same for linear programs.
+constexpr double kLinearStart = 1e-5;
+
+/// Rows that differ by less are parallel.
+constexpr double kParallelRows = 1e-12;
+
+/// Right-hand sides that differ by less are equal.
+constexpr double kSameSide = 1e-12;
+
+/// Distance up to which the exploration takes two inequalities for one.
+constexpr double kRepeatedRow = 1e-10;
+
+/// Distance from the span of other equalities up to which one depends on them. Proofs let such rows fail by twice
+/// as much.
+constexpr double kDependentEquality = 0x1p-41;
+
+/// Rounding of the right-hand side of an equality.
+constexpr double kSideRounding = 0x1p-49;
+
+/// Distance from the span of others from which doubles know what the row fixes to nine digits.
+constexpr double kClearEquality = 1e-6;
+
+/// A smaller margin is none.
+constexpr double kLeastMargin = 1e-9;
+
+/// A margin of zero may be this far below zero by rounding.
+constexpr double kMarginRounding = 1e-7;
+
+/// Weight of |(z, t)|^2 that makes the search for a Slater point strictly convex.
+constexpr double kSlaterWeight = 1e-7;
+
+/// A row with a greater multiplier blocks the margin.
+constexpr double kBlockingShare = 1e-4;
+
+/// Two rows are opposite if their entries cancel up to this.
+constexpr double kOppositeRows = 1e-14;
+
+/// Variables with a greater entry are not scaled.
+constexpr double kSmallColumn = 1e-2;
+
+/// A shorter row has no normal.
+constexpr double kNoNormal = 1e-13;
+
+/// A smaller slope is level.
+constexpr double kLevelCost = 1e-9;
+
+/// Greatest product with a direction of length 1 at which a row leaves it open.
+constexpr double kOpenDirection = 1e-9;
+
+/// Steps across a facet, behind which the cost may have no end [scaled].
+constexpr double kStepsAcross[] = {1e-2, 1e-4};
+
+/// Planes nearer to a plane of the domain are its edge [scaled].
+constexpr double kDomainEdge = 1e-9;
+
+/// Half width of the box around z in which slacks are searched.
+constexpr double kSearchBox = 1e4;
+
+}  // namespace polyfly::tolerance

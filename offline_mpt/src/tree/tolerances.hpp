@@ -1,0 +1,35 @@
+#pragma once
+
+#include "offline_mpt/explore_options.hpp"
+#include "program/tolerances.hpp"
+
+/// Tolerances of the search tree and of the map's tables.
+namespace polyfly::tolerance {
+
+/// Planes that differ by less are written once [scaled].
+constexpr double kSamePlane = kDefaultRadiusTolerance / 10.0;
+
+/// Smaller entries do not decide the sign of a plane.
+constexpr double kLeadingEntry = 1e-6;
+
+/// A point on a row shows that it is needed if the others leave at least this there [scaled].
+constexpr double kNeededRow = 1e-9;
+
+/// Rows that others imply up to this are dropped. It is far below kMembership, so that dropped rows do not change
+/// which candidate is the nearest [scaled].
+constexpr double kImpliedRow = 1e-12;
+
+/// By how much rows that are not tested may be violated. A certificate proves 8; the rest is for rounding and for
+/// the tolerance at the sides of the box.
+constexpr double kUntestedReach = 5.0;
+
+/// By how much a parameter may have missed a plane on the way to a cell, by rounding [scaled].
+constexpr double kMissedPlane = 1e-13;
+
+/// Rows that differ by less from a side of the box count as that side [scaled].
+constexpr double kSameAsBox = 1e-12;
+
+/// Where no member reaches further across a plane, the cell would have a flat side [scaled].
+constexpr double kFlatCell = 1e-7;
+
+}  // namespace polyfly::tolerance
