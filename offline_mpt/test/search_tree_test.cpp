@@ -238,6 +238,67 @@ TEST(SearchTree, EndsEarlyWhenToldTo) {
   EXPECT_EQ(mostCandidates(tree), 16u);
 }
 
+// A tree whose cells would take too much memory grows in one cell after the other.
+TEST(SearchTree, GrowsInPartsWhereMemoryIsShort) {
+  const ParametricProgram program = randomProgram(8, 24, 4, 3);
+  const Partition partition = explore(program);
+  TreeOptions options;
+  const std::uint64_t whole = worstCase(encode(program, partition, options));
+  options.memory_limit = 2000 * partition.regions.size();
+  const MapContent one = encode(program, partition, options);
+  options.threads = 3;
+  EXPECT_EQ(layOut(one), layOut(encode(program, partition, options)));
+  EXPECT_LE(one.nodes.size(), std::max<std::size_t>(4096, 2 * partition.regions.size()));
+  const MapInMemory memory(one);
+  EXPECT_LE(worstCase(one), 2 * whole);
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1.05, 1.05);
+  for (int k = 0; k < 5000; ++k)
+    expectSameAnswer(memory.map(), Eigen::VectorXd::NullaryExpr(4, [&] { return uniform(random); }));
+}
+
+TEST(SearchTree, TheLimitOnMemoryIsKept) {
+  const TreeRegions regions = intervals();
+  TreeOptions options;
+  options.memory_limit = 1;
+  const SearchTree tree = buildTree(regions, options);
+  EXPECT_EQ(tree.end, TreeEnd::kMemory);
+  EXPECT_TRUE(tree.nodes.empty());
+  EXPECT_EQ(mostCandidates(tree), 16u);
+}
+
+// Of a program whose parameters range from -1 to 1.
+TreeRegions regionsOf(const ParametricProgram& program, const Partition& partition) {
+  TreeOptions none;
+  none.mode = TreeMode::kNone;
+  const MapContent content = encode(program, partition, none);
+  TreeRegions regions;
+  regions.p = program.parameterCount();
+  regions.planes = content.planes;
+  for (std::size_t r = 0; r < content.regions.size(); ++r) {
+    const auto first = content.rows.begin() + content.regions[r].first_row;
+    regions.rows.emplace_back(first, first + content.regions[r].row_count);
+    const Eigen::VectorXd& centre = partition.regions[r].centre;
+    regions.centres.insert(regions.centres.end(), centre.begin(), centre.end());
+  }
+  return regions;
+}
+
+// The work of a fast tree follows that of the exploration, also where parts of regions are many.
+TEST(SearchTree, AFastTreeTakesFewPivots) {
+  for (const int p : {4, 6, 7}) {
+    const ParametricProgram program = randomProgram(6, 30, p, 2);
+    const Partition partition = explore(program);
+    TreeOptions options;
+    options.mode = TreeMode::kFast;
+    options.explored_pivots = partition.stats.lp_pivots;
+    const double least = 40000.0, explored = static_cast<double>(options.explored_pivots);
+    const SearchTree tree = buildTree(regionsOf(program, partition), options);
+    EXPECT_GT(tree.nodes.size(), 1u);
+    EXPECT_LE(static_cast<double>(tree.pivots), 2.2 * std::max(least, explored)) << p;
+  }
+}
+
 // Regions that overlap cannot be separated: they share a leaf, and the first one answers.
 TEST(SearchTree, OverlappingRegionsShareALeaf) {
   TreeRegions regions;

@@ -24,7 +24,7 @@ enum class TreeEnd : std::uint8_t {
   kLittleGain,
   kNodes,    ///< The limit of nodes was reached.
   kBytes,    ///< The tree takes much more memory than the regions.
-  kMemory,   ///< Its cells take 1.5 GiB while it grows.
+  kMemory,   ///< TreeOptions::memory_limit
   kPivots,   ///< It took as long as the mode allows.
   kStopped,  ///< TreeOptions::stop
 };
@@ -34,6 +34,7 @@ struct SearchTree {
   TreeEnd end = TreeEnd::kNoGain;
   std::uint32_t root = MapContent::kLeaf;
   std::uint32_t depth = 0;
+  std::uint64_t pivots = 0;             ///< simplex pivots that it took
   std::vector<MapContent::Node> nodes;  ///< children follow their parents
   std::vector<MapContent::Leaf> leaves;
   std::vector<std::uint32_t> candidates;
@@ -57,6 +58,8 @@ struct TreeOptions {
   std::uint64_t node_limit = 0;
   /// Simplex pivots of the exploration: the measure of kFast.
   std::uint64_t explored_pivots = 0;
+  /// What its cells may take while it grows [bytes]. Above two thirds of it, the tree grows in one cell after the other.
+  std::uint64_t memory_limit = std::uint64_t{3} << 29;
   /// Look-ups test all rows of a candidate: the leaves of the map will not name any, and `tests` stays empty.
   bool all_rows = false;
   /// A part of a region that reaches no further across a plane is left to the other side [scaled].
