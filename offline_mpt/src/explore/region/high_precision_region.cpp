@@ -1,11 +1,15 @@
 #include "explore/region/high_precision_region.hpp"
 
+#include "explore/region/tolerances.hpp"
+
 namespace polyfly {
 
-bool HighPrecisionRegionSolver::solve(const std::vector<std::uint16_t>& active) {
+KktSolver::Outcome HighPrecisionRegionSolver::solve(const ActiveSet& active) {
   if (!long_) long_.emplace(reduced_);
   is_long_ = long_->solve(active);
-  return is_long_ || exact_.solve(active);
+  if (is_long_ || exact_.solve(active)) return Outcome::kSolved;
+  // By the set's own fault, not the program's.
+  return reduced_.semidefinite && exact_.usable() ? Outcome::kNoOptimum : Outcome::kDependent;
 }
 
 void HighPrecisionRegionSolver::multiplier(std::size_t place, double* affine) const {
@@ -16,8 +20,11 @@ void HighPrecisionRegionSolver::slack(int row, double* affine) const {
   is_long_ ? long_->slack(row, affine) : exact_.slack(row, affine);
 }
 
-void HighPrecisionRegionSolver::law(std::vector<double>& out) const {
+double HighPrecisionRegionSolver::constantSlack() const { return tolerance::kConstantSlack; }
+
+double HighPrecisionRegionSolver::law(std::vector<double>& out) const {
   is_long_ ? long_->law(out) : exact_.law(out);
+  return 0.0;
 }
 
 }  // namespace polyfly

@@ -7,30 +7,54 @@
 #include "explore/region/tolerances.hpp"
 
 namespace polyfly {
+namespace {
+
+BuildStatus statusOf(KktSolver::Outcome outcome) {
+  switch (outcome) {
+    case KktSolver::Outcome::kSolved:
+      return BuildStatus::kRegion;
+    case KktSolver::Outcome::kDependent:
+      return BuildStatus::kDependent;
+    case KktSolver::Outcome::kNoOptimum:
+      return BuildStatus::kEmptyInterior;
+  }
+  return BuildStatus::kFailed;
+}
+
+}  // namespace
+
 RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tolerance,
                              double radius_tolerance)
     : program_(program),
       facet_tolerance_(facet_tolerance),
       radius_tolerance_(radius_tolerance),
       width_(program.p + 1),
-      gram_(static_cast<std::size_t>(program.m) * program.m),
-      D_(static_cast<std::size_t>(program.m) * width_),
-      M_(static_cast<std::size_t>(program.m) * program.n),
-      shortest_(program),
+      tables_(program),
+      factor_(program, tables_),
+      rounded_(makeKktSolver(program, tables_, factor_)),
       accurate_(program),
-      D_size_(program.m),
+      kkt_(rounded_.get()),
       reach_((1.0 + tolerance::kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
-      solver_(program.p) {
-  for (int i = 0; i < program.m; ++i) {
-    for (int j = 0; j < program.m; ++j)
-      gram_[static_cast<std::size_t>(i) * program.m + j] = program.gram(i, j);
-    for (int j = 0; j < width_; ++j) D_[static_cast<std::size_t>(i) * width_ + j] = program.D(i, j);
-    for (int j = 0; j < program.n; ++j) M_[static_cast<std::size_t>(i) * program.n + j] = program.M(i, j);
-    D_size_[i] = program.D.row(i).cwiseAbs().maxCoeff();
-  }
-  for (int i = 0; i < program.U.rows(); ++i) U_size_.push_back(program.U.row(i).cwiseAbs().maxCoeff());
+      solver_(program.p) {}
+
+// In doubles.
+BuildStatus RegionBuilder::solve(const ActiveSet& active) {
+  kkt_ = rounded_.get();
+  plane_error_ = 0.0;
+  doubtful_ = false;
+  if (!factor_.factorise(active)) return BuildStatus::kDependent;
+  const KktSolver::Outcome outcome = rounded_->solve(active);
+  doubtful_ = rounded_->isDoubtful();
+  return statusOf(outcome);
+}
+
+// Where that fails, the solution in doubles stays.
+BuildStatus RegionBuilder::solveAccurately(const ActiveSet& active) {
+  const KktSolver::Outcome outcome = accurate_.solve(active);
+  if (outcome == KktSolver::Outcome::kSolved) kkt_ = &accurate_;
+  return statusOf(outcome);
 }
 
 // Adds affine (t, 1) >= 0, known but for `noise`, as a unit half-space. False: the set describes no region.
@@ -40,9 +64,7 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   for (int j = 0; j < program_.p; ++j) squared += affine[j] * affine[j];
   const double length = std::sqrt(squared);
   const bool is_slack = origin.kind == RowOrigin::Kind::kSlack;
-  const double flat =
-      (is_accurate_ && is_slack ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
-  if (is_accurate_) noise = 0.0;
+  const double flat = (is_slack ? kkt_->constantSlack() : tolerance::kConstantRow) * scale;
   const double constant = affine[program_.p];
   const double blurred = tolerance::kErrorMargin * noise;
   const bool meets_box = std::abs(constant) <= reach_ * (length + blurred) + blurred;
@@ -76,63 +98,63 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   return true;
 }
 
-BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active, double scale) {
-  BuildStatus status = BuildStatus::kRegion;
-  double cost_scale = program_.linear ? program_.cost.cwiseAbs().maxCoeff() : 0.0;
-  if (program_.semidefinite) {
-    for (const double cost_multiplier : cost_multipliers_)
-      cost_scale = std::max(cost_scale, std::abs(cost_multiplier));
-  }
-  // Cost multipliers below this are zero.
-  const double zero = program_.linear ? tolerance::kCostResidual * cost_scale : 0.0;
+// Multipliers of the active rows, their size, and that of the bounds.
+void RegionBuilder::startRows(const ActiveSet& active) {
+  plane_error_ = 0.0;
+  doubtful_ = kkt_->isDoubtful();
+  scale_ = 1.0;
+  size_ = 0.0;
+  multipliers_.resize(active.size() * width_);
   for (std::size_t r = 0; r < active.size(); ++r) {
-    if (program_.linear || program_.semidefinite) {
+    kkt_->multiplier(r, multipliers_.data() + r * width_);
+    scale_ = std::max(scale_, tables_.D_size[active[r]]);
+  }
+  for (const double value : multipliers_) size_ = std::max(size_, std::abs(value));
+  if (!rounded_->hasCostMultipliers()) return;
+  cost_multipliers_.resize(multipliers_.size());
+  for (std::size_t r = 0; r < active.size(); ++r)
+    kkt_->costMultiplier(r, cost_multipliers_.data() + r * width_);
+}
+
+BuildStatus RegionBuilder::addMultiplierRows(const ActiveSet& active) {
+  BuildStatus status = BuildStatus::kRegion;
+  const double noise = kkt_->noise();
+  const bool has_costs = rounded_->hasCostMultipliers();
+  const CostScale cost = rounded_->costScale(cost_multipliers_);
+  for (std::size_t r = 0; r < active.size(); ++r) {
+    if (has_costs) {
       const double* cost_multiplier = cost_multipliers_.data() + r * width_;
-      const double largest =
-          std::abs(*std::max_element(cost_multiplier, cost_multiplier + width_,
-                                     [](double a, double b) { return std::abs(a) < std::abs(b); }));
+      double largest = 0.0;
+      for (int j = 0; j < width_; ++j) largest = std::max(largest, std::abs(cost_multiplier[j]));
       // The sign of the multiplier is that of the cost multiplier.
-      if (largest > zero) {
+      if (largest > cost.zero) {
         for (int j = 0; j < width_; ++j)
-          scratch_[j] = std::abs(cost_multiplier[j]) > zero ? cost_multiplier[j] : 0.0;
-        if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]}, cost_scale,
-                    growth() * largest, status))
+          scratch_[j] = std::abs(cost_multiplier[j]) > cost.zero ? cost_multiplier[j] : 0.0;
+        if (!addRow(scratch_.data(), {RowOrigin::Kind::kCostMultiplier, active[r]}, cost.scale,
+                    noise * largest, status))
           return status;
         continue;
       }
     }
-    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale,
-                growth() * size_, status)) {
+    if (!addRow(multipliers_.data() + r * width_, {RowOrigin::Kind::kMultiplier, active[r]}, scale_,
+                noise * size_, status))
       return status;
-    }
   }
   return status;
 }
 
-// Slack of an inactive row as a function of (t, 1), into scratch_.
-void RegionBuilder::slackRow(const ActiveSet& active, int row) {
-  if (is_accurate_) return accurate_.slack(row, scratch_.data());
-  if (program_.semidefinite) return shortest_.slack(row, scratch_.data());
-  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
-  std::copy_n(D_.data() + static_cast<std::size_t>(row) * width_, width_, scratch_.data());
-  for (std::size_t r = 0; r < active.size(); ++r) {
-    const double weight = gram[active[r]];
-    const double* multiplier = multipliers_.data() + r * width_;
-    for (int j = 0; j < width_; ++j) scratch_[j] += weight * multiplier[j];
-  }
-}
-
-BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
+BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active) {
   BuildStatus status = BuildStatus::kRegion;
-  const double flat = (is_accurate_ ? tolerance::kConstantSlack : tolerance::kConstantRow) * scale;
+  const double flat = kkt_->constantSlack() * scale_;
+  const double noise = kkt_->slackNoise();
   idle_.clear();
   for (const int row : active) is_active_[row] = 1;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
     if (is_active_[i]) continue;
-    slackRow(active, i);
+    kkt_->slack(i, scratch_.data());
     const std::size_t before = origins_.size();
-    const double noise = (program_.semidefinite ? growth() : program_.rounding) * (D_size_[i] + size_);
-    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale_, noise * (tables_.D_size[i] + size_),
+           status);
     if (origins_.size() == before && scratch_[program_.p] <= flat) {
       idle_.push_back(static_cast<std::uint16_t>(i));
     }
@@ -142,20 +164,14 @@ BuildStatus RegionBuilder::addSlackRows(const ActiveSet& active, double scale) {
 }
 
 BuildStatus RegionBuilder::assembleRows(const ActiveSet& active) {
-  double scale = 1.0;
-  plane_error_ = 0.0;
-  doubtful_ = false;
-  if (!findMultipliers(active, scale)) return BuildStatus::kDependent;
-  if ((program_.linear || program_.semidefinite) && !findCostMultipliers(active))
-    return BuildStatus::kEmptyInterior;
-
+  startRows(active);
   rows_.assign(program_.domain.begin(), program_.domain.end());
   origins_.clear();
   for (int d = 0; d < program_.domainCount(); ++d) origins_.push_back({RowOrigin::Kind::kDomain, d});
   lengths_.assign(origins_.size(), 1.0);
   nearest_miss_ = std::numeric_limits<double>::infinity();
-  const BuildStatus status = addMultiplierRows(active, scale);
-  return status == BuildStatus::kRegion ? addSlackRows(active, scale) : status;
+  const BuildStatus status = addMultiplierRows(active);
+  return status == BuildStatus::kRegion ? addSlackRows(active) : status;
 }
 
 // Rows, largest ball and law.
@@ -168,7 +184,7 @@ BuildStatus RegionBuilder::measure(const ActiveSet& active, Region& region) {
                               region.radius))
     return BuildStatus::kFailed;
   if (region.radius <= radius_tolerance_) return BuildStatus::kEmptyInterior;
-  law(active, region.law);
+  law_error_ = kkt_->law(region.law);
   return status;
 }
 
@@ -179,21 +195,15 @@ bool RegionBuilder::needsAccuracy(BuildStatus status, const Region& region) cons
   return plane_error_ > tolerance::kAccurate && region.radius > -tolerance::kErrorMargin * plane_error_;
 }
 
-bool RegionBuilder::describeAccurately(const ActiveSet& active) {
-  is_accurate_ = accurate_.solve(active);
-  return is_accurate_;
-}
-
 BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
-  is_accurate_ = false;
-  BuildStatus status = measure(active, region);
+  region.radius = -std::numeric_limits<double>::infinity();
+  BuildStatus status = solve(active);
+  if (status == BuildStatus::kRegion) status = measure(active, region);
   if (needsAccuracy(status, region)) {
-    if (describeAccurately(active)) {
-      status = measure(active, region);
-    } else if (program_.semidefinite && accurate_.isNoSolution()) {
-      // The doubles found a solution where there is none.
-      return BuildStatus::kEmptyInterior;
-    }
+    const BuildStatus solved = solveAccurately(active);
+    if (solved == BuildStatus::kRegion) status = measure(active, region);
+    // The doubles found a solution where there is none.
+    if (solved == BuildStatus::kEmptyInterior) return solved;
   }
   if (status == BuildStatus::kEmptyInterior && isFlat(region)) return inflateFlat(active, region);
   if (status != BuildStatus::kRegion) return status;
@@ -203,8 +213,7 @@ BuildStatus RegionBuilder::build(const ActiveSet& active, Region& region) {
 
 // Whether two opposite rows leave nothing between them but for rounding, while others do not keep all out.
 bool RegionBuilder::isFlat(const Region& region) const {
-  if (program_.linear || program_.semidefinite || std::abs(region.radius) > tolerance::kFlatness)
-    return false;
+  if (rounded_->hasCostMultipliers() || std::abs(region.radius) > tolerance::kFlatness) return false;
   const auto row = [&](int i) {
     return Eigen::Map<const Eigen::VectorXd>(rows_.data() + static_cast<std::size_t>(i) * width_, program_.p);
   };
@@ -248,30 +257,6 @@ BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance,
     std::copy_n(minimal_.beyond.begin() + f * program_.p, program_.p, facet.beyond.begin());
   }
   return BuildStatus::kRegion;
-}
-
-void RegionBuilder::law(const ActiveSet& active, std::vector<double>& out) {
-  law_error_ = 0.0;
-  if (is_accurate_) return accurate_.law(out);
-  if (program_.semidefinite) {
-    law_error_ = shortest_.noise();
-    return shortest_.law(out);
-  }
-  const int q = static_cast<int>(program_.U.rows());
-  out.resize(static_cast<std::size_t>(q) * width_);
-  for (int i = 0; i < q; ++i) {
-    double* row = out.data() + static_cast<std::size_t>(i) * width_;
-    double size = 1.0, weights = 0.0;
-    for (int j = 0; j < width_; ++j) row[j] = program_.U(i, j);
-    for (std::size_t r = 0; r < active.size(); ++r) {
-      const double weight = program_.V(i, active[r]);
-      const double* multiplier = multipliers_.data() + r * width_;
-      weights = std::max(weights, std::abs(weight));
-      for (int j = 0; j < width_; ++j) row[j] += weight * multiplier[j];
-    }
-    for (int j = 0; j < width_; ++j) size = std::max(size, std::abs(row[j]));
-    law_error_ = std::max(law_error_, program_.rounding * (U_size_[i] + weights * size_) / size);
-  }
 }
 
 }  // namespace polyfly

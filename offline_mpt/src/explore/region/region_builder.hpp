@@ -2,19 +2,18 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "explore/region/high_precision_region.hpp"
-#include "explore/region/shortest_optimum.hpp"
+#include "explore/region/kkt_solver.hpp"
+#include "explore/region/row_factor.hpp"
 #include "explore/region/tolerances.hpp"
 #include "explore/sets/active_set_list.hpp"
 #include "lp/polytope.hpp"
 #include "program/normalised_program.hpp"
 
 namespace polyfly {
-
-/// Row indices of a NormalisedProgram, ascending.
-using ActiveSet = std::vector<std::uint16_t>;
 
 /// Where a half-space of a region comes from.
 struct RowOrigin {
@@ -75,6 +74,8 @@ enum class Crossing : std::uint8_t {
 class RegionBuilder {
  public:
   RegionBuilder(const NormalisedProgram& program, double facet_tolerance, double radius_tolerance);
+  RegionBuilder(const RegionBuilder&) = delete;
+  RegionBuilder& operator=(const RegionBuilder&) = delete;
 
   /// kRegion: the whole of `region` is filled in; kLowerDimensional: all but the law, with the half-spaces moved
   /// outwards.
@@ -86,83 +87,66 @@ class RegionBuilder {
   Crossing neighbours(const ActiveSet& active, const Region& region, const Facet& facet, ActiveSetList& sets);
 
   /// Whether t satisfies all rows of the region of `active` but for `tolerance` (negative: with so much to
-  /// spare); false where the active rows are dependent.
+  /// spare); false where the active rows are dependent. Not for programs whose H is singular and not zero.
   bool holds(const ActiveSet& active, const double* t, double tolerance);
 
   unsigned long long pivots() const { return solver_.pivots(); }
 
  private:
-  bool findMultipliers(const ActiveSet& active, double& scale);
-  bool findShortest(const ActiveSet& active);
-  double growth() const;
+  BuildStatus solve(const ActiveSet& active);
+  BuildStatus solveAccurately(const ActiveSet& active);
   BuildStatus measure(const ActiveSet& active, Region& region);
   /// Even estimates of errors do.
-  bool isIllConditioned() const { return doubtful_ || pivot_ < tolerance::kDistant; }
+  bool isIllConditioned() const { return doubtful_ || factor_.pivot() < tolerance::kDistant; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);
   bool needsAccuracy(BuildStatus status, const Region& region) const;
-  bool describeAccurately(const ActiveSet& active);
-  bool holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance);
-  void slackRow(const ActiveSet& active, int row);
+  bool holdsAsSolved(const ActiveSet& active, const double* t, double tolerance);
   void clearRows();
   bool satisfied(const double* t, double tolerance) const;
-  bool holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale);
-  bool factorise(const ActiveSet& active);
-  bool factoriseAccurately(const ActiveSet& active);
-  void solveFactor(double* x, std::size_t rows, std::size_t width) const;
+  bool holdsSlacks(const ActiveSet& active, const double* t, double tolerance);
+  void startRows(const ActiveSet& active);
   BuildStatus assembleRows(const ActiveSet& active);
   bool addRow(const double* affine, RowOrigin origin, double scale, double noise, BuildStatus& status);
-  void law(const ActiveSet& active, std::vector<double>& out);
-  bool depends(const ActiveSet& active, int row);
+  BuildStatus addMultiplierRows(const ActiveSet& active);
+  BuildStatus addSlackRows(const ActiveSet& active);
   void findChanges(const Facet& facet);
   void cross(const ActiveSet& active, const Region& region, const Facet& facet);
+  /// Rows of sets that need accuracy are compared themselves.
+  bool depends(const ActiveSet& active, int row) {
+    return factor_.depends(active, row, kkt_ == rounded_.get());
+  }
   int exchange(const ActiveSet& active, int row, ActiveSetList& sets) const;
   bool beginsBehind(const ActiveSet& active, int leaving);
   bool slacksStay(int facet, double change) const;
   void combine(const ActiveSet& active, ActiveSetList& sets);
   double valueOf(const double* affine, const double* t) const;
-  void enter(const ActiveSet& active, int leaving, ActiveSetList& sets) const;
-  BuildStatus addMultiplierRows(const ActiveSet& active, double scale);
-  BuildStatus addSlackRows(const ActiveSet& active, double scale);
-  bool findCostMultipliers(const ActiveSet& active);
 
   const NormalisedProgram& program_;
   double facet_tolerance_;
   double radius_tolerance_;
   int width_;  // p + 1
-  // Row-major copies, so that the inner loops run along memory.
-  std::vector<double> gram_;
-  std::vector<double> D_;
-  std::vector<double> M_;
-  // Lower triangle.
-  std::vector<double> factor_;  // k x k
-  // Inverse of each diagonal entry of factor_.
-  std::vector<double> inverse_;
+  RowTables tables_;
+  RowFactor factor_;
+  // Solves in doubles. factor_ is brought to the set before.
+  std::unique_ptr<ProgramKktSolver> rounded_;
+  HighPrecisionRegionSolver accurate_;
+  // Which of the two solved the set.
+  const KktSolver* kkt_;
   std::vector<double> multipliers_;  // k x (p + 1)
-  // Cost multipliers of a linear program, in the layout of multipliers_.
+  // Where H is singular, in the layout of multipliers_.
   std::vector<double> cost_multipliers_;
   // Greatest entry of multipliers_.
   double size_ = 0.0;
-  // Least diagonal entry of factor_.
-  double pivot_ = 1.0;
-  // Describes the set where H is singular and not zero.
-  ShortestOptimum shortest_;
-  // Whether cost multipliers span the cost, where shortest_ describes the set.
-  bool cost_spanned_ = true;
-  HighPrecisionRegionSolver accurate_;
-  // Whether accurate_ describes the set.
-  bool is_accurate_ = false;
+  // Greatest |entry| of the bounds of active rows, at least 1.
+  double scale_ = 1.0;
   // Whether rounding decided that a row is constant.
   bool doubtful_ = false;
   // Approximate rounding error of the half-spaces in the box.
   double plane_error_ = 0.0;  // [scaled]
   // Approximate rounding error of the law, relative to max(1, |u|).
   double law_error_ = 0.0;
-  // Greatest |entry| of each row of D.
-  std::vector<double> D_size_;
-  // Greatest |entry| of each row of U.
-  std::vector<double> U_size_;
   // Distance of the corners of the box from its centre.
   double reach_;
   // Rows outside the active set that are tight everywhere.
@@ -175,8 +159,6 @@ class RegionBuilder {
   double nearest_miss_ = 0.0;
   // Rows in the plane of a facet.
   std::vector<int> changes_;
-  // Weights of the active rows in a row that depends on them.
-  std::vector<double> weights_;
   // A point in a facet.
   std::vector<double> crossing_;  // p
   std::vector<double> column_;

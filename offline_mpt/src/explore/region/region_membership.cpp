@@ -6,24 +6,21 @@
 
 namespace polyfly {
 bool RegionBuilder::holds(const ActiveSet& active, const double* t, double tolerance) {
-  is_accurate_ = false;
-  const bool held = holdsAsDescribed(active, t, tolerance);
+  const BuildStatus solved = solve(active);
+  if (solved == BuildStatus::kDependent) return false;
+  const bool held = solved == BuildStatus::kRegion && holdsAsSolved(active, t, tolerance);
   if (!isIllConditioned() && plane_error_ <= tolerance::kAccurate) return held;
   if (!held && !isIllConditioned() &&
-      !holdsAsDescribed(active, t, tolerance + tolerance::kErrorMargin * plane_error_))
+      !holdsAsSolved(active, t, tolerance + tolerance::kErrorMargin * plane_error_))
     return false;
-  return describeAccurately(active) ? holdsAsDescribed(active, t, tolerance) : held;
+  return solveAccurately(active) == BuildStatus::kRegion ? holdsAsSolved(active, t, tolerance) : held;
 }
 
-bool RegionBuilder::holdsAsDescribed(const ActiveSet& active, const double* t, double tolerance) {
-  double scale = 1.0;
-  plane_error_ = 0.0;
-  doubtful_ = false;
-  if (!findMultipliers(active, scale)) return false;
-  if (program_.linear && !findCostMultipliers(active)) return false;
+bool RegionBuilder::holdsAsSolved(const ActiveSet& active, const double* t, double tolerance) {
+  startRows(active);
   clearRows();
-  if (addMultiplierRows(active, scale) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
-  return holdsSlacks(active, t, tolerance, scale);
+  if (addMultiplierRows(active) != BuildStatus::kRegion || !satisfied(t, tolerance)) return false;
+  return holdsSlacks(active, t, tolerance);
 }
 
 void RegionBuilder::clearRows() {
@@ -44,7 +41,7 @@ bool RegionBuilder::satisfied(const double* t, double tolerance) const {
 
 // The same of the inactive rows. Their slacks at t alone clear most of them; only the others are described as
 // half-spaces.
-bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance, double scale) {
+bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double tolerance) {
   at_point_.resize(active.size());
   for (std::size_t r = 0; r < active.size(); ++r) at_point_[r] = valueOf(multipliers_.data() + r * width_, t);
   clearRows();
@@ -52,13 +49,14 @@ bool RegionBuilder::holdsSlacks(const ActiveSet& active, const double* t, double
   BuildStatus status = BuildStatus::kRegion;
   for (int i = 0; i < program_.m && status == BuildStatus::kRegion; ++i) {
     if (is_active_[i]) continue;
-    const double* gram = gram_.data() + static_cast<std::size_t>(i) * program_.m;
-    double slack = valueOf(D_.data() + static_cast<std::size_t>(i) * width_, t);
+    const double* gram = tables_.products(i);
+    double slack = valueOf(tables_.bound(i), t);
     for (std::size_t r = 0; r < active.size(); ++r) slack += gram[active[r]] * at_point_[r];
-    const double noise = program_.rounding * (D_size_[i] + size_);
-    if (slack > tolerance::kClearSlack * scale + tolerance::kErrorMargin * noise) continue;
-    slackRow(active, i);
-    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale, noise, status);
+    const double size = tables_.D_size[i] + size_;
+    const double noise = program_.rounding * size;
+    if (slack > tolerance::kClearSlack * scale_ + tolerance::kErrorMargin * noise) continue;
+    kkt_->slack(i, scratch_.data());
+    addRow(scratch_.data(), {RowOrigin::Kind::kSlack, i}, scale_, kkt_->slackNoise() * size, status);
   }
   for (const int row : active) is_active_[row] = 0;
   return status == BuildStatus::kRegion && satisfied(t, tolerance);

@@ -4,7 +4,6 @@
 
 #include "explore/region/region_builder.hpp"
 #include "explore/region/tolerances.hpp"
-#include "mpc_core/decompositions.hpp"
 
 namespace polyfly {
 namespace {
@@ -59,60 +58,31 @@ void RegionBuilder::cross(const ActiveSet& active, const Region& region, const F
     at_point_[r] = valueOf(multipliers_.data() + r * width_, crossing_.data());
 }
 
-// Whether `row` lies in the span of the active rows, and its weights there, into weights_.
-bool RegionBuilder::depends(const ActiveSet& active, int row) {
-  const std::size_t k = active.size();
-  const auto n = static_cast<std::size_t>(program_.n);
-  const double* gram = gram_.data() + static_cast<std::size_t>(row) * program_.m;
-  weights_.resize(k);
-  double squared = gram[row];
-  for (std::size_t r = 0; r < k; ++r) {
-    double value = gram[active[r]];
-    for (std::size_t c = 0; c < r; ++c) value -= factor_[r * k + c] * weights_[c];
-    weights_[r] = value * inverse_[r];
-    squared -= weights_[r] * weights_[r];
-  }
-  for (std::size_t r = k; r-- > 0;) {
-    double value = weights_[r];
-    for (std::size_t c = r + 1; c < k; ++c) value -= factor_[c * k + r] * weights_[c];
-    weights_[r] = value * inverse_[r];
-  }
-  if (squared > tolerance::kSafePivot) return false;
-  if (k == n && pivot_ >= tolerance::kSoundPivot && !is_accurate_) return true;  // they span all there is
-  column_.assign(M_.begin() + row * program_.n, M_.begin() + (row + 1) * program_.n);
-  for (std::size_t r = 0; r < k; ++r) {
-    for (std::size_t j = 0; j < n; ++j) column_[j] -= weights_[r] * M_[active[r] * n + j];
-  }
-  double left = 0.0;
-  for (const double entry : column_) left += entry * entry;
-  return left <= tolerance::kIndependent * tolerance::kIndependent;
-}
-
 // A row that depends on the active ones can only join where one of them leaves. With row = sum w_j active_j,
 // raising its multiplier lowers those with w_j > 0. If there are none, the program is infeasible beyond the
 // facet. Constant cost multipliers tell which row leaves first: those of least cost multiplier / w_j.
 // Otherwise the row leaves first whose multiplier reaches zero first at the crossing. Returns its place in
 // `active`, or -1.
 int RegionBuilder::exchange(const ActiveSet& active, int row, ActiveSetList& sets) const {
+  const std::vector<double>& weights = factor_.weights();
   const auto cost_multiplier = [&](std::size_t r) {
-    return cost_multipliers_[r * width_ + program_.p] / weights_[r];
+    return cost_multipliers_[r * width_ + program_.p] / weights[r];
   };
-  const bool constant_costs =
-      program_.linear && program_.cost.leftCols(program_.p).cwiseAbs().maxCoeff() == 0.0;
+  const bool constant_costs = rounded_->hasConstantCosts();
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; constant_costs && r < active.size(); ++r) {
-    if (weights_[r] > tolerance::kExchangeWeight) least = std::min(least, cost_multiplier(r));
+    if (weights[r] > tolerance::kExchangeWeight) least = std::min(least, cost_multiplier(r));
   }
   if (constant_costs) least += tolerance::kCostResidual * (1.0 + std::abs(least));
   const auto leaves = [&](std::size_t r) {
-    return weights_[r] > tolerance::kExchangeWeight && (!constant_costs || cost_multiplier(r) <= least);
+    return weights[r] > tolerance::kExchangeWeight && (!constant_costs || cost_multiplier(r) <= least);
   };
   int first = -1;
   double goes_at = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < active.size(); ++r) {
-    if (!leaves(r) || (first >= 0 && at_point_[r] / weights_[r] >= goes_at)) continue;
+    if (!leaves(r) || (first >= 0 && at_point_[r] / weights[r] >= goes_at)) continue;
     first = static_cast<int>(r);
-    goes_at = at_point_[r] / weights_[r];
+    goes_at = at_point_[r] / weights[r];
   }
   if (first >= 0) sets.push(spanOf(active), active[first], row);
   for (std::size_t r = 0; r < active.size(); ++r) {
@@ -126,27 +96,28 @@ int RegionBuilder::exchange(const ActiveSet& active, int row, ActiveSetList& set
 // slack of the facet's row, w_j the weight of row j, which leaves, its multipliers are those of
 // lambda - sigma G^-1 e_j / w_j, moved until that of row j is zero; sigma is zero in the facet.
 bool RegionBuilder::beginsBehind(const ActiveSet& active, int leaving) {
-  if (program_.linear || program_.semidefinite || is_accurate_ || doubtful_ || !idle_.empty()) return false;
-  if (pivot_ < tolerance::kSoundPivot || plane_error_ > tolerance::kAccurate ||
-      weights_[leaving] < tolerance::kSoundPivot)
+  if (!kkt_->foreseesChanges() || doubtful_ || !idle_.empty()) return false;
+  const std::vector<double>& weights = factor_.weights();
+  if (factor_.pivot() < tolerance::kSoundPivot || plane_error_ > tolerance::kAccurate ||
+      weights[leaving] < tolerance::kSoundPivot)
     return false;
   const std::size_t k = active.size();
   column_.assign(k, 0.0);
   column_[leaving] = 1.0;
-  solveFactor(column_.data(), k, 1);
+  factor_.solve(column_.data(), 1);
   double greatest = 0.0, total = 0.0;
   for (const double entry : column_) {
     greatest = std::max(greatest, std::abs(entry));
     total += std::abs(entry);
   }
-  const double weight = weights_[leaving];
+  const double weight = weights[leaving];
   const double steepness = lengths_[changes_.front()] / weight;
   const double multipliers_change = tolerance::kRoomBehind * (reach_ * size_ + steepness * greatest);
   const double step = at_point_[leaving] / weight;
   if (at_point_[leaving] < multipliers_change) return false;
   for (std::size_t r = 0; r < k; ++r) {
     if (static_cast<int>(r) == leaving) continue;
-    if (at_point_[r] - step * weights_[r] < (1.0 + std::abs(weights_[r]) / weight) * multipliers_change)
+    if (at_point_[r] - step * weights[r] < (1.0 + std::abs(weights[r]) / weight) * multipliers_change)
       return false;
   }
   return slacksStay(changes_.front(), tolerance::kRoomBehind * steepness * total);
@@ -175,21 +146,6 @@ double RegionBuilder::valueOf(const double* affine, const double* t) const {
   return value;
 }
 
-// A cost multiplier vanishes on the facet: beyond, the optimum leaves that row and runs along the others until a new
-// one stops it. Which one depends on the parameter, so all rows ahead are candidates.
-void RegionBuilder::enter(const ActiveSet& active, int leaving, ActiveSetList& sets) const {
-  const ActiveSet kept = without(active, leaving);
-  Eigen::VectorXd direction = -program_.M.row(leaving);
-  Eigen::MatrixXd basis(program_.n, static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t r = 0; r < kept.size(); ++r)
-    basis.col(static_cast<Eigen::Index>(r)) = program_.M.row(kept[r]);
-  if (!kept.empty()) direction -= basis * PivotedQr(basis).solve(direction);
-  for (int i = 0; i < program_.m; ++i) {
-    if (program_.M.row(i).dot(direction) > tolerance::kExchangeWeight)
-      sets.push(spanOf(kept), ActiveSetList::kNone, i);
-  }
-}
-
 Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region, const Facet& facet,
                                    ActiveSetList& sets) {
   if (facet.origin.kind == RowOrigin::Kind::kDomain) return Crossing::kBoundary;
@@ -199,15 +155,8 @@ Crossing RegionBuilder::neighbours(const ActiveSet& active, const Region& region
   if (at_border) return Crossing::kBoundary;
   const RowSpan all = spanOf(active);
   const int index = facet.origin.index;
-  const std::size_t before = sets.size();
-  if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier && program_.semidefinite) {
-    sets.push(all, index);
-    return Crossing::kDegenerate;
-  }
-  if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier) {
-    enter(active, index, sets);
-    return sets.size() == before ? Crossing::kBoundary : Crossing::kDegenerate;
-  }
+  if (facet.origin.kind == RowOrigin::Kind::kCostMultiplier)
+    return rounded_->crossCostFacet(active, index, sets) ? Crossing::kDegenerate : Crossing::kBoundary;
   if (changes_.size() > 1) {
     cross(active, region, facet);
     combine(active, sets);

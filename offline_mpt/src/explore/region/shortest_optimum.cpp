@@ -22,7 +22,7 @@ bool ShortestOptimum::isZero(double part, double whole) {
 
 // With A' = Y T and Z an orthonormal basis of what A leaves free, z = Y T^-1' bound + Z v; v is the shortest
 // that solves (Z'HZ) v = -Z'(cost + H z).
-ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>& active) {
+KktSolver::Outcome ShortestOptimum::solve(const ActiveSet& active) {
   const auto k = static_cast<Eigen::Index>(active.size());
   const Eigen::Index n = program_.n;
   doubtful_ = false;
@@ -57,7 +57,7 @@ ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>
     for (Eigen::Index i = 0; i < n - k; ++i) {
       const double curvature = eigen.values(i);
       if (isZero(curvature, greatest_)) {
-        if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kCostNotSpanned;
+        if (!isZero(slopes.row(i).cwiseAbs().maxCoeff(), size)) return Outcome::kNoOptimum;
         continue;
       }
       noise_ = std::max(noise_, program_.rounding * greatest_ / curvature);
@@ -66,13 +66,13 @@ ShortestOptimum::Outcome ShortestOptimum::solve(const std::vector<std::uint16_t>
     }
     z_ += Z * v;
   }
-  if (k == 0) return Outcome::kDescribed;
+  if (k == 0) return Outcome::kSolved;
   cost_multipliers_ = -upper.solve(Y.transpose() * (program_.curvature * z_ + program_.cost));
   multipliers_ = -upper.solve(Y.transpose() * (program_.curvature * Z * w + z_));
   for (Eigen::Index r = 0; r < k; ++r) {
     if (isZero(cost_multipliers_.row(r).cwiseAbs().maxCoeff(), size)) cost_multipliers_.row(r).setZero();
   }
-  return Outcome::kDescribed;
+  return Outcome::kSolved;
 }
 
 void ShortestOptimum::multiplier(std::size_t place, double* affine) const {
@@ -87,12 +87,27 @@ void ShortestOptimum::slack(int row, double* affine) const {
   for (int j = 0; j <= program_.p; ++j) affine[j] = program_.D(row, j) - program_.M.row(row).dot(z_.col(j));
 }
 
-void ShortestOptimum::law(std::vector<double>& out) const {
+double ShortestOptimum::constantSlack() const { return tolerance::kConstantRow; }
+
+double ShortestOptimum::law(std::vector<double>& out) const {
   const Eigen::MatrixXd law = program_.U + program_.output * z_;
   out.clear();
   for (Eigen::Index i = 0; i < law.rows(); ++i) {
     for (int j = 0; j <= program_.p; ++j) out.push_back(law(i, j));
   }
+  return noise_;
+}
+
+CostScale ShortestOptimum::costScale(const std::vector<double>& cost_multipliers) const {
+  CostScale result;
+  for (const double cost_multiplier : cost_multipliers)
+    result.scale = std::max(result.scale, std::abs(cost_multiplier));
+  return result;
+}
+
+bool ShortestOptimum::crossCostFacet(const ActiveSet& active, int leaving, ActiveSetList& sets) const {
+  sets.push({active.data(), active.size()}, leaving);
+  return true;
 }
 
 }  // namespace polyfly

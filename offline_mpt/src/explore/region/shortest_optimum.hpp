@@ -1,10 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <vector>
 
-#include "program/normalised_program.hpp"
+#include "explore/region/kkt_solver.hpp"
 
 namespace polyfly {
 
@@ -17,35 +16,27 @@ namespace polyfly {
 /// with y the change of z with eps. Cost multipliers and multipliers are unique where the rows are independent. z is
 /// the shortest optimum where every row's slack is at least zero, and its cost multiplier, or, where that is zero for
 /// all parameters, its multiplier. One object, one thread.
-class ShortestOptimum {
+class ShortestOptimum final : public ProgramKktSolver {
  public:
   explicit ShortestOptimum(const NormalisedProgram& program);
 
-  enum class Outcome {
-    kDescribed,
-    /// The active rows are linearly dependent.
-    kDependent,
-    /// The cost is not in the span of the active rows, so z has no bound.
-    kCostNotSpanned
-  };
-  /// Rows of the reduced program. After kDescribed the rest has an answer, in the units of NormalisedProgram.
-  Outcome solve(const std::vector<std::uint16_t>& active);
+  Outcome solve(const ActiveSet& active) override;
+  bool isDoubtful() const override { return doubtful_; }
+  void multiplier(std::size_t place, double* affine) const override;
+  /// Numbers that are only rounding are set to zero.
+  void costMultiplier(std::size_t place, double* affine) const override;
+  void slack(int row, double* affine) const override;
+  double law(std::vector<double>& out) const override;
+  double noise() const override { return noise_; }
+  double slackNoise() const override { return noise_; }
+  double constantSlack() const override;
+  bool foreseesChanges() const override { return false; }
 
-  /// Rounding may have decided what is zero.
-  bool doubtful() const { return doubtful_; }
-  /// About what rounding does to the numbers below, relative to the greatest of them.
-  double noise() const { return noise_; }
-
-  // Affine functions of t are p + 1 numbers, constant last.
-
-  /// Multiplier of active row `place`, in the order given.
-  void multiplier(std::size_t place, double* affine) const;
-  /// Cost multiplier of active row `place`. Numbers that are only rounding are set to zero.
-  void costMultiplier(std::size_t place, double* affine) const;
-  /// Slack of row `row` of the reduced program.
-  void slack(int row, double* affine) const;
-  /// The law, q rows.
-  void law(std::vector<double>& out) const;
+  bool hasCostMultipliers() const override { return true; }
+  CostScale costScale(const std::vector<double>& cost_multipliers) const override;
+  bool hasConstantCosts() const override { return false; }
+  /// Behind the facet the row is not active.
+  bool crossCostFacet(const ActiveSet& active, int leaving, ActiveSetList& sets) const override;
 
  private:
   bool isZero(double part, double whole);

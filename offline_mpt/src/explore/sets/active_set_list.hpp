@@ -8,6 +8,9 @@
 
 namespace polyfly {
 
+/// Row indices of a NormalisedProgram, ascending.
+using ActiveSet = std::vector<std::uint16_t>;
+
 /// Active sets, their rows one after the other: lists that are filled again and again allocate nothing.
 class ActiveSetList {
  public:
