@@ -14,29 +14,56 @@ Number product(const std::vector<Number>& a, const std::vector<Number>& b) {
   return sum;
 }
 
+void append(Vector& values, const RobustCertificate::Sparse& entries, std::size_t size) {
+  const std::size_t start = values.size();
+  values.resize(start + size);
+  for (const auto& [place, factor] : entries) values[start + place] += factor;
+}
+
+/// The numbers of a row in whole proportions: (bound, y, plan), then (constant, plan) of each term.
+Row flat(const RobustCertificate::PlanRow& row, std::size_t predictions) {
+  Vector values{row.bound};
+  values.insert(values.end(), row.y.begin(), row.y.end());
+  append(values, row.z, predictions);
+  for (const RobustCertificate::PlanRow::Term& term : row.terms) {
+    values.push_back(term.constant);
+    append(values, term.z, predictions);
+  }
+  return primitive(values);
+}
+
 }  // namespace
 
 void RobustCertificate::checkProgram() const {
   ExtendedCertificate::checkProgram();
+  std::vector<Row> rows;
+  for (const PlanRow& row : rows_) rows.push_back(flat(row, predictions_));
   for (std::size_t k = 0; k < points_.size(); ++k) {
     try {
-      checkPlan(points_[k]);
+      checkPlan(points_[k], rows);
     } catch (const Refused& error) {
       throw Refused("point " + std::to_string(k) + ": " + error.what());
     }
   }
 }
 
-void RobustCertificate::checkPlan(const Point& point) const {
-  const auto value = [&](const Sparse& entries) {
-    Fraction sum;
-    for (const auto& [place, factor] : entries) sum += factor * point.plan[place];
-    return sum;
-  };
-  for (const PlanRow& row : rows_) {
-    Fraction sum = product(row.y, point.y) + value(row.z);
-    for (const PlanRow::Term& term : row.terms) sum += abs(term.constant + value(term.z));
-    require(sum <= row.bound, "the plan does not meet a row");
+/// In whole numbers: sums of fractions would need a common divisor for each term.
+void RobustCertificate::checkPlan(const Point& point, const std::vector<Row>& rows) const {
+  Vector values{Fraction(1)};
+  values.insert(values.end(), point.y.begin(), point.y.end());
+  values.insert(values.end(), point.plan.begin(), point.plan.end());
+  const Row whole = primitive(values);
+  const std::size_t plan = 1 + point.y.size();
+  for (const Row& row : rows) {
+    Integer slack = row[0] * whole[0];
+    std::size_t k = 1;
+    for (; k < whole.size(); ++k) slack -= row[k] * whole[k];
+    while (k < row.size()) {
+      Integer term = row[k++] * whole[0];
+      for (std::size_t j = plan; j < whole.size(); ++j) term += row[k++] * whole[j];
+      slack -= abs(term);
+    }
+    require(slack >= 0, "the plan does not meet a row");
   }
 }
 

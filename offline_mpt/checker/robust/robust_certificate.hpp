@@ -64,7 +64,7 @@ class RobustCertificate : public ExtendedCertificate {
 
   // plans.cpp
   void checkProgram() const override;
-  void checkPlan(const Point& point) const;
+  void checkPlan(const Point& point, const std::vector<Row>& rows) const;
   ProvenRegion checkRegion(std::size_t index, const Region& region) const override;
   void checkVertices(std::size_t index, const Region& region) const;
   std::set<std::size_t> pointsOf(std::size_t index) const;

@@ -261,6 +261,35 @@ class Projection {
   FeasibleSet result_;
 };
 
+/// The numbers of a row in their proportions: (bound, -y, -z), then (constant, z) of each term.
+std::vector<Integer> flatRow(const RobustProgram::Row& row) {
+  RationalVector values{row.bound};
+  for (const Rational& value : row.y) values.push_back(-value);
+  for (const Rational& value : row.z) values.push_back(-value);
+  for (const RobustProgram::Term& term : row.terms) {
+    values.push_back(term.constant);
+    values.insert(values.end(), term.z.begin(), term.z.end());
+  }
+  return wholeNumbers(values);
+}
+
+/// Whether a point meets a flat row. The point is whole numbers in the proportions of (1, y, z).
+bool meets(const std::vector<Integer>& row, std::size_t law_size, const std::vector<Integer>& point) {
+  const auto add = [](Integer& sum, const Integer& a, const Integer& b) {
+    mpz_addmul(sum.get_mpz_t(), a.get_mpz_t(), b.get_mpz_t());
+  };
+  Integer slack;
+  std::size_t k = 0;
+  for (; k < point.size(); ++k) add(slack, row[k], point[k]);
+  while (k < row.size()) {
+    Integer term;
+    add(term, row[k++], point[0]);
+    for (std::size_t j = law_size + 1; j < point.size(); ++j) add(term, row[k++], point[j]);
+    slack -= abs(term);
+  }
+  return slack >= 0;
+}
+
 }  // namespace
 
 FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options) {
@@ -301,11 +330,16 @@ bool proveFacets(const RobustProgram& program, const FeasibleSet& set) {
 }
 
 bool proveVertices(const RobustProgram& program, const FeasibleSet& set) {
+  std::vector<std::vector<Integer>> rows;
+  for (const RobustProgram::Row& row : program.rows) rows.push_back(flatRow(row));
   return std::all_of(set.vertices.begin(), set.vertices.end(), [&](const FeasibleSet::Vertex& vertex) {
-    return vertex.prediction.size() == at(program.prediction_count) &&
-           std::all_of(program.rows.begin(), program.rows.end(), [&](const RobustProgram::Row& row) {
-             return rowExcess(row, vertex.y, vertex.prediction) <= 0;
-           });
+    if (vertex.prediction.size() != at(program.prediction_count)) return false;
+    RationalVector values{Rational(1)};
+    values.insert(values.end(), vertex.y.begin(), vertex.y.end());
+    values.insert(values.end(), vertex.prediction.begin(), vertex.prediction.end());
+    const std::vector<Integer> point = wholeNumbers(values);
+    return std::all_of(rows.begin(), rows.end(),
+                       [&](const auto& row) { return meets(row, at(program.lawSize()), point); });
   });
 }
 

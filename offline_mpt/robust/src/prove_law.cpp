@@ -1,7 +1,9 @@
 // Proves a law without the steps that made it: only its regions, the facets and the rows of the program.
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "integer_program.hpp"
 #include "rational_parts.hpp"
 #include "robust_mpc/prove_map.hpp"
 
@@ -14,6 +16,38 @@ Rational moveAt(const RobustLaw::Region& region, const RationalVector& theta) {
 Rational peakAt(const RobustLaw::Region& region, const RationalVector& theta) {
   return dot(region.peak_gain, theta) + region.peak_offset;
 }
+
+// Fractions of this size cost most of their time in common divisors. So a point is taken as whole numbers in the
+// proportions of (1, coordinates), and a half-space as a row of them: the sign of the product is that of the slack.
+std::vector<Integer> homogeneous(const RationalVector& point) {
+  RationalVector values{Rational(1)};
+  values.insert(values.end(), point.begin(), point.end());
+  return wholeNumbers(values);
+}
+
+std::vector<std::vector<Integer>> coneRows(const std::vector<ExactHalfSpace>& half_spaces) {
+  std::vector<std::vector<Integer>> rows;
+  for (const ExactHalfSpace& half_space : half_spaces) rows.push_back(coneRow(half_space));
+  return rows;
+}
+
+bool isWithin(const std::vector<std::vector<Integer>>& rows, const std::vector<Integer>& point) {
+  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) { return dot(row, point) >= 0; });
+}
+
+/// A vertex of regions with their law there, (theta, u~_0, tau), once for all regions that share it.
+struct LawPoint {
+  explicit LawPoint(const RationalVector& values) : y(values) {}
+  RationalVector theta() const { return RationalVector(y.begin(), y.end() - 2); }
+  const Rational& move() const { return y[y.size() - 2]; }
+  const Rational& peak() const { return y.back(); }
+
+  RationalVector y;
+  /// It meets all facets.
+  bool feasible = true;
+  /// No other feasible move with this theta and tau is nearer to K e.
+  bool preferred = false;
+};
 
 class LawProof {
  public:
@@ -35,11 +69,12 @@ class LawProof {
     proof_.vertices = set_.vertices.size();
     proof_.set_valid = proveFacets(program_, set_);
     proof_.set_feasible = !set_.vertices.empty() && proveVertices(program_, set_);
+    collectPoints();
     proof_.regions = law_.regions.size();
     proof_.preferred = true;
-    for (const RobustLaw::Region& region : law_.regions) {
-      if (isOptimal(region)) ++proof_.optimal_regions;
-      proof_.preferred = proof_.preferred && isPreferred(region);
+    for (std::size_t r = 0; r < law_.regions.size(); ++r) {
+      if (isOptimal(r)) ++proof_.optimal_regions;
+      for (const std::size_t k : points_of_[r]) proof_.preferred = proof_.preferred && points_[k].preferred;
     }
     proveCoverage();
     proveSteps();
@@ -50,16 +85,44 @@ class LawProof {
   const Rational& inputSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_)]; }
   const Rational& peakSlope(int facet) const { return set_.facets[at(facet)].half_space.a[at(np_) + 1]; }
 
+  void collectPoints() {
+    std::map<RationalVector, std::size_t> known;
+    for (const RobustLaw::Region& region : law_.regions) {
+      std::vector<std::size_t>& places = points_of_.emplace_back();
+      for (const RationalVector& vertex : region.vertices) {
+        RationalVector y = vertex;
+        y.push_back(moveAt(region, vertex));
+        y.push_back(peakAt(region, vertex));
+        const auto [place, is_new] = known.emplace(std::move(y), points_.size());
+        if (is_new) points_.emplace_back(place->first);
+        places.push_back(place->second);
+      }
+    }
+    std::vector<std::vector<Integer>> facets;
+    for (const FeasibleSet::Facet& facet : set_.facets) facets.push_back(coneRow(facet.half_space));
+    for (LawPoint& point : points_) judge(point, facets);
+  }
+
+  /// The feasible moves for theta and tau are an interval. So one of them is the nearest to K e if it is K e, or if a
+  /// facet without slack ends the interval on that side.
+  void judge(LawPoint& point, const std::vector<std::vector<Integer>>& facets) const {
+    const std::vector<Integer> whole = homogeneous(point.y);
+    const int side = sgn(Rational(dot(preferred_, point.theta()) - point.move()));
+    bool is_nearest = side == 0;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      const int slack = sgn(dot(facets[f], whole));
+      point.feasible = point.feasible && slack >= 0;
+      is_nearest = is_nearest || (slack == 0 && sgn(inputSlope(static_cast<int>(f))) == side);
+    }
+    point.preferred = point.feasible && is_nearest;
+  }
+
   /// (theta, u, tau) is feasible at every vertex, so everywhere in the region; and the active facets,
   /// weighted so that the move cancels, say that tau cannot be less: as affine functions, not at points.
-  bool isOptimal(const RobustLaw::Region& region) const {
-    for (const RationalVector& vertex : region.vertices) {
-      RationalVector y = vertex;
-      y.push_back(moveAt(region, vertex));
-      y.push_back(peakAt(region, vertex));
-      for (const FeasibleSet::Facet& facet : set_.facets) {
-        if (dot(facet.half_space.a, y) > facet.half_space.b) return false;
-      }
+  bool isOptimal(std::size_t index) const {
+    const RobustLaw::Region& region = law_.regions[index];
+    for (const std::size_t k : points_of_[index]) {
+      if (!points_[k].feasible) return false;
     }
     RationalVector weights;
     if (region.active.size() == 2 && inputSlope(region.active[0]) != 0 && inputSlope(region.active[1]) != 0) {
@@ -84,40 +147,21 @@ class LawProof {
     return sum.back() / peak == region.peak_offset;
   }
 
-  /// Among the moves that reach tau at a vertex, an interval found from all facets, the nearest to K e.
-  bool isPreferred(const RobustLaw::Region& region) const {
-    for (const RationalVector& vertex : region.vertices) {
-      const Rational peak = peakAt(region, vertex);
-      std::optional<Rational> least, greatest;
-      for (std::size_t f = 0; f < set_.facets.size(); ++f) {
-        const ExactHalfSpace& row = set_.facets[f].half_space;
-        const Rational& slope = row.a[at(np_)];
-        if (slope == 0) continue;
-        Rational rest = row.b - row.a[at(np_) + 1] * peak;
-        for (std::size_t j = 0; j < at(np_); ++j) rest -= row.a[j] * vertex[j];
-        rest /= slope;
-        if (slope > 0 && (!greatest || rest < *greatest)) greatest = rest;
-        if (slope < 0 && (!least || rest > *least)) least = rest;
-      }
-      Rational move = dot(preferred_, vertex);
-      if (greatest) move = std::min(move, *greatest);
-      if (least) move = std::max(move, *least);
-      if (move != moveAt(region, vertex)) return false;
-    }
-    return true;
-  }
-
   void proveCoverage() {
     std::vector<RationalVector> points;
     for (const FeasibleSet::Vertex& vertex : set_.vertices)
       points.emplace_back(vertex.y.begin(), vertex.y.begin() + np_);
     domain_ = hull(np_, points);
+    if (!domain_.equalities.empty()) return;
+    domain_rows_ = coneRows(domain_.rows);
     Rational sum;
     for (const RobustLaw::Region& region : law_.regions) {
       const Rational part = volume(region.polytope);
+      const std::vector<std::vector<Integer>> rows = coneRows(region.polytope.rows);
       // half-spaces and vertices are the same region: vertices lie within, and their hull has the volume
       for (const RationalVector& vertex : region.vertices) {
-        if (!contains(region.polytope, vertex) || !contains(domain_, vertex)) return;
+        const std::vector<Integer> whole = homogeneous(vertex);
+        if (!isWithin(rows, whole) || !isWithin(domain_rows_, whole)) return;
       }
       sum += part;
     }
@@ -193,9 +237,11 @@ class LawProof {
 
   void checkFeasible(const RationalVector& theta, const RationalVector& disturbance,
                      const RationalVector& next) {
-    for (const ExactHalfSpace& row : domain_.rows) {
+    const std::vector<Integer> whole = homogeneous(next);
+    for (std::size_t k = 0; k < domain_rows_.size(); ++k) {
+      if (dot(domain_rows_[k], whole) >= 0) continue;
+      const ExactHalfSpace& row = domain_.rows[k];
       const Rational excess = dot(row.a, next) - row.b;
-      if (excess <= 0) continue;
       if (!isOfExploration(row)) {
         note(proof_.lost, theta, disturbance, "no plan meets all bounds from the successor", excess);
         continue;
@@ -225,22 +271,24 @@ class LawProof {
   }
 
   void proveSteps() {
+    for (const LawPoint& point : points_) proveStep(point);
+    for (const std::vector<std::size_t>& places : points_of_)
+      proof_.steps += places.size() << static_cast<unsigned>(problem_.channelCount());
+  }
+
+  void proveStep(const LawPoint& point) {
     const int nw = problem_.channelCount();
-    for (const RobustLaw::Region& region : law_.regions) {
-      for (const RationalVector& theta : region.vertices) {
-        const Rational move = moveAt(region, theta), peak = peakAt(region, theta);
-        checkRange(problem_.input_ranges[0], shifted(theta, &RobustProblem::Parameter::input_shift, 0, move),
-                   problem_.inputs[0].name, theta, RationalVector(at(nw)));
-        for (unsigned corner = 0; corner < (1U << static_cast<unsigned>(nw)); ++corner) {
-          RationalVector disturbance;
-          for (int c = 0; c < nw; ++c)
-            disturbance.emplace_back((corner >> static_cast<unsigned>(c)) & 1U ? 1 : -1);
-          const RationalVector next = successor(theta, move, disturbance);
-          checkBounds(theta, peak, disturbance, next);
-          checkFeasible(theta, disturbance, next);
-          ++proof_.steps;
-        }
-      }
+    const RationalVector theta = point.theta();
+    checkRange(problem_.input_ranges[0],
+               shifted(theta, &RobustProblem::Parameter::input_shift, 0, point.move()),
+               problem_.inputs[0].name, theta, RationalVector(at(nw)));
+    for (unsigned corner = 0; corner < (1U << static_cast<unsigned>(nw)); ++corner) {
+      RationalVector disturbance;
+      for (int c = 0; c < nw; ++c)
+        disturbance.emplace_back((corner >> static_cast<unsigned>(c)) & 1U ? 1 : -1);
+      const RationalVector next = successor(theta, point.move(), disturbance);
+      checkBounds(theta, point.peak(), disturbance, next);
+      checkFeasible(theta, disturbance, next);
     }
   }
 
@@ -251,7 +299,11 @@ class LawProof {
   int np_;
   std::vector<int> errors_;
   RationalVector preferred_;
+  std::vector<LawPoint> points_;
+  /// Places in points_ of the vertices of each region.
+  std::vector<std::vector<std::size_t>> points_of_;
   ExactPolytope domain_;
+  std::vector<std::vector<Integer>> domain_rows_;
   RobustProof proof_;
 };
 

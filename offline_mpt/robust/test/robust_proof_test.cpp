@@ -104,6 +104,19 @@ TEST(RobustProof, RefusesWrongLaws) {
   }
 }
 
+// With another gain of the tie-break the same moves are optimal, but others are nearer to K e.
+TEST(RobustProof, RefusesMovesThatAreNotPreferred) {
+  const Solved right(smallRobust());
+  for (const int sign : {-1, 1}) {
+    Solved wrong = right;
+    wrong.problem.tie_gain(0, 0) += sign * Rational(1, 1000000000);
+    const RobustProof proof = wrong.proof();
+    EXPECT_EQ(proof.optimal_regions, right.law.regions.size());
+    EXPECT_FALSE(proof.preferred);
+    EXPECT_FALSE(proof.passed());
+  }
+}
+
 TEST(RobustProof, RefusesASetThatIsTooLargeOrTooSmall) {
   const Solved right(smallRobust());
   Solved large = right;

@@ -125,11 +125,20 @@ class Volume {
 
 std::vector<std::vector<std::size_t>> triangulate(const ExactPolytope& set,
                                                   const std::vector<RationalVector>& vertices) {
+  // In whole numbers: sums of fractions would need a common divisor for each term.
+  const auto whole = [](const Rational& head, const RationalVector& tail) {
+    RationalVector values{head};
+    values.insert(values.end(), tail.begin(), tail.end());
+    return wholeNumbers(values);
+  };
+  std::vector<std::vector<Integer>> points;
+  for (const RationalVector& vertex : vertices) points.push_back(whole(-1, vertex));
   std::vector<TightSet> rows;
   for (const ExactHalfSpace& row : set.rows) {
+    const std::vector<Integer> plane = whole(row.b, row.a);
     TightSet on;
-    for (std::size_t k = 0; k < vertices.size(); ++k) {
-      if (dot(row.a, vertices[k]) == row.b) on.set(k);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (dot(plane, points[k]) == 0) on.set(k);
     }
     rows.push_back(std::move(on));
   }
