@@ -161,6 +161,26 @@ TEST(DeadTimeFlights, NoiseDoesNotChangeThat) {
   }
 }
 
+TEST(DeadTimeFlights, AHoverStaysQuietWhereTheDelayIsNotAsTold) {
+  PlantOptions noisy;
+  noisy.position_noise = 0.005;
+  noisy.velocity_noise = 0.02;
+  noisy.attitude_noise = 0.005;
+  const Path hover = [](double) { return Reference{}; };
+  for (const std::string& law : kNames) {
+    const double none = fly(law, hover, noisy, 0.0, 0.0).rms;
+    for (const double told : {0.06, 0.1}) {
+      for (const double share : {0.7, 1.3}) {
+        const double rms = fly(law, hover, noisy, share * told, told).rms;
+        RecordProperty("hover_" + law + "_" + std::to_string(std::lround(1000.0 * told)) +
+                           (share < 1.0 ? "_less" : "_more"),
+                       std::to_string(none) + " " + std::to_string(rms));
+        EXPECT_LT(rms, 1.4 * none) << law << ", " << told << ", " << share;
+      }
+    }
+  }
+}
+
 // A constant wind, a gain that is wrong and a loop that is not level: what is left is the trim's, which settles for long.
 TEST(DeadTimeFlights, LeaveNoOffset) {
   PlantOptions plant;
