@@ -45,7 +45,7 @@ class VehicleTest(unittest.TestCase):
             self.assertEqual(len(changed), changes)
             if changes:
                 self.assertEqual(changed[0].strip(), "- [0, 0, -20]  # -1 / tau")
-                self.assertEqual(changed[1].strip(), "- [19]  # K / tau")
+                self.assertEqual(changed[1].strip(), "- [20]  # K / tau")
 
 
 class ExcitationTest(unittest.TestCase):

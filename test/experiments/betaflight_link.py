@@ -62,7 +62,7 @@ save
 
 # Attitude loop from the odometry to the tilt, a lag of first order behind a dead time: what `calibrate attitude` finds in a
 # flight of betaflight_excite.py, alike for roll and pitch. Most of the dead time is Betaflight's filters and the rotors.
-GAIN, LAG, DEAD_TIME = 0.95, 0.05, 0.105  # [1], [s], [s]
+GAIN, LAG, DEAD_TIME = 1.0, 0.05, 0.105  # [1], [s], [s]
 
 VEHICLE = """vehicle: {mass: %g, delay: %g}
 nonlinear: {roll_gain: %g, roll_time: %g, pitch_gain: %g, pitch_time: %g}
