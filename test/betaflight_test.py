@@ -10,6 +10,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "experiments"))
 
+import betaflight_excite as excite
 import betaflight_link as link
 
 
@@ -43,8 +44,23 @@ class VehicleTest(unittest.TestCase):
             changed = [new for old, new in pairs if old != new]
             self.assertEqual(len(changed), changes)
             if changes:
-                self.assertEqual(changed[0].strip(), "- [0, 0, -12.5]  # -1 / tau")
-                self.assertEqual(changed[1].strip(), "- [12.5]  # K / tau")
+                self.assertEqual(changed[0].strip(), "- [0, 0, -20]  # -1 / tau")
+                self.assertEqual(changed[1].strip(), "- [20]  # K / tau")
+
+
+class ExcitationTest(unittest.TestCase):
+    def test_each_manoeuvre_is_2_1_1_on_one_axis(self):
+        plan, end = excite.manoeuvres()
+        self.assertEqual(len(plan), 2 * 2 * len(excite.AMPLITUDES) * excite.REPEATS)
+        self.assertIsNone(excite.added(plan, end - 0.01))
+        for start, axis, amplitude in plan:
+            self.assertIsNone(excite.added(plan, start - 0.01))
+            for unit, sign in ((0.1, 1), (1.9, 1), (2.1, -1), (2.9, -1), (3.1, 1), (3.9, 1)):
+                share = excite.added(plan, start + unit * excite.UNIT)
+                self.assertEqual(share[axis], sign * amplitude)
+                self.assertEqual(share[1 - axis], 0.0)
+            self.assertIsNone(excite.added(plan, start + 4.1 * excite.UNIT))
+        self.assertEqual(sum(amplitude for _, _, amplitude in plan), 0.0)
 
 
 class PacketTest(unittest.TestCase):

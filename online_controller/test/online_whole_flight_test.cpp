@@ -187,6 +187,21 @@ TEST_P(WholeFlight, TheyAreSurvivedWithADeadTime) { surviveFaults(GetParam(), 6)
 // The solver's bound is reached where many inputs are at their limits at once, far from where it shall be;
 // and what it has by then is no answer, because it breaks a limit of the velocity that costs more than it
 // gains.
+TEST_P(WholeFlight, ATrajectoryWithoutStartBeginsWithTheNextSampleInSpiteOfDeadTime) {
+  Flight flight(GetParam(), Eigen::Vector3d::Zero(), 6);
+  flight.run(0.1);
+  const ReferenceTrajectory circular = circle();
+  for (const double seconds : {0.5, 1.0}) {
+    ASSERT_EQ(flight.supervisor.onReference(circle(), std::nullopt), nullptr);
+    flight.run(kPeriod);
+    for (const double since : {0.0, seconds}) {
+      flight.run(since);
+      const Eigen::Vector3d acting = circular.sample(since + 6 * kPeriod).position;
+      EXPECT_LT((flight.supervisor.preview().front().position - acting).norm(), 1e-9) << since;
+    }
+  }
+}
+
 TEST(SolverFailure, OfTheNonlinearLawHoldsLevelsAndEndsWithTheNextAnswer) {
   NonlinearMpcOptions mpc;
   mpc.working_sets_max = 1;

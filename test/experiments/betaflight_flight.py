@@ -5,8 +5,6 @@ usage: betaflight_flight.py RESULT.json. SITL and multirotor_mavros.launch run a
 
 import json
 import math
-import select
-import socket
 import sys
 import threading
 import time
@@ -18,11 +16,8 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Empty
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
-from betaflight_link import (GREATEST_GAP, LIMITS, MOTOR_PORT, MOTORS, RC, RC_PORT, SETTLED, STATE_PORT, Plant, conjugate, rc_channels,
-                             roll_pitch, rotated)
+from betaflight_link import ARM_TIME, BOOT_TIME, GREATEST_GAP, LIMITS, SETTLED, Link, conjugate, roll_pitch, rotated
 
-STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
-BOOT_TIME, ARM_TIME = 8.0, 1.0  # until arming, until take-off [s]
 HEIGHT, STEP = 1.5, 1.25  # [m]
 WIND = (0.8, -0.5, 0.0)  # [m/s^2]
 COURSE_STEP = 250  # samples of the state between two rows (time [s], distance [m]) of the result
@@ -63,16 +58,13 @@ def eight_message():
     return message
 
 
-class Bridge:
+class Bridge(Link):
     """Between SITL, the vehicle and the node."""
 
     def __init__(self):
-        self.plant, self.motors = Plant(), [0.0] * 4
-        self.command, self.command_time, self.greatest_gap = (0.0, 0.0, 0.0, 0.0), None, 0.0
-        self.counts_gaps, self.armed, self.silent = False, False, False
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", MOTOR_PORT))
-        self.socket.setblocking(False)
+        super().__init__()
+        self.command_time, self.greatest_gap = None, 0.0
+        self.counts_gaps, self.silent = False, False
         self.odometry = rospy.Publisher("mavros/local_position/odom", Odometry, queue_size=1, tcp_nodelay=True)
         rospy.Subscriber("mavros/setpoint_raw/attitude", AttitudeTarget, self.on_target, queue_size=1, tcp_nodelay=True)
 
@@ -84,7 +76,9 @@ class Bridge:
         self.command_time = now
         self.command = (*roll_pitch((q.w, q.x, q.y, q.z)), message.body_rate.z, message.thrust)
 
-    def publish(self):
+    def on_odometry(self, now):
+        if self.silent:
+            return
         message, plant = Odometry(), self.plant
         message.header.stamp = rospy.Time.now()
         message.header.frame_id, message.child_frame_id = "map", "base_link"
@@ -94,32 +88,6 @@ class Bridge:
         twist.linear.x, twist.linear.y, twist.linear.z = rotated(conjugate(plant.attitude), plant.velocity)
         twist.angular.x, twist.angular.y, twist.angular.z = plant.rates
         self.odometry.publish(message)
-
-    def run(self, on_time):
-        """Until on_time(seconds since the start) says False."""
-        start = last = time.monotonic()
-        next_state = next_odometry = start
-        while on_time(last - start):
-            select.select([self.socket], [], [], max(0.0, next_state - time.monotonic()))
-            try:
-                while True:
-                    packet = self.socket.recv(64)
-                    if len(packet) == MOTORS.size:
-                        self.motors = MOTORS.unpack(packet)
-            except BlockingIOError:
-                pass
-            now = time.monotonic()
-            if now < next_state:
-                continue
-            self.plant.advance(self.motors, now - last)
-            last, next_state = now, max(next_state + STATE_PERIOD, now)
-            self.socket.sendto(self.plant.state_packet(), ("127.0.0.1", STATE_PORT))
-            if now >= next_odometry:
-                next_odometry = max(next_odometry + ODOMETRY_PERIOD, now)
-                channels = rc_channels(*self.command, self.armed)
-                self.socket.sendto(RC.pack(now - start, *channels), ("127.0.0.1", RC_PORT))
-                if not self.silent:
-                    self.publish()
 
 
 class Flight:

@@ -9,11 +9,16 @@ Axes of the plant: body forward, left, up; world east, north, up. SI units. Quat
 import math
 import os
 import re
+import select
+import socket
 import struct
 import sys
+import time
 
 GRAVITY = 9.8066  # [m/s^2]
 MOTOR_PORT, STATE_PORT, RC_PORT = 9002, 9003, 9004
+STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
+BOOT_TIME, ARM_TIME = 8.0, 1.0  # until arming, until take-off [s]
 
 # src/platform/SIMULATOR/target/SITL/target.h of Betaflight: servo_packet, fdm_packet, rc_packet. None has padding.
 MOTORS = struct.Struct("<4f")
@@ -55,9 +60,9 @@ save
 """ % (THROTTLE_LOW, round(10000 * IDLE), ANGLE_LIMIT, YAW_RATE_LIMIT // 10, YAW_RATE_LIMIT // 10)
 
 
-# Attitude loop from the odometry to the tilt, a lag of first order behind a dead time: the best fit to the commands and
-# tilts of a flight, alike for roll and pitch. Most of the dead time is Betaflight's filters and the rotors.
-GAIN, LAG, DEAD_TIME = 1.0, 0.08, 0.09  # [1], [s], [s]
+# Attitude loop from the odometry to the tilt, a lag of first order behind a dead time: what `calibrate attitude` finds in a
+# flight of betaflight_excite.py, alike for roll and pitch. Most of the dead time is Betaflight's filters and the rotors.
+GAIN, LAG, DEAD_TIME = 1.0, 0.05, 0.105  # [1], [s], [s]
 
 VEHICLE = """vehicle: {mass: %g, delay: %g}
 nonlinear: {roll_gain: %g, roll_time: %g, pitch_gain: %g, pitch_time: %g}
@@ -66,8 +71,8 @@ nonlinear: {roll_gain: %g, roll_time: %g, pitch_gain: %g, pitch_time: %g}
 
 def with_loop(problem):
     """The text of a problem file of an axis, with this attitude loop; that of the vertical axis has none."""
-    problem = re.sub(r"-[0-9.]+\](  # -1 / tau)", r"%.17g]\1" % (-1.0 / LAG), problem)
-    return re.sub(r"\[[0-9.]+\](  # K / tau)", r"[%.17g]\1" % (GAIN / LAG), problem)
+    problem = re.sub(r"-[0-9.]+\](  # -1 / tau)", r"%.12g]\1" % (-1.0 / LAG), problem)
+    return re.sub(r"\[[0-9.]+\](  # K / tau)", r"[%.12g]\1" % (GAIN / LAG), problem)
 
 
 def rotated(q, v):
@@ -161,6 +166,48 @@ class Plant:
         lose the sticks. A stamp that stays the same leaves it at wall time."""
         (p, q, r), (fx, fy, fz), (w, x, y, z) = self.rates, self.specific_force, self.attitude
         return STATE.pack(0.0, p, -q, r, -fx, -fy, -fz, w, x, -y, -z, *self.velocity, *self.position, 101325.0)
+
+
+class Link:
+    """Between SITL and the vehicle. A command is (roll, pitch, yaw rate, throttle)."""
+
+    def __init__(self):
+        self.plant, self.motors = Plant(), [0.0] * 4
+        self.command, self.armed = (0.0, 0.0, 0.0, 0.0), False
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", MOTOR_PORT))
+        self.socket.setblocking(False)
+
+    def on_odometry(self, now):
+        """Each 10 ms, after the last command was sent."""
+
+    def run(self, on_time):
+        """Until on_time(seconds since the start) says False."""
+        start = last = time.monotonic()
+        next_state = next_odometry = start
+        while on_time(last - start):
+            select.select([self.socket], [], [], max(0.0, next_state - time.monotonic()))
+            self._take_motors()
+            now = time.monotonic()
+            if now < next_state:
+                continue
+            self.plant.advance(self.motors, now - last)
+            last, next_state = now, max(next_state + STATE_PERIOD, now)
+            self.socket.sendto(self.plant.state_packet(), ("127.0.0.1", STATE_PORT))
+            if now >= next_odometry:
+                next_odometry = max(next_odometry + ODOMETRY_PERIOD, now)
+                channels = rc_channels(*self.command, self.armed)
+                self.socket.sendto(RC.pack(now - start, *channels), ("127.0.0.1", RC_PORT))
+                self.on_odometry(now - start)
+
+    def _take_motors(self):
+        try:
+            while True:
+                packet = self.socket.recv(64)
+                if len(packet) == MOTORS.size:
+                    self.motors = MOTORS.unpack(packet)
+        except BlockingIOError:
+            pass
 
 
 def thrust_polynomial():

@@ -47,6 +47,9 @@ class ReferenceSchedule {
   /// Holds a pose from now on and drops the rest. Does not allocate.
   void hold(const Eigen::Vector3d& position, double yaw) noexcept;
 
+  /// Starts at `time` [s] what has no start of its own, and drops what is over. Does not allocate.
+  void advance(double time) noexcept;
+
   /// The reference at `time` [s], nothing before the first trajectory. Does not allocate.
   std::optional<Reference> sample(double time) noexcept;
 
@@ -65,7 +68,6 @@ class ReferenceSchedule {
     double begin() const noexcept { return *start + trajectory.startTime(); }
   };
 
-  void advance(double time) noexcept;
   Entry& active() noexcept { return entries_[first_]; }
   Entry& last() noexcept { return entries_[first_ + count_ - 1]; }
   void compact();

@@ -208,6 +208,8 @@ void FlightSupervisor::setLaw(LawSwitch& law, const MultirotorOptions& vehicle) 
 bool FlightSupervisor::makePreview(double time, int wanted) noexcept {
   const int count = std::min(wanted, static_cast<int>(preview_.size()));
   const double period = law_->previewPeriod();
+  // A trajectory without a start begins with this sample, not where the command acts: it would be late by the lead.
+  if (!isRamp(task())) references_.advance(time);
   time += law_->lead();
   if (!isRamp(task())) return references_.preview(time, period, count, preview_.data());
   for (int k = 0; k < count; ++k) preview_[static_cast<std::size_t>(k)] = ramp_.at(time + k * period);
