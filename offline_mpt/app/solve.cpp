@@ -32,8 +32,8 @@ namespace {
 const char kSolveFooter[] =
     R"(The problem is a tracking problem of one axis, a minimum-peak robust MPC or a safety filter (.yaml, .yml), or
 a parametric program in the generic form (.json). A robust MPC has no limit but --time-limit, and a
-stopped run of it leaves the checkpoint only. Of a safety filter, the safe set is computed and proven first; the map carries it. The same
-problem gives the same bytes for any number of threads.
+stopped run of it leaves the checkpoint only. Of a safety filter, the safe set is computed and proven
+first; the map carries it. The same problem gives the same bytes for any number of threads.
 
 Ctrl-C, SIGTERM, SIGHUP or a limit stops the run. It then writes MAP.checkpoint. --resume continues from
 there to the same bytes as an uninterrupted run. The checkpoint is also written every --checkpoint-period,
