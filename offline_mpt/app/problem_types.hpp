@@ -20,6 +20,9 @@ struct SolveTask {
   std::uint64_t tree_nodes = 0;
   int threads = 1;
   bool quiet = false;
+  std::string checkpoint;          ///< file of an unfinished run
+  bool resume = false;             ///< continue from it
+  double checkpoint_period = 0.0;  ///< [s], 0: only at the end
 };
 
 /// What `verify` was asked for.

@@ -31,9 +31,9 @@ namespace {
 
 const char kSolveFooter[] =
     R"(The problem is a tracking problem of one axis, a minimum-peak robust MPC or a safety filter (.yaml, .yml), or
-a parametric program in the generic form (.json). A robust MPC has no checkpoint, and no limit but
---time-limit. Of a safety filter, the safe set is computed and proven first; the map carries it. The same
-problem gives the same bytes for any number of threads.
+a parametric program in the generic form (.json). A robust MPC has no limit but --time-limit, and a
+stopped run of it leaves the checkpoint only. Of a safety filter, the safe set is computed and proven
+first; the map carries it. The same problem gives the same bytes for any number of threads.
 
 Ctrl-C, SIGTERM, SIGHUP or a limit stops the run. It then writes MAP.checkpoint. --resume continues from
 there to the same bytes as an uninterrupted run. The checkpoint is also written every --checkpoint-period,
@@ -348,8 +348,12 @@ ExitCode lead(const SolveArguments& options, Session& session) {
   checkFiles(options);
   if (const OwnSolver* own = ownSolverOf(options.problem); own != nullptr) {
     session.leave();
+    if (options.explore.region_limit != ExploreOptions().region_limit || options.explore.memory_limit > 0)
+      throw Error(options.problem + ": type: " + own->type +
+                  " takes no --region-limit and no --memory-limit");
     return own->solve({options.problem, options.map, options.stats, options.time_limit, options.tree_mode,
-                       options.tree_nodes, options.explore.threads, options.quiet});
+                       options.tree_nodes, options.explore.threads, options.quiet, checkpointOf(options),
+                       options.explore.resume, options.explore.checkpoint_period});
   }
   PhaseClock clock;
   const ParametricProgram program = loadCompleteProgram(options.problem);

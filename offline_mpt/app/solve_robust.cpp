@@ -1,5 +1,7 @@
 #include "solve_robust.hpp"
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -14,9 +16,19 @@
 namespace polyfly {
 namespace {
 
+/// Stopped, it leaves the half-spaces found so far in the checkpoint.
 FeasibleSet projectWithProgress(const RobustProgram& program, const SolveTask& task) {
   Progress progress(task.quiet);
   ProjectOptions project;
+  if (task.resume) project.known = readCuts(task.checkpoint, program);
+  project.stop = &stopOnSignal(NextSignal::kIsTaken);
+  double saved = 0.0;  // when [s]
+  project.save = [&](const std::vector<FeasibleSet::Facet>& cuts) {
+    const double now = progress.elapsed();
+    if (!stopRequested() && (task.checkpoint_period == 0.0 || now < saved + task.checkpoint_period)) return;
+    writeCuts(task.checkpoint, cuts);
+    saved = now;
+  };
   project.threads = task.threads;
   project.progress = [&](std::uint64_t facets, std::uint64_t vertices, std::uint64_t open) {
     progress.show("feasible set: " + std::to_string(facets) + " facets, " + std::to_string(vertices) +
@@ -49,12 +61,18 @@ std::string statsOf(const FeasibleSet& set, const RobustLaw& law, const RegionMa
 }  // namespace
 
 ExitCode solveRobust(const SolveTask& task) {
-  // Of no phase anything can be kept.
-  endOnSignal(task.map + ": stopped, nothing was written", task.time_limit);
+  const std::string unwritten = task.map + ": stopped, nothing was written";
+  endOnSignal(unwritten, task.time_limit);
   Stopwatch watch;
   const RobustProblem problem = loadRobustProblem(task.problem);
   const RobustProgram program = buildRobustProgram(problem);
   const FeasibleSet set = projectWithProgress(program, task);
+  const std::string stopped = unwritten + "; " + task.checkpoint +
+                              " holds half-spaces of the feasible set; " + "continue with --resume";
+  if (set.interrupted) endNow(stopped);
+  writeCuts(task.checkpoint, set.facets);
+  if (stopRequested()) endNow(stopped);
+  endOnSignal(stopped);
   const double project_time = watch.lap();
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
@@ -66,6 +84,7 @@ ExitCode solveRobust(const SolveTask& task) {
   const MapContent content = encode(rounded.program, rounded.partition, tree);
   ignoreSignals();
   writeMap(content, task.map);
+  ::unlink(task.checkpoint.c_str());
   const RegionMap map = RegionMap::open(task.map);
   const double encode_time = watch.lap();
   if (!task.stats.empty())

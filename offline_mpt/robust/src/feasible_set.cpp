@@ -80,14 +80,13 @@ class Projection {
 
   FeasibleSet run() {
     start();
-    while (!stopped()) {
-      if (cutInFloat()) continue;
-      if (!options_.exact) break;
-      if (!cutExactly()) break;
+    for (bool cut_off = true; cut_off && !stopped();) {
+      cut_off = cutInFloat() || (options_.exact && !stopped() && cutExactly());
+      if (options_.save) options_.save(facets_);
     }
     result_.interrupted = stopped();
     result_.stats.pivots = gauge_.pivots();
-    collect();
+    if (!result_.interrupted) collect();
     return std::move(result_);
   }
 
@@ -108,12 +107,14 @@ class Projection {
       facet.of_box = program_.rows[i].kind == RobustProgram::Kind::kBox;
       addFacet(std::move(facet));
     }
+    for (const FeasibleSet::Facet& facet : options_.known) addFacet(facet);
   }
 
+  /// Once it was stopped, the half-space is kept only to be saved.
   bool addFacet(FeasibleSet::Facet facet) {
     std::vector<Integer> row = coneRow(facet.half_space);
     if (!known_.insert(row).second) return false;
-    cone_.add(row);
+    if (!stopped()) cone_.add(row);
     facets_.push_back(std::move(facet));
     return true;
   }
@@ -122,7 +123,7 @@ class Projection {
   bool cutInFloat() {
     std::vector<FeasibleSet::Facet> cuts;
     for (const DoubleDescription::Ray& ray : cone_.rays()) {
-      if (stopped()) return false;
+      if (stopped()) break;
       if (!isVertex(ray) || tested_.count(ray.value) > 0) continue;
       std::optional<FeasibleSet::Facet> cut = testInFloat(ray.value);
       if (cut) cuts.push_back(std::move(*cut));
@@ -196,7 +197,7 @@ class Projection {
 
   void collect() {
     result_.dimension = program_.lawSize();
-    result_.proven = options_.exact && !result_.interrupted;
+    result_.proven = options_.exact;
     std::vector<TightSet> on(facets_.size());  // rays by facet, with those at infinity
     for (std::size_t r = 0; r < cone_.rays().size(); ++r) {
       for (std::size_t f = 1; f < facets_.size(); ++f) {

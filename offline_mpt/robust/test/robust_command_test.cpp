@@ -1,11 +1,13 @@
 // `offline_mpt` with a problem of type robust_mpc, as a user would run it.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "../../test/run_program.hpp"
 #include "made_robust.hpp"
+#include "robust_mpc/feasible_set.hpp"
 
 namespace polyfly {
 namespace {
@@ -94,6 +96,77 @@ TEST_F(RobustCommand, StopsAtItsTimeLimit) {
   EXPECT_EQ(stopped.exit_code, 3) << stopped.err;
   EXPECT_NE(stopped.err.find("long.map: stopped, nothing was written"), std::string::npos) << stopped.err;
   EXPECT_FALSE(std::filesystem::exists(path("long.map")));
+  const Outcome limited = run({"solve", problem, "-o", path("long.map"), "--region-limit", "5", "--force"});
+  EXPECT_EQ(limited.exit_code, 2);
+  EXPECT_NE(limited.err.find("robust_mpc takes no --region-limit"), std::string::npos) << limited.err;
+}
+
+/// What a projection had found when it was stopped after so many passes.
+std::vector<FeasibleSet::Facet> stoppedAfter(int passes, const RobustProgram& program) {
+  std::atomic<bool> stop{false};
+  std::vector<FeasibleSet::Facet> found;
+  ProjectOptions options;
+  options.stop = &stop;
+  options.save = [&](const std::vector<FeasibleSet::Facet>& cuts) {
+    found = cuts;
+    stop = --passes == 0;
+  };
+  EXPECT_TRUE(projectFeasibleSet(program, options).interrupted);
+  return found;
+}
+
+TEST_F(RobustCommand, ResumesToTheSameBytes) {
+  const std::string problem = write("made.yaml", smallRobust().text());
+  ASSERT_EQ(run({"solve", problem, "-o", path("whole.map"), "--quiet"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("whole.map.checkpoint")));
+  EXPECT_EQ(run({"solve", problem, "-o", path("part.map"), "--resume"}).exit_code, 2);
+  const RobustProgram program = buildRobustProgram(loadRobustProblem(problem));
+  std::size_t before = 0;
+  for (const int passes : {1, 2}) {
+    const std::vector<FeasibleSet::Facet> cuts = stoppedAfter(passes, program);
+    EXPECT_GT(cuts.size(), before);
+    before = cuts.size();
+    writeCuts(path("part.map.checkpoint"), cuts);
+    const Outcome refused = run({"solve", problem, "-o", path("part.map")});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find("continue with --resume"), std::string::npos) << refused.err;
+    const Outcome resumed = run({"solve", problem, "-o", path("part.map"), "--resume", "--quiet"});
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_EQ(readBytes(path("part.map")), readBytes(path("whole.map")));
+    EXPECT_FALSE(std::filesystem::exists(path("part.map.checkpoint")));
+  }
+}
+
+TEST_F(RobustCommand, RefusesWrongCheckpoints) {
+  const std::string problem = write("made.yaml", smallRobust().text());
+  const RobustProgram program = buildRobustProgram(loadRobustProblem(problem));
+  const std::string checkpoint = path("made.map.checkpoint");
+  writeCuts(checkpoint, stoppedAfter(3, program));
+  const nlohmann::json whole = nlohmann::json::parse(readBytes(checkpoint));
+  const auto refusal = [&](const nlohmann::json& json) {
+    write("made.map.checkpoint", json.dump());
+    const Outcome refused = run({"solve", problem, "-o", path("made.map"), "--resume"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_FALSE(std::filesystem::exists(path("made.map")));
+    return refused.err;
+  };
+  const std::size_t last = whole["cuts"].size() - 1;
+  const auto partOfLast = [&](int field, const nlohmann::json& value) {
+    nlohmann::json json = whole;
+    json["cuts"][last][0][static_cast<std::size_t>(field)] = value;
+    return refusal(json);
+  };
+  const std::string name = "made.map.checkpoint: half-space " + std::to_string(last) + ": ";
+  EXPECT_NE(partOfLast(2, "12345/7").find(name + "does not follow"), std::string::npos);
+  EXPECT_NE(partOfLast(2, "-1").find(name + "has a weight"), std::string::npos);
+  EXPECT_NE(partOfLast(2, "1/0").find(name + "has a weight"), std::string::npos);
+  EXPECT_NE(partOfLast(2, "a").find(name + "is no list"), std::string::npos);
+  EXPECT_NE(partOfLast(2, 1).find(name + "is no list"), std::string::npos);
+  EXPECT_NE(partOfLast(0, 100000).find(name + "names a row"), std::string::npos);
+  EXPECT_NE(partOfLast(1, "++++++++++++++++").find(name + "has another number"), std::string::npos);
+  EXPECT_NE(refusal({{"polyfly_robust_cuts", 2}}).find("is no checkpoint of a robust MPC"),
+            std::string::npos);
+  EXPECT_NE(refusal("text").find("is no checkpoint of a robust MPC"), std::string::npos);
 }
 
 TEST_F(RobustCommand, BoundsDisturbancesOfAFlight) {

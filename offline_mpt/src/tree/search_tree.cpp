@@ -140,7 +140,8 @@ class TreeGrower {
     TreeEnd end = grow(limit_);
     if (end == TreeEnd::kMemory) end = growParts();
     finishLeaves(0);
-    SearchTree tree = layOut();
+    SearchTree tree;
+    tree.root = layOut(0, tree);
     tree.end = end;
     tree.pivots = splitter_.pivots();
     return tree;
@@ -301,12 +302,6 @@ class TreeGrower {
   }
 
   /// Nodes in the order of descents, below first.
-  SearchTree layOut() {
-    SearchTree tree;
-    tree.root = layOut(0, tree);
-    return tree;
-  }
-
   std::uint32_t layOut(std::uint32_t cell, SearchTree& tree) {
     if (split_by_[cell] == kUnsplit) return addLeaf(leaves_[cell], tree);
     const std::uint32_t node = split_by_[cell];

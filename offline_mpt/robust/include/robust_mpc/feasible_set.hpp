@@ -3,20 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "robust_mpc/robust_program.hpp"
 
 namespace polyfly {
-
-struct ProjectOptions {
-  /// Prove that every vertex has a prediction that meets all rows exactly, and repair the set where one has
-  /// not. Without it vertices are decided in floating point; facets and vertices are exact all the same.
-  bool exact = true;
-  int threads = 1;  ///< at least 1; the result does not depend on it
-  const std::atomic<bool>* stop = nullptr;
-  std::function<void(std::uint64_t facets, std::uint64_t vertices, std::uint64_t open)> progress;
-};
 
 /// {y = (theta, u~_0, tau) : some z meets all rows of the program}, exactly: the projection of the feasible
 /// set of Eq. 34 on what the first move needs.
@@ -55,8 +47,21 @@ struct FeasibleSet {
   std::vector<Facet> facets;     ///< none redundant, sorted
   std::vector<Vertex> vertices;  ///< sorted; besides, y may be moved towards greater tau without end
   bool proven = false;           ///< every vertex was shown feasible in exact arithmetic
-  bool interrupted = false;
+  bool interrupted = false;      ///< by ProjectOptions::stop; then no facets and vertices are told
   Stats stats;
+};
+
+struct ProjectOptions {
+  /// Prove that every vertex has a prediction that meets all rows exactly, and repair the set where one has
+  /// not. Without it vertices are decided in floating point; facets and vertices are exact all the same.
+  bool exact = true;
+  int threads = 1;  ///< at least 1; the result does not depend on it
+  const std::atomic<bool>* stop = nullptr;
+  std::function<void(std::uint64_t facets, std::uint64_t vertices, std::uint64_t open)> progress;
+  /// Half-spaces of an earlier projection of this program to begin with, as readCuts returns them.
+  std::vector<FeasibleSet::Facet> known;
+  /// Called between passes over the vertices, and once it was stopped, with all half-spaces so far.
+  std::function<void(const std::vector<FeasibleSet::Facet>&)> save;
 };
 
 /// By outer approximation: each vertex of the polyhedron so far is tested by a linear program (how far must
@@ -64,6 +69,13 @@ struct FeasibleSet {
 /// cuts it off; until every vertex is feasible. Throws Error when no theta in the box has a solution with
 /// room around it.
 FeasibleSet projectFeasibleSet(const RobustProgram& program, const ProjectOptions& options = {});
+
+/// Writes the half-spaces by their parts, as JSON, to a file that replaces `path` when it is whole. Throws Error.
+void writeCuts(const std::string& path, const std::vector<FeasibleSet::Facet>& cuts);
+
+/// Reads them back and proves each by its parts, as proveFacets does: so whatever the file holds, a projection that
+/// begins with them ends with the same set. Throws Error that names `path` and the half-space.
+std::vector<FeasibleSet::Facet> readCuts(const std::string& path, const RobustProgram& program);
 
 /// Checks that each facet is the weighted sum of its parts, in which the predictions cancel: then no feasible
 /// y breaks it. Needs nothing that the projection computed but the parts.
