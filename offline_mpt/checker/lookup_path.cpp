@@ -60,10 +60,10 @@ Rounded operator+(const Rounded& a, const Rounded& b) {
 }
 
 /// A power of two of which all values of a number are multiples; 0 where it may be as small as any.
-double gridOf(const Rounded& number) {
+double gridOf(const Rounded& number, const Arithmetic& arithmetic) {
   if (number.lower <= 0.0 && number.upper >= 0.0) return 0.0;
   const double least = std::min(std::abs(number.lower), std::abs(number.upper)) / kOwnRounding - number.error;
-  return least > 0.0 ? 2.0 * number.arithmetic.unit * powerOfSize(least) : 0.0;
+  return least > 0.0 ? 2.0 * arithmetic.unit * powerOfSize(least) : 0.0;
 }
 
 /// The greatest value of a step that gives it its outcome. Values are multiples of `grid`.
@@ -133,7 +133,8 @@ void PathSearch::addSteps(const Box& box, Cell& cell) const {
   for (const PathStep& step : path_) {
     const double* const plane = code_.planes.data() + std::size_t{step.row / 2} * (code_.p + 1);
     const auto [first, last] = sums.parts(plane);
-    const double grid = std::max(code_.distance_unit, std::min(gridOf(first), gridOf(last)));
+    const double grid =
+        std::max(code_.distance_unit, std::min(gridOf(first, arithmetic), gridOf(last, arithmetic)));
     const double limit = greatestValue(step, grid);
     const double error =
         (first.error + last.error + arithmetic.unit * std::abs(limit) + arithmetic.smallest) * kOwnRounding;
