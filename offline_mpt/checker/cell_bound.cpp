@@ -138,6 +138,16 @@ std::vector<double> Cell::point(const std::vector<double>& function) const {
   return theta.empty() ? pointBy<mpq_class>(function) : theta;
 }
 
+double Cell::depth(const std::vector<double>& theta) const {
+  double least = kInfinity;
+  for (const HalfSpace& half_space : half_spaces_) {
+    double rest = half_space.limit;
+    for (std::size_t i = 0; i < theta.size(); ++i) rest -= half_space.sign * half_space.normal[i] * theta[i];
+    least = std::min(least, rest / half_space.weight);
+  }
+  return least;
+}
+
 bool Cell::isEmpty() {
   // Any function serves; one without symmetry keeps dual variables apart.
   std::vector<double> function(box_->size());

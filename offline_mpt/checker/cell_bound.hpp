@@ -49,6 +49,9 @@ class Cell {
   /// Nothing is proven of it. Empty where none is found.
   std::vector<double> point(const std::vector<double>& function) const;
 
+  /// The least distance of theta from a half-space, in shares of the half-space's weight; negative beyond one.
+  double depth(const std::vector<double>& theta) const;
+
  private:
   template <class Number>
   std::vector<double> pointBy(const std::vector<double>& function) const;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <queue>
 #include <vector>
 
 #include "lookup_run.hpp"
@@ -16,7 +17,8 @@ struct PathStep {
 };
 
 /// Looks for numbers of the code's type at which computed values give each comparison of a path its outcome. The box is cut into
-/// parts, each with its own bounds of rounding, until a part is proven to hold none, or numbers are found.
+/// parts, each with its own bounds of rounding, until all parts are proven to hold none, or numbers are found.
+/// A computed value is monotone in each parameter, because roundings are. So all numbers of one parameter are tried at once.
 class PathSearch {
  public:
   /// The code outlives the object.
@@ -32,29 +34,42 @@ class PathSearch {
   const std::vector<double>& theta() const { return theta_; }
 
  private:
-  /// Of each parameter.
-  using Numbers = std::vector<std::vector<double>>;
+  /// The numbers of one parameter in a part, by their places in the order of all numbers of its type.
+  struct Numbers {
+    std::int64_t first = 0, last = -1;
+
+    std::int64_t count() const { return last - first + 1; }
+  };
+
+  /// A part in which nothing is known. `depth`: how far its centre is from the half-spaces, in shares of their rounding.
+  struct Part {
+    Box box;
+    double depth = 0.0;
+
+    bool operator<(const Part& other) const { return depth < other.depth; }
+  };
 
   Verdict search(Box box);
-  void cutInHalves(const Box& box);
+  std::vector<Box> halvesOf(const Box& box) const;
+  double change(const Box& box, std::size_t parameter) const;
   bool shrink(Cell& cell, Box& box) const;
   void addSteps(const Box& box, Cell& cell) const;
-  bool tryNumbers(const Cell& cell, const Box& box);
-  bool take(std::vector<double> theta, const Box& box);
-  double numberDistance(double value, std::size_t parameter) const;
+  bool tryNumbers(const std::vector<double>& centre, const Box& box);
+  bool holds(const PathStep& step, const std::vector<double>& theta) const;
   bool isTakenBy(const std::vector<double>& theta);
-  std::optional<Numbers> numbersIn(const Box& box) const;
-  double firstNumber(double bound, std::size_t parameter) const;
-  double nextNumber(double value, std::size_t parameter) const;
-  bool tryAll(const Numbers& numbers);
+  bool isTakenOnLine(std::vector<double> theta, std::size_t parameter, Numbers numbers);
+  void keepHeld(const PathStep& step, std::vector<double>& theta, std::size_t parameter,
+                Numbers& numbers) const;
+  std::vector<Numbers> numbersIn(const Box& box) const;
+  std::optional<bool> tryAll(const Box& box);
+  std::int64_t placeOf(double number, std::size_t parameter) const;
+  double numberAt(std::int64_t place, std::size_t parameter) const;
 
   const ExportedCode& exported_;
   const LookupTables& code_;
   std::vector<PathStep> path_;
   std::vector<double> theta_, tried_;
-  std::vector<Box> parts_;
-  /// Whether all parts in which nothing is known were cut.
-  bool is_cut_ = true;
+  std::priority_queue<Part> parts_;
 };
 
 }  // namespace checker

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -14,49 +15,50 @@
 namespace polyfly {
 namespace {
 
-/// The look-up as region_maps/export/README.md describes it, on the tables of the code, for one parameter of integers.
-struct CountedLookup {
-  const checker::LookupTables& code;
-  checker::LookupWork work;
-
-  double value(std::uint32_t row, const std::vector<double>& theta) {
+/// The look-up as region_maps/export/README.md describes it, on the tables of the code, for one parameter. `value` is
+/// the value of a row there.
+template <class Theta, class Value>
+checker::LookupWork countedWork(const checker::LookupTables& code, const Theta& theta, const Value& value) {
+  checker::LookupWork work = {0, 2 * code.p};
+  std::uint32_t child = code.root();
+  while (child < code.node_plane.size()) {
     ++work.sums;
+    ++work.comparisons;
+    child = code.children[child][value(2 * code.node_plane[child], theta) <= 0.0 ? 0 : 1];
+  }
+  double least = 1e9;
+  bool has_answer = false;
+  for (const auto& candidate : code.leaves[child - code.node_plane.size()]) {
+    double greatest = -1e9;
+    for (const std::uint32_t row : candidate.rows) {
+      const double violation = value(row, theta);
+      ++work.sums;
+      work.comparisons += code.takes_first ? 1 : 2;
+      greatest = std::max(greatest, violation);
+      if (violation > code.tolerance) {
+        greatest = 1e9;
+        break;
+      }
+    }
+    has_answer = has_answer || greatest < 1e9;
+    work.comparisons += code.takes_first ? 1 : 4;
+    if (code.takes_first && has_answer) break;
+    if (candidate.is_fallback) greatest = std::max(greatest, 0.0) + code.handicap;
+    least = std::min(least, greatest);
+    if (least <= 0.0) break;
+  }
+  if (has_answer) work.sums += code.q;
+  return work;
+}
+
+checker::LookupWork countedWork(const checker::LookupTables& code, const std::vector<double>& theta) {
+  return countedWork(code, theta, [&](std::uint32_t row, const std::vector<double>& at) {
     const double* const plane = code.planes.data() + (row >> 1) * (code.p + 1);
     double sum = -plane[code.p];
-    for (std::size_t k = 0; k < code.p; ++k) sum += plane[k] * theta[k];
+    for (std::size_t k = 0; k < code.p; ++k) sum += plane[k] * at[k];
     return (row & 1u) != 0 ? -sum : sum;
-  }
-
-  void run(const std::vector<double>& theta) {
-    work = {0, 2 * code.p};
-    std::uint32_t child = code.root();
-    while (child < code.node_plane.size()) {
-      ++work.comparisons;
-      child = code.children[child][value(2 * code.node_plane[child], theta) <= 0.0 ? 0 : 1];
-    }
-    double least = 1e9;
-    bool has_answer = false;
-    for (const auto& candidate : code.leaves[child - code.node_plane.size()]) {
-      double greatest = -1e9;
-      for (const std::uint32_t row : candidate.rows) {
-        const double violation = value(row, theta);
-        work.comparisons += code.takes_first ? 1 : 2;
-        greatest = std::max(greatest, violation);
-        if (violation > code.tolerance) {
-          greatest = 1e9;
-          break;
-        }
-      }
-      has_answer = has_answer || greatest < 1e9;
-      work.comparisons += code.takes_first ? 1 : 4;
-      if (code.takes_first && has_answer) break;
-      if (candidate.is_fallback) greatest = std::max(greatest, 0.0) + code.handicap;
-      least = std::min(least, greatest);
-      if (least <= 0.0) break;
-    }
-    if (has_answer) work.sums += code.q;
-  }
-};
+  });
+}
 
 MapContent mapOfHoles(std::uint32_t parameters, std::uint64_t seed) {
   TreeRecipe recipe;
@@ -82,13 +84,9 @@ TEST(LookupWork, IsTheGreatestOfAllLookups) {
     const checker::ExportedCode code =
         checker::readCode(exportSource(made.map, optionsOf(ExportType::kInt16)));
     const double unit = std::ldexp(1.0, -exportExponents(made.map, optionsOf(ExportType::kInt16)).theta[0]);
-    CountedLookup lookup{code.tables, {}};
     checker::LookupWork greatest;
-    for (double theta = code.tables.box.lower[0]; theta <= code.tables.box.upper[0]; theta += unit) {
-      lookup.run({theta});
-      greatest.sums = std::max(greatest.sums, lookup.work.sums);
-      greatest.comparisons = std::max(greatest.comparisons, lookup.work.comparisons);
-    }
+    for (double theta = code.tables.box.lower[0]; theta <= code.tables.box.upper[0]; theta += unit)
+      greatest = checker::greater(greatest, countedWork(code.tables, {theta}));
     const checker::LookupWork proven = provenWork(code);
     EXPECT_EQ(proven.sums, greatest.sums) << seed;
     EXPECT_EQ(proven.comparisons, greatest.comparisons) << seed;
@@ -102,7 +100,6 @@ TEST(LookupWork, IsExceededByNoRandomLookup) {
       const checker::ExportedCode code = checker::readCode(exportSource(made.map, optionsOf(type)));
       const checker::LookupWork proven = provenWork(code);
       const ExportExponents exponents = exportExponents(made.map, optionsOf(type));
-      CountedLookup lookup{code.tables, {}};
       TestPoints points(made.map, p);
       std::uint64_t greatest = 0;
       for (int i = 0; i < 20000; ++i) {
@@ -116,13 +113,101 @@ TEST(LookupWork, IsExceededByNoRandomLookup) {
               is_inside && theta[k] >= code.tables.box.lower[k] && theta[k] <= code.tables.box.upper[k];
         }
         if (!is_inside) continue;
-        lookup.run(theta);
-        ASSERT_LE(lookup.work.sums, proven.sums);
-        ASSERT_LE(lookup.work.comparisons, proven.comparisons);
-        greatest = std::max(greatest, lookup.work.sums);
+        const checker::LookupWork work = countedWork(code.tables, theta);
+        ASSERT_LE(work.sums, proven.sums);
+        ASSERT_LE(work.comparisons, proven.comparisons);
+        greatest = std::max(greatest, work.sums);
       }
       EXPECT_GE(4 * greatest, 3 * proven.sums);
     }
+  }
+}
+
+/// The value of a row in float, in the order of the code: (a x + b y) - c, or (a x + b y) + (d z - c).
+float floatValue(const checker::LookupTables& code, std::uint32_t row, const std::vector<float>& theta) {
+  std::vector<float> plane;
+  for (std::size_t k = 0; k <= code.p; ++k)
+    plane.push_back(static_cast<float>(code.planes[(row >> 1) * (code.p + 1) + k]));
+  const float first = plane[0] * theta[0] + plane[1] * theta[1];
+  const float value = code.p == 2 ? first - plane[2] : first + (plane[2] * theta[2] - plane[3]);
+  return (row & 1u) != 0 ? -value : value;
+}
+
+/// Planes of nearly the same directions through a box of few floats, so that rounding decides which paths are taken.
+checker::ExportedCode thinCode(std::size_t p, std::size_t numbers, bool beside_power, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double size) {
+    return size * (2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0);
+  };
+  checker::ExportedCode code;
+  code.type = checker::CodeType::kFloat;
+  checker::LookupTables& tables = code.tables;
+  tables.p = p;
+  tables.q = 1;
+  tables.takes_first = true;
+  tables.tolerance = static_cast<float>(1e-7);
+  std::vector<double> centre;
+  for (std::size_t k = 0; k < p; ++k) {
+    float lower = static_cast<float>(0.75 + uniform(0.2));
+    // From there on the distance of floats doubles.
+    if (beside_power && k == 0) lower = 1.0f - 0x1p-24f * static_cast<float>(numbers / 2);
+    float upper = lower;
+    for (std::size_t i = 1; i < numbers; ++i) upper = std::nextafter(upper, 2.0f);
+    tables.box.lower.push_back(lower);
+    tables.box.upper.push_back(upper);
+    centre.push_back(0.5 * (lower + upper));
+  }
+  constexpr std::uint32_t kPlanes = 16;
+  for (std::uint32_t i = 0; i < kPlanes; ++i) {
+    double constant = uniform(1.5e-7);
+    for (std::size_t k = 0; k < p; ++k) {
+      tables.planes.push_back(static_cast<float>((k == 1 ? -0.6 : 0.5) + uniform(0.02)));
+      constant += tables.planes.back() * centre[k];
+    }
+    tables.planes.push_back(static_cast<float>(constant));
+  }
+  const auto row = [&] { return static_cast<std::uint32_t>(random() % (2 * kPlanes)); };
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    tables.node_plane.push_back(row() / 2);
+    tables.children.push_back({2 * i + 1, 2 * i + 2});
+  }
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    tables.leaves.emplace_back();
+    for (int candidate = 0; candidate < 3; ++candidate) {
+      tables.leaves.back().emplace_back();
+      for (int k = 0; k < 4; ++k) tables.leaves.back().back().rows.push_back(row());
+    }
+  }
+  tables.laws.assign(p + 1, 0.0);
+  checker::boundRounding(tables, checker::kFloats);
+  return code;
+}
+
+// With so few floats, all look-ups that there are.
+TEST(LookupWork, IsTheGreatestOfAllLookupsOfFewFloats) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const std::size_t p = 2 + seed % 2, numbers = p == 2 ? 64 : 14;
+    const checker::ExportedCode code = thinCode(p, numbers, seed % 3 == 0, seed);
+    const auto valueOf = [&](std::uint32_t row, const std::vector<float>& theta) {
+      return floatValue(code.tables, row, theta);
+    };
+    checker::LookupWork greatest;
+    std::vector<std::size_t> at(p, 0);
+    const std::vector<float> first(code.tables.box.lower.begin(), code.tables.box.lower.end());
+    std::vector<float> theta = first;
+    for (std::size_t k = 0; k < p;) {
+      const checker::LookupWork work = countedWork(code.tables, theta, valueOf);
+      greatest = checker::greater(greatest, work);
+      for (k = 0; k < p; ++k) {
+        theta[k] = std::nextafter(theta[k], 2.0f);
+        if (++at[k] < numbers) break;
+        theta[k] = first[k];
+        at[k] = 0;
+      }
+    }
+    const checker::LookupWork proven = provenWork(code);
+    EXPECT_EQ(proven.sums, greatest.sums) << seed;
+    EXPECT_EQ(proven.comparisons, greatest.comparisons) << seed;
   }
 }
 
