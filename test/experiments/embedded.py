@@ -173,8 +173,11 @@ def filter_section(filters, pictures):
         pictures]
 
 
-def peers_sentence(missing):
+def peers_sentences(peers, missing):
     told = "Peers are measured where a variable names an object or library of theirs (test/experiments/README.md)."
+    for title, result in peers.items():
+        told += (" %s has no answer at %d of the inputs. Where it and the map have one, they differ by %.2g m/s^2 at most, %.2g in the median."
+                 % (title, result["without_answer"], result["greatest_difference"], result["median_difference"]))
     return told + (" Not named: %s." % ", ".join(missing) if missing else "")
 
 
@@ -193,7 +196,8 @@ def measure_peers(folder, rows):
         instructions = [answer[1] for answer in answers]
         results[title] = {"flash_bytes": flash, "ram_bytes": ram, "instructions_median": statistics.median(instructions),
                           "instructions_greatest": max(instructions), "without_answer": sum(answer[0] != 0 for answer in answers),
-                          "greatest_difference": max(compared, default=0.0)}
+                          "greatest_difference": max(compared, default=0.0),
+                          "median_difference": statistics.median(compared or [0.0])}
         table_rows.append((title, flash, ram, results[title]["instructions_median"], max(instructions)))
     return table_rows, results, missing
 
@@ -223,7 +227,7 @@ def page(summary, measured, pictures):
         "<li>The online solver's greatest number is of these inputs. Its iteration limit bounds all others.</li>"
         "<li>The filter of (state, wish) is another program. It has one wish, the published one nine. It keeps all states to come in the "
         "limits, the published one nine.</li>"
-        "<li>%s</li></ul>" % peers_sentence(summary["peers_missing"]),
+        "<li>%s</li></ul>" % peers_sentences(summary["peers"], summary["peers_missing"]),
         "<h2>What the published filter does</h2><p>Flown by the map. The program has no solution in %d of %d steps; there the greatest input towards "
         "the middle is applied. %d states leave the limits: the horizon has no terminal set.</p>"
         % (summary["without_solution"], benchmark.STEPS, summary["states_outside"]),
