@@ -208,8 +208,6 @@ TEST(SolverFailure, OfTheNonlinearLawHoldsLevelsAndEndsWithTheNextAnswer) {
   mpc.speed_max = 1.0;
   mpc.speed_penalty = 1e9;
   MultirotorOptions vehicle;
-  // With a rate the jumps count for more, and all inputs are at their limits from the start.
-  vehicle.disturbance_rate_drift = 0.0;
   LawSwitch law(std::make_unique<NonlinearController>(vehicle, mpc), MultirotorOptions{});
   vehicle.jump_distance = 0.0;
   FlightSupervisor supervisor(law, vehicle, FlightOptions{});

@@ -160,6 +160,9 @@ MpcProblem problemWith(const char* axis, const Model* model) {
   return problem;
 }
 
+// The drift of the disturbance's rate that the README names for vehicles that are not calibrated [m/s^3].
+constexpr double kRateDrift = 0.03;
+
 /// Without look-ahead its commands are those of explicit_linear within 1e-6 (laws_test).
 Pilot linearPilot(bool look_ahead, const Model* model, double rate_drift) {
   MultirotorOptions options;
@@ -200,8 +203,7 @@ struct Row {
   double pi, linear, explicit_linear, nonlinear;  // rms [m]
 };
 
-Row flyAll(const Case& flight, const Model* model,
-           double rate_drift = MultirotorOptions{}.disturbance_rate_drift) {
+Row flyAll(const Case& flight, const Model* model, double rate_drift = kRateDrift) {
   RigidBodyOptions plant;
   plant.mass *= flight.mass_share;
   return {fly(piPilot(), flight.path, plant), fly(linearPilot(true, model, rate_drift), flight.path, plant),
@@ -269,12 +271,11 @@ double flyModel(const Pilot& pilot, const Path& path, const PlantOptions& option
 
 /// Least and greatest ratio of the errors with the rate of the disturbance and without.
 std::pair<double, double> ratiosOfTheRate(const Path& path, const PlantOptions& options) {
-  const double rate = MultirotorOptions{}.disturbance_rate_drift;
   std::vector<double> ratios;
   for (const bool look_ahead : {true, false})
-    ratios.push_back(flyModel(linearPilot(look_ahead, nullptr, rate), path, options) /
+    ratios.push_back(flyModel(linearPilot(look_ahead, nullptr, kRateDrift), path, options) /
                      flyModel(linearPilot(look_ahead, nullptr, 0.0), path, options));
-  ratios.push_back(flyModel(nonlinearPilot(nullptr, rate), path, options) /
+  ratios.push_back(flyModel(nonlinearPilot(nullptr, kRateDrift), path, options) /
                    flyModel(nonlinearPilot(nullptr, 0.0), path, options));
   const auto [least, greatest] = std::minmax_element(ratios.begin(), ratios.end());
   return {*least, *greatest};

@@ -77,8 +77,9 @@ struct MultirotorOptions {
   /// Drift of the disturbance per control period in the observer's model: a greater one follows faster [m/s^2].
   double disturbance_drift = 0.005;
   /// Drift of the disturbance's rate per control period in the model of the laws' observers, which follow what turns with
-  /// the path the better the greater it is; 0: no rate. The robust law has none [m/s^3].
-  double disturbance_rate_drift = 0.03;
+  /// the path the better the greater it is; 0: no rate. A push then moves the commands' references more, and a delay that
+  /// is not known matters more. The robust law has none [m/s^3].
+  double disturbance_rate_drift = 0.0;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].
   double trim_drift = 5e-4;
