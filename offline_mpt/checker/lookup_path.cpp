@@ -197,10 +197,10 @@ void PathSearch::keepHeld(const PathStep& step, std::vector<double>& theta, std:
   // The step holds at `held`, and not at `failed`.
   std::int64_t held = holds_first ? numbers.first : numbers.last;
   std::int64_t failed = holds_first ? numbers.last : numbers.first;
-  while (std::abs(held - failed) > 1) {
-    const std::int64_t middle = held + (failed - held) / 2;
+  // Halves are added, because the difference of two places may be too great for their type.
+  const auto between = [&] { return held / 2 + failed / 2 + (held % 2 + failed % 2) / 2; };
+  for (std::int64_t middle = between(); middle != held && middle != failed; middle = between())
     (holdsAt(middle) ? held : failed) = middle;
-  }
   (holds_first ? numbers.last : numbers.first) = held;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <queue>
 #include <vector>
@@ -38,7 +39,13 @@ class PathSearch {
   struct Numbers {
     std::int64_t first = 0, last = -1;
 
-    std::int64_t count() const { return last - first + 1; }
+    /// The greatest number of its type where there are more.
+    std::int64_t count() const {
+      if (last < first) return 0;
+      constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+      const std::uint64_t beyond = static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first);
+      return beyond < static_cast<std::uint64_t>(kMost) ? static_cast<std::int64_t>(beyond) + 1 : kMost;
+    }
   };
 
   /// A part in which nothing is known. `depth`: how far its centre is from the half-spaces, in shares of their rounding.
