@@ -65,6 +65,7 @@ save
 GAIN, LAG, DEAD_TIME = 1.0, 0.05, 0.105  # [1], [s], [s]
 
 VEHICLE = """vehicle: {mass: %g, delay: %g}
+controller: {disturbance_rate_drift: 0.03}
 nonlinear: {roll_gain: %g, roll_time: %g, pitch_gain: %g, pitch_time: %g}
 """ % (1.52, DEAD_TIME, GAIN, LAG, GAIN, LAG)
 
