@@ -17,7 +17,7 @@ flights=${POLYFLY_BETAFLIGHT_RUNS:-10}
 [[ "$flights" =~ ^[1-9][0-9]*$ ]] || { echo "POLYFLY_BETAFLIGHT_RUNS must be a number above 0; it is '$flights'" >&2; return 1; }
 link=$(realpath test/experiments)
 
-# flyBetaflight LAW RESULT: one flight, from an empty configuration.
+# flyBetaflight LAW RESULT: one flight, from an empty configuration. Returns 3 where SITL did not arm.
 flyBetaflight() {
   local law=$1 result=$2 folder port launch autopilot code
   folder=$(realpath "$output")/sitl
@@ -39,13 +39,13 @@ flyBetaflight() {
       thrust_polynomial:="$polynomial"
   ) > "${result%.json}.log" 2>&1 &
   launch=$!
-  (cd "$folder" && exec timeout --kill-after=5 150 "$sitl" > sitl.log 2>&1) &
+  (cd "$folder" && exec timeout --kill-after=5 150 "$sitl") > "${result%.json}_sitl.log" 2>&1 &
   autopilot=$!
   inWorkspace timeout --kill-after=5 120 /usr/bin/python3 test/experiments/betaflight_flight.py "$result"
   code=$?
   kill "$launch" "$autopilot" 2> /dev/null
   wait "$launch" "$autopilot" 2> /dev/null
-  return $code
+  return "$code"
 }
 
 /usr/bin/python3 test/experiments/betaflight_link.py "$output" || return
@@ -53,7 +53,12 @@ solveAxes "$output/problems" "$output/maps" || return
 polynomial=$(PYTHONPATH=$link /usr/bin/python3 -c 'import betaflight_link as b; print(b.thrust_polynomial())') || return
 for law in linear explicit_linear nonlinear; do
   for ((flight = 1; flight <= flights; ++flight)); do
-    flyBetaflight "$law" "$(realpath "$output")/${law}_$flight.json" || return
+    result=$(realpath "$output")/${law}_$flight.json
+    code=3
+    for ((start = 1; start <= 3 && code == 3; ++start)); do
+      flyBetaflight "$law" "$result" && code=0 || code=$?
+    done
+    [ "$code" = 0 ] || return
   done
 done
 /usr/bin/python3 test/experiments/betaflight.py "$output"

@@ -6,11 +6,11 @@ usage: betaflight_excite.py FLIGHT.csv. SITL runs already, with the configuratio
 import math
 import sys
 
-from betaflight_link import ARM_TIME, BOOT_TIME, GRAVITY, Link, roll_pitch, thrust_polynomial
+from betaflight_link import GRAVITY, Link, roll_pitch, thrust_polynomial
 
 UNIT, REST = 0.25, 3.0  # the "1" of a manoeuvre, and the time before the next one [s]
 AMPLITUDES, REPEATS = (0.12, 0.2), 3  # [rad]
-SETTLED = 15.0  # until the first manoeuvre [s]
+SETTLED = 6.0  # from take-off until the first manoeuvre [s]
 HEIGHT, TILT_MAX = 2.0, 0.2  # [m], [rad]
 COLUMNS = ("t_s", "roll_cmd_rad", "pitch_cmd_rad", "yaw_rate_cmd_radps", "roll_rad", "pitch_rad", "wx_radps", "wy_radps", "wz_radps", "height_m")
 
@@ -61,21 +61,21 @@ class Excitation(Link):
         return sum(c * force ** i for i, c in enumerate(self.polynomial))
 
     def on_odometry(self, now):
-        if now < BOOT_TIME + ARM_TIME:
+        since = self.since_take_off(now)
+        if since < 0.0:
             return
         plant = self.plant
         roll, pitch = roll_pitch(plant.attitude)
         w, x, y, z = plant.attitude
         yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-        share = added(self.plan, now)
+        share = added(self.plan, since)
         if share is None:
             self.held, share = self.level(yaw), (0.0, 0.0)
         self.command = (self.held[0] + share[0], self.held[1] + share[1], clipped(-yaw, 1.0), self.throttle(roll, pitch))
-        self.rows.append((now, *self.command[:3], roll, pitch, *plant.rates, plant.position[2]))
+        self.rows.append((since, *self.command[:3], roll, pitch, *plant.rates, plant.position[2]))
 
     def on_time(self, now):
-        self.armed = now >= BOOT_TIME
-        return now < self.end
+        return self.since_take_off(now) < self.end
 
 
 def main(path):

@@ -1,6 +1,6 @@
 """One flight of Betaflight's SITL, in wall time: plays mavros and the vehicle, sends the references, and judges.
 
-usage: betaflight_flight.py RESULT.json. SITL and multirotor_mavros.launch run already.
+usage: betaflight_flight.py RESULT.json. SITL and multirotor_mavros.launch run already. Exits with 3 where SITL did not arm.
 """
 
 import json
@@ -16,7 +16,7 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Empty
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
-from betaflight_link import ARM_TIME, BOOT_TIME, GREATEST_GAP, LIMITS, SETTLED, Link, conjugate, roll_pitch, rotated
+from betaflight_link import GREATEST_GAP, LIMITS, SETTLED, Link, NotArmed, conjugate, roll_pitch, rotated
 
 HEIGHT, STEP = 1.5, 1.25  # [m]
 WIND = (0.8, -0.5, 0.0)  # [m/s^2]
@@ -125,8 +125,7 @@ class Flight:
     def on_time(self, now):
         if rospy.is_shutdown():
             return False
-        self.bridge.armed = now >= BOOT_TIME
-        since = now - BOOT_TIME - ARM_TIME
+        since = self.bridge.since_take_off(now)
         part = next((name for name, start in reversed(PARTS) if since >= start), None)
         if part == "end":
             return False
@@ -163,4 +162,8 @@ def main(path):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    try:
+        main(sys.argv[1])
+    except NotArmed as error:
+        print(error)
+        sys.exit(3)

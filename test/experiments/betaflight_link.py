@@ -18,7 +18,8 @@ import time
 GRAVITY = 9.8066  # [m/s^2]
 MOTOR_PORT, STATE_PORT, RC_PORT = 9002, 9003, 9004
 STATE_PERIOD, ODOMETRY_PERIOD = 0.002, 0.01  # [s]
-BOOT_TIME, ARM_TIME = 8.0, 1.0  # until arming, until take-off [s]
+BOOT_TIME, ARM_TIME = 8.0, 1.0  # until the arming switch is on, from turning motors until take-off [s]
+ARM_PATIENCE = 5.0  # from the arming switch until the motors turn [s]
 
 # src/platform/SIMULATOR/target/SITL/target.h of Betaflight: servo_packet, fdm_packet, rc_packet. None has padding.
 MOTORS = struct.Struct("<4f")
@@ -169,18 +170,34 @@ class Plant:
         return STATE.pack(0.0, p, -q, r, -fx, -fy, -fz, w, x, -y, -z, *self.velocity, *self.position, 101325.0)
 
 
+class NotArmed(RuntimeError):
+    """SITL must be started again: README.md tells why."""
+
+
 class Link:
     """Between SITL and the vehicle. A command is (roll, pitch, yaw rate, throttle)."""
 
     def __init__(self):
         self.plant, self.motors = Plant(), [0.0] * 4
         self.command, self.armed = (0.0, 0.0, 0.0, 0.0), False
+        self.armed_since = None  # since when the motors turn
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", MOTOR_PORT))
         self.socket.setblocking(False)
 
     def on_odometry(self, now):
         """Each 10 ms, after the last command was sent."""
+
+    def since_take_off(self, now):
+        """Arms, and tells the seconds since take-off: below 0 before it. Raises NotArmed."""
+        self.armed = now >= BOOT_TIME
+        if self.armed_since is None and max(self.motors) > 0.5 * IDLE:
+            self.armed_since = now
+        if self.armed_since is not None:
+            return now - self.armed_since - ARM_TIME
+        if now > BOOT_TIME + ARM_PATIENCE:
+            raise NotArmed("the motors of SITL stand %g s after it was told to arm" % ARM_PATIENCE)
+        return -math.inf
 
     def run(self, on_time):
         """Until on_time(seconds since the start) says False."""
