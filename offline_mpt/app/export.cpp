@@ -21,14 +21,15 @@ const char kExportFooter[] =
   NAME.h       Functions, statuses, signals, and what is proven of the answers.
   NAME.c       Constant tables and the look-up. C99, also valid C++.
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
-  NAME.json    Sizes of tables and stack, greatest numbers of operations, bounds, checksums.
+  NAME.json    Bytes of flash and stack, greatest numbers of operations, bounds, checksums.
 
 --type double answers as the map does, bit for bit. --type float and --type int16 answer within a bound that
 the command proves. Code of int16 has no floating-point numbers: signals are integers with scales of their
 own, which NAME.h states. Where a bound cannot be proven, nothing is written. region_maps/export/README.md
 says what is proven.
 
-With --flash-limit, the command takes the first of these that fits: the map in double and in float; the
+With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
+that needs more of these. The command takes the first of these that fits: the map in double and in float; the
 map reduced, and reduced with --separate (offline_mpt reduce), in double and in float; the same three in
 int16. With --type, only that type. The search tree is no choice: it is that of the map, or of its reduction.
 Of a reduced map it writes DIR/NAME.map too, for check_certificate.
@@ -113,9 +114,10 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
       ->transform(oneOf(types));
   CLI::Option* const type = command->get_option("--type");
   command
-      ->add_option("--flash-limit", arguments->request.flash_limit,
-                   "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Map and type "
-                   "are chosen to fit.")
+      ->add_option(
+          "--flash-limit", arguments->request.flash_limit,
+          "Greatest size of tables and instructions in bytes; suffixes k, M, G (default: no limit). Map "
+          "and type are chosen to fit.")
       ->transform(byteCount(1));
   command->add_flag("--online", arguments->is_online, "Write a solver instead of the map's look-up.");
   command

@@ -45,7 +45,7 @@ class ExportChoice {
         }
       }
     }
-    throw Error("--flash-limit: of " + map_.path() + ", the tables need " + needs_);
+    throw Error("--flash-limit: of " + map_.path() + ", the code needs " + needs_);
   }
 
  private:
@@ -66,10 +66,10 @@ class ExportChoice {
         request_.progress("proof of " + what + ": compared " + std::to_string(pairs) + " pairs of leaves");
       };
       ProvenExport proven = proveExport(map, std::move(options), proof);
-      const std::size_t bytes = exportTableBytes(map, proven.options);
+      const std::size_t bytes = exportFlashBytes(map, proven.options).total();
       const std::string size = std::to_string(bytes) + " bytes";
       if (request_.flash_limit == 0 || bytes <= request_.flash_limit)
-        return ChosenExport{std::move(proven), std::move(imageOf(kind)), size + " of tables, " + what};
+        return ChosenExport{std::move(proven), std::move(imageOf(kind)), size + " of flash, " + what};
       note(size + " as " + what);
     } catch (const Error& error) {
       if (request_.flash_limit == 0) throw;

@@ -16,7 +16,7 @@ struct ExportRequest {
   ExportType type = ExportType::kDouble;
   /// Whether `type` was not asked for.
   bool chooses_type = false;
-  /// Greatest size of the tables; 0: none. [bytes]
+  /// Greatest FlashBytes::total(); 0: none. [bytes]
   std::uint64_t flash_limit = 0;
   std::function<void(const std::string& text)> progress;
 };
@@ -25,7 +25,7 @@ struct ChosenExport {
   ProvenExport proven;
   /// The map of the code where that is not the given one.
   std::unique_ptr<MapImage> reduced;
-  /// Type, bytes of tables and map, in a phrase.
+  /// Type, bytes of flash and map, in a phrase.
   std::string summary;
 };
 

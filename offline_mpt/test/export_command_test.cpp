@@ -88,7 +88,7 @@ TEST_F(ExportCommand, TheTypeFollowsTheLimitOfFlash) {
   const auto bytes = [&](const char* type) {
     EXPECT_EQ(exportMap({"--name", "clip", "--type", type}).exit_code, 0);
     const std::string facts = readBytes(path("code/clip.json"));
-    return std::stoi(facts.substr(facts.find("\"table_bytes\": ") + 15));
+    return std::stoi(facts.substr(facts.find("\"flash_bytes\": ") + 15));
   };
   const int in_double = bytes("double"), in_float = bytes("float"), in_int16 = bytes("int16");
   ASSERT_LT(in_float, in_double);
