@@ -8,6 +8,7 @@
 #include "export_online.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
@@ -57,6 +58,16 @@ struct ExportArguments {
   std::uint32_t iteration_limit = 0;
 };
 
+/// Where the code differs from the map, by how much at most.
+void printErrors(const RegionMap& map, const ProvenExport& proven) {
+  if (proven.options.type == ExportType::kDouble) return;
+  for (std::size_t j = 0; j < map.inputs().size(); ++j) {
+    const Signal& input = map.inputs()[j];
+    std::printf("  %s: off the map's by at most %.6g %s\n", visible(input.name).c_str(),
+                proven.bound.error[j], visible(input.unit).c_str());
+  }
+}
+
 ExitCode exportMap(const ExportArguments& arguments) {
   const std::string& name = arguments.request.name;
   if (arguments.is_online) {
@@ -82,8 +93,10 @@ ExitCode exportMap(const ExportArguments& arguments) {
   const RegionMap exported = chosen.reduced ? chosen.reduced->view(reduced) : RegionMap::open(arguments.map);
   writeExport(exported, chosen.proven, arguments.folder);
   if (chosen.reduced) writeFileAtomically(reduced, chosen.reduced->bytes());
-  if (!arguments.quiet)
+  if (!arguments.quiet) {
     std::printf("%s/%s.c: %s\n", arguments.folder.c_str(), name.c_str(), chosen.summary.c_str());
+    printErrors(exported, chosen.proven);
+  }
   if (!chosen.proven.bound.isAllowed()) {
     std::fprintf(
         stderr,

@@ -52,6 +52,8 @@ TEST_F(ExportCommand, WritesFourFilesThatAreConfirmed) {
     for (const char* const name : {"clip.c", "clip.h", "clip_test.c", "clip.json"})
       EXPECT_TRUE(fs::is_regular_file(path("code") + "/" + name)) << name;
     EXPECT_NE(readBytes(path("code/clip.json")).find(std::string("\"type\": \"") + type), std::string::npos);
+    const bool differs = std::string(type) != "double";
+    EXPECT_EQ(result.out.find(": off the map's by at most ") != std::string::npos, differs) << result.out;
     const Outcome confirmed = confirm();
     EXPECT_EQ(confirmed.exit_code, 0) << confirmed.err;
     EXPECT_NE(confirmed.out.find("confirmed: the code of 3 regions"), std::string::npos) << confirmed.out;
