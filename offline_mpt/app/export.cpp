@@ -8,6 +8,7 @@
 #include "export_online.hpp"
 #include "polyfly_base/error.hpp"
 #include "polyfly_base/outputs.hpp"
+#include "polyfly_base/visible.hpp"
 #include "polyfly_base/write_file.hpp"
 #include "progress.hpp"
 #include "signals.hpp"
@@ -21,18 +22,20 @@ const char kExportFooter[] =
   NAME.h       Functions, statuses, signals, and what is proven of the answers.
   NAME.c       Constant tables and the look-up. C99, also valid C++.
   NAME_test.c  A program that returns 0 where the compiled code answers as the map does.
-  NAME.json    Sizes of tables and stack, greatest numbers of operations, bounds, checksums.
+  NAME.json    Bytes of flash and stack, greatest numbers of operations, bounds, checksums.
 
 --type double answers as the map does, bit for bit. --type float and --type int16 answer within a bound that
 the command proves. Code of int16 has no floating-point numbers: signals are integers with scales of their
 own, which NAME.h states. Where a bound cannot be proven, nothing is written. region_maps/export/README.md
 says what is proven.
 
-With --flash-limit, the command takes the first of these that fits: the map in double and in float; the
+With --flash-limit, flash_bytes of NAME.json is at most the limit: tables and instructions, on the processor
+that needs more of these. The command takes the first of these that fits: the map in double and in float; the
 map reduced, and reduced with --separate (offline_mpt reduce), in double and in float; the same three in
-int16. With --type, only that type. The search tree is no choice: it is that of the map, or of its reduction.
-Of a reduced map it writes DIR/NAME.map too, for check_certificate.
-If nothing fits, it says how many bytes each would take.
+int16. With --type, only that type. An error above 1 % of an input's range, or above what a safety filter's
+proof allows, is taken only where no code that fits has a smaller one. The search tree is no choice: it is
+that of the map, or of its reduction. Of a reduced map it writes DIR/NAME.map too, for check_certificate. If
+nothing fits, it says how many bytes each would take.
 
 --online writes code that solves the problem for each parameter instead: small where the map does not fit, but
 slower, and without a proof. MAP may be a problem file then.
@@ -55,6 +58,16 @@ struct ExportArguments {
   /// Of --online. 0: the solver's default.
   std::uint32_t iteration_limit = 0;
 };
+
+/// Where the code differs from the map, by how much at most.
+void printErrors(const RegionMap& map, const ProvenExport& proven) {
+  if (proven.options.type == ExportType::kDouble) return;
+  for (std::size_t j = 0; j < map.inputs().size(); ++j) {
+    const Signal& input = map.inputs()[j];
+    std::printf("  %s: off the map's by at most %.6g %s\n", visible(input.name).c_str(),
+                proven.bound.error[j], visible(input.unit).c_str());
+  }
+}
 
 ExitCode exportMap(const ExportArguments& arguments) {
   const std::string& name = arguments.request.name;
@@ -81,8 +94,10 @@ ExitCode exportMap(const ExportArguments& arguments) {
   const RegionMap exported = chosen.reduced ? chosen.reduced->view(reduced) : RegionMap::open(arguments.map);
   writeExport(exported, chosen.proven, arguments.folder);
   if (chosen.reduced) writeFileAtomically(reduced, chosen.reduced->bytes());
-  if (!arguments.quiet)
+  if (!arguments.quiet) {
     std::printf("%s/%s.c: %s\n", arguments.folder.c_str(), name.c_str(), chosen.summary.c_str());
+    printErrors(exported, chosen.proven);
+  }
   if (!chosen.proven.bound.isAllowed()) {
     std::fprintf(
         stderr,
@@ -113,9 +128,10 @@ void addExport(CLI::App& app, ExitCode& exit_code) {
       ->transform(oneOf(types));
   CLI::Option* const type = command->get_option("--type");
   command
-      ->add_option("--flash-limit", arguments->request.flash_limit,
-                   "Greatest size of the tables in bytes; suffixes k, M, G (default: no limit). Map and type "
-                   "are chosen to fit.")
+      ->add_option(
+          "--flash-limit", arguments->request.flash_limit,
+          "Greatest size of tables and instructions in bytes; suffixes k, M, G (default: no limit). Map "
+          "and type are chosen to fit.")
       ->transform(byteCount(1));
   command->add_flag("--online", arguments->is_online, "Write a solver instead of the map's look-up.");
   command

@@ -1,5 +1,6 @@
 #include "export_choice.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -25,6 +26,29 @@ const char* wordOf(MapKind kind) {
   return "";
 }
 
+/// Code that fits.
+struct Attempt {
+  ProvenExport proven;
+  MapKind kind = MapKind::kGiven;
+  std::string summary;
+  /// See errorOf.
+  double error = 0.0;
+};
+
+/// The greatest error of an input as a multiple of what is taken without looking further: of a safety filter, what its
+/// proof allows; of other maps, this part of the input's range, where it has one.
+double errorOf(const RegionMap& map, const ExportBound& bound) {
+  constexpr double kPartOfRange = 0.01;
+  double greatest = 0.0;
+  for (std::size_t j = 0; j < bound.error.size(); ++j) {
+    const Signal& input = map.inputs()[j];
+    const double taken =
+        bound.allowed.empty() ? kPartOfRange * (input.upper - input.lower) : bound.allowed[j];
+    if (taken > 0.0) greatest = std::max(greatest, bound.error[j] / taken);
+  }
+  return greatest;
+}
+
 /// Tries maps and types in turn. Each map is reduced once.
 class ExportChoice {
  public:
@@ -40,17 +64,20 @@ class ExportChoice {
     for (const Types& types : stages) {
       for (const MapKind kind : {MapKind::kGiven, MapKind::kReduced, MapKind::kSeparated}) {
         for (const ExportType type : types) {
-          std::optional<ChosenExport> fitting = attempt(kind, type);
-          if (fitting) return std::move(*fitting);
+          std::optional<Attempt> fitting = attempt(kind, type);
+          if (!fitting) continue;
+          if (request_.flash_limit == 0 || fitting->error <= 1.0) return chosen(std::move(*fitting));
+          if (!best_ || fitting->error < best_->error) best_ = std::move(fitting);
         }
       }
     }
-    throw Error("--flash-limit: of " + map_.path() + ", the tables need " + needs_);
+    if (best_) return chosen(std::move(*best_));
+    throw Error("--flash-limit: of " + map_.path() + ", the code needs " + needs_);
   }
 
  private:
   /// Without a limit, each one fits, or throws its error.
-  std::optional<ChosenExport> attempt(MapKind kind, ExportType type) {
+  std::optional<Attempt> attempt(MapKind kind, ExportType type) {
     const std::string what = std::string(wordOf(kind)) + " in " + toString(type);
     try {
       if (kind != MapKind::kGiven && !reduceAs(kind)) return std::nullopt;
@@ -66,16 +93,22 @@ class ExportChoice {
         request_.progress("proof of " + what + ": compared " + std::to_string(pairs) + " pairs of leaves");
       };
       ProvenExport proven = proveExport(map, std::move(options), proof);
-      const std::size_t bytes = exportTableBytes(map, proven.options);
+      const std::size_t bytes = exportFlashBytes(map, proven.options).total();
       const std::string size = std::to_string(bytes) + " bytes";
-      if (request_.flash_limit == 0 || bytes <= request_.flash_limit)
-        return ChosenExport{std::move(proven), std::move(imageOf(kind)), size + " of tables, " + what};
+      if (request_.flash_limit == 0 || bytes <= request_.flash_limit) {
+        const double error = errorOf(map, proven.bound);
+        return Attempt{std::move(proven), kind, size + " of flash, " + what, error};
+      }
       note(size + " as " + what);
     } catch (const Error& error) {
       if (request_.flash_limit == 0) throw;
       note("no number as " + what + " (" + error.what() + ")");
     }
     return std::nullopt;
+  }
+
+  ChosenExport chosen(Attempt&& attempt) {
+    return {std::move(attempt.proven), std::move(imageOf(attempt.kind)), std::move(attempt.summary)};
   }
 
   void note(const std::string& need) { needs_ += (needs_.empty() ? "" : ", ") + need; }
@@ -108,6 +141,8 @@ class ExportChoice {
   const ExportRequest& request_;
   std::unique_ptr<MapImage> images_[3];
   bool is_refused_[3] = {};
+  /// Of what fits, the one with the least error.
+  std::optional<Attempt> best_;
   std::string needs_;
 };
 

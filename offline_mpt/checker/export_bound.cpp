@@ -126,8 +126,18 @@ void ExportProof::withoutHeld(const LookupTables& tables, const Candidates& cand
   }
   const std::size_t size = cell_.size();
   const Candidates others = {candidates.first + 1, candidates.end};
-  for (const std::uint32_t row : candidates.first->rows) {
-    if (std::find(shared.begin(), shared.end(), row) != shared.end()) continue;
+  std::vector<std::uint32_t> rows = candidates.first->rows;
+  const auto is_shared = [&shared](std::uint32_t row) {
+    return std::find(shared.begin(), shared.end(), row) != shared.end();
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), is_shared), rows.end());
+  // A candidate that holds nowhere in the cell cuts nothing off. Its rows would cut the cell into ever more parts. To leave
+  // a cut out is safe: more is visited.
+  for (const std::uint32_t row : rows) addRow(tables, row, limit);
+  const bool holds_nowhere = cell_.isEmpty();
+  cell_.shrink(size);
+  if (holds_nowhere) return withoutHeld(tables, others, limit, shared, visit);
+  for (const std::uint32_t row : rows) {
     addOutsideRow(tables, row, limit);
     if (!cell_.isEmpty()) withoutHeld(tables, others, limit, shared, visit);
     cell_.shrink(size);

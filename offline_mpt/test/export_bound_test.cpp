@@ -105,7 +105,7 @@ class ExportBoundTest : public testing::TestWithParam<ExportType> {
         map(checkedMap(made)),
         code(exportSource(made.map, optionsOf(GetParam()))),
         proven(checker::exportedAnswers(map, checker::readCode(code))),
-        facts(exportFacts(made.map, optionsOf(GetParam()), {proven.error, proven.margin, {}, {}})) {}
+        facts(exportFacts(made.map, optionsOf(GetParam()), provenBound(proven, checker::readCode(code)))) {}
 
   bool isFixed() const { return GetParam() == ExportType::kInt16; }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "export_bound.hpp"
+#include "lookup_work.hpp"
 #include "map_export/export_map.hpp"
 #include "synthetic_map.hpp"
 
@@ -85,6 +86,13 @@ inline checker::Map checkedMap(const MadeMap& made) {
   MadeMap& mutable_made = const_cast<MadeMap&>(made);
   return checker::Map(
       std::string(reinterpret_cast<const char*>(mutable_made.bytes.data()), made.bytes.size()));
+}
+
+/// What the checker proves of the code's answers and operations.
+inline ExportBound provenBound(const checker::ExportedAnswers& answers, const checker::ExportedCode& code) {
+  const checker::ProofWatch watch;
+  const checker::LookupWork work = checker::WorkProof(code, watch).run();
+  return {answers.error, answers.margin, {work.sums, work.comparisons}, {}};
 }
 
 /// What the checker says to the action: why it refuses, or "confirmed".

@@ -104,7 +104,7 @@ ProvenExport withFacts(const checker::ProofWatch& watch, const RegionMap& map, P
   checker::WorkProof proof(proven.code, watch);
   const checker::LookupWork work = proof.run();
   bound.allowed = allowedErrors(map);
-  bound.work = LookupWork{work.sums, work.comparisons};
+  bound.work = {work.sums, work.comparisons};
   for (const std::vector<double>& theta : proof.reached()) {
     const checker::LookupWork reached = checker::workAt(proven.code, theta);
     bound.costly.push_back({theta, {reached.sums, reached.comparisons}});

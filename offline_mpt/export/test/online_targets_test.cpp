@@ -41,11 +41,9 @@ TEST_P(OnlineOnCortexM4, ItsOwnTestPassesAndSeesChangedLimits) {
   OnlineCode code = solverCode(GetParam());
   writeOnline(code, folder.file("."));
   const auto run = [&] {
-    const std::string build =
-        std::string(
-            "arm-none-eabi-gcc -std=c99 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 "
-            "-DCODE_TEST_NO_MAIN -nostartfiles -T ") +
-        harness("cortex_m4.ld") + kStrict + harness("cortex_m4_start.c") + " code.c code_test.c -o code.elf";
+    const std::string build = std::string(kCortexM4f) + " -std=c99 -DCODE_TEST_NO_MAIN -nostartfiles -T " +
+                              harness("cortex_m4.ld") + kStrict + harness("cortex_m4_start.c") +
+                              " code.c code_test.c -o code.elf";
     EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
     return runCommand(folder,
                       "timeout 60 qemu-system-arm -M mps2-an386 -nographic -semihosting-config "
@@ -55,6 +53,17 @@ TEST_P(OnlineOnCortexM4, ItsOwnTestPassesAndSeesChangedLimits) {
   for (double& limit : code.tables.limits) limit *= 1.01;
   saveText(folder, "code.c", onlineSource(code.tables, code.options));
   EXPECT_GT(run(), 0) << logOf(folder);
+}
+
+TEST_P(OnlineOnCortexM4, InstructionsAreWithinTheStatedBound) {
+  if (!hasProgram("arm-none-eabi-gcc")) GTEST_SKIP() << "no arm-none-eabi-gcc";
+  const ScratchFolder folder;
+  writeOnline(solverCode(GetParam()), folder.file("."));
+  const std::size_t stated = onlineCodeBytes(GetParam());
+  EXPECT_LE(codeBytes(folder, kCortexM4f, "-Os", "-Wl,-e,code_solve"), stated);
+  const std::size_t fast = codeBytes(folder, kCortexM4f, "-O2", "-Wl,-e,code_solve");
+  EXPECT_LE(fast, stated);
+  EXPECT_LE(2 * stated, 3 * fast);
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, OnlineOnCortexM4, testing::Values(ExportType::kDouble, ExportType::kFloat));

@@ -161,34 +161,6 @@ CodeTables codeTables(const RegionMap& map, const ExportOptions& options) {
   return tables;
 }
 
-LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type) {
-  // Row: tolerance, and in doubles greatest. Candidate: whether it holds; in doubles handicap, least, end of the search.
-  const std::uint64_t of_row = type == ExportType::kDouble ? 2 : 1,
-                      of_candidate = type == ExportType::kDouble ? 4 : 1;
-  const std::size_t nodes = map.nodeCount();
-  // A child comes after its parent, so one pass finds the depth of each.
-  std::vector<std::uint32_t> depth(nodes + map.leafCount(), 0);
-  for (std::size_t i = 0; i < nodes; ++i) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      std::uint32_t& below = depth[tables.node_child[2 * i + side]];
-      below = std::max(below, depth[i] + 1);
-    }
-  }
-  const std::uint64_t p = map.parameters().size();
-  LookupWork work;
-  for (std::size_t i = 0; i < map.leafCount(); ++i) {
-    const std::uint32_t first = tables.leaf_first[i];
-    const std::uint32_t end = tables.leaf_first[i + 1];
-    const std::uint32_t rows = tables.candidate_first[end] - tables.candidate_first[first];
-    const std::uint32_t path = depth[nodes + i];
-    work.sums = std::max(work.sums, std::uint64_t{path} + rows + map.inputs().size());
-    // Box: two for each parameter.
-    work.comparisons =
-        std::max(work.comparisons, 2 * p + path + of_row * rows + of_candidate * (end - first));
-  }
-  return work;
-}
-
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values) {
   const std::uint32_t greatest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
   if (greatest <= 0xffu) return 1;

@@ -44,9 +44,6 @@ struct CodeTables {
 /// Throws Error where a number exceeds the type.
 CodeTables codeTables(const RegionMap& map, const ExportOptions& options);
 
-/// Greatest numbers of operations of one evaluation: the longest path of the tree to each leaf, and all rows of it.
-LookupWork greatestWork(const RegionMap& map, const CodeTables& tables, ExportType type);
-
 /// Bytes of the narrowest unsigned type for these values: 1, 2 or 4.
 std::uint32_t indexBytes(const std::vector<std::uint32_t>& values);
 

@@ -214,20 +214,17 @@ bool ExportBound::isAllowed() const {
   return true;
 }
 
-Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
-  const bool is_double = options.type == ExportType::kDouble;
-  const bool is_fixed = options.type == ExportType::kInt16;
-  const std::string real = is_fixed ? "int16_t" : toString(options.type);
-  return {{"name", options.name},
-          {"NAME", upperCase(options.name)},
+Replacements sharedKeys(const CodeKind& code) {
+  const bool is_double = code.type == ExportType::kDouble;
+  const bool is_fixed = code.type == ExportType::kInt16;
+  const std::string real = is_fixed ? "int16_t" : toString(code.type);
+  return {{"name", code.name},
+          {"NAME", upperCase(code.name)},
           {"version", kVersion},
-          {"checksum", "xxh64:" + hexDigits(map.checksum())},
-          {"problem_hash", checksumOf(std::string(map.problemText()))},
-          {"map_name", commentText(std::string(map.name()))},
-          {"regions", std::to_string(map.regionCount())},
-          {"p", std::to_string(map.parameters().size())},
-          {"p1", std::to_string(map.parameters().size() + 1)},
-          {"m", std::to_string(map.inputs().size())},
+          {"problem_hash", checksumOf(code.problem_text)},
+          {"p", std::to_string(code.parameters)},
+          {"p1", std::to_string(code.parameters + 1)},
+          {"m", std::to_string(code.inputs)},
           {"real", real},
           {"sum", is_fixed ? "int32_t" : real},
           {"cast", is_fixed ? "(int32_t)" : ""},
@@ -236,14 +233,23 @@ Replacements sharedKeys(const RegionMap& map, const ExportOptions& options) {
           {"most", is_double ? "DBL_MAX" : "FLT_MAX"},
           {"prefix", is_double ? "DBL" : "FLT"},
           {"digits", is_double ? "53" : "24"},
-          {"zero", constant(0.0, options.type)},
-          {"one", constant(1.0, options.type)}};
+          {"zero", constant(0.0, code.type)},
+          {"one", constant(1.0, code.type)}};
+}
+
+Replacements mapKeys(const RegionMap& map, const ExportOptions& options) {
+  Replacements keys = sharedKeys({options.name, options.type, std::string(map.problemText()),
+                                  map.parameters().size(), map.inputs().size()});
+  keys["checksum"] = "xxh64:" + hexDigits(map.checksum());
+  keys["map_name"] = commentText(std::string(map.name()));
+  keys["regions"] = std::to_string(map.regionCount());
+  return keys;
 }
 
 std::string exportSource(const RegionMap& map, const ExportOptions& options) {
   checkExportName(options.name);
   const CodeTables tables = codeTables(map, options);
-  Replacements keys = sharedKeys(map, options);
+  Replacements keys = mapKeys(map, options);
   addTables(keys, map, tables, options.type);
   const std::size_t p = map.parameters().size();
   keys["index"] = localIndex(map, tables);
@@ -285,7 +291,7 @@ ExportExponents exportExponents(const RegionMap& map, const ExportOptions& optio
 
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound) {
   checkExportName(options.name);
-  Replacements keys = sharedKeys(map, options);
+  Replacements keys = mapKeys(map, options);
   keys["signals"] = signalLines("theta", map.parameters()) + signalLines("u", map.inputs());
   keys["bound"] = boundText(options, map, bound) + filterText(map, bound);
   keys["never"] = options.type == ExportType::kInt16 ? ", which no integer is" : "";

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "code_tables.hpp"
 #include "floating_arithmetic.hpp"
 #include "map_facts.hpp"
 #include "online_header_template.hpp"
 #include "online_source_template.hpp"
-#include "online_test_template.hpp"
 #include "polyfly_base/error.hpp"
-#include "polyfly_base/provenance.hpp"
-#include "polyfly_base/version.hpp"
 
 namespace polyfly {
 namespace {
@@ -30,6 +28,10 @@ constexpr double kRateFloat = 0x1p-18;
 
 // Active sides are solved for, with the condition of their Gram matrix.
 constexpr double kActiveSlack = 16.0;
+
+/// Bounds of the solver's instructions on a Cortex-M4F, as GCC translates it with -Os or -O2, with routines for doubles.
+constexpr std::size_t kCodeDouble = 6300;
+constexpr std::size_t kCodeFloat = 3100;
 
 constexpr std::uint32_t kIterationsPerRow = 10;
 constexpr std::uint32_t kLeastIterations = 30;
@@ -77,26 +79,18 @@ std::size_t factorSize(const OnlineTables& tables) {
 
 Replacements onlineKeys(const OnlineTables& tables, const OnlineOptions& options) {
   const auto number = [](std::size_t value) { return std::to_string(value); };
-  return {{"name", options.name},
-          {"NAME", upperCase(options.name)},
-          {"version", kVersion},
-          {"problem_hash", checksumOf(tables.problem_text)},
-          {"program_name", commentText(tables.program_name)},
-          {"p", number(tables.parameters.size())},
-          {"m", number(tables.inputs.size())},
-          {"n", number(tables.variables)},
-          {"rows", number(tables.rowCount())},
-          {"sides", number(tables.sideCount())},
-          {"active", number(tables.activeLimit())},
-          {"active1", number(tables.activeLimit() + 1)},
-          {"active_type", tables.sideCount() <= 256 ? "uint8_t" : "uint16_t"},
-          {"factor_size", number(factorSize(tables))},
-          {"limit", number(options.iteration_limit)},
-          {"real", isDouble(options) ? "double" : "float"},
-          {"prefix", isDouble(options) ? "DBL" : "FLT"},
-          {"digits", isDouble(options) ? "53" : "24"},
-          {"zero", constant(0.0, options.type)},
-          {"one", constant(1.0, options.type)}};
+  Replacements keys = sharedKeys(
+      {options.name, options.type, tables.problem_text, tables.parameters.size(), tables.inputs.size()});
+  keys["program_name"] = commentText(tables.program_name);
+  keys["n"] = number(tables.variables);
+  keys["rows"] = number(tables.rowCount());
+  keys["sides"] = number(tables.sideCount());
+  keys["active"] = number(tables.activeLimit());
+  keys["active1"] = number(tables.activeLimit() + 1);
+  keys["active_type"] = tables.sideCount() <= 256 ? "uint8_t" : "uint16_t";
+  keys["factor_size"] = number(factorSize(tables));
+  keys["limit"] = number(options.iteration_limit);
+  return keys;
 }
 
 /// Bytes of the constant tables.
@@ -134,6 +128,10 @@ std::uint32_t defaultIterationLimit(const OnlineTables& tables) {
   return kIterationsPerRow * (tables.variables + tables.rowCount()) + kLeastIterations;
 }
 
+std::size_t onlineCodeBytes(ExportType type) {
+  return type == ExportType::kDouble ? kCodeDouble : kCodeFloat;
+}
+
 std::string onlineSource(const OnlineTables& tables, const OnlineOptions& options) {
   check(tables, options);
   const OnlineTolerances tolerances = onlineTolerances(tables, options.type);
@@ -165,17 +163,16 @@ std::string onlineHeader(const OnlineTables& tables, const OnlineOptions& option
   return replaced(kOnlineHeaderTemplate, keys);
 }
 
-std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options,
-                       const OnlineVectors& vectors) {
+std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options, const TestVectors& vectors) {
   check(tables, options);
   assert(!vectors.status.empty());
   Replacements keys = onlineKeys(tables, options);
-  keys["vectors"] = std::to_string(vectors.status.size());
-  keys["theta"] = initialiser(vectors.theta, tables.parameters.size(), options.type);
-  keys["status"] = initialiser(vectors.status, 0);
-  keys["u"] = initialiser(vectors.u, tables.inputs.size(), options.type);
-  keys["tolerance"] = initialiser(vectors.tolerance, 0, options.type);
-  return replaced(kOnlineTestTemplate, keys);
+  keys["oracle"] = "another solver in double";
+  keys["workspace"] = "\nstatic " + options.name + "_workspace workspace;\n";
+  keys["parameter_note"] =
+      "vertices of the box, and points in it. Of all confirmed solutions, the last took the most operations.";
+  keys["call"] = options.name + "_solve(&workspace, theta, u)";
+  return testText(std::move(keys), options.type, vectors);
 }
 
 std::uint64_t onlineMultiplyAdds(const OnlineTables& tables, std::uint32_t iterations) {
@@ -201,6 +198,7 @@ std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options
   check(tables, options);
   const Replacements keys = onlineKeys(tables, options);
   const auto number = [](std::uint64_t value) { return std::to_string(value); };
+  const std::size_t table_bytes = tableBytes(tables, options), code_bytes = onlineCodeBytes(options.type);
   std::string errors;
   for (const double error : record.error) errors += (errors.empty() ? "" : ", ") + roundedUp(error);
   return "{\n  \"name\": \"" + options.name + "\",\n  \"kind\": \"online\",\n  \"type\": \"" +
@@ -208,7 +206,9 @@ std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options
          keys.at("problem_hash") + "\",\n  \"parameters\": " + keys.at("p") +
          ",\n  \"inputs\": " + keys.at("m") + ",\n  \"variables\": " + keys.at("n") +
          ",\n  \"rows\": " + keys.at("rows") + ",\n  \"sides\": " + keys.at("sides") +
-         ",\n  \"table_bytes\": " + number(tableBytes(tables, options)) +
+         ",\n  \"flash_bytes\": " + number(table_bytes + code_bytes) +
+         ",\n  \"table_bytes\": " + number(table_bytes) +
+         ",\n  \"code_bytes\": {\"cortex_m4f\": " + number(code_bytes) + "}" +
          ",\n  \"workspace_bytes\": " + number(workspaceBytes(tables, options)) +
          ",\n  \"writable_bytes\": 0,\n  \"worst_case\": {\"iterations\": " + keys.at("limit") +
          ", \"multiply_adds\": " + number(onlineMultiplyAdds(tables, options.iteration_limit)) +

@@ -22,6 +22,10 @@ inline constexpr char kFloatingArithmetic[] =
 #endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
+#if __clang_major__ > 10
+/* -funsafe-math-optimizations defines no macro. */
+#pragma clang fp reassociate(off)
+#endif
 #endif
 )code";
 

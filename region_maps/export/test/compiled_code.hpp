@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "scratch_folder.hpp"
@@ -61,6 +62,37 @@ inline void expectListedDeviations(const std::set<std::string>& rules, const Scr
 }
 
 constexpr char kStrict[] = " -Wall -Wextra -Wconversion -pedantic -Werror -O2 -ffp-contract=off ";
+
+constexpr char kCortexM4f[] = "arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16";
+constexpr char kAtmega328p[] = "avr-gcc -mmcu=atmega328p";
+
+/// Bytes of the sections whose names begin so, as `size -A` lists them: ".text 668 32768".
+inline std::size_t sectionBytes(const std::string& sizes, const std::string& prefix) {
+  std::size_t bytes = 0;
+  std::istringstream lines(sizes);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name;
+    std::size_t count = 0;
+    if (words >> name >> count && name.compare(0, prefix.size(), prefix) == 0) bytes += count;
+  }
+  return bytes;
+}
+
+/// Bytes of the instructions of the folder's code.c, without its tables, with the compiler's routines that they call. `entries` are
+/// options of the linker.
+inline std::size_t codeBytes(const ScratchFolder& folder, const std::string& compiler,
+                             const std::string& level, const std::string& entries) {
+  const std::string compile =
+      compiler + " -std=c99" + kStrict + level + " -ffunction-sections -c code.c -o code.o";
+  const std::string link = compiler + " -nostartfiles -nodefaultlibs -Wl,--gc-sections " + entries +
+                           " code.o -lm -lc -lgcc -o code.elf";
+  const std::string size = compiler.substr(0, compiler.find("gcc")) + "size -A ";
+  EXPECT_EQ(runCommand(folder, compile + " && " + link + " && " + size + "code.o"), 0) << logOf(folder);
+  const std::size_t tables = sectionBytes(logOf(folder), ".progmem");
+  EXPECT_EQ(runCommand(folder, size + "code.elf"), 0) << logOf(folder);
+  return sectionBytes(logOf(folder), ".text") - tables;
+}
 
 /// Exported code, compiled to a shared library and loaded.
 template <class Real>

@@ -146,10 +146,25 @@ TEST(ExportMapSafety, FastMathDoesNotCompile) {
   const MadeMap made(makeSmallMap());
   const ScratchFolder folder;
   saveCode(folder, made.map, codeOptions());
-  for (const char* const option : {"-ffast-math", "-ffinite-math-only"}) {
+  for (const char* const option : {"-Ofast", "-ffast-math", "-ffinite-math-only"}) {
     EXPECT_NE(runCommand(folder, std::string("gcc -std=c99 -c code.c ") + option), 0) << option;
     EXPECT_NE(logOf(folder).find("#error"), std::string::npos) << option;
   }
+}
+
+// It has no macro in clang, and GCC refuses it.
+TEST(ExportMapSafety, UnsafeMathOfClangChangesNoInstruction) {
+  if (!hasProgram("clang")) GTEST_SKIP() << "no clang";
+  TreeRecipe recipe;
+  recipe.parameters = 5;
+  const MadeMap made(makeTreeMap(recipe));
+  const ScratchFolder folder;
+  saveCode(folder, made.map, codeOptions());
+  EXPECT_EQ(runCommand(folder,
+                       "clang -std=c99 -O2 -c code.c -o safe.o && clang -std=c99 -O2 "
+                       "-funsafe-math-optimizations -c code.c -o unsafe.o && cmp safe.o unsafe.o"),
+            0)
+      << logOf(folder);
 }
 
 TEST(ExportMapSafety, CodeHasNoWritableDataAndCallsNothing) {

@@ -128,6 +128,27 @@ class ExportTargets : public testing::Test {
     }
   }
 
+  /// For few and many parameters, of which nine are added in a loop. `bytes` is the bound for that processor.
+  void expectCodeWithinBound(ExportType type, const std::string& compiler,
+                             std::size_t FlashBytes::*bytes) const {
+    const char* const kEntries = "-Wl,-e,code_evaluate -Wl,-u,code_locate";
+    for (const std::uint32_t parameters : {1u, 3u, 8u, 9u}) {
+      const MapContent map = content(parameters);
+      save(type, map);
+      ExportOptions options;
+      options.name = "code";
+      options.type = type;
+      const std::size_t stated = exportFlashBytes(MadeMap(map).map, options).*bytes;
+      EXPECT_LE(codeBytes(folder, compiler, "-Os", kEntries), stated) << parameters;
+      const std::size_t fast = codeBytes(folder, compiler, "-O2", kEntries);
+      EXPECT_LE(fast, stated) << parameters;
+      // A sum of one product is shorter.
+      if (parameters > 1) {
+        EXPECT_LE(2 * stated, 3 * fast) << parameters;
+      }
+    }
+  }
+
   ScratchFolder folder;
   bool test_is_saved = false;
 };
@@ -137,9 +158,7 @@ class OnCortexM4 : public ExportTargets, public testing::WithParamInterface<Expo
 TEST_P(OnCortexM4, ItsOwnTestPassesAndSeesChangedLaws) {
   if (!hasProgram("arm-none-eabi-gcc") || !hasProgram("qemu-system-arm"))
     GTEST_SKIP() << "no arm-none-eabi-gcc or qemu-system-arm";
-  const std::string build = std::string(
-                                "arm-none-eabi-gcc -std=c99 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard "
-                                "-mfpu=fpv4-sp-d16 -DCODE_TEST_NO_MAIN -nostartfiles -T ") +
+  const std::string build = std::string(kCortexM4f) + " -std=c99 -DCODE_TEST_NO_MAIN -nostartfiles -T " +
                             file("cortex_m4.ld") + kStrict + "-fstack-usage " + file("cortex_m4_start.c") +
                             " code.c code_test.c -o code.elf";
   expectTestTells(GetParam(), [&] {
@@ -155,8 +174,12 @@ TEST_P(OnCortexM4, ItsOwnTestPassesAndSeesChangedLaws) {
 
 TEST_P(OnCortexM4, StackIsWithinTheStatedBound) {
   if (!hasProgram("arm-none-eabi-gcc")) GTEST_SKIP() << "no arm-none-eabi-gcc";
-  expectStackWithinBound(GetParam(),
-                         "arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16");
+  expectStackWithinBound(GetParam(), kCortexM4f);
+}
+
+TEST_P(OnCortexM4, InstructionsAreWithinTheStatedBound) {
+  if (!hasProgram("arm-none-eabi-gcc")) GTEST_SKIP() << "no arm-none-eabi-gcc";
+  expectCodeWithinBound(GetParam(), kCortexM4f, &FlashBytes::cortex_m4f);
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, OnCortexM4,
@@ -166,7 +189,7 @@ class OnAtmega328p : public ExportTargets, public testing::WithParamInterface<Ex
 
 TEST_P(OnAtmega328p, ItsOwnTestPassesAndSeesChangedLaws) {
   if (!hasProgram("avr-gcc") || !hasProgram("simavr")) GTEST_SKIP() << "no avr-gcc or simavr";
-  const std::string build = std::string("avr-gcc -std=c99 -mmcu=atmega328p -DCODE_TEST_NO_MAIN") + kStrict +
+  const std::string build = std::string(kAtmega328p) + " -std=c99 -DCODE_TEST_NO_MAIN" + kStrict +
                             file("atmega328p_start.c") + " code.c code_test.c -o code.elf";
   expectTestTells(GetParam(), [&] {
     EXPECT_EQ(runCommand(folder, build), 0) << logOf(folder);
@@ -180,7 +203,12 @@ TEST_P(OnAtmega328p, ItsOwnTestPassesAndSeesChangedLaws) {
 
 TEST_P(OnAtmega328p, StackIsWithinTheStatedBound) {
   if (!hasProgram("avr-gcc")) GTEST_SKIP() << "no avr-gcc";
-  expectStackWithinBound(GetParam(), "avr-gcc -mmcu=atmega328p");
+  expectStackWithinBound(GetParam(), kAtmega328p);
+}
+
+TEST_P(OnAtmega328p, InstructionsAreWithinTheStatedBound) {
+  if (!hasProgram("avr-gcc")) GTEST_SKIP() << "no avr-gcc";
+  expectCodeWithinBound(GetParam(), kAtmega328p, &FlashBytes::atmega328p);
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, OnAtmega328p, testing::Values(ExportType::kFloat, ExportType::kInt16));

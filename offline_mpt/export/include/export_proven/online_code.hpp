@@ -16,7 +16,7 @@ OnlineTables onlineTables(const ParametricProgram& program);
 struct OnlineCode {
   OnlineTables tables;
   OnlineOptions options;
-  OnlineVectors vectors;
+  TestVectors vectors;
   OnlineRecord record;
 };
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,8 +55,7 @@ struct ExportBound {
   std::vector<double> error;
   /// Greatest violation of a half-space of the region whose law is used. [scaled]
   double margin = 0.0;
-  /// Absent: NAME.json has the sums over each path of the tree and all rows of its leaf.
-  std::optional<LookupWork> work;
+  LookupWork work;
   /// Of a safety filter, the greatest error of each input for which its set is proven. Size m; empty for other maps. [the
   /// input's unit]
   std::vector<double> allowed;
@@ -75,8 +73,18 @@ void checkExportName(const std::string& name);
 /// map has more tables than 32-bit indices reach. The same map and options give the same text.
 std::string exportSource(const RegionMap& map, const ExportOptions& options);
 
-/// Bytes of all constant tables of NAME.c.
-std::size_t exportTableBytes(const RegionMap& map, const ExportOptions& options);
+/// Bytes of flash. The instructions are bounds of what GCC makes of the look-up with -O2 or -Os. They count the compiler's
+/// routines for numbers that the processor lacks.
+struct FlashBytes {
+  std::size_t tables = 0;
+  std::size_t cortex_m4f = 0;
+  /// 0: the code does not run there, because it has doubles or needs more than the processor's 32 kB.
+  std::size_t atmega328p = 0;
+
+  /// Tables, and the greater number of instructions.
+  std::size_t total() const;
+};
+FlashBytes exportFlashBytes(const RegionMap& map, const ExportOptions& options);
 
 /// Bytes of stack of one look-up, where addresses have up to 32 bits: arguments and automatic variables of the deepest
 /// chain of calls, in 4 bytes each or 8 of a double, the terms of a sum, and 16 bytes for each call. Compilers keep most
@@ -85,6 +93,18 @@ std::size_t exportStackBytes(const RegionMap& map, const ExportOptions& options)
 
 /// The text of NAME.h.
 std::string exportHeader(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
+
+/// Parameters with answers, for NAME_test.c.
+struct TestVectors {
+  /// p numbers each.
+  std::vector<double> theta;
+  /// 0: u is the answer. 1: there is none; u is any value.
+  std::vector<std::uint32_t> status;
+  /// m numbers each.
+  std::vector<double> u;
+  /// Greatest difference that is allowed of each input. Size m.
+  std::vector<double> tolerance;
+};
 
 /// The text of NAME_test.c: a program that returns 0 where the compiled code answers within the bound.
 std::string exportTest(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
@@ -95,7 +115,7 @@ struct ExportExponents {
 };
 ExportExponents exportExponents(const RegionMap& map, const ExportOptions& options);
 
-/// The text of NAME.json: sizes of tables, greatest numbers of operations, bound, checksums.
+/// The text of NAME.json: bytes of flash and stack, greatest numbers of operations, bound, checksums.
 std::string exportFacts(const RegionMap& map, const ExportOptions& options, const ExportBound& bound);
 
 }  // namespace polyfly

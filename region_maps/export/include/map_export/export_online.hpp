@@ -72,18 +72,6 @@ OnlineTolerances onlineTolerances(const OnlineTables& tables, ExportType type);
 /// 10 (n + r) + 30.
 std::uint32_t defaultIterationLimit(const OnlineTables& tables);
 
-/// Parameters with answers, for NAME_test.c.
-struct OnlineVectors {
-  /// p numbers each.
-  std::vector<double> theta;
-  /// 0: u is the answer. 1: infeasible; u is any value.
-  std::vector<std::uint32_t> status;
-  /// m numbers each.
-  std::vector<double> u;
-  /// Greatest difference that is allowed of each input. Size m.
-  std::vector<double> tolerance;
-};
-
 /// What was met at the parameters that were tried.
 struct OnlineRecord {
   std::uint64_t parameters = 0;
@@ -108,8 +96,10 @@ std::string onlineSource(const OnlineTables& tables, const OnlineOptions& option
 std::string onlineHeader(const OnlineTables& tables, const OnlineOptions& options);
 
 /// The text of NAME_test.c: a program that returns 0 where the compiled code answers as the vectors say.
-std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options,
-                       const OnlineVectors& vectors);
+std::string onlineTest(const OnlineTables& tables, const OnlineOptions& options, const TestVectors& vectors);
+
+/// Bound of the bytes of instructions on a Cortex-M4F, as FlashBytes has it of maps.
+std::size_t onlineCodeBytes(ExportType type);
 
 /// The text of NAME.json: bytes, greatest number of operations at the iteration limit, and what was met.
 std::string onlineFacts(const OnlineTables& tables, const OnlineOptions& options, const OnlineRecord& record);
