@@ -28,6 +28,11 @@ same name, from 'offline_mpt export'. MAP has a certificate of its own.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
+// Place of the kind of problem among the strings of a map.
+constexpr std::size_t kKind = 2;
+constexpr char kCompared[] = "the program's numbers are those of the problem that the map carries\n";
+constexpr char kNotCompared[] = "that this program is the problem that the map carries: see check_problem\n";
+
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
   const auto found = arguments.find(option);
   return found == arguments.end() ? "" : found->second;
@@ -72,8 +77,10 @@ void confirm(const checker::Arguments& arguments) {
   if (original_file.empty()) {
     const auto proof = checker::readMapCertificate(readFile(certificate), map);
     if (!problem.empty()) proof->compareProblem(readFile(problem));
+    const bool is_compared = !map.problem.empty() && map.words[kKind] == "json";
+    if (is_compared) proof->compareProblem(map.problem);
     proof->check();
-    conditions = proof->conditions();
+    conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);
   } else {
     const checker::Map original(readFile(original_file));
     const checker::Reduction proof(readFile(certificate), map, original);

@@ -157,6 +157,8 @@ class Certificate {
   std::string convexity_, coverage_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;
+  /// Greatest difference of a law in the box, found by check().
+  mutable Fraction law_error_;
   /// Some checked regions, to be used again.
   mutable std::map<std::size_t, Region> checked_;
 };

@@ -34,8 +34,14 @@ void Lookups::requirePlainMap() const {
   require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
 }
 
-/// Of the sum of p products and a constant, in any order, with or without fused operations.
+/// Of the sum of p products and a constant, in any order, with or without fused operations. The test of the box lets
+/// |t_j| <= 1 + tolerance pass, and what the rounding of its bounds adds.
 void Lookups::findRounding() {
+  for (std::size_t j = 0; j < map_.p; ++j) {
+    const Fraction size = abs(scaling_.centre[j]) + scaling_.half[j];
+    require(size * powerOfTwo(-50) <= (powerOfTwo(-kWideBits) - tolerance_) * scaling_.half[j],
+            "the range of a parameter is too narrow for the size of its numbers");
+  }
   Fraction greatest;
   for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1) {
     Fraction size = abs(Fraction(map_.planes[k + map_.p]));

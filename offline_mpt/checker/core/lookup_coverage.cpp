@@ -22,6 +22,7 @@ void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& 
 /// The cell is empty, or cut by the rows that are tested in a candidate: what lies outside of each is covered. Or it is
 /// cut by a boundary row, moved inwards by the tolerance.
 void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const {
+  require(cell.size() < kMostCellRows, "a cover is nested too deeply");
   const std::string kind = line.word();
   if (kind == "e") return requireEmpty(line, cell, nullptr);
   if (kind == "b" && by.boundary) {
