@@ -70,7 +70,8 @@ std::vector<Signal> signalsOfProgram(const YAML::Node& root, std::size_t p, std:
 }
 
 bool isSame(double in_map, double in_problem) {
-  return in_map == in_problem || std::abs(in_map - in_problem) <= kSameBound * std::abs(in_problem);
+  if (!std::isfinite(in_problem)) return in_map == in_problem;
+  return std::abs(in_map - in_problem) <= kSameBound * std::abs(in_problem);
 }
 
 void match(const Map& map, const YAML::Node& root) {
