@@ -166,6 +166,7 @@ void Certificate::check() const {
   std::set<std::set<std::size_t>> seen;
   std::vector<ProvenRegion> proven;
   for (std::size_t index = 0; index < claims_.size(); ++index) {
+    progress("region", index, claims_.size());
     try {
       const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
@@ -192,7 +193,7 @@ ProvenRegion Certificate::proveFacets(std::size_t index, const Region& region) c
 
 void Certificate::checkLookups(const std::vector<ProvenRegion>& regions) const {
   const auto rows = [this](std::size_t region) { return checkedRegion(region).listed; };
-  Lookups(map_, plane_tolerance_, regions, rows).check(lookups_);
+  Lookups(map_, plane_tolerance_, regions, rows).check(lookups_, progress);
 }
 
 std::string Certificate::conditions() const {

@@ -66,6 +66,7 @@ class Certificate {
   void compareProblem(const std::string& problem) const;
   /// The statements, region by region, then of look-ups.
   void check() const;
+  Progress progress = [](const char*, std::size_t, std::size_t) {};
   /// The numbers of the program, and its equalities.
   const Matrices& program() const { return originalData(); }
   const std::set<std::size_t>& equalities() const { return equalities_; }

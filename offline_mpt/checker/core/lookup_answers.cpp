@@ -104,7 +104,7 @@ std::int32_t Lookups::rowOf(std::size_t region, std::size_t row) const {
   return map_.rows[map_.regions[region].first_row + row];
 }
 
-void Lookups::check(const std::vector<std::string>& lines) {
+void Lookups::check(const std::vector<std::string>& lines, const Progress& progress) {
   std::size_t next = 0;
   for (; next < lines.size(); ++next) {
     Line line(lines[next]);
@@ -113,6 +113,7 @@ void Lookups::check(const std::vector<std::string>& lines) {
     line.end();
   }
   for (std::size_t visit = 0; visit < visits_.size(); ++visit) {
+    progress("node", visit, visits_.size());
     if ((visits_[visit].child & Map::kLeaf) == 0) continue;
     try {
       readCandidates(visit);

@@ -74,7 +74,9 @@ bool Lookups::readWalk(Line& line) {
   return is_outside || is_near;
 }
 
-/// A point inside of a candidate, so deep in the leaf that what arrives there can be moved towards it.
+/// A point c inside of a candidate, so deep in the leaf that what arrives there can be moved towards it. With path rows
+/// >= d at c, a share of (mu + e) / (d + e) of the way to c brings path rows from -e to mu. On this way a tested row
+/// changes by at most the share times (|row at c| + T), which must be within `room`.
 void Lookups::checkStart(Line& line) {
   const std::size_t place = line.count(kMany);
   require(place < candidates_.size(), "a walk starts in what is no candidate");
