@@ -23,7 +23,7 @@ constexpr std::size_t kMany = 100000000;  // more than any list of a certificate
 constexpr std::size_t kMostCellRows = 5000;
 
 /// The greatest tolerances that a certificate may state: with any, anything could be confirmed.
-constexpr double kMostLawTolerance = 1e-6;    ///< relative, what is promised of u
+constexpr double kMostLawTolerance = 1e-6;    ///< of the greatest |u| of a law in the box
 constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
 
 /// The same half-space in whole numbers without a common factor.
