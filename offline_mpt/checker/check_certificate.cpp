@@ -1,6 +1,9 @@
 // check_certificate CERTIFICATE --map MAP [--problem FILE]: confirms a certificate by substitution, as
 // offline_mpt/CERTIFICATE.md states it. With --export, it proves the bounds of exported C code again. GMP only; shares
 // no code with the solver or with what wrote certificate and code.
+#include <unistd.h>
+
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -27,6 +30,20 @@ With --export, it confirms the bounds that the only .json file of DIR states of 
 same name, from 'offline_mpt export'. MAP has a certificate of its own.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
+
+// Place of the kind of problem among the strings of a map.
+constexpr std::size_t kKind = 2;
+constexpr char kCompared[] = "the program's numbers are those of the problem that the map carries\n";
+constexpr char kNotCompared[] = "that this program is the problem that the map carries: see check_problem\n";
+
+/// Tells on a terminal, once a second, how far the check is.
+void showProgress(const char* kind, std::size_t done, std::size_t total) {
+  using Clock = std::chrono::steady_clock;
+  static Clock::time_point next = Clock::now() + std::chrono::seconds(1);
+  if (isatty(STDERR_FILENO) == 0 || Clock::now() < next) return;
+  next = Clock::now() + std::chrono::seconds(1);
+  std::fprintf(stderr, "%s %zu of %zu\n", kind, done, total);
+}
 
 std::string valueOf(const checker::Arguments& arguments, const std::string& option) {
   const auto found = arguments.find(option);
@@ -72,8 +89,11 @@ void confirm(const checker::Arguments& arguments) {
   if (original_file.empty()) {
     const auto proof = checker::readMapCertificate(readFile(certificate), map);
     if (!problem.empty()) proof->compareProblem(readFile(problem));
+    const bool is_compared = !map.problem.empty() && map.words[kKind] == "json";
+    if (is_compared) proof->compareProblem(map.problem);
+    proof->progress = showProgress;
     proof->check();
-    conditions = proof->conditions();
+    conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);
   } else {
     const checker::Map original(readFile(original_file));
     const checker::Reduction proof(readFile(certificate), map, original);

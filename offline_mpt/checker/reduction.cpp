@@ -19,7 +19,8 @@ void requirePair(const Map& reduced, const Map& original) {
   require(reduced.reduced_from == original.checksum, "the map was reduced from another original");
   require(reduced.p == original.p && reduced.q == original.q && reduced.bounds == original.bounds,
           "the box is not the original's");
-  require(reduced.tolerance == original.tolerance, "the tolerance is not the original's");
+  require(reduced.tolerance == original.tolerance && reduced.period == original.period,
+          "tolerance or period are not the original's");
   for (std::size_t k = 1; k < reduced.words.size(); ++k) {  // 0: name, 4: notes
     require(k == 4 || reduced.words[k] == original.words[k],
             "problem, status or signals are not the original's");

@@ -1,6 +1,7 @@
 // Certificates with slivers and relaxed rows, every bit of a small one, and what the checker reads beside it.
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 
 #include "core/certificate.hpp"
 #include "map_in_memory.hpp"
@@ -9,6 +10,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "problem/signals.hpp"
 #include "random_program.hpp"
 
 namespace polyfly {
@@ -201,6 +203,76 @@ TEST(CheckerInput, JsonNumbersOfAKey) {
   EXPECT_EQ(checker::jsonNumbers(text, "none"), (std::vector<double>{}));
 }
 
+TEST(CheckerInput, ARowOfZerosIsNoHalfSpace) {
+  const checker::Row row = {1, 2, 3}, zeros = {0, 0, 0};
+  EXPECT_FALSE(checker::sameHalfSpace(zeros, row));
+  EXPECT_THROW(checker::sameHalfSpace(row, zeros), checker::Refused);
+  EXPECT_THROW(checker::proportional(row, zeros), checker::Refused);
+}
+
+/// The map file with other bytes and the checksum that belongs to them: no writer of ours does that.
+std::string withBytes(std::string map, std::size_t at, const std::string& bytes) {
+  constexpr std::size_t kChecksum = 24;  // FORMAT.md
+  map.replace(at, bytes.size(), bytes);
+  map.replace(kChecksum, 8, 8, '\0');
+  const std::uint64_t checksum = checker::xxh64(map);
+  std::memcpy(&map[kChecksum], &checksum, sizeof checksum);
+  return map;
+}
+
+TEST_F(Mutation, TablesThatDoNotFitAreRefused) {
+  constexpr std::size_t kReserved = 92, kTestCount = 96 + 10 * 16 + 8;  // FORMAT.md
+  const char count = map_[kTestCount];
+  ASSERT_EQ(refusal(certificate_, withBytes(map_, kTestCount, {count})), "");
+  const auto why = [](const std::string& map) {
+    try {
+      checker::Map content(map);
+    } catch (const checker::Refused& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(why(withBytes(map_, kTestCount, {static_cast<char>(count - 1)})).find("tests"),
+            std::string::npos);
+  EXPECT_NE(why(withBytes(map_, kReserved, {1})).find("reserved"), std::string::npos);
+}
+
+// What check_certificate would refuse is not called proven.
+TEST_F(Mutation, NothingIsProvenThatTheCheckerRefuses) {
+  const auto defect = [&](const MapContent& changed) {
+    const CertifyReport report = certify(MapInMemory(changed).map(), program_);
+    EXPECT_EQ(report.passed(), report.defects.empty());
+    return report.passed() ? "" : report.defects.front().text;
+  };
+  ASSERT_EQ(defect(content_), "");
+  MapContent changed = content_;
+  changed.first_fallback = 1;
+  EXPECT_NE(defect(changed).find("fallback"), std::string::npos);
+  changed = content_;
+  changed.tolerance = 9e-9;
+  EXPECT_NE(defect(changed).find("less than twice"), std::string::npos);
+  changed = content_;
+  const MapContent::Region& region = changed.regions.front();
+  changed.rows[region.first_row + 1] = changed.rows[region.first_row];
+  EXPECT_FALSE(certify(MapInMemory(changed).map(), program_).passed());
+}
+
+/// A third parameter that nothing depends on, in a range so narrow that doubles can hardly tell its ends apart.
+TEST(CheckerInput, ARangeTooNarrowForDoublesIsNotProven) {
+  ParametricProgram program = doubleIntegrator(2);
+  const auto widen = [](Eigen::MatrixXd& matrix) {
+    matrix.conservativeResize(Eigen::NoChange, 3);
+    matrix.col(2).setZero();
+  };
+  for (Eigen::MatrixXd* const matrix : {&program.F, &program.S, &program.A_theta, &program.C}) widen(*matrix);
+  for (const double half : {1.0, 1e-6}) {
+    program.parameters.resize(2);
+    program.parameters.push_back({"far", "m", 1e6 - half, 1e6 + half});
+    const CertifyReport report = certify(MapInMemory(encode(program, explore(program))).map(), program);
+    EXPECT_EQ(report.passed(), half == 1.0);
+  }
+}
+
 constexpr char kJsonProblem[] = R"({
   "H": [[1.5064, 0.4838], [0.4838, 1.5258]], "f": [0, 0],
   "F": [[9.6652, 5.2115], [7.0732, -7.0879]],
@@ -226,6 +298,36 @@ TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   const CertifyReport forged = certify(MapInMemory(relabelled).map(), liar);
   ASSERT_TRUE(forged.passed());
   EXPECT_NE(refusal(forged.certificate, bytesOf(relabelled), other).find("H is not"), std::string::npos);
+}
+
+TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {
+  const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
+  const MapContent content = encode(program, explore(program));
+  const auto why = [](const MapContent& changed) {
+    const checker::Map map(bytesOf(changed));
+    try {
+      checker::matchSignals(map, map.problem);
+    } catch (const checker::Refused& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  ASSERT_EQ(why(content), "");
+  MapContent changed = content;
+  std::swap(changed.parameters[0].name, changed.parameters[1].name);
+  EXPECT_NE(why(changed).find("in the place of"), std::string::npos);
+  changed = content;
+  changed.inputs[0].unit = "m";
+  EXPECT_NE(why(changed).find("unit"), std::string::npos);
+  changed = content;
+  changed.inputs[0].upper = 3.0;
+  EXPECT_NE(why(changed).find("range"), std::string::npos);
+  changed = content;
+  changed.period = 0.1;
+  EXPECT_NE(why(changed).find("period"), std::string::npos);
+  changed = content;
+  changed.problem_kind = "yaml";
+  EXPECT_NE(why(changed).find("kind"), std::string::npos);
 }
 
 }  // namespace

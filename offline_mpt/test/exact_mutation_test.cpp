@@ -286,5 +286,21 @@ TEST_F(CoverMutation, CoversAreChecked) {
             "");
 }
 
+// Without a limit such a line uses up the stack.
+TEST_F(CoverMutation, NestedCoversHaveALimit) {
+  int tried = 0;
+  const auto nest = [](std::vector<std::string>& words) {
+    if (words.size() < 8 || words[3] != "cover" || words[4] != "N") return false;
+    std::vector<std::string> again(words.begin() + 4, words.begin() + 6);
+    for (std::size_t k = 6; words[k] == "z"; ++k) again.emplace_back("z");
+    again.emplace_back("s");
+    words.resize(4);
+    for (int k = 0; k < 20000; ++k) words.insert(words.end(), again.begin(), again.end());
+    return true;
+  };
+  EXPECT_NE(refusalOfLines("facet ", nest, tried).find("nested too deeply"), std::string::npos);
+  EXPECT_GT(tried, 0);
+}
+
 }  // namespace
 }  // namespace polyfly

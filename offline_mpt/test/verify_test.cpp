@@ -248,11 +248,14 @@ TEST_F(Verify, RefusesAProblemOfOtherSignals) {
   ParametricProgram bounded = program;
   bounded.inputs[0].upper = 0.5;
   ParametricProgram fewer = madeProgram(kSeed, {2, 10, 2});
+  ParametricProgram rescaled = program;
+  rescaled.inputs[0].unit = "degree";
+  ParametricProgram slower = program;
+  slower.period += 0.25;
   const std::pair<const ParametricProgram*, const char*> cases[] = {
-      {&renamed, "the problem has 'wind'"},
-      {&wider, "ranges of map and problem differ"},
-      {&bounded, "ranges of map and problem differ"},
-      {&fewer, "the problem has 2"}};
+      {&renamed, "the problem has 'wind'"},           {&wider, "ranges of map and problem differ"},
+      {&bounded, "ranges of map and problem differ"}, {&fewer, "the problem has 2"},
+      {&rescaled, "the problem has 'degree'"},        {&slower, "period: must be that of the problem"}};
   for (const auto& [other, message] : cases) {
     try {
       verify(memory.map(), *other);

@@ -157,9 +157,8 @@ const Matrix& Certificate::data(const std::string& name) const {
 /// Compares the numbers with those of a JSON problem. Of other kinds only the text is compared.
 void Certificate::compareProblem(const std::string& problem) const {
   require(problem == map_.problem, "the problem file is not the one that the map was made from");
-  const std::size_t first = problem.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && problem[first] == '{')
-    compareNumbers(problem, originalData(), equalities_);
+  constexpr std::size_t kKind = 2;  // place among the strings of a map
+  if (map_.words[kKind] == "json") compareNumbers(problem, originalData(), equalities_);
 }
 
 void Certificate::check() const {
@@ -167,6 +166,7 @@ void Certificate::check() const {
   std::set<std::set<std::size_t>> seen;
   std::vector<ProvenRegion> proven;
   for (std::size_t index = 0; index < claims_.size(); ++index) {
+    progress("region", index, claims_.size());
     try {
       const Region region = checkedRegion(index);
       require(seen.insert(region.active).second, "another region has the same active set");
@@ -193,15 +193,16 @@ ProvenRegion Certificate::proveFacets(std::size_t index, const Region& region) c
 
 void Certificate::checkLookups(const std::vector<ProvenRegion>& regions) const {
   const auto rows = [this](std::size_t region) { return checkedRegion(region).listed; };
-  Lookups(map_, plane_tolerance_, regions, rows).check(lookups_);
+  Lookups(map_, plane_tolerance_, regions, rows).check(lookups_, progress);
 }
 
 std::string Certificate::conditions() const {
-  char line[160];
+  char line[200];
   std::snprintf(
       line, sizeof line,
-      "differences from the exact solution: law at most %g (relative), planes at most %g (scaled)\n",
-      law_tolerance_.get_d(), plane_tolerance_.get_d());
+      "differences from the exact solution in the whole box: u at most %.3g (%g of its law's greatest), "
+      "planes at most %g (scaled)\n",
+      law_error_.get_d(), law_tolerance_.get_d(), plane_tolerance_.get_d());
   std::string text = line;
   std::snprintf(line, sizeof line, "look-ups: half-spaces are violated by at most %g (scaled)\n",
                 8 * map_.tolerance);

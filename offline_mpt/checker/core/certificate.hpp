@@ -66,6 +66,7 @@ class Certificate {
   void compareProblem(const std::string& problem) const;
   /// The statements, region by region, then of look-ups.
   void check() const;
+  Progress progress = [](const char*, std::size_t, std::size_t) {};
   /// The numbers of the program, and its equalities.
   const Matrices& program() const { return originalData(); }
   const std::set<std::size_t>& equalities() const { return equalities_; }
@@ -157,6 +158,8 @@ class Certificate {
   std::string convexity_, coverage_;
   /// Keys of the head lines that were read.
   std::set<std::string> head_;
+  /// Greatest difference of a law in the box, found by check().
+  mutable Fraction law_error_;
   /// Some checked regions, to be used again.
   mutable std::map<std::size_t, Region> checked_;
 };

@@ -89,6 +89,7 @@ void Certificate::checkCover(Line& line, const Row& plane, std::vector<const Row
 
 void readCut(Line& line, const Row& row, const Row* plane, std::vector<const Row*>& cell,
              const std::function<void(const std::vector<const Row*>&)>& cover) {
+  require(cell.size() < kMostCellRows, "a cover is nested too deeply");
   const std::string what = line.word();
   const Row other_side = negated(row);
   std::vector<const Row*> outside = cell;

@@ -5,6 +5,7 @@
 
 namespace checker {
 
+/// Sum is the greatest |u| of the map's law in the box.
 void Certificate::checkLaw(std::size_t index, const Region& region) const {
   for (std::size_t i = 0; i < q_; ++i) {
     const double* row = map_.laws.data() + (map_.regions[index].law * q_ + i) * (p_ + 1);
@@ -14,6 +15,7 @@ void Certificate::checkLaw(std::size_t index, const Region& region) const {
       difference += abs(mapped[j] - region.law[i * (p_ + 1) + j]);
       sum += abs(mapped[j]);
     }
+    law_error_ = std::max(law_error_, difference);
     require(difference <= law_tolerance_ * std::max(Fraction(1), sum), "the map's law is not the exact one");
   }
 }

@@ -34,8 +34,14 @@ void Lookups::requirePlainMap() const {
   require(tolerance_ > 0 && tolerance_ <= Fraction(kMostTolerance), "the map's tolerance is out of range");
 }
 
-/// Of the sum of p products and a constant, in any order, with or without fused operations.
+/// Of the sum of p products and a constant, in any order, with or without fused operations. The test of the box lets
+/// |t_j| <= 1 + tolerance pass, and what the rounding of its bounds adds.
 void Lookups::findRounding() {
+  for (std::size_t j = 0; j < map_.p; ++j) {
+    const Fraction size = abs(scaling_.centre[j]) + scaling_.half[j];
+    require(size * powerOfTwo(-50) <= (powerOfTwo(-kWideBits) - tolerance_) * scaling_.half[j],
+            "the range of a parameter is too narrow for the size of its numbers");
+  }
   Fraction greatest;
   for (std::size_t k = 0; k < map_.planes.size(); k += map_.p + 1) {
     Fraction size = abs(Fraction(map_.planes[k + map_.p]));
@@ -98,7 +104,7 @@ std::int32_t Lookups::rowOf(std::size_t region, std::size_t row) const {
   return map_.rows[map_.regions[region].first_row + row];
 }
 
-void Lookups::check(const std::vector<std::string>& lines) {
+void Lookups::check(const std::vector<std::string>& lines, const Progress& progress) {
   std::size_t next = 0;
   for (; next < lines.size(); ++next) {
     Line line(lines[next]);
@@ -107,6 +113,7 @@ void Lookups::check(const std::vector<std::string>& lines) {
     line.end();
   }
   for (std::size_t visit = 0; visit < visits_.size(); ++visit) {
+    progress("node", visit, visits_.size());
     if ((visits_[visit].child & Map::kLeaf) == 0) continue;
     try {
       readCandidates(visit);

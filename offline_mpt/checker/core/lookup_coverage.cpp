@@ -22,6 +22,7 @@ void Lookups::checkCoverage(const std::vector<std::string>& lines, std::size_t& 
 /// The cell is empty, or cut by the rows that are tested in a candidate: what lies outside of each is covered. Or it is
 /// cut by a boundary row, moved inwards by the tolerance.
 void Lookups::checkCover(Line& line, std::vector<const Row*> cell, const CoverBy& by) const {
+  require(cell.size() < kMostCellRows, "a cover is nested too deeply");
   const std::string kind = line.word();
   if (kind == "e") return requireEmpty(line, cell, nullptr);
   if (kind == "b" && by.boundary) {
@@ -73,7 +74,9 @@ bool Lookups::readWalk(Line& line) {
   return is_outside || is_near;
 }
 
-/// A point inside of a candidate, so deep in the leaf that what arrives there can be moved towards it.
+/// A point c inside of a candidate, so deep in the leaf that what arrives there can be moved towards it. With path rows
+/// >= d at c, a share of (mu + e) / (d + e) of the way to c brings path rows from -e to mu. On this way a tested row
+/// changes by at most the share times (|row at c| + T), which must be within `room`.
 void Lookups::checkStart(Line& line) {
   const std::size_t place = line.count(kMany);
   require(place < candidates_.size(), "a walk starts in what is no candidate");

@@ -30,6 +30,8 @@ struct ProvenRegion {
 };
 
 using RowsOfRegion = std::function<std::vector<Row>(std::size_t)>;
+/// Is told how many items of a kind are checked.
+using Progress = std::function<void(const char* kind, std::size_t done, std::size_t total)>;
 
 /// Lines of a certificate about look-ups, checked against the map: lookup_answers.cpp and lookup_coverage.cpp.
 /// Everything throws Refused.
@@ -40,7 +42,7 @@ class Lookups {
           RowsOfRegion rows);
   virtual ~Lookups() = default;
 
-  void check(const std::vector<std::string>& lines);
+  void check(const std::vector<std::string>& lines, const Progress& progress);
 
  protected:
   virtual void beginWalk() {}

@@ -47,10 +47,12 @@ Map::Map(const std::string& file) {
   p = load<std::uint32_t>(file, 32);
   q = load<std::uint32_t>(file, 36);
   root = load<std::uint32_t>(file, 40);
+  period = load<double>(file, 48);
   tolerance = load<double>(file, 56);
   reduced_from = load<std::uint64_t>(file, 80);
   first_fallback = load<std::uint32_t>(file, 88);
   require(tolerance >= 0.0 && tolerance <= kMaxTolerance, "the map's tolerance is out of range");
+  require(load<std::uint32_t>(file, 92) == 0, "the reserved bytes of the map are not zero");
   require(p >= 1 && p <= 256 && q >= 1 && q <= 256, "the map's sizes are out of range");
   readText(file);
   bounds = section<double>(file, 1, 2);
@@ -113,6 +115,8 @@ void Map::checkTree() const {
     require(std::uint64_t{leaf.first} + leaf.count <= candidates.size(), "a leaf reaches beyond its table");
   for (const std::uint32_t candidate : candidates)
     require(candidate < regions.size(), "a candidate of the map is no region");
+  require(tests.empty() || tests.size() == candidates.size(),
+          "the map's tests are not one for each candidate");
 }
 
 }  // namespace checker

@@ -27,7 +27,7 @@ struct Map {
 
   std::uint32_t p = 0, q = 0, root = 0, first_fallback = 0;
   std::uint64_t checksum = 0, size = 0, reduced_from = 0;
-  double tolerance = 0.0;
+  double tolerance = 0.0, period = 0.0;
   std::string problem;             ///< text
   std::vector<std::string> words;  ///< all strings of the text section, in order
   std::vector<double> bounds;      ///< lower and upper of each parameter

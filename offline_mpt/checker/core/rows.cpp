@@ -26,9 +26,19 @@ Row negated(const Row& row) {
   return result;
 }
 
+namespace {
+
+/// The first entry that is not zero.
+std::size_t leading(const Row& row) {
+  const auto at = std::find_if(row.begin(), row.end(), [](const Integer& value) { return value != 0; });
+  require(at != row.end(), "a half-space is no half-space: all its entries are zero");
+  return static_cast<std::size_t>(at - row.begin());
+}
+
+}  // namespace
+
 bool proportional(const Row& a, const Row& b) {
-  std::size_t k = 0;
-  while (b[k] == 0) ++k;
+  const std::size_t k = leading(b);
   for (std::size_t j = 0; j < a.size(); ++j) {
     if (a[j] * b[k] != b[j] * a[k]) return false;
   }
@@ -36,8 +46,7 @@ bool proportional(const Row& a, const Row& b) {
 }
 
 bool sameHalfSpace(const Row& a, const Row& b) {
-  std::size_t k = 0;
-  while (b[k] == 0) ++k;
+  const std::size_t k = leading(b);
   return proportional(a, b) && sgn(a[k]) == sgn(b[k]);
 }
 

@@ -19,9 +19,11 @@ using Row = std::vector<Integer>;  // row (t, 1) >= 0
 using Weights = std::vector<std::pair<std::size_t, Integer>>;
 
 constexpr std::size_t kMany = 100000000;  // more than any list of a certificate has
+/// Rows of a cell that covers divide. It bounds how deeply covers are nested, and so the stack.
+constexpr std::size_t kMostCellRows = 5000;
 
 /// The greatest tolerances that a certificate may state: with any, anything could be confirmed.
-constexpr double kMostLawTolerance = 1e-6;    ///< relative, what is promised of u
+constexpr double kMostLawTolerance = 1e-6;    ///< of the greatest |u| of a law in the box
 constexpr double kMostPlaneTolerance = 1e-7;  ///< [scaled]
 
 /// The same half-space in whole numbers without a common factor.
@@ -31,7 +33,8 @@ Row primitive(const Row& values);
 /// The other side of a half-space.
 Row negated(const Row& row);
 
-bool proportional(const Row& a, const Row& b);  ///< with any sign; b is not zero
+/// With any sign. Refuses a row b of zeros, as sameHalfSpace does.
+bool proportional(const Row& a, const Row& b);
 bool sameHalfSpace(const Row& a, const Row& b);
 Integer leastInBox(const Row& row);
 Fraction valueAt(const Row& row, const Vector& t);

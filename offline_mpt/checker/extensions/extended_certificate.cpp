@@ -102,7 +102,7 @@ void ExtendedCertificate::checkLookups(const std::vector<ProvenRegion>& regions)
   };
   ExtendedLookups lookups(map(), plane_tolerance_, regions, covering);
   lookups.extend({listed, moved, isWidened()});
-  lookups.check(lookups_);
+  lookups.check(lookups_, progress);
 }
 
 void ExtendedCertificate::requireKinds(const std::string& convexity, const std::string& coverage) const {

@@ -8,6 +8,7 @@
 #include "polyfly_base/version.hpp"
 #include "problem/program_match.hpp"
 #include "problem/robust_match.hpp"
+#include "problem/signals.hpp"
 #include "robust/read_map_certificate.hpp"
 
 namespace {
@@ -16,11 +17,15 @@ constexpr char kUsage[] =
     R"(usage: check_problem CERTIFICATE --map MAP [--problem FILE]
 Confirms that the program of CERTIFICATE, from 'offline_mpt verify --exact', is the problem that MAP carries,
 discretised and condensed: each row within 1e-12 of its greatest entry. What the map answers for that program,
-check_certificate confirms. Problems are YAML files of type tracking_mpc, or of type robust_mpc: then the model and all
-rows of the certificate are those of the file.
+check_certificate confirms. Problems are YAML files of type tracking_mpc; of type robust_mpc: then the model and all
+rows of the certificate are those of the file; or programs in JSON, of which each number is compared. Names, units and
+ranges of the map's parameters and inputs, and its period, are those of the problem too.
 With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
+
+// Place of the kind of problem among the strings of a map.
+constexpr std::size_t kKind = 2;
 
 const mpq_class kTolerance(mpz_class(1), mpz_class(1000000000000));
 
@@ -55,10 +60,16 @@ void confirm(const checker::Arguments& arguments) {
                      "the problem file is not the one that the map was made from");
   const auto certificate = checker::readMapCertificate(checker::readFile(arguments.at("")), map);
   const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
-  if (robust != nullptr)
+  if (robust != nullptr) {
     confirmRobust(*robust, map.problem);
-  else
+  } else if (map.words[kKind] == "json") {
+    certificate->compareProblem(map.problem);
+    std::printf("confirmed: each number of the program is that of the problem\n");
+  } else {
     confirmTracking(*certificate, map.problem);
+  }
+  checker::matchSignals(map, map.problem);
+  std::printf("the map's signals, ranges and period are those of the problem\n");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "problem/program_match.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace checker {
 namespace {
@@ -67,8 +68,9 @@ class Match {
 
  private:
   void requireSmall(const Fraction& found, const std::string& what) {
-    require(found <= tolerance_, what + " differs from the problem by " + std::to_string(found.get_d()) +
-                                     " of its greatest entry");
+    char share[32];
+    std::snprintf(share, sizeof share, "%.3g", found.get_d());
+    require(found <= tolerance_, what + " differs from the problem by " + share + " of its greatest entry");
     greatest_ = std::max(greatest_, found);
   }
 

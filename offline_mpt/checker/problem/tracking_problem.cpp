@@ -17,9 +17,11 @@ constexpr std::size_t kMostSteps = 200;
 
 void requireKeys(const YAML::Node& node, const std::set<std::string>& known) {
   require(node.IsMap(), "problem: an entry has no keys");
+  std::set<std::string> seen;
   for (const auto& entry : node) {
     const auto key = entry.first.as<std::string>();
     require(known.count(key) > 0, "problem: " + key + " is not known to this checker");
+    require(seen.insert(key).second, "problem: " + key + " is given twice");
   }
 }
 

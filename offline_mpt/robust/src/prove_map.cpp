@@ -13,18 +13,10 @@
 #include "robust_certificate.hpp"
 #include "robust_mpc/online_lp.hpp"
 #include "tolerances.hpp"
+#include "verify/same_signals.hpp"
 
 namespace polyfly {
 namespace {
-
-void requireSameSignals(const RegionMap& map, const std::vector<Signal>& have,
-                        const std::vector<Signal>& want, const char* kind) {
-  const bool same = have.size() == want.size() &&
-                    std::equal(have.begin(), have.end(), want.begin(), [](const Signal& a, const Signal& b) {
-                      return a.name == b.name && a.unit == b.unit && a.lower == b.lower && a.upper == b.upper;
-                    });
-  if (!same) throw Error(map.path() + ": " + kind + ": must be those of the problem, with the same ranges");
-}
 
 /// Holds a map's regions against the exact ones with the same active facets, and the other way round.
 class Comparison {
@@ -164,8 +156,7 @@ RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem, c
   if (set.interrupted) throw Error(map.path() + ": stopped before anything was proven");
   const RobustLaw law = explicitLaw(problem, set);
   const RoundedLaw rounded = roundLaw(problem, law, ExploreStatus::kComplete);
-  requireSameSignals(map, map.parameters(), rounded.program.parameters, "parameters");
-  requireSameSignals(map, map.inputs(), rounded.program.inputs, "inputs");
+  requireSameSignals(map, rounded.program);
   RobustProof proof = proveLaw(problem, program, set, law);
   if (map.solverStatus() != "complete") proof.defects.push_back("the map says that it is not complete");
   Comparison(map, problem, law, proof).run();
@@ -175,6 +166,7 @@ RobustProof proveRobustMap(const RegionMap& map, const RobustProblem& problem, c
 
 RobustSampling sampleRobustMap(const RegionMap& map, const RobustProblem& problem, std::uint64_t samples,
                                std::uint64_t seed, double tolerance) {
+  requireSameSignals(map, roundLaw(problem, {}, ExploreStatus::kComplete).program);
   OnlineLp online(problem);
   std::mt19937_64 engine(seed);
   RobustSampling result;

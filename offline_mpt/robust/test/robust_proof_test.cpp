@@ -200,6 +200,15 @@ TEST(RobustProof, SamplesAgreeAndSeeAWrongLaw) {
     EXPECT_GT(report.inside, 300u);
     EXPECT_LT(report.peak_error, 1e-9);
   }
+  for (int changed = 0; changed < 3; ++changed) {
+    MapContent other = content;
+    if (changed == 0) other.inputs[0].upper += 0.5;
+    if (changed == 1) std::swap(other.parameters[0].name, other.parameters[1].name);
+    if (changed == 2) other.period += 0.25;
+    const MapInMemory memory(other);
+    EXPECT_THROW(sampleRobustMap(memory.map(), solved.problem, 1, 1, 1e-7), Error) << changed;
+    EXPECT_THROW(proveRobustMap(memory.map(), solved.problem), Error) << changed;
+  }
   for (std::size_t k = 3; k < content.laws.size(); k += 8) content.laws[k] += 1e-4;
   const MapInMemory memory(content);
   EXPECT_FALSE(sampleRobustMap(memory.map(), solved.problem, 500, 1, 1e-7).passed());

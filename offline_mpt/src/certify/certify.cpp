@@ -14,6 +14,7 @@
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "support/in_parallel.hpp"
+#include "verify/same_signals.hpp"
 
 namespace polyfly {
 namespace {
@@ -36,13 +37,7 @@ void requireSameProblem(const RegionMap& map, const ParametricProgram& program) 
         map.path() +
         ": is a reduced map: prove it by --reduced-from, and the map that it was reduced from by --exact");
   }
-  const auto same = [](const std::vector<Signal>& a, const std::vector<Signal>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Signal& x, const Signal& y) {
-      return x.name == y.name && x.unit == y.unit && x.lower == y.lower && x.upper == y.upper;
-    });
-  };
-  if (!same(map.parameters(), program.parameters) || !same(map.inputs(), program.inputs))
-    throw Error(map.path() + ": parameters or inputs are not those of the problem " + program.name);
+  requireSameSignals(map, program);
   if (map.problemText() != program.text)
     throw Error(map.path() + ": the problem text that it carries is not that of the problem " + program.name);
 }

@@ -218,6 +218,17 @@ void findPoint(const CheckContext& context, std::uint32_t index, RegionCheck& ch
   check.text += "\n";
 }
 
+/// check_certificate takes each half-space once.
+void refuseRepeatedRows(std::uint32_t index, RegionCheck& check) {
+  for (std::size_t row = 1; row < check.listed.size(); ++row) {
+    const auto here = check.listed.begin() + static_cast<std::ptrdiff_t>(row);
+    const auto is_same = [&](const ExactRow& other) { return other.value == here->value; };
+    if (std::none_of(check.listed.begin(), here, is_same)) continue;
+    check.defects.push_back(makeDefect(Defect::Kind::kPlane, index, static_cast<int>(row),
+                                       "is the same half-space as an earlier row"));
+  }
+}
+
 }  // namespace
 
 std::string originText(const ExactOrigin& origin) {
@@ -369,6 +380,7 @@ RegionCheck checkRegion(const CheckContext& context, std::uint32_t index) {
     defect.size = check.plane_error;
     check.defects.push_back(std::move(defect));
   }
+  refuseRepeatedRows(index, check);
   finishCheck(context, index, exact, check);
   if (context.map.regionCount() > kMostKept) check.listed = {};
   return check;

@@ -13,6 +13,7 @@
 #include "verify/exact_optimality_check.hpp"
 #include "verify/parameter_sampler.hpp"
 #include "verify/program_oracle.hpp"
+#include "verify/same_signals.hpp"
 #include "verify/tolerances.hpp"
 
 namespace polyfly {
@@ -61,30 +62,6 @@ void merge(VerifyReport& total, const VerifyReport& part) {
   merge(total.empty_regions, part.empty_regions);
   total.oracle_residual = std::max(total.oracle_residual, part.oracle_residual);
   total.oracle_iterations = std::max(total.oracle_iterations, part.oracle_iterations);
-}
-
-/// Equal up to rounding. Both may be infinite: no bound.
-bool sameBound(double in_map, double in_program) {
-  if (!std::isfinite(in_map) || !std::isfinite(in_program)) return in_map == in_program;
-  return std::abs(in_map - in_program) <= tolerance::kSameRange * std::max(1.0, std::abs(in_program));
-}
-
-void requireSame(const std::string& where, const std::vector<Signal>& in_map,
-                 const std::vector<Signal>& in_program, const std::string& what) {
-  if (in_map.size() != in_program.size()) {
-    throw Error(where + ": " + what + ": the map has " + std::to_string(in_map.size()) +
-                ", the problem has " + std::to_string(in_program.size()));
-  }
-  for (std::size_t i = 0; i < in_map.size(); ++i) {
-    const Signal &a = in_map[i], &b = in_program[i];
-    if (a.name != b.name) {
-      throw Error(where + ": " + what + " " + std::to_string(i + 1) + ": the map has '" + a.name +
-                  "', the problem has '" + b.name + "'");
-    }
-    if (!sameBound(a.lower, b.lower) || !sameBound(a.upper, b.upper)) {
-      throw Error(where + ": " + what + " '" + a.name + "': the ranges of map and problem differ");
-    }
-  }
 }
 
 /// Checks samples with work space of its own: one per thread.
@@ -321,8 +298,7 @@ bool VerifyReport::passed() const {
 
 VerifyReport verify(const RegionMap& map, const ParametricProgram& program, const VerifyOptions& options) {
   checkProgram(program);
-  requireSame(map.path(), map.parameters(), program.parameters, "parameters");
-  requireSame(map.path(), map.inputs(), program.inputs, "inputs");
+  requireSameSignals(map, program, tolerance::kSameRange);
 
   const int threads = std::clamp(options.threads, 1, 256);
   std::vector<Checker> checkers(static_cast<std::size_t>(threads), Checker(map, program, options));

@@ -10,6 +10,8 @@ namespace polyfly {
 namespace {
 
 constexpr std::size_t kMostLeafCells = 20000;  // of one leaf
+// A look-up's bounds of the box are off by at most 2^-kBoundBits of their size.
+constexpr unsigned long kBoundBits = 50;
 
 struct LeafResult {
   std::string text;
@@ -90,13 +92,31 @@ std::function<void(std::uint64_t, std::uint64_t)> lookupProgress(const CertifyOp
   };
 }
 
-void requireComplete(const RegionMap& map, std::vector<Defect>& defects) {
+/// Rules of the whole map without which check_certificate confirms nothing.
+void checkHeader(const CheckContext& context, const WholePlanes& planes, std::vector<Defect>& defects) {
+  const RegionMap& map = context.map;
+  const auto require = [&](bool holds, const std::string& text) {
+    if (holds) return;
+    Defect defect;
+    defect.kind = Defect::Kind::kLookup;
+    defect.text = text;
+    defects.push_back(std::move(defect));
+  };
   const std::string status(map.solverStatus());
-  if (status == "complete") return;
-  Defect defect;
-  defect.kind = Defect::Kind::kLookup;
-  defect.text = "the map's status is '" + status + "', not 'complete'";
-  defects.push_back(std::move(defect));
+  require(status == "complete", "the map's status is '" + status + "', not 'complete'");
+  require(map.firstFallback() == map.regionCount(), "the map has fallback regions, but was not reduced");
+  require(2 * context.options.plane_tolerance <= map.tolerance(),
+          "the map's tolerance is less than twice that of its planes");
+  require(4 * planes.rounding() <= planes.tolerance(),
+          "distances from planes are not computed precisely enough: the rounding of a look-up may exceed a "
+          "quarter "
+          "of the map's tolerance");
+  const Rational wide = Rational(1) / (Integer(1) << WholePlanes::kWideBits) - Rational(map.tolerance());
+  for (std::size_t j = 0; j < context.program.half.size(); ++j) {
+    const Rational size = abs(context.program.centre[j]) + context.program.half[j];
+    require(size / (Integer(1) << kBoundBits) <= wide * context.program.half[j],
+            "the range of " + map.parameters()[j].name + " is too narrow for the size of its numbers");
+  }
 }
 
 }  // namespace
@@ -104,8 +124,8 @@ void requireComplete(const RegionMap& map, std::vector<Defect>& defects) {
 bool proveLookups(const CheckContext& context, const std::vector<RegionCheck>& checks,
                   const std::vector<std::vector<FacetBehind>>& behind, bool widened, std::string& text,
                   std::vector<Defect>& defects) {
-  requireComplete(context.map, defects);
   const WholePlanes planes(context.map, context.program);
+  checkHeader(context, planes, defects);
   const LookupTree tree(context.map);
   std::vector<RegionDrops> drops(context.map.regionCount());
   const auto for_each = [&](std::size_t count, Half half, const std::function<void(std::size_t)>& work) {

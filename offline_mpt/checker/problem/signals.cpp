@@ -1,0 +1,107 @@
+#include "problem/signals.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace checker {
+namespace {
+
+constexpr double kSameBound = 1e-12;  // relative: a range in doubles, or rounded from a quotient
+
+struct Signal {
+  std::string name, unit;
+  double lower = -HUGE_VAL, upper = HUGE_VAL;
+};
+
+/// A number, or a quotient of two.
+double numberOf(const YAML::Node& node) {
+  const auto text = node.as<std::string>();
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) return node.as<double>();
+  return YAML::Node(text.substr(0, slash)).as<double>() / YAML::Node(text.substr(slash + 1)).as<double>();
+}
+
+Signal signalOf(const YAML::Node& node) {
+  Signal signal{node["name"].as<std::string>(), node["unit"].as<std::string>()};
+  if (!node["range"]) return signal;
+  signal.lower = numberOf(node["range"][0]);
+  signal.upper = numberOf(node["range"][1]);
+  return signal;
+}
+
+/// Of a file of type tracking_mpc or robust_mpc; a parameter with a value is no entry of theta.
+std::vector<Signal> signalsOfModel(const YAML::Node& root) {
+  std::vector<Signal> signals;
+  for (const auto& parameter : root["parameters"]) {
+    if (!parameter["value"]) signals.push_back(signalOf(parameter));
+  }
+  for (const auto& input : root["model"]["inputs"]) signals.push_back(signalOf(input));
+  if (root["peak_in_map"] && root["peak_in_map"].as<bool>())
+    signals.push_back({"tau", "1", root["floor"] ? numberOf(root["floor"]) : 0.0, HUGE_VAL});
+  return signals;
+}
+
+/// Of a program in JSON. What it does not name is theta_0, theta_1, .. and u_0, u_1, .. without unit.
+std::vector<Signal> signalsOfProgram(const YAML::Node& root, std::size_t p, std::size_t q) {
+  std::vector<Signal> signals;
+  const auto add = [&](const char* key, const char* letter, std::size_t count) {
+    const YAML::Node named = root[key];
+    require(!named || named.size() == count, std::string(key) + ": not as many as the map has");
+    for (std::size_t j = 0; j < count; ++j) {
+      signals.push_back({letter + std::to_string(j), "1"});
+      if (!named) continue;
+      signals.back().name = named[j]["name"].as<std::string>();
+      signals.back().unit = named[j]["unit"].as<std::string>();
+      const YAML::Node lower = named[j]["lower"], upper = named[j]["upper"];
+      if (lower && !lower.IsNull()) signals.back().lower = lower.as<double>();
+      if (upper && !upper.IsNull()) signals.back().upper = upper.as<double>();
+    }
+  };
+  add("parameters", "theta_", p);
+  for (std::size_t j = 0; j < p; ++j) {
+    signals[j].lower = root["lb"][j].as<double>();
+    signals[j].upper = root["ub"][j].as<double>();
+  }
+  add("inputs", "u_", q);
+  return signals;
+}
+
+bool isSame(double in_map, double in_problem) {
+  if (!std::isfinite(in_problem)) return in_map == in_problem;
+  return std::abs(in_map - in_problem) <= kSameBound * std::abs(in_problem);
+}
+
+void match(const Map& map, const YAML::Node& root) {
+  // Name, problem, kind, status and notes come before the names and units of signals.
+  constexpr std::size_t kKind = 2, kFirst = 5;
+  const bool is_program = static_cast<bool>(root["H"]);
+  require(map.words[kKind] == (is_program ? "json" : "yaml"), "the map's kind of problem is another one");
+  const std::vector<Signal> signals =
+      is_program ? signalsOfProgram(root, map.p, map.q) : signalsOfModel(root);
+  require(signals.size() == std::size_t{map.p} + map.q, "the map has another number of signals");
+  for (std::size_t k = 0; k < signals.size(); ++k) {
+    const Signal& signal = signals[k];
+    require(map.words[kFirst + 2 * k] == signal.name,
+            "the map has the signal " + map.words[kFirst + 2 * k] + " in the place of " + signal.name);
+    require(map.words[kFirst + 2 * k + 1] == signal.unit, signal.name + ": its unit is another one");
+    require(isSame(map.bounds[2 * k], signal.lower) && isSame(map.bounds[2 * k + 1], signal.upper),
+            signal.name + ": its range is not that of the problem");
+  }
+  const YAML::Node period = root[is_program ? "period" : "sampling_time"];
+  require(map.period == (period ? period.as<double>() : 0.0), "the map's period is not that of the problem");
+}
+
+}  // namespace
+
+void matchSignals(const Map& map, const std::string& problem) {
+  try {
+    match(map, YAML::Load(problem));
+  } catch (const YAML::Exception& error) {
+    throw Refused(std::string("problem: ") + error.what());
+  }
+}
+
+}  // namespace checker
