@@ -9,6 +9,8 @@
 
 namespace polyfly {
 
+class ProcessGroup;
+
 /// Regions in scaled parameters: each parameter's range is [-1, 1]. A plane is p + 1 numbers (a, c) with |a| = 1,
 /// the half-space a . t <= c. Rows refer to planes as MapContent::rows does.
 struct TreeRegions {
@@ -66,6 +68,9 @@ struct TreeOptions {
   double side_tolerance = 1e-12;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
+  /// Other processes that build the tree with this one, process 0; not owned. The tree does not depend on them. They
+  /// call runTreeProcess.
+  ProcessGroup* group = nullptr;
   /// Set from outside to end early, with the tree as far as it has grown.
   const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread.
@@ -79,6 +84,11 @@ struct TreeOptions {
 /// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell, unless
 /// all_rows is set.
 /// Each split takes the plane after which the fuller side has the fewest rows to test.
+///
+/// With a group it throws LostProcess, or Error where another process fails.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
+
+/// Builds search trees with process 0, on so many threads, until that ends the group.
+void runTreeProcess(ProcessGroup& group, int threads);
 
 }  // namespace polyfly
