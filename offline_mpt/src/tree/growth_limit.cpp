@@ -10,16 +10,20 @@ namespace {
 constexpr std::uint64_t kSmallNodes = 64;
 constexpr std::uint64_t kOtherNodes = 2;
 constexpr std::uint64_t kLeastNodes = 4096;
-// kFast: pivots per pivot of the exploration, and at least, which take some 20 ms. The leaves take about half as many
+// Pivots per pivot of the exploration, and at least, which take some 20 ms and 1 s. The leaves take about half as many
 // again once the tree has grown.
 constexpr double kFastPivots = 1.0;
-constexpr std::uint64_t kLeastPivots = 40000;
+constexpr std::uint64_t kLeastFastPivots = 40000;
+constexpr double kAutoPivots = 25.0;
+constexpr std::uint64_t kLeastAutoPivots = 2100000;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
 constexpr std::uint64_t kAutoBytes = 3;
 constexpr std::uint64_t kFreeBytes = 65536;
 // kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
 constexpr double kLittleGain = 0.85;
 
+// More than any number of pivots, and twice as much is still a number.
+constexpr std::uint64_t kNoLimit = std::uint64_t{1} << 62;
 // Of TreeOptions::memory_limit, the share that all cells may take before the tree grows in one after the other.
 constexpr double kWholeShare = 2.0 / 3.0;
 
@@ -28,6 +32,15 @@ std::uint64_t bytesOf(const TreeRegions& regions) {
   for (const auto& list : regions.rows) rows += list.size();
   return sizeof(double) * regions.planes.size() + sizeof(std::int32_t) * rows +
          sizeof(MapContent::Region) * regions.rows.size();
+}
+
+std::uint64_t mostPivots(const TreeOptions& options) {
+  const auto explored = static_cast<double>(options.explored_pivots);
+  if (options.mode == TreeMode::kFast)
+    return std::max(kLeastFastPivots, static_cast<std::uint64_t>(kFastPivots * explored));
+  if (options.mode == TreeMode::kAuto && options.explored_pivots > 0)
+    return std::max(kLeastAutoPivots, static_cast<std::uint64_t>(kAutoPivots * explored));
+  return kNoLimit;
 }
 
 }  // namespace
@@ -73,8 +86,7 @@ GrowthLimit::GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
   const std::uint64_t per_region = mode_ == TreeMode::kSmall ? kSmallNodes : kOtherNodes;
   if (most_.nodes == 0) most_.nodes = std::max(kLeastNodes, per_region * regions.rows.size());
   if (mode_ == TreeMode::kNone) most_.nodes = 0;
-  const double explored = kFastPivots * static_cast<double>(options.explored_pivots);
-  most_.pivots = std::max(kLeastPivots, static_cast<std::uint64_t>(explored));
+  most_.pivots = mostPivots(options);
   most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
   checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
 }
@@ -95,7 +107,7 @@ GrowthLimit GrowthLimit::part(const Growth& now, double share, std::uint64_t mem
 std::optional<TreeEnd> GrowthLimit::reached(const Growth& now) {
   if (now.nodes >= most_.nodes) return TreeEnd::kNodes;
   if (now.memory >= memory_) return TreeEnd::kMemory;
-  if (mode_ == TreeMode::kFast && now.pivots >= most_.pivots) return TreeEnd::kPivots;
+  if (now.pivots >= most_.pivots) return TreeEnd::kPivots;
   if (mode_ == TreeMode::kAuto && now.bytes >= most_.bytes) return TreeEnd::kBytes;
   if (mode_ == TreeMode::kAuto && gainsLittle(now)) return TreeEnd::kLittleGain;
   return std::nullopt;
