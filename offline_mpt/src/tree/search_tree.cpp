@@ -56,7 +56,7 @@ class TreeGrower {
     auto whole = std::make_unique<Cell>(splitter_.whole());
     now_.pivots = splitter_.pivots();
     const CellFacts facts = factsOf(*whole);
-    addCell(facts, group_.all(), std::move(whole));
+    addCell(facts, ShareRange(), std::move(whole));
     TreeEnd end = grow(limit_);
     if (end == TreeEnd::kMemory) end = growParts();
     finishLeaves(0);
@@ -77,10 +77,10 @@ class TreeGrower {
     std::uint32_t depth = 0;
     /// Its node, or kUnsplit, or kFinished: of a leaf only what a map holds is left.
     std::uint32_t node = kUnsplit;
-    ProcessRange owners;
+    ShareRange shares;
     /// Of a finished leaf, its first one of the candidates and tests that are kept.
     std::size_t first_kept = 0;
-    /// Held by its owners until it is split or finished.
+    /// Where this process holds it, until it is split or finished.
     std::unique_ptr<Cell> cell;
   };
 
@@ -143,12 +143,12 @@ class TreeGrower {
     return end;
   }
 
-  void addCell(const CellFacts& facts, ProcessRange owners, std::unique_ptr<Cell> cell) {
+  void addCell(const CellFacts& facts, ShareRange shares, std::unique_ptr<Cell> cell) {
     const auto number = static_cast<std::uint32_t>(cells_.size());
     now_.bytes += bytesOf(facts.members);
     now_.memory += facts.memory;
-    cells_.push_back({facts.memory, facts.members, facts.depth, kUnsplit, owners, 0,
-                      group_.holds(owners) ? std::move(cell) : nullptr});
+    cells_.push_back({facts.memory, facts.members, facts.depth, kUnsplit, shares, 0,
+                      group_.holds(shares) ? std::move(cell) : nullptr});
     if (facts.members > 1) open_.push({facts.cost, number});
   }
 
@@ -170,16 +170,16 @@ class TreeGrower {
   }
 
   void splitBatch(const std::vector<std::uint32_t>& batch) {
-    std::vector<ProcessRange> owners;
+    std::vector<ShareRange> shares;
     for (const std::uint32_t cell : batch) {
-      owners.push_back(cells_[cell].owners);
+      shares.push_back(cells_[cell].shares);
       now_.bytes -= bytesOf(cells_[cell].members);
       now_.memory -= cells_[cell].memory;
     }
     std::vector<std::optional<CellSplit>> splits(batch.size());
     std::vector<SplitOutcome> outcomes = splitOwn(batch, splits);
     stop_ = stopRequested();
-    group_.share(owners, outcomes, stop_);
+    group_.share(shares, outcomes, stop_);
     for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], outcomes[i], std::move(splits[i]));
   }
 
@@ -188,7 +188,7 @@ class TreeGrower {
     std::vector<SplitOutcome> outcomes(batch.size());
     std::vector<std::size_t> small;
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (!group_.holds(cells_[batch[i]].owners)) continue;
+      if (!group_.holds(cells_[batch[i]].shares)) continue;
       Cell& cell = *cells_[batch[i]].cell;
       if (cell.members.size() <= kLargeCell) {
         small.push_back(i);
@@ -241,10 +241,10 @@ class TreeGrower {
     parent.cell.reset();
     nodes_.push_back(outcome.plane);
     now_.bytes += sizeof(MapContent::Node);
-    const ProcessRange owners = parent.owners;
+    const ShareRange shares = parent.shares;
     const auto child = [&](Cell& cell) { return std::make_unique<Cell>(std::move(cell)); };
-    addCell(outcome.below, owners.lowerHalf(), split ? child(split->below) : nullptr);
-    addCell(outcome.above, owners.upperHalf(), split ? child(split->above) : nullptr);
+    addCell(outcome.below, shares.lowerHalf(), split ? child(split->below) : nullptr);
+    addCell(outcome.above, shares.upperHalf(), split ? child(split->above) : nullptr);
   }
 
   void reportProgress() const {
@@ -258,7 +258,7 @@ class TreeGrower {
     for (std::size_t cell = first; cell < cells_.size(); ++cell) {
       if (cells_[cell].node != kUnsplit) continue;
       leaves.push_back(static_cast<std::uint32_t>(cell));
-      if (group_.speaksFor(cells_[cell].owners)) own.push_back(leaves.back());
+      if (group_.speaksFor(cells_[cell].shares)) own.push_back(leaves.back());
     }
     const std::uint64_t before = splitter_.pivots();
     inParallel(own.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
@@ -296,9 +296,10 @@ class TreeGrower {
       now_.pivots += in.back().get<std::uint64_t>();
     }
     for (const std::uint32_t leaf : leaves) {
+      const auto speaker = static_cast<std::size_t>(group_.speaker(cells_[leaf].shares));
       LeafList list;
-      readList(in[cells_[leaf].owners.first], list.candidates);
-      readList(in[cells_[leaf].owners.first], list.tests);
+      readList(in[speaker], list.candidates);
+      readList(in[speaker], list.tests);
       keep(leaf, list);
     }
   }

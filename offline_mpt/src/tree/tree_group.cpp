@@ -41,14 +41,14 @@ TreeTask readTask(const std::vector<std::byte>& bytes) {
   return task;
 }
 
-void TreeGroup::share(const std::vector<ProcessRange>& owners, std::vector<SplitOutcome>& outcomes,
+void TreeGroup::share(const std::vector<ShareRange>& shares, std::vector<SplitOutcome>& outcomes,
                       bool& stop) {
   if (isAlone()) return;
   std::vector<std::byte> mine;
   ByteWriter out(mine);
   out.put(stop);
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    if (speaksFor(owners[i])) out.put(outcomes[i]);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (speaksFor(shares[i])) out.put(outcomes[i]);
   }
   const std::vector<std::vector<std::byte>> all = exchange_.round(std::move(mine));
   std::vector<ByteReader> in;
@@ -56,7 +56,8 @@ void TreeGroup::share(const std::vector<ProcessRange>& owners, std::vector<Split
     in.emplace_back(one.data(), one.size(), "message of the group");
   stop = in.front().get<bool>();
   for (std::size_t rank = 1; rank < in.size(); ++rank) in[rank].get<bool>();
-  for (std::size_t i = 0; i < owners.size(); ++i) outcomes[i] = in[owners[i].first].get<SplitOutcome>();
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    outcomes[i] = in[static_cast<std::size_t>(speaker(shares[i]))].get<SplitOutcome>();
 }
 
 }  // namespace polyfly

@@ -11,16 +11,14 @@
 
 namespace polyfly {
 
-/// Processes first .. last - 1 of a group, which all hold a cell. The first one speaks for them.
-struct ProcessRange {
-  std::uint16_t first = 0;
-  std::uint16_t last = 1;
+/// Shares first .. last - 1 of a tree, which is divided into kShares. Each process has equally many shares, in order.
+struct ShareRange {
+  static constexpr std::uint32_t kShares = 1u << 15;
+  std::uint32_t first = 0;
+  std::uint32_t last = kShares;
 
-  ProcessRange lowerHalf() const { return {first, last - first > 1 ? middle() : last}; }
-  ProcessRange upperHalf() const { return {last - first > 1 ? middle() : first, last}; }
-
- private:
-  std::uint16_t middle() const { return static_cast<std::uint16_t>((first + last) / 2); }
+  ShareRange lowerHalf() const { return {first, last - first > 1 ? (first + last) / 2 : last}; }
+  ShareRange upperHalf() const { return {last - first > 1 ? (first + last) / 2 : first, last}; }
 };
 
 /// What all processes know of a cell.
@@ -44,25 +42,28 @@ struct SplitOutcome {
   CellFacts above;
 };
 
-/// The processes that build one tree. Each holds some of the cells, and knows the facts of all: so all choose the same
-/// cells to split. Whoever splits a cell of several processes does it as the others do.
+/// The processes that build one tree. A cell is held by the processes that have some of its shares, and a split halves
+/// its shares. All know the facts of all cells, and so choose the same cells to split. Where several hold a cell, all of
+/// them split it, alike.
 class TreeGroup {
  public:
   explicit TreeGroup(ProcessGroup* group) : exchange_(group) {}
 
-  ProcessRange all() const { return {0, static_cast<std::uint16_t>(exchange_.size())}; }
   bool isAlone() const { return exchange_.size() == 1; }
   bool leads() const { return exchange_.rank() == 0; }
-  bool holds(ProcessRange owners) const {
-    return exchange_.rank() >= owners.first && exchange_.rank() < owners.last;
+  /// Whether this process has some of the shares.
+  bool holds(ShareRange shares) const {
+    return exchange_.rank() >= processOf(shares.first) && exchange_.rank() <= processOf(shares.last - 1);
   }
-  bool speaksFor(ProcessRange owners) const { return exchange_.rank() == owners.first; }
+  /// The first process that has some of the shares. It tells the others what became of the cell.
+  int speaker(ShareRange shares) const { return processOf(shares.first); }
+  bool speaksFor(ShareRange shares) const { return exchange_.rank() == speaker(shares); }
 
   /// For process 0: hands regions and options to the others.
   void begin(const TreeRegions& regions, const TreeOptions& options);
 
   /// Fills in the outcomes of all cells, of which each process knows its own. `stop`: that of process 0.
-  void share(const std::vector<ProcessRange>& owners, std::vector<SplitOutcome>& outcomes, bool& stop);
+  void share(const std::vector<ShareRange>& shares, std::vector<SplitOutcome>& outcomes, bool& stop);
 
   /// The contributions of all processes, by rank.
   std::vector<std::vector<std::byte>> round(std::vector<std::byte> mine) {
@@ -70,6 +71,11 @@ class TreeGroup {
   }
 
  private:
+  int processOf(std::uint32_t share) const {
+    return static_cast<int>(std::uint64_t{share} * static_cast<std::uint64_t>(exchange_.size()) /
+                            ShareRange::kShares);
+  }
+
   GroupExchange exchange_;
 };
 
