@@ -373,6 +373,7 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
     content = inFile(options.problem, program,
                      [&] { return encodeWithProgress(program, partition, options, group); });
   } catch (const LostProcess& lost) {
+    ignoreSignals();  // the end of the job is one
     std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost; %s; continue with --resume\n",
                  options.map.c_str(), lost.rank(), (checkpointOf(options) + " holds all regions").c_str());
     session.abort();
