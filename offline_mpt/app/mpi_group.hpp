@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "offline_mpt/process_group.hpp"
 
@@ -9,8 +10,9 @@ namespace polyfly {
 /// The group of one MPI job. Made once in a process.
 class MpiGroup : public ProcessGroup {
  public:
-  /// When all processes are done: leaves MPI, which waits for the others.
-  virtual void leave() = 0;
+  /// When this process is done: leaves MPI, which waits for the others. Returns the sum of what all processes tell,
+  /// which is equally many numbers.
+  virtual std::vector<double> leave(const std::vector<double>& told) = 0;
 
   /// Ends the whole job at once, with an exit code. Returns where MPI could not.
   virtual void abort(int exit_code) = 0;

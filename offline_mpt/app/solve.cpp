@@ -1,6 +1,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -10,7 +11,7 @@
 #include "command.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
-#include "mpi_group.hpp"
+#include "mpi_session.hpp"
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "offline_mpt/loop_excess.hpp"
@@ -46,8 +47,8 @@ checkpoint of an unfinished run only with --force.
 The search tree answers which region holds a parameter. --tree fast builds it in about the time of the
 exploration. --tree small makes the shortest worst case, and the largest file where parameters are many.
 
-With mpirun, the processes explore together (--threads each), and process 0 writes the same map. If a
-process is lost, the run ends with a checkpoint.
+With mpirun, the processes explore and build the search tree together (--threads each), and process 0
+writes the same map. If a process is lost, the run ends with a checkpoint.
 
 Examples:
   offline_mpt solve multirotor_lateral.yaml -o lateral.map --stats lateral_stats.json
@@ -77,15 +78,26 @@ struct PhaseSeconds {
   double write = 0.0;
 };
 
+constexpr std::array<double PhaseSeconds::*, 4> kPhases = {&PhaseSeconds::load, &PhaseSeconds::explore,
+                                                           &PhaseSeconds::encode, &PhaseSeconds::write};
+
 /// How long the phases took, and what they took of the processors.
 class PhaseClock {
  public:
   PhaseSeconds seconds;
+  /// Of this process until `leave`, then of all.
   PhaseSeconds cpu;
 
   void end(double PhaseSeconds::*phase) {
-    seconds.*phase = watch_.lap();
-    cpu.*phase = cpu_watch_.lap();
+    seconds.*phase += watch_.lap();
+    cpu.*phase += cpu_watch_.lap();
+  }
+
+  /// Leaves the group, and adds what the other processes took of their processors.
+  void leave(MpiSession& session) {
+    for (std::size_t i = 0; i < session.cpu.size(); ++i) session.cpu[i] = cpu.*kPhases[i];
+    session.leave();
+    for (std::size_t i = 0; i < session.cpu.size(); ++i) cpu.*kPhases[i] = session.cpu[i];
   }
 
  private:
@@ -106,33 +118,6 @@ bool exists(const std::string& path) {
   struct stat status = {};
   return ::stat(path.c_str(), &status) == 0;
 }
-
-/// The other processes of an MPI launcher, if any. Whatever happens, they are shut_down and waited for.
-class Session {
- public:
-  Session() : group_(joinGroup()) {}
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  ~Session() { leave(); }
-
-  MpiGroup* group() const { return group_.get(); }
-  int processes() const { return group_ ? group_->size() : 1; }
-  void leave() {
-    if (!group_ || left_) return;
-    left_ = true;
-    if (group_->rank() == 0) group_->shutDown();
-    group_->leave();
-  }
-  /// One of them is lost: there is nothing to wait for.
-  void abort() {
-    left_ = true;
-    group_->abort(static_cast<int>(ExitCode::kStopped));
-  }
-
- private:
-  std::unique_ptr<MpiGroup> group_;
-  bool left_ = false;
-};
 
 Partition exploreWithProgress(const ParametricProgram& program, const SolveArguments& options,
                               ProcessGroup* group) {
@@ -177,7 +162,7 @@ std::string statsJson(const ParametricProgram& program, const Partition& partiti
   json["open_sets"] = partition.stats.open_sets;
   json["resumed_regions"] = partition.stats.resumed_regions;
   json["explore_bytes"] = partition.stats.memory_bytes;
-  json["cpu_seconds"] = partition.stats.cpu_seconds;
+  json["cpu_seconds"] = clock.cpu.explore;
   json["threads"] = threads;
   json["processes"] = processes;
   json["seconds"] = phasesJson(clock.seconds);
@@ -309,12 +294,13 @@ void removeCheckpoint(const SolveArguments& options, const Partition& partition)
 }
 
 MapContent encodeWithProgress(const ParametricProgram& program, const Partition& partition,
-                              const SolveArguments& options) {
+                              const SolveArguments& options, ProcessGroup* group) {
   Progress progress(options.quiet);
   TreeOptions tree;
   tree.threads = options.explore.threads;
   tree.mode = options.tree_mode;
   tree.node_limit = options.tree_nodes;
+  tree.group = group;
   tree.progress = [&](std::uint64_t done, std::uint64_t total) {
     const auto share = static_cast<double>(done) / static_cast<double>(total);
     progress.show("search tree of " + std::to_string(partition.regions.size()) + " regions",
@@ -344,7 +330,7 @@ void addSoftBounds(const ParametricProgram& program, const Partition& partition,
   for (const LoopExcess& excess : loopExcess(problem, partition)) note(loopExcessText(problem, excess));
 }
 
-ExitCode lead(const SolveArguments& options, Session& session) {
+ExitCode lead(const SolveArguments& options, MpiSession& session) {
   checkFiles(options);
   if (const OwnSolver* own = ownSolverOf(options.problem); own != nullptr) {
     session.leave();
@@ -368,7 +354,7 @@ ExitCode lead(const SolveArguments& options, Session& session) {
     session.abort();
     return ExitCode::kStopped;
   }
-  session.leave();
+  if (isStopped(partition)) clock.leave(session);  // its tree takes little time, or ends the program
   if (partition.status == ExploreStatus::kInfeasible) {
     throw Error(options.problem + ": infeasible: no parameter in its box admits a solution");
   }
@@ -381,8 +367,20 @@ ExitCode lead(const SolveArguments& options, Session& session) {
     return exitCode(partition.status);
   }
   limitTree(options, partition);
-  MapContent content =
-      inFile(options.problem, program, [&] { return encodeWithProgress(program, partition, options); });
+  MapContent content;
+  try {
+    ProcessGroup* const group = isStopped(partition) ? nullptr : session.group();
+    content = inFile(options.problem, program,
+                     [&] { return encodeWithProgress(program, partition, options, group); });
+  } catch (const LostProcess& lost) {
+    ignoreSignals();  // the end of the job is one
+    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost; %s; continue with --resume\n",
+                 options.map.c_str(), lost.rank(), (checkpointOf(options) + " holds all regions").c_str());
+    session.abort();
+    return ExitCode::kStopped;
+  }
+  clock.end(&PhaseSeconds::encode);
+  if (!isStopped(partition)) clock.leave(session);
   addSoftBounds(program, partition, options, &content);
   clock.end(&PhaseSeconds::encode);
   ignoreSignals();
@@ -400,7 +398,9 @@ ExitCode lead(const SolveArguments& options, Session& session) {
 
 // A process of an MPI launcher that is not the first. It says nothing, and process 0 tells it when to end: a
 // signal to all of them must leave process 0 the time to save.
-ExitCode assist(const SolveArguments& options, MpiGroup& group) {
+ExitCode assist(const SolveArguments& options, MpiSession& session) {
+  MpiGroup& group = *session.group();
+  PhaseClock clock;
   ignoreSignals();
   ParametricProgram program;
   try {
@@ -410,14 +410,18 @@ ExitCode assist(const SolveArguments& options, MpiGroup& group) {
     reportFailure(error.what(), group);
     return ExitCode::kBadInput;
   }
-  runWorkerProcess(program, options.explore, group);
+  clock.end(&PhaseSeconds::load);
+  const bool goes_on = runWorkerProcess(program, options.explore, group);
+  clock.end(&PhaseSeconds::explore);
+  if (goes_on) runTreeProcess(group, options.explore.threads);
+  clock.end(&PhaseSeconds::encode);
+  clock.leave(session);
   return ExitCode::kDone;
 }
 
 ExitCode solve(const SolveArguments& options) {
-  Session session;
-  if (session.group() != nullptr && session.group()->rank() > 0) return assist(options, *session.group());
-  return lead(options, session);
+  MpiSession session;
+  return session.leads() ? lead(options, session) : assist(options, session);
 }
 
 void addTreeOptions(CLI::App& command, TreeMode& mode, std::uint64_t& nodes) {

@@ -27,7 +27,8 @@ map, the problem, --samples and --seed.
 The result is PASSED (exit code 0) if no sample breaks a rule, all samples were decided, and the map is
 marked complete.
 
---exact and --reduced-from give a proof instead; offline_mpt/CERTIFICATE.md explains it.
+--exact and --reduced-from give a proof instead; offline_mpt/CERTIFICATE.md explains it. With mpirun, the
+processes prove together (--exact).
 
 Examples:
   offline_mpt verify lateral.map --problem multirotor_lateral.yaml --samples 100000 --seed 1

@@ -6,8 +6,10 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/read_problem.hpp"
+#include "mpi_session.hpp"
 #include "offline_mpt/certify.hpp"
 #include "offline_mpt/encode.hpp"
+#include "offline_mpt/process_group.hpp"
 #include "polyfly_base/error.hpp"
 #include "problem_types.hpp"
 #include "progress.hpp"
@@ -55,11 +57,18 @@ CertifyOptions watched(const VerifyExactOptions& options, Watch& watch) {
 }
 
 CertifyReport certifyFile(const VerifyExactOptions& options, const std::string& map,
-                          const ParametricProgram& program) {
+                          const ParametricProgram& program, ProcessGroup* group = nullptr) {
   Watch watch(options);
+  CertifyOptions choices = watched(options, watch);
+  choices.group = group;
   const std::string file = options.problem.empty() ? map + ": problem text" : options.problem;
-  return inFile(file, program,
-                [&] { return certify(RegionMap::open(map), program, watched(options, watch)); });
+  return inFile(file, program, [&] { return certify(RegionMap::open(map), program, choices); });
+}
+
+ParametricProgram programOf(const VerifyExactOptions& options, const RegionMap& map) {
+  if (!options.problem.empty()) return loadCompleteProgram(options.problem);
+  return parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
+                      options.map + ": problem text");
 }
 
 /// Repairs and writes the new map where that succeeds. Says what was done.
@@ -84,9 +93,7 @@ bool writeRepaired(const VerifyExactOptions& options, const ParametricProgram& p
   return true;
 }
 
-}  // namespace
-
-ExitCode verifyExact(const VerifyExactOptions& options) {
+ExitCode prove(const VerifyExactOptions& options, MpiSession& session) {
   std::vector<std::string> inputs = filesOfProblem(options.problem);
   inputs.push_back(options.map);
   checkOutputs({{options.certificate}, {options.json}, {options.output, Output::Kind::kFile}}, inputs);
@@ -104,13 +111,11 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
       task.quiet = options.quiet;
       return own->verify(map, task);
     }
-    program = options.problem.empty()
-                  ? parseProgram(std::string(map.problemText()), std::string(map.problemKind()),
-                                 options.map + ": problem text")
-                  : loadCompleteProgram(options.problem);
+    program = programOf(options, map);
   }
   std::string examined = options.map;
-  CertifyReport report = certifyFile(options, examined, program);
+  CertifyReport report = certifyFile(options, examined, program, session.group());
+  session.leave();
   if (!report.passed() && !report.interrupted && !options.output.empty()) {
     if (!options.quiet) std::fputs(certifyText(report).c_str(), stdout);
     bool interrupted = false;
@@ -132,6 +137,38 @@ ExitCode verifyExact(const VerifyExactOptions& options) {
   if (!report.passed() || !safety.holds) return ExitCode::kFailed;
   if (!options.certificate.empty()) writeCertificate(report, options.certificate);
   return ExitCode::kDone;
+}
+
+/// A process of an MPI launcher that is not the first: it takes part in the proof and says nothing.
+ExitCode assist(VerifyExactOptions options, ProcessGroup& group) {
+  options.quiet = true;
+  try {
+    const RegionMap map = RegionMap::open(options.map);
+    if (ownSolverOf(map) != nullptr) return ExitCode::kDone;  // process 0 proves it alone
+    Watch watch(options);
+    CertifyOptions choices = watched(options, watch);
+    choices.group = &group;
+    runCertifyProcess(map, programOf(options, map), choices);
+    return ExitCode::kDone;
+  } catch (const Error& error) {
+    reportFailure(error.what(), group);
+    return ExitCode::kBadInput;
+  }
+}
+
+}  // namespace
+
+ExitCode verifyExact(const VerifyExactOptions& options) {
+  MpiSession session;
+  if (!session.leads()) return assist(options, *session.group());
+  try {
+    return prove(options, session);
+  } catch (const LostProcess& lost) {
+    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost\n", options.map.c_str(),
+                 lost.rank());
+    session.abort();
+    return ExitCode::kStopped;
+  }
 }
 
 }  // namespace polyfly

@@ -23,7 +23,7 @@ struct VerifyExactOptions {
 };
 
 /// Proves the map in rational arithmetic, or refutes it; with `output`, repairs it, writes the new map and
-/// proves that one. kDone when what was asked for is proven.
+/// proves that one. kDone when what was asked for is proven. The processes of an MPI launcher prove together.
 ExitCode verifyExact(const VerifyExactOptions& options);
 
 }  // namespace polyfly

@@ -22,6 +22,12 @@ struct LookupArguments {
   std::size_t samples = 200000;
 };
 
+struct TreeArguments {
+  std::string problem;
+  // Of the tree whose leaves hold one law.
+  double time_limit = 30.0;  // [s]
+};
+
 struct CertifyArguments {
   std::string problem;
   int threads = 1;
@@ -31,6 +37,7 @@ struct CertifyArguments {
 // Each measures one thing in this process and returns one flat object; offline.py says what is in it.
 Json solveProblem(const SolveArguments& arguments);
 Json timeLookups(const LookupArguments& arguments);
+Json compareTrees(const TreeArguments& arguments);
 Json timeCertificate(const CertifyArguments& arguments);
 Json calibrate();
 

@@ -34,6 +34,13 @@ int run(int argc, char** argv) {
   command->add_option("--samples", lookup.samples, "parameters")->check(wholeNumber(64, 100000000));
   command->callback([&] { measure = [&] { return polyfly::bench::timeLookups(lookup); }; });
 
+  polyfly::bench::TreeArguments tree;
+  command =
+      app.add_subcommand("tree", "a small search tree beside one whose leaves hold one law and test nothing");
+  command->add_option("PROBLEM", tree.problem, "problem file")->required();
+  command->add_option("--time-limit", tree.time_limit, "of the other tree [s]")->check(numberAbove(0.0));
+  command->callback([&] { measure = [&] { return polyfly::bench::compareTrees(tree); }; });
+
   polyfly::bench::CertifyArguments certify;
   command = app.add_subcommand("certify", "time the exact verification of a map");
   command->add_option("PROBLEM", certify.problem, "problem file")->required();

@@ -8,6 +8,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "polyfly_base/error.hpp"
+#include "process_members.hpp"
 #include "random_program.hpp"
 
 namespace polyfly {
@@ -173,6 +174,79 @@ TEST(Certify, StopsWhenTold) {
   const CertifyReport report = certified(content, program, options);
   EXPECT_EQ(total, 3 * content.regions.size());
   EXPECT_EQ(report.passed(), !report.interrupted);  // on a fast machine nothing was left to stop
+}
+
+/// The report of process 0. Each of `others` proves with it, with options of its own.
+CertifyReport certifiedWith(const MapContent& content, const ParametricProgram& program,
+                            const std::vector<CertifyOptions>& others) {
+  const MapInMemory memory(content);
+  std::vector<Part> parts;
+  for (const CertifyOptions& options : others) {
+    parts.emplace_back([&](Member& member) {
+      CertifyOptions own = options;
+      own.group = &member;
+      runCertifyProcess(memory.map(), program, own);
+    });
+  }
+  return leadWith(parts, [&](Member& leader) {
+    CertifyOptions options;
+    options.group = &leader;
+    return certify(memory.map(), program, options);
+  });
+}
+
+// Among the programs: slivers, rows that are relaxed, a linear program and a map without a region.
+TEST(Certify, ProcessesDoNotChangeTheReport) {
+  const ParametricProgram random = randomProgram(4, 12, 2, 3);
+  const Partition partition = explore(random);
+  Partition gap = partition;
+  gap.regions.erase(gap.regions.begin() + 2);
+  for (const auto& [program, content] :
+       {std::pair{random, encode(random, partition)}, std::pair{random, encode(random, gap)},
+        std::pair{doubleIntegrator(4), solved(doubleIntegrator(4))},
+        std::pair{nearlyDependent(1e-5, 3), solved(nearlyDependent(1e-5, 3))},
+        std::pair{touching(1), solved(touching(1))},
+        std::pair{smallLinearProgram(), solved(smallLinearProgram())}}) {
+    const CertifyReport alone = certified(content, program);
+    std::vector<CertifyOptions> others;
+    for (int threads = 1; threads <= 2; ++threads) {
+      others.emplace_back().threads = threads;
+      const CertifyReport report = certifiedWith(content, program, others);
+      EXPECT_EQ(report.certificate, alone.certificate) << program.name;
+      EXPECT_EQ(certifyJson(report), certifyJson(alone)) << program.name;
+    }
+  }
+}
+
+TEST(Certify, AnyProcessOfAGroupEndsTheProof) {
+  const ParametricProgram program = doubleIntegrator(4);
+  const MapContent content = solved(program);
+  const std::atomic<bool> stop{true};
+  std::vector<CertifyOptions> others(2);
+  others.back().stop = &stop;
+  EXPECT_TRUE(certifiedWith(content, program, others).interrupted);
+}
+
+TEST(Certify, AProcessWithAnotherProblemIsNamed) {
+  const ParametricProgram program = doubleIntegrator(4);
+  ParametricProgram other = program;
+  other.text += " ";
+  const MapInMemory memory(solved(program));
+  const Part stranger = [&](Member& member) {
+    CertifyOptions options;
+    options.group = &member;
+    runCertifyProcess(memory.map(), other, options);
+  };
+  try {
+    leadWith({stranger}, [&](Member& leader) {
+      CertifyOptions options;
+      options.group = &leader;
+      return certify(memory.map(), program, options);
+    });
+    FAIL() << "the problems differ";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("process 1: "), std::string::npos) << error.what();
+  }
 }
 
 /// A map of one program, to be spoilt.

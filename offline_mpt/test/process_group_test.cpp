@@ -5,13 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <deque>
-#include <functional>
-#include <mutex>
 #include <thread>
 
 #include "offline_mpt/encode.hpp"
 #include "polyfly_base/error.hpp"
+#include "process_members.hpp"
 #include "random_program.hpp"
 #include "region_maps/write_map.hpp"
 #include "same_regions.hpp"
@@ -19,60 +17,6 @@
 
 namespace polyfly {
 namespace {
-
-/// What carries letters between the members.
-struct Post {
-  struct Letter {
-    int from;
-    std::vector<std::byte> message;
-  };
-  explicit Post(int size) : boxes(static_cast<std::size_t>(size)), dead(static_cast<std::size_t>(size)) {}
-  std::mutex mutex;
-  std::vector<std::deque<Letter>> boxes;
-  std::vector<char> dead;
-};
-
-class Member : public ProcessGroup {
- public:
-  Member(Post& post, int rank) : post_(post), rank_(rank) {}
-  int rank() const override { return rank_; }
-  int size() const override { return static_cast<int>(post_.boxes.size()); }
-  void send(int to, std::vector<std::byte> message) override {
-    const std::lock_guard<std::mutex> lock(post_.mutex);
-    post_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(message)});
-    if (acts_by_sending) acted = true;
-  }
-  bool receive(int& from, std::vector<std::byte>& message) override {
-    const std::lock_guard<std::mutex> lock(post_.mutex);
-    auto& box = post_.boxes[static_cast<std::size_t>(rank_)];
-    if (box.empty()) return false;
-    from = box.front().from;
-    message = std::move(box.front().message);
-    box.pop_front();
-    return true;
-  }
-  bool lost(int rank) override {
-    const std::lock_guard<std::mutex> lock(post_.mutex);
-    return post_.dead[static_cast<std::size_t>(rank)] != 0;
-  }
-  void die() {
-    const std::lock_guard<std::mutex> lock(post_.mutex);
-    post_.dead[static_cast<std::size_t>(rank_)] = 1;
-    acted = true;
-  }
-
-  bool acts_by_sending = false;
-  // Process 0 has a region.
-  static inline std::atomic<bool> begun{false};
-  // The event that a test waits for has happened.
-  static inline std::atomic<bool> acted{false};
-
- private:
-  Post& post_;
-  int rank_;
-};
-
-using Part = std::function<void(Member&)>;
 
 /// Keeps process 0 from ending before it must have noticed.
 void waitUntilActed(ExploreOptions& options) {
@@ -86,27 +30,10 @@ void waitUntilActed(ExploreOptions& options) {
 /// Explores as process 0 while the others play their parts.
 Partition exploreWith(const ParametricProgram& program, ExploreOptions options,
                       const std::vector<Part>& parts) {
-  Post post(static_cast<int>(parts.size()) + 1);
-  std::vector<std::thread> others;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    others.emplace_back([&post, &parts, k] {
-      Member member(post, static_cast<int>(k) + 1);
-      parts[k](member);
-    });
-  }
-  Member leader(post, 0);
-  options.group = &leader;
-  Partition partition;
-  std::exception_ptr error;
-  try {
-    partition = explore(program, options);
-  } catch (const Error&) {
-    error = std::current_exception();
-  }
-  leader.shutDown();
-  for (std::thread& other : others) other.join();
-  if (error) std::rethrow_exception(error);
-  return partition;
+  return leadWith(parts, [&](Member& leader) {
+    options.group = &leader;
+    return explore(program, options);
+  });
 }
 
 class ProcessGroupTest : public ::testing::Test {
@@ -159,6 +86,59 @@ TEST_F(ProcessGroupTest, StoppedAndResumedGivesTheSameBytes) {
     options_.resume = true;
     expectSameRegions(
         cut % 2 == 0 ? exploreWith(program_, options_, {assistant()}) : explore(program_, options_), whole_);
+  }
+}
+
+// Trees of each mode, some short of nodes or memory, by processes of different numbers of threads.
+TEST_F(ProcessGroupTest, ProcessesDoNotChangeTheTree) {
+  std::vector<TreeOptions> trees(5);
+  trees[1].mode = TreeMode::kFast;
+  trees[2].mode = TreeMode::kSmall;
+  trees[3].node_limit = 37;
+  trees[4].memory_limit = 2000 * whole_.regions.size();
+  std::vector<std::vector<std::byte>> expected;
+  for (const TreeOptions& tree : trees) expected.push_back(layOut(encode(program_, whole_, tree)));
+  for (int others = 1; others <= 3; ++others) {
+    std::vector<Part> parts;
+    for (int k = 1; k <= others; ++k) parts.emplace_back([k](Member& member) { runTreeProcess(member, k); });
+    const auto bytes = leadWith(parts, [&](Member& leader) {
+      std::vector<std::vector<std::byte>> all;
+      for (TreeOptions tree : trees) {
+        tree.group = &leader;
+        tree.threads = others;
+        all.push_back(layOut(encode(program_, whole_, tree)));
+      }
+      return all;
+    });
+    EXPECT_EQ(bytes, expected) << others;
+  }
+}
+
+TEST_F(ProcessGroupTest, ExplorationAndTreeByTheSameProcesses) {
+  const Part both = [this](Member& member) {
+    if (runWorkerProcess(program_, {}, member)) runTreeProcess(member, 1);
+  };
+  const auto bytes = leadWith({both, both}, [this](Member& leader) {
+    options_.group = &leader;
+    TreeOptions tree;
+    tree.group = &leader;
+    return layOut(encode(program_, explore(program_, options_), tree));
+  });
+  EXPECT_EQ(bytes, layOut(encode(program_, whole_)));
+}
+
+TEST_F(ProcessGroupTest, AProcessThatIsLostEndsTheTree) {
+  const Part dies = [](Member& member) { member.die(); };
+  const Part builds = [](Member& member) { runTreeProcess(member, 1); };
+  try {
+    leadWith({builds, dies}, [this](Member& leader) {
+      TreeOptions tree;
+      tree.group = &leader;
+      return encode(program_, whole_, tree);
+    });
+    FAIL() << "a process was lost";
+  } catch (const LostProcess& lost) {
+    EXPECT_EQ(lost.rank(), 2);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -231,14 +232,35 @@ TEST_F(ResumeCommand, MpirunGivesTheSameBytes) {
   const std::string whole = readBytes(path("whole.map"));
   for (int processes = 1; processes <= 3; ++processes) {
     const Outcome result =
-        wait(start(underMpi(processes, solve("small.json", "mpi.map", {"--quiet", "--threads", "1"}))));
+        wait(start(underMpi(processes, solve("small.json", "mpi.map",
+                                             {"--quiet", "--threads", "1", "--stats", path("stats.json")}))));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(readBytes(path("mpi.map")), whole) << processes << " processes";
+    const auto stats = nlohmann::json::parse(readBytes(path("stats.json")));
+    EXPECT_EQ(stats["processes"], processes);
+    EXPECT_EQ(stats["cpu_seconds"], stats["phase_cpu_seconds"]["explore"]);
   }
   EXPECT_EQ(wait(start(underMpi(2, solve("small.json", "part.map", {"--region-limit", "7"})))).exit_code, 3);
   EXPECT_EQ(run("part.map", {"--resume"}).exit_code, 0);
   EXPECT_EQ(readBytes(path("part.map")), whole);
+}
+
+TEST_F(ResumeCommand, MpirunProvesWithTheSameBytes) {
+  if (std::string(MPI_LAUNCHER).empty()) GTEST_SKIP() << "built without MPI";
+  ASSERT_EQ(run("small.map", {"--quiet"}).exit_code, 0);
+  const auto prove = [this](const std::string& certificate) {
+    return std::vector<std::string>{OFFLINE_MPT_PROGRAM, "verify",        path("small.map"),
+                                    "--exact",           "--certificate", path(certificate)};
+  };
+  const Outcome alone = wait(start(prove("alone.cert")));
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  for (int processes = 2; processes <= 3; ++processes) {
+    const Outcome result = wait(start(underMpi(processes, prove("group.cert"))));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, alone.out);
+    EXPECT_EQ(readBytes(path("group.cert")), readBytes(path("alone.cert"))) << processes << " processes";
+  }
 }
 
 TEST_F(ResumeCommand, MpirunSaysOnceWhatIsWrong) {

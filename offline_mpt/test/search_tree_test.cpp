@@ -14,6 +14,7 @@
 #include "offline_mpt/encode.hpp"
 #include "offline_mpt/explore.hpp"
 #include "random_program.hpp"
+#include "tree/growth_limit.hpp"
 #include "tree/member_solver.hpp"
 
 namespace polyfly {
@@ -297,6 +298,26 @@ TEST(SearchTree, AFastTreeTakesFewPivots) {
     EXPECT_GT(tree.nodes.size(), 1u);
     EXPECT_LE(static_cast<double>(tree.pivots), 2.2 * std::max(least, explored)) << p;
   }
+}
+
+// A default tree ends at 25 times the pivots of the exploration, where those are known, but not below 2.1 million.
+TEST(SearchTree, TheLimitOnPivotsFollowsTheExploration) {
+  const TreeRegions regions = intervals();
+  const auto end = [&](TreeMode mode, std::uint64_t explored, std::uint64_t pivots) {
+    TreeOptions options;
+    options.mode = mode;
+    options.explored_pivots = explored;
+    Growth now;
+    now.pivots = pivots;
+    return GrowthLimit(regions, options).reached(now);
+  };
+  EXPECT_EQ(end(TreeMode::kAuto, 10, 2099999), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 10, 2100000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 1000000, 24999999), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 1000000, 25000000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 0, 1000000000), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kFast, 0, 40000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kSmall, 10, 1000000000), std::nullopt);
 }
 
 // Regions that overlap cannot be separated: they share a leaf, and the first one answers.

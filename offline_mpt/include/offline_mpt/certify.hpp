@@ -13,6 +13,7 @@
 namespace polyfly {
 
 class RegionMap;
+class ProcessGroup;
 
 struct CertifyOptions {
   int threads = 1;  ///< 1..256; the report and the certificate do not depend on it
@@ -21,6 +22,9 @@ struct CertifyOptions {
   double law_tolerance = 1e-8;
   double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
+  /// Processes that prove together; not owned. Each calls certify with the same map, program and options, and has the
+  /// same report. Only `certify` uses it.
+  ProcessGroup* group = nullptr;
   /// Called now and then from the calling thread. `total` is three times the number of regions: their conditions, their
   /// facets, and look-ups.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
@@ -125,9 +129,14 @@ struct CertifyReport {
 
 /// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
 /// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
-/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior.
+/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. With a group
+/// it throws LostProcess in process 0, and Error where another process fails.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
+
+/// Takes part in the proof of process 0 of options.group, and returns when that is over. What goes wrong is reported to
+/// process 0.
+void runCertifyProcess(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options);
 
 /// A map's regions, described anew from their active sets, and those that were missing.
 struct RepairResult {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,9 @@
 
 namespace polyfly {
 
-/// Transport between processes that explore together, numbered from 0. Process 0 explores with
-/// ExploreOptions::group set and has the result; the others call runWorkerProcess. The library itself does not
-/// depend on MPI. Not thread-safe.
+/// Transport between processes that work together, numbered from 0. Process 0 explores with ExploreOptions::group set
+/// and has the result; the others call runWorkerProcess. With TreeOptions::group it then builds the search tree; the
+/// others call runTreeProcess. The library itself does not depend on MPI. Not thread-safe.
 class ProcessGroup {
  public:
   virtual ~ProcessGroup() = default;
@@ -35,10 +36,21 @@ class ProcessGroup {
   bool shut_down_ = false;
 };
 
-/// Processes active sets for process 0 on options.threads threads. Returns when process 0 ends the group or its
-/// heartbeat times out. Limits, checkpoint and progress belong to process 0. A bad problem is reported to process
-/// 0, whose exploration then throws.
-void runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
+/// Thrown in process 0 where another one has ended before its time.
+class LostProcess : public std::runtime_error {
+ public:
+  explicit LostProcess(int rank)
+      : std::runtime_error("process " + std::to_string(rank) + " was lost"), rank_(rank) {}
+  int rank() const { return rank_; }
+
+ private:
+  int rank_;
+};
+
+/// Processes active sets for process 0 on options.threads threads. Returns when process 0 ends the exploration or the
+/// group, or its heartbeat times out: true where the group goes on. Limits, checkpoint and progress belong to
+/// process 0. A bad problem is reported to process 0, whose exploration then throws.
+bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
 
 /// For a process that cannot take part: the exploration of process 0 throws Error with this text and this
 /// process's rank. Returns when process 0 ends the group.

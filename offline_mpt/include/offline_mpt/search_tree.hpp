@@ -9,6 +9,8 @@
 
 namespace polyfly {
 
+class ProcessGroup;
+
 /// Regions in scaled parameters: each parameter's range is [-1, 1]. A plane is p + 1 numbers (a, c) with |a| = 1,
 /// the half-space a . t <= c. Rows refer to planes as MapContent::rows does.
 struct TreeRegions {
@@ -45,9 +47,11 @@ struct SearchTree {
 
 /// How much work and memory a tree may take for fast look-ups.
 enum class TreeMode : std::uint8_t {
-  kNone,   ///< No nodes: a look-up tests all regions.
-  kFast,   ///< About as long as the exploration took, by its simplex pivots.
-  kAuto,   ///< Until further nodes gain little, or the tree takes much more memory than the regions.
+  kNone,  ///< No nodes: a look-up tests all regions.
+  kFast,  ///< About as long as the exploration took, by its simplex pivots.
+  /// Until further nodes gain little, or the tree takes much more memory than the regions, or 25 times as long as the
+  /// exploration (and more than about a second).
+  kAuto,
   kSmall,  ///< Until no split shortens a look-up any more.
 };
 const char* toString(TreeMode mode);
@@ -56,7 +60,7 @@ struct TreeOptions {
   TreeMode mode = TreeMode::kAuto;
   /// Greatest number of interior nodes. 0: 64 per region in kSmall, 2 per region in the other modes.
   std::uint64_t node_limit = 0;
-  /// Simplex pivots of the exploration: the measure of kFast.
+  /// Simplex pivots of the exploration: the measure of kFast, and of kAuto unless they are 0 (not known).
   std::uint64_t explored_pivots = 0;
   /// What its cells may take while it grows [bytes]. Above two thirds of it, the tree grows in one cell after the other.
   std::uint64_t memory_limit = std::uint64_t{3} << 29;
@@ -66,6 +70,9 @@ struct TreeOptions {
   double side_tolerance = 1e-12;
   /// Number of threads. The tree does not depend on it.
   int threads = 1;
+  /// Other processes that build the tree with this one, process 0; not owned. The tree does not depend on them. They
+  /// call runTreeProcess.
+  ProcessGroup* group = nullptr;
   /// Set from outside to end early, with the tree as far as it has grown.
   const std::atomic<bool>* stop = nullptr;
   /// Called now and then from the calling thread.
@@ -79,6 +86,11 @@ struct TreeOptions {
 /// side_tolerance, by linear programming. Of its rows, those count that bound this part within the cell, unless
 /// all_rows is set.
 /// Each split takes the plane after which the fuller side has the fewest rows to test.
+///
+/// With a group it throws LostProcess, or Error where another process fails.
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options = {});
+
+/// Builds search trees with process 0, on so many threads, until that ends the group.
+void runTreeProcess(ProcessGroup& group, int threads);
 
 }  // namespace polyfly

@@ -9,26 +9,23 @@
 #include "certify/certify_exactly.hpp"
 #include "certify/facet_cover_proof.hpp"
 #include "certify/lookup/lookup_proof.hpp"
+#include "certify/shared_loop.hpp"
 #include "certify/slivers.hpp"
 #include "certify/unbounded.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
-#include "support/in_parallel.hpp"
 #include "verify/same_signals.hpp"
 
 namespace polyfly {
 namespace {
 
-/// Calls work(0..count); progress counts from `done_before` to `total`. False when stopped.
-bool forEach(std::uint64_t count, std::uint64_t done_before, std::uint64_t total,
-             const CertifyOptions& options, const std::function<void(std::uint32_t)>& work) {
-  std::function<void(std::uint64_t, std::uint64_t)> progress;
-  if (options.progress)
-    progress = [&](std::uint64_t done, std::uint64_t) {
-      options.progress(std::min(done_before + done, total), total);
-    };
-  return inParallel(count, options.threads, options.stop, progress,
-                    [&](std::size_t, std::uint64_t i) { work(static_cast<std::uint32_t>(i)); });
+/// Progress from `done_before` to `total`.
+std::function<void(std::uint64_t, std::uint64_t)> progressFrom(std::uint64_t done_before, std::uint64_t total,
+                                                               const CertifyOptions& options) {
+  if (!options.progress) return {};
+  return [&options, done_before, total](std::uint64_t done, std::uint64_t) {
+    options.progress(std::min(done_before + done, total), total);
+  };
 }
 
 void requireSameProblem(const RegionMap& map, const ParametricProgram& program) {
@@ -67,6 +64,22 @@ struct Closed {
         behind.begin(), behind.end(), [kind](const FacetBehind& facet) { return facet.kind == kind; }));
   }
 };
+
+template <typename Archive>
+void members(Archive& archive, Closed& closed) {
+  archive(closed.text, closed.defects, closed.behind);
+}
+
+/// The check of a set that is missing, if it is a sliver.
+struct Missing {
+  bool is_sliver = false;
+  RegionCheck check;
+};
+
+template <typename Archive>
+void members(Archive& archive, Missing& missing) {
+  archive(missing.is_sliver, missing.check);
+}
 
 Closed closeRegion(const FacetCoverProof& cover_proof, const std::vector<RegionCheck>& checks,
                    std::uint32_t region) {
@@ -144,10 +157,12 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
     closed.resize(checks.size());
     {
       const FacetCoverProof cover_proof(context, checks, widened);
-      const bool finished = forEach(
-          open.size(), 2 * count - std::min<std::uint64_t>(count, open.size()), 3 * count, context.options,
-          [&](std::uint32_t k) { closed[open[k]] = closeRegion(cover_proof, checks, open[k]); });
-      if (!finished || context.stopped()) return false;
+      const std::uint64_t done_before = 2 * count - std::min<std::uint64_t>(count, open.size());
+      std::vector<Closed> now(open.size());
+      if (!fillShared<Closed>(now, context.options, progressFrom(done_before, 3 * count, context.options),
+                              [&](std::uint32_t k) { return closeRegion(cover_proof, checks, open[k]); }))
+        return false;
+      for (std::size_t k = 0; k < open.size(); ++k) closed[open[k]] = std::move(now[k]);
     }
     std::vector<Defect> gaps;
     std::vector<std::uint32_t> again;
@@ -161,28 +176,30 @@ bool closeAll(const CheckContext& context, bool widened, std::vector<RegionCheck
     std::vector<std::vector<int>> candidates = missingSets(context, gaps);
     const auto is_known = [&](const std::vector<int>& set) { return !tried.insert(set).second; };
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_known), candidates.end());
-    std::vector<RegionCheck> slivers(candidates.size());
-    std::vector<char> found(candidates.size(), 0);
-    if (!forEach(candidates.size(), 2 * count, 3 * count, context.options, [&](std::uint32_t k) {
-          found[k] = checkSliver(context, checks, candidates[k], slivers[k]) ? 1 : 0;
-        }))
+    std::vector<Missing> missing(candidates.size());
+    if (!fillShared<Missing>(missing, context.options, progressFrom(2 * count, 3 * count, context.options),
+                             [&](std::uint32_t k) {
+                               Missing one;
+                               one.is_sliver = checkSliver(context, checks, candidates[k], one.check);
+                               return one;
+                             }))
       return false;
     open.clear();
-    for (std::size_t k = 0; k < slivers.size(); ++k) {
-      if (found[k] == 0) continue;
+    for (Missing& one : missing) {
+      if (!one.is_sliver) continue;
       open.push_back(static_cast<std::uint32_t>(checks.size()));
-      checks.push_back(std::move(slivers[k]));
+      checks.push_back(std::move(one.check));
     }
     if (!open.empty()) std::copy(again.begin(), again.end(), std::back_inserter(open));
   }
-  return !context.stopped();
+  return true;
 }
 
 bool checkAllRegions(const CheckContext& context, std::vector<RegionCheck>& checks) {
   const std::uint64_t count = context.map.regionCount();
   checks.assign(count, {});
-  return forEach(count, 0, 3 * count, context.options,
-                 [&](std::uint32_t r) { checks[r] = checkRegion(context, r); });
+  return fillShared<RegionCheck>(checks, context.options, progressFrom(0, 3 * count, context.options),
+                                 [&](std::uint32_t r) { return checkRegion(context, r); });
 }
 
 /// Rows whose slack is negative in regions that claim otherwise may hold there up to rounding: those that no
@@ -302,6 +319,16 @@ CertifyReport certify(const RegionMap& map, const ParametricProgram& program, co
   CertifyReport widened = finish(third, adjustment, true, again, false);
   if (widened.passed() || widened.interrupted) return widened;
   return as_given;
+}
+
+void runCertifyProcess(const RegionMap& map, const ParametricProgram& program,
+                       const CertifyOptions& options) {
+  try {
+    certify(map, program, options);
+  } catch (const GroupExchange::Ended&) {  // process 0 has said why
+  } catch (const std::exception& error) {
+    reportFailure(error.what(), *options.group);
+  }
 }
 
 }  // namespace polyfly

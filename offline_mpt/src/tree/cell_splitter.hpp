@@ -41,7 +41,9 @@ class CellSplitter {
   /// Completes the rows to test of a leaf's members, see MemberSolver::addRowsForTolerance.
   void finishLeaf(Cell& cell, std::size_t thread);
 
+  /// Simplex pivots of all threads, or of one.
   std::uint64_t pivots() const;
+  std::uint64_t pivots(std::size_t thread) const { return solvers_[thread].pivots(); }
 
  private:
   /// The rows to test that a plane leaves on its sides.

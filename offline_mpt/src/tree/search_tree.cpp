@@ -1,13 +1,14 @@
 #include "offline_mpt/search_tree.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <queue>
 
 #include "support/in_parallel.hpp"
 #include "tree/cell_splitter.hpp"
+#include "tree/growth_limit.hpp"
+#include "tree/tree_group.hpp"
 
 namespace polyfly {
 namespace {
@@ -20,23 +21,9 @@ constexpr std::size_t kFastBatch = 4;
 constexpr double kNearWorst = 0.75;
 // A cell with more members is split by all threads together.
 constexpr std::size_t kLargeCell = 2000;
+// Such cells of a batch, one of them in kFast.
+constexpr std::size_t kLargeBatch = 4;
 
-// Default limits of nodes, per region and at least.
-constexpr std::uint64_t kSmallNodes = 64;
-constexpr std::uint64_t kOtherNodes = 2;
-constexpr std::uint64_t kLeastNodes = 4096;
-// kFast: pivots per pivot of the exploration, and at least, which take some 20 ms. The leaves take about half as many
-// again once the tree has grown.
-constexpr double kFastPivots = 1.0;
-constexpr std::uint64_t kLeastPivots = 40000;
-// kAuto: bytes of the tree per byte of the regions, and in any case.
-constexpr std::uint64_t kAutoBytes = 3;
-constexpr std::uint64_t kFreeBytes = 65536;
-// kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
-constexpr double kLittleGain = 0.85;
-
-// Of TreeOptions::memory_limit, the share that all cells may take before the tree grows in one after the other.
-constexpr double kWholeShare = 2.0 / 3.0;
 // Of an allocation, besides its content.
 constexpr std::uint64_t kAllocation = 16;
 
@@ -51,110 +38,50 @@ std::uint64_t memoryOf(const Cell& cell) {
 }
 
 /// What a leaf takes in a map file.
-std::uint64_t bytesOf(const Cell& cell) {
-  return sizeof(MapContent::Leaf) + 2 * sizeof(std::uint32_t) * cell.members.size();
+std::uint64_t bytesOf(std::uint32_t members) {
+  return sizeof(MapContent::Leaf) + 2 * sizeof(std::uint32_t) * members;
 }
-
-std::uint64_t bytesOf(const TreeRegions& regions) {
-  std::uint64_t rows = 0;
-  for (const auto& list : regions.rows) rows += list.size();
-  return sizeof(double) * regions.planes.size() + sizeof(std::int32_t) * rows +
-         sizeof(MapContent::Region) * regions.rows.size();
-}
-
-/// What a growing tree has taken.
-struct Growth {
-  std::uint64_t nodes = 0;
-  std::uint64_t pivots = 0;
-  std::uint64_t bytes = 0;   // of the tree in a map file
-  std::uint64_t memory = 0;  // of the cells [bytes]
-  std::uint64_t worst = 0;   // half-spaces of the worst look-up
-};
-
-/// When a tree has grown enough.
-class GrowthLimit {
- public:
-  GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
-      : mode_(options.mode),
-        memory_(static_cast<std::uint64_t>(kWholeShare * static_cast<double>(options.memory_limit))) {
-    most_.nodes = options.node_limit;
-    const std::uint64_t per_region = mode_ == TreeMode::kSmall ? kSmallNodes : kOtherNodes;
-    if (most_.nodes == 0) most_.nodes = std::max(kLeastNodes, per_region * regions.rows.size());
-    if (mode_ == TreeMode::kNone) most_.nodes = 0;
-    const double explored = kFastPivots * static_cast<double>(options.explored_pivots);
-    most_.pivots = std::max(kLeastPivots, static_cast<std::uint64_t>(explored));
-    most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
-    checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
-  }
-
-  /// For a part of the tree with a share of what is left, 0 .. 1, which may take the memory up to the limit.
-  GrowthLimit part(const Growth& now, double share, std::uint64_t memory_limit) const {
-    const auto shared = [share](std::uint64_t most, std::uint64_t used) {
-      return used + static_cast<std::uint64_t>(share * static_cast<double>(most - std::min(most, used)));
-    };
-    GrowthLimit limit = *this;
-    limit.most_.nodes = shared(most_.nodes, now.nodes);
-    limit.most_.pivots = shared(most_.pivots, now.pivots);
-    limit.most_.bytes = shared(most_.bytes, now.bytes);
-    limit.memory_ = memory_limit;
-    limit.checked_nodes_ = std::numeric_limits<std::uint64_t>::max();
-    return limit;
-  }
-
-  std::uint64_t nodes() const { return most_.nodes; }
-
-  /// Which limit a tree has reached.
-  std::optional<TreeEnd> reached(const Growth& now) {
-    if (now.nodes >= most_.nodes) return TreeEnd::kNodes;
-    if (now.memory >= memory_) return TreeEnd::kMemory;
-    if (mode_ == TreeMode::kFast && now.pivots >= most_.pivots) return TreeEnd::kPivots;
-    if (mode_ == TreeMode::kAuto && now.bytes >= most_.bytes) return TreeEnd::kBytes;
-    if (mode_ == TreeMode::kAuto && gainsLittle(now)) return TreeEnd::kLittleGain;
-    return std::nullopt;
-  }
-
- private:
-  bool gainsLittle(const Growth& now) {
-    if (now.nodes < checked_nodes_) return false;
-    checked_nodes_ = 2 * now.nodes;
-    const bool gains_little = checked_worst_ > 0 && static_cast<double>(now.worst) >
-                                                        kLittleGain * static_cast<double>(checked_worst_);
-    checked_worst_ = now.worst;
-    return gains_little;
-  }
-
-  TreeMode mode_;
-  Growth most_;
-  std::uint64_t memory_;
-  std::uint64_t checked_nodes_ = 0;  // when the gain is looked at next
-  std::uint64_t checked_worst_ = 0;
-};
 
 class TreeGrower {
  public:
   TreeGrower(const TreeRegions& regions, const TreeOptions& options)
-      : regions_(regions), options_(options), splitter_(regions, options), limit_(regions, options) {}
+      : regions_(regions),
+        options_(options),
+        splitter_(regions, options),
+        limit_(regions, options),
+        group_(options.group) {}
 
   SearchTree run() {
-    addCell(splitter_.whole(), 0);
+    group_.begin(regions_, options_);
+    auto whole = std::make_unique<Cell>(splitter_.whole());
+    now_.pivots = splitter_.pivots();
+    const CellFacts facts = factsOf(*whole);
+    addCell(facts, ShareRange(), std::move(whole));
     TreeEnd end = grow(limit_);
     if (end == TreeEnd::kMemory) end = growParts();
     finishLeaves(0);
     SearchTree tree;
     tree.root = layOut(0, tree);
     tree.end = end;
-    tree.pivots = splitter_.pivots();
+    tree.pivots = now_.pivots;
     return tree;
   }
 
  private:
   static constexpr std::uint32_t kUnsplit = ~std::uint32_t{0};
+  static constexpr std::uint32_t kFinished = kUnsplit - 1;
 
-  /// A finished leaf: which of the candidates and tests that are kept are its own.
-  struct Leaf {
+  struct GrowingCell {
+    std::uint64_t memory = 0;
+    std::uint32_t members = 0;
     std::uint32_t depth = 0;
-    std::uint32_t count = 0;
-    std::size_t first = 0;
+    /// Its node, or kUnsplit, or kFinished: of a leaf only what a map holds is left.
+    std::uint32_t node = kUnsplit;
+    ShareRange shares;
+    /// Of a finished leaf, its first one of the candidates and tests that are kept.
+    std::size_t first_kept = 0;
+    /// Where this process holds it, until it is split or finished.
+    std::unique_ptr<Cell> cell;
   };
 
   /// A cell that may be split, by the greatest cost of its look-ups.
@@ -167,18 +94,25 @@ class TreeGrower {
     }
   };
 
+  CellFacts factsOf(const Cell& cell) const {
+    return {cell.path.size() + splitter_.tests(cell), memoryOf(cell),
+            static_cast<std::uint32_t>(cell.members.size()), static_cast<std::uint32_t>(cell.path.size())};
+  }
+
   TreeEnd grow(GrowthLimit& limit) {
     for (;;) {
       if (open_.empty()) return TreeEnd::kNoGain;
-      if (options_.stop != nullptr && options_.stop->load()) return TreeEnd::kStopped;
+      if (group_.isAlone()) stop_ = stopRequested();
+      if (stop_) return TreeEnd::kStopped;
       now_.nodes = nodes_.size();
-      now_.pivots = splitter_.pivots();
       now_.worst = open_.top().cost;
       if (const std::optional<TreeEnd> end = limit.reached(now_)) return *end;
       splitBatch(takeBatch(limit.nodes() - nodes_.size()));
       reportProgress();
     }
   }
+
+  bool stopRequested() const { return options_.stop != nullptr && options_.stop->load(); }
 
   /// Where the cells of the whole tree take too much memory: grows from one cell after the other, and keeps of its
   /// leaves only what a map holds. Each gets the share of what is left that its look-ups have of all.
@@ -196,7 +130,6 @@ class TreeGrower {
       const double share = static_cast<double>(part.cost) / left;
       left -= static_cast<double>(part.cost);
       now_.nodes = nodes_.size();
-      now_.pivots = splitter_.pivots();
       GrowthLimit limit = limit_.part(now_, std::min(share, 1.0), options_.memory_limit);
       open_.push(part);
       const TreeEnd reached = grow(limit);
@@ -210,64 +143,108 @@ class TreeGrower {
     return end;
   }
 
-  void addCell(Cell cell, std::uint32_t number) {
-    const std::uint64_t cost = cell.path.size() + splitter_.tests(cell);
-    now_.bytes += bytesOf(cell);
-    now_.memory += memoryOf(cell);
-    cells_.push_back(std::make_unique<Cell>(std::move(cell)));
-    split_by_.push_back(kUnsplit);
-    if (cells_.back()->members.size() > 1) open_.push({cost, number});
+  void addCell(const CellFacts& facts, ShareRange shares, std::unique_ptr<Cell> cell) {
+    const auto number = static_cast<std::uint32_t>(cells_.size());
+    now_.bytes += bytesOf(facts.members);
+    now_.memory += facts.memory;
+    cells_.push_back({facts.memory, facts.members, facts.depth, kUnsplit, shares, 0,
+                      group_.holds(shares) ? std::move(cell) : nullptr});
+    if (facts.members > 1) open_.push({facts.cost, number});
   }
 
-  /// At most so many cells, and at least one.
+  bool isLarge(const Open& open) const { return cells_[open.cell].members > kLargeCell; }
+
+  /// At most so many cells, and at least one. All of them are large, or none is.
   std::vector<std::uint32_t> takeBatch(std::uint64_t limit) {
     std::vector<std::uint32_t> batch;
     const auto least = static_cast<std::uint64_t>(kNearWorst * static_cast<double>(open_.top().cost));
-    const std::uint64_t most =
-        std::min<std::uint64_t>(options_.mode == TreeMode::kFast ? kFastBatch : kBatch, limit);
-    while (batch.size() < most && !open_.empty() && open_.top().cost >= least) {
-      const bool large = cells_[open_.top().cell]->members.size() > kLargeCell;
-      if (large && !batch.empty()) break;
+    const bool large = isLarge(open_.top());
+    const bool fast = options_.mode == TreeMode::kFast;
+    const std::uint64_t most = large ? (fast ? 1 : kLargeBatch) : (fast ? kFastBatch : kBatch);
+    while (batch.size() < std::min(most, limit) && !open_.empty() && open_.top().cost >= least &&
+           isLarge(open_.top()) == large) {
       batch.push_back(open_.top().cell);
       open_.pop();
-      if (large) break;
     }
     return batch;
   }
 
   void splitBatch(const std::vector<std::uint32_t>& batch) {
-    std::vector<std::optional<CellSplit>> splits(batch.size());
+    std::vector<ShareRange> shares;
     for (const std::uint32_t cell : batch) {
-      now_.bytes -= bytesOf(*cells_[cell]);
-      now_.memory -= memoryOf(*cells_[cell]);
+      shares.push_back(cells_[cell].shares);
+      now_.bytes -= bytesOf(cells_[cell].members);
+      now_.memory -= cells_[cell].memory;
     }
-    if (batch.size() == 1) {
-      Cell& cell = *cells_[batch.front()];
-      splits.front() =
-          cell.members.size() > kLargeCell ? splitter_.splitTogether(cell) : splitter_.split(cell, 0);
-    } else {
-      inParallel(batch.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
-        splits[i] = splitter_.split(*cells_[batch[i]], thread);
-      });
-    }
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (splits[i]) {
-        addNode(batch[i], std::move(*splits[i]));
-      } else {
-        now_.bytes += bytesOf(*cells_[batch[i]]);
-        now_.memory += memoryOf(*cells_[batch[i]]);
-      }
-    }
+    std::vector<std::optional<CellSplit>> splits(batch.size());
+    std::vector<SplitOutcome> outcomes = splitOwn(batch, splits);
+    stop_ = stopRequested();
+    group_.share(shares, outcomes, stop_);
+    for (std::size_t i = 0; i < batch.size(); ++i) settle(batch[i], outcomes[i], std::move(splits[i]));
   }
 
-  void addNode(std::uint32_t cell, CellSplit split) {
-    const auto node = static_cast<std::uint32_t>(nodes_.size());
-    split_by_[cell] = node;
-    cells_[cell].reset();
-    nodes_.push_back(static_cast<std::uint32_t>(split.plane));
+  std::vector<SplitOutcome> splitOwn(const std::vector<std::uint32_t>& batch,
+                                     std::vector<std::optional<CellSplit>>& splits) {
+    std::vector<SplitOutcome> outcomes(batch.size());
+    std::vector<std::size_t> small;
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (!group_.holds(cells_[batch[i]].shares)) continue;
+      Cell& cell = *cells_[batch[i]].cell;
+      if (cell.members.size() <= kLargeCell) {
+        small.push_back(i);
+        continue;
+      }
+      const std::uint64_t before = splitter_.pivots();
+      splits[i] = splitter_.splitTogether(cell);
+      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots() - before);
+    }
+    const auto split = [&](std::size_t thread, std::uint64_t k) {
+      const std::size_t i = small[k];
+      Cell& cell = *cells_[batch[i]].cell;
+      const std::uint64_t before = splitter_.pivots(thread);
+      splits[i] = splitter_.split(cell, thread);
+      outcomes[i] = outcomeOf(cell, splits[i], splitter_.pivots(thread) - before);
+    };
+    if (small.size() == 1) {
+      split(0, 0);
+    } else if (!small.empty()) {
+      inParallel(small.size(), options_.threads, nullptr, {}, split);
+    }
+    return outcomes;
+  }
+
+  SplitOutcome outcomeOf(const Cell& cell, const std::optional<CellSplit>& split,
+                         std::uint64_t pivots) const {
+    SplitOutcome outcome;
+    outcome.pivots = pivots;
+    if (!split) {
+      outcome.cell = factsOf(cell);
+      return outcome;
+    }
+    outcome.is_split = 1;
+    outcome.plane = static_cast<std::uint32_t>(split->plane);
+    outcome.below = factsOf(split->below);
+    outcome.above = factsOf(split->above);
+    return outcome;
+  }
+
+  void settle(std::uint32_t number, const SplitOutcome& outcome, std::optional<CellSplit> split) {
+    now_.pivots += outcome.pivots;
+    GrowingCell& parent = cells_[number];
+    if (outcome.is_split == 0) {
+      parent.memory = outcome.cell.memory;
+      now_.bytes += bytesOf(parent.members);
+      now_.memory += parent.memory;
+      return;
+    }
+    parent.node = static_cast<std::uint32_t>(nodes_.size());
+    parent.cell.reset();
+    nodes_.push_back(outcome.plane);
     now_.bytes += sizeof(MapContent::Node);
-    addCell(std::move(split.below), 2 * node + 1);
-    addCell(std::move(split.above), 2 * node + 2);
+    const ShareRange shares = parent.shares;
+    const auto child = [&](Cell& cell) { return std::make_unique<Cell>(std::move(cell)); };
+    addCell(outcome.below, shares.lowerHalf(), split ? child(split->below) : nullptr);
+    addCell(outcome.above, shares.upperHalf(), split ? child(split->above) : nullptr);
   }
 
   void reportProgress() const {
@@ -277,34 +254,79 @@ class TreeGrower {
 
   /// Of the cells from `first` on, those that are leaves: of them is kept only what a map holds.
   void finishLeaves(std::size_t first) {
-    for (std::size_t cell = first; cell < cells_.size(); ++cell)  // before their rows become more
-      now_.memory -= cells_[cell] ? memoryOf(*cells_[cell]) : 0;
-    inParallel(cells_.size() - first, options_.threads, nullptr, {},
-               [&](std::size_t thread, std::uint64_t i) {
-                 if (cells_[first + i]) splitter_.finishLeaf(*cells_[first + i], thread);
-               });
-    leaves_.resize(cells_.size());
+    std::vector<std::uint32_t> leaves, own;
     for (std::size_t cell = first; cell < cells_.size(); ++cell) {
-      if (!cells_[cell]) continue;
-      leaves_[cell] = keep(*cells_[cell]);
-      cells_[cell].reset();
+      if (cells_[cell].node != kUnsplit) continue;
+      leaves.push_back(static_cast<std::uint32_t>(cell));
+      if (group_.speaksFor(cells_[cell].shares)) own.push_back(leaves.back());
+    }
+    const std::uint64_t before = splitter_.pivots();
+    inParallel(own.size(), options_.threads, nullptr, {}, [&](std::size_t thread, std::uint64_t i) {
+      splitter_.finishLeaf(*cells_[own[i]].cell, thread);
+    });
+    const std::uint64_t pivots = splitter_.pivots() - before;
+    if (group_.isAlone()) {
+      now_.pivots += pivots;
+      for (const std::uint32_t leaf : leaves) keep(leaf, listOf(*cells_[leaf].cell));
+    } else {
+      shareLeaves(leaves, own, pivots);
     }
   }
 
-  Leaf keep(const Cell& cell) {
-    const Leaf leaf{static_cast<std::uint32_t>(cell.path.size()),
-                    static_cast<std::uint32_t>(cell.members.size()), candidates_.size()};
-    for (const CellMember& member : cell.members) {
-      candidates_.push_back(member.region);
-      if (!options_.all_rows) tests_.push_back(testsOf(member));
+  /// What a map holds of a leaf.
+  struct LeafList {
+    std::vector<std::uint32_t> candidates;
+    std::vector<std::uint32_t> tests;
+  };
+
+  void shareLeaves(const std::vector<std::uint32_t>& leaves, const std::vector<std::uint32_t>& own,
+                   std::uint64_t pivots) {
+    std::vector<std::byte> mine;
+    ByteWriter out(mine);
+    out.put(pivots);
+    for (const std::uint32_t leaf : own) {
+      const LeafList list = listOf(*cells_[leaf].cell);
+      writeList(list.candidates, out);
+      writeList(list.tests, out);
     }
-    return leaf;
+    const std::vector<std::vector<std::byte>> all = group_.round(std::move(mine));
+    std::vector<ByteReader> in;
+    for (const std::vector<std::byte>& one : all) {
+      in.emplace_back(one.data(), one.size(), "message of the group");
+      now_.pivots += in.back().get<std::uint64_t>();
+    }
+    for (const std::uint32_t leaf : leaves) {
+      const auto speaker = static_cast<std::size_t>(group_.speaker(cells_[leaf].shares));
+      LeafList list;
+      readList(in[speaker], list.candidates);
+      readList(in[speaker], list.tests);
+      keep(leaf, list);
+    }
+  }
+
+  LeafList listOf(const Cell& cell) const {
+    LeafList list;
+    for (const CellMember& member : cell.members) {
+      list.candidates.push_back(member.region);
+      if (!options_.all_rows) list.tests.push_back(testsOf(member));
+    }
+    return list;
+  }
+
+  void keep(std::uint32_t number, const LeafList& list) {
+    GrowingCell& leaf = cells_[number];
+    now_.memory -= leaf.memory;
+    leaf.node = kFinished;
+    leaf.first_kept = candidates_.size();
+    leaf.cell.reset();
+    candidates_.insert(candidates_.end(), list.candidates.begin(), list.candidates.end());
+    tests_.insert(tests_.end(), list.tests.begin(), list.tests.end());
   }
 
   /// Nodes in the order of descents, below first.
   std::uint32_t layOut(std::uint32_t cell, SearchTree& tree) {
-    if (split_by_[cell] == kUnsplit) return addLeaf(leaves_[cell], tree);
-    const std::uint32_t node = split_by_[cell];
+    if (cells_[cell].node == kFinished) return addLeaf(cells_[cell], tree);
+    const std::uint32_t node = cells_[cell].node;
     const auto index = static_cast<std::uint32_t>(tree.nodes.size());
     tree.nodes.push_back({nodes_[node], 0, 0});
     const std::uint32_t below = layOut(2 * node + 1, tree);
@@ -314,13 +336,13 @@ class TreeGrower {
     return index;
   }
 
-  std::uint32_t addLeaf(const Leaf& leaf, SearchTree& tree) const {
+  std::uint32_t addLeaf(const GrowingCell& leaf, SearchTree& tree) const {
     const auto index = static_cast<std::uint32_t>(tree.leaves.size());
     tree.depth = std::max(tree.depth, leaf.depth);
-    tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()), leaf.count});
+    tree.leaves.push_back({static_cast<std::uint32_t>(tree.candidates.size()), leaf.members});
     const auto append = [&leaf](const std::vector<std::uint32_t>& kept, std::vector<std::uint32_t>& to) {
-      const auto first = kept.begin() + static_cast<std::ptrdiff_t>(leaf.first);
-      to.insert(to.end(), first, first + leaf.count);
+      const auto first = kept.begin() + static_cast<std::ptrdiff_t>(leaf.first_kept);
+      to.insert(to.end(), first, first + leaf.members);
     };
     append(candidates_, tree.candidates);
     if (!options_.all_rows) append(tests_, tree.tests);
@@ -345,53 +367,33 @@ class TreeGrower {
   const TreeOptions& options_;
   CellSplitter splitter_;
   GrowthLimit limit_;
+  TreeGroup group_;
   Growth now_;
-  std::vector<std::unique_ptr<Cell>> cells_;  // empty once split or finished
-  std::vector<Leaf> leaves_;                  // of each cell that is finished
+  bool stop_ = false;
+  std::vector<GrowingCell> cells_;
   std::vector<std::uint32_t> candidates_, tests_;
-  std::vector<std::uint32_t> split_by_;  // node of each cell, or kUnsplit
-  std::vector<std::uint32_t> nodes_;     // planes; the children of node i are cells 2 i + 1 and 2 i + 2
+  std::vector<std::uint32_t> nodes_;  // planes; the children of node i are cells 2 i + 1 and 2 i + 2
   std::priority_queue<Open> open_;
 };
 
 }  // namespace
 
-const char* toString(TreeEnd end) {
-  switch (end) {
-    case TreeEnd::kNoGain:
-      return "no split shortens a look-up any more";
-    case TreeEnd::kLittleGain:
-      return "further nodes gain little";
-    case TreeEnd::kNodes:
-      return "limit of nodes";
-    case TreeEnd::kBytes:
-      return "limit of memory";
-    case TreeEnd::kMemory:
-      return "limit of memory while it grows";
-    case TreeEnd::kPivots:
-      return "limit of time";
-    case TreeEnd::kStopped:
-      return "stopped";
-  }
-  return "unknown";
-}
-
-const char* toString(TreeMode mode) {
-  switch (mode) {
-    case TreeMode::kNone:
-      return "none";
-    case TreeMode::kFast:
-      return "fast";
-    case TreeMode::kAuto:
-      return "auto";
-    case TreeMode::kSmall:
-      return "small";
-  }
-  return "unknown";
-}
-
 SearchTree buildTree(const TreeRegions& regions, const TreeOptions& options) {
   return TreeGrower(regions, options).run();
+}
+
+void runTreeProcess(ProcessGroup& group, int threads) {
+  try {
+    while (const auto bytes = GroupExchange::task(group)) {
+      TreeTask task = readTask(*bytes);
+      task.options.threads = threads;
+      task.options.group = &group;
+      buildTree(task.regions, task.options);
+    }
+  } catch (const GroupExchange::Ended&) {  // process 0 has said why
+  } catch (const std::exception& error) {
+    reportFailure(error.what(), group);
+  }
 }
 
 }  // namespace polyfly

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "certify/lookup/leaf_walk.hpp"
-#include "support/in_parallel.hpp"
+#include "certify/shared_loop.hpp"
 
 namespace polyfly {
 namespace {
@@ -17,6 +17,11 @@ struct LeafResult {
   std::string text;
   std::vector<Defect> defects;
 };
+
+template <typename Archive>
+void members(Archive& archive, LeafResult& leaf) {
+  archive(leaf.text, leaf.defects);
+}
 
 class LeafProver {
  public:
@@ -128,23 +133,18 @@ bool proveLookups(const CheckContext& context, const std::vector<RegionCheck>& c
   checkHeader(context, planes, defects);
   const LookupTree tree(context.map);
   std::vector<RegionDrops> drops(context.map.regionCount());
-  const auto for_each = [&](std::size_t count, Half half, const std::function<void(std::size_t)>& work) {
-    return inParallel(count, context.options.threads, context.options.stop,
-                      lookupProgress(context.options, drops.size(), half),
-                      [&](std::size_t, std::uint64_t i) { work(i); });
-  };
-  if (!for_each(drops.size(), Half::kDrops, [&](std::size_t region) {
-        drops[region] = dropRows(context.map, planes, tree, static_cast<std::uint32_t>(region));
-      }))
+  const CertifyOptions& options = context.options;
+  if (!fillShared<RegionDrops>(
+          drops, options, lookupProgress(options, drops.size(), Half::kDrops),
+          [&](std::uint32_t region) { return dropRows(context.map, planes, tree, region); }))
     return false;
   const LookupContext lookup{context, checks, behind, planes, tree, drops, widened};
   const std::vector<BoundaryRow> boundary = boundaryRows(lookup);
   std::vector<LeafResult> leaves(tree.size());
-  if (!for_each(tree.size(), Half::kLeaves,
-                [&](std::size_t visit) {
-                  if (tree.isLeaf(visit)) leaves[visit] = LeafProver(lookup, boundary, visit).prove();
-                }) ||
-      context.stopped())
+  const auto prove = [&](std::uint32_t visit) {
+    return tree.isLeaf(visit) ? LeafProver(lookup, boundary, visit).prove() : LeafResult();
+  };
+  if (!fillShared<LeafResult>(leaves, options, lookupProgress(options, drops.size(), Half::kLeaves), prove))
     return false;
   for (std::uint32_t region = 0; region < drops.size(); ++region) {
     text += drops[region].text;

@@ -51,7 +51,7 @@ void Coordinator::run() {
     }
     receiveAll();  // who cannot assist may say so last
     findLostRanks();
-    group_.shutDown();
+    for (int rank = 1; rank < group_.size(); ++rank) group_.send(rank, groupMessage(GroupMessage::kExplored));
   } catch (...) {
     scheduler_.abort(std::current_exception());
   }
@@ -91,8 +91,11 @@ void Coordinator::receive(int from, const std::vector<std::byte>& message) {
       break;
     }
     case GroupMessage::kHeartbeat:
+    case GroupMessage::kRound:
       break;
     case GroupMessage::kBatch:
+    case GroupMessage::kExplored:
+    case GroupMessage::kTask:
     case GroupMessage::kEnd:
       throw Error(nameOf(from) + ": speaks as if it led");
   }

@@ -21,7 +21,13 @@ enum class GroupMessage : std::uint8_t {
   kAnswers,
   /// Both ways, periodically.
   kHeartbeat,
-  /// From process 0: the work is over.
+  /// From process 0: the exploration is over.
+  kExplored,
+  /// From process 0: another computation begins (group_exchange.hpp).
+  kTask,
+  /// Both ways: contributions to a round of it.
+  kRound,
+  /// From process 0: there is nothing more to do.
   kEnd,
 };
 

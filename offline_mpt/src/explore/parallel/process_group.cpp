@@ -114,8 +114,11 @@ class Line {
  public:
   explicit Line(ProcessGroup& group) : group_(group) {}
 
-  /// Whether process 0 has shut_down the group, or fallen silent after it had spoken.
+  /// Whether process 0 has ended the exploration or the group, or fallen silent after it had spoken.
   bool over() const { return over_ || (heard_ && Clock::now() - last_heard_ > kHeartbeatTimeout); }
+
+  /// Whether it has ended the exploration only.
+  bool goesOn() const { return goes_on_; }
 
   /// Takes in all messages; those with work go to `remote` if there is one. False when there was none.
   bool listen(RemoteQueue* remote) {
@@ -127,7 +130,8 @@ class Line {
       last_heard_ = Clock::now();
       ByteReader in(message.data(), message.size(), "message of process 0");
       const auto kind = in.get<GroupMessage>();
-      if (kind == GroupMessage::kEnd) over_ = true;
+      goes_on_ = kind == GroupMessage::kExplored;
+      over_ = goes_on_ || kind == GroupMessage::kEnd;
       if (kind == GroupMessage::kBatch && remote != nullptr) remote->ask(readBatch(in));
     }
     const Clock::time_point now = Clock::now();
@@ -142,6 +146,7 @@ class Line {
   using Clock = std::chrono::steady_clock;
   ProcessGroup& group_;
   bool over_ = false;
+  bool goes_on_ = false;
   bool heard_ = false;
   Clock::time_point last_heard_;
   Clock::time_point next_sign_ = Clock::now() + kHeartbeatPeriod;
@@ -161,8 +166,7 @@ bool sendAnswers(RemoteQueue& remote, ProcessGroup& group) {
 }
 
 // The messages have a thread of their own while the pool describes.
-void exchange(RemoteQueue& remote, ProcessGroup& group) {
-  Line line(group);
+void exchange(RemoteQueue& remote, Line& line, ProcessGroup& group) {
   try {
     while (!line.over() && !remote.ended()) {
       const bool heard = line.listen(&remote);
@@ -175,7 +179,7 @@ void exchange(RemoteQueue& remote, ProcessGroup& group) {
   }
 }
 
-void assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOptions& options,
+bool assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOptions& options,
             ProcessGroup& group) {
   std::vector<std::byte> hello = groupMessage(GroupMessage::kJoin);
   ByteWriter out(hello);
@@ -183,10 +187,12 @@ void assist(const NormalisedProgram& program, std::uint64_t key, const ExploreOp
   out.put(key);
   group.send(kLeader, std::move(hello));
   RemoteQueue remote;
-  std::thread messages([&] { exchange(remote, group); });
+  Line line(group);
+  std::thread messages([&] { exchange(remote, line, group); });
   runWorkers<RegionResult>(workerCount(options), remote,
                            [&](WorkQueue<RegionResult>& queue) { computeRegions(program, options, queue); });
   messages.join();
+  return line.goesOn();
 }
 
 }  // namespace
@@ -207,15 +213,16 @@ void reportFailure(const std::string& reason, ProcessGroup& group) {
   }
 }
 
-void runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group) {
+bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group) {
   try {
     checkProgram(program);
     ParametricProgram explicit_equalities = program;
-    if (!findSlaterPoint(explicit_equalities).feasible) return reportFailure("finds no solution", group);
+    if (!findSlaterPoint(explicit_equalities).feasible) throw Error("finds no solution");
     const NormalisedProgram scaled = normalise(explicit_equalities);
-    assist(scaled, fingerprint(program, options), options, group);
+    return assist(scaled, fingerprint(program, options), options, group);
   } catch (const Error& error) {
     reportFailure(error.what(), group);
+    return false;
   }
 }
 

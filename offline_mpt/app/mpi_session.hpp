@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "command.hpp"
+#include "mpi_group.hpp"
+
+namespace polyfly {
+
+/// The other processes of an MPI launcher, if any. Whatever happens, they are shut down and waited for.
+class MpiSession {
+ public:
+  MpiSession() : group_(joinGroup()) {}
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+  ~MpiSession() { leave(); }
+
+  /// CPU time of this process by phase [s]; after `leave` that of all.
+  std::array<double, 4> cpu{};
+
+  /// Null where this process is alone.
+  MpiGroup* group() const { return group_.get(); }
+  int processes() const { return group_ ? group_->size() : 1; }
+  bool leads() const { return !group_ || group_->rank() == 0; }
+
+  void leave() {
+    if (!group_ || left_) return;
+    left_ = true;
+    if (leads()) group_->shutDown();
+    const std::vector<double> sum = group_->leave({cpu.begin(), cpu.end()});
+    std::copy(sum.begin(), sum.end(), cpu.begin());
+  }
+
+  /// One of them is lost: there is nothing to wait for.
+  void abort() {
+    left_ = true;
+    group_->abort(static_cast<int>(ExitCode::kStopped));
+  }
+
+ private:
+  std::unique_ptr<MpiGroup> group_;
+  bool left_ = false;
+};
+
+}  // namespace polyfly

@@ -1,0 +1,101 @@
+#include "explore/parallel/group_exchange.hpp"
+
+#include <algorithm>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "explore/parallel/group_message.hpp"
+#include "polyfly_base/error.hpp"
+
+namespace polyfly {
+namespace {
+
+std::vector<std::byte> messageOf(GroupMessage kind, const std::vector<std::byte>& content) {
+  std::vector<std::byte> message(1 + content.size(), static_cast<std::byte>(kind));
+  std::copy(content.begin(), content.end(), message.begin() + 1);
+  return message;
+}
+
+/// The next message of process 0 of this kind, without its first byte. Others are left over from earlier work.
+std::vector<std::byte> await(GroupMessage kind, ProcessGroup& group) {
+  int from = 0;
+  std::vector<std::byte> message;
+  for (;;) {
+    while (group.receive(from, message)) {
+      const auto got = static_cast<GroupMessage>(message.at(0));
+      if (got == GroupMessage::kEnd) throw GroupExchange::Ended();
+      if (got == kind) return {message.begin() + 1, message.end()};
+    }
+    if (group.lost(0)) throw GroupExchange::Ended();
+    std::this_thread::sleep_for(kPollPeriod);
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<std::byte>> GroupExchange::round(std::vector<std::byte> mine) {
+  if (size() == 1) return {std::move(mine)};
+  if (rank() == 0) {
+    std::vector<std::vector<std::byte>> all = collect(std::move(mine));
+    std::vector<std::byte> message = groupMessage(GroupMessage::kRound);
+    ByteWriter out(message);
+    for (const std::vector<std::byte>& one : all) {
+      out.put(static_cast<std::uint64_t>(one.size()));
+      out.putArray(one.data(), one.size());
+    }
+    for (int to = 1; to < size(); ++to) group_->send(to, message);
+    return all;
+  }
+  group_->send(0, messageOf(GroupMessage::kRound, mine));
+  const std::vector<std::byte> message = await(GroupMessage::kRound, *group_);
+  ByteReader in(message.data(), message.size(), "message of process 0");
+  std::vector<std::vector<std::byte>> all(static_cast<std::size_t>(size()));
+  for (std::vector<std::byte>& one : all) {
+    const auto bytes = in.get<std::uint64_t>();
+    in.need(bytes, 1);
+    one.resize(bytes);
+    in.getArray(one.data(), one.size());
+  }
+  return all;
+}
+
+std::vector<std::vector<std::byte>> GroupExchange::collect(std::vector<std::byte> mine) {
+  std::vector<std::optional<std::vector<std::byte>>> parts(static_cast<std::size_t>(size()));
+  parts.front() = std::move(mine);
+  int missing = size() - 1, from = 0;
+  std::vector<std::byte> message;
+  while (missing > 0) {
+    while (group_->receive(from, message)) {
+      const auto got = static_cast<GroupMessage>(message.at(0));
+      if (got == GroupMessage::kFailure) {
+        throw Error("process " + std::to_string(from) + ": " +
+                    std::string(reinterpret_cast<const char*>(message.data()) + 1, message.size() - 1));
+      }
+      if (got != GroupMessage::kRound) continue;  // left over from the exploration
+      parts.at(static_cast<std::size_t>(from)).emplace(message.begin() + 1, message.end());
+      --missing;
+    }
+    for (int rank = 1; rank < size() && missing > 0; ++rank) {
+      if (!parts[static_cast<std::size_t>(rank)] && group_->lost(rank)) throw LostProcess(rank);
+    }
+    if (missing > 0) std::this_thread::sleep_for(kPollPeriod);
+  }
+  std::vector<std::vector<std::byte>> all;
+  for (auto& part : parts) all.push_back(std::move(*part));
+  return all;
+}
+
+void GroupExchange::begin(const std::vector<std::byte>& task) {
+  for (int to = 1; to < size(); ++to) group_->send(to, messageOf(GroupMessage::kTask, task));
+}
+
+std::optional<std::vector<std::byte>> GroupExchange::task(ProcessGroup& group) {
+  try {
+    return await(GroupMessage::kTask, group);
+  } catch (const Ended&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace polyfly

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "offline_mpt/process_group.hpp"
+
+namespace polyfly {
+
+/// A computation that all processes of a group carry out alike, in rounds: in each, every process contributes bytes,
+/// and all receive the contributions of all. So all take the same decisions.
+class GroupExchange {
+ public:
+  /// Thrown in a process other than 0 where process 0 has ended the group, or is lost.
+  struct Ended {};
+
+  /// Null: this process alone. `group` must outlive the object.
+  explicit GroupExchange(ProcessGroup* group) : group_(group) {}
+
+  int rank() const { return group_ == nullptr ? 0 : group_->rank(); }
+  int size() const { return group_ == nullptr ? 1 : group_->size(); }
+
+  /// The contributions of all processes, by rank. Waits for them. Throws LostProcess in process 0, or Error
+  /// where another has reported a failure.
+  std::vector<std::vector<std::byte>> round(std::vector<std::byte> mine);
+
+  /// For process 0: hands a task to the others, which wait for it in `task`.
+  void begin(const std::vector<std::byte>& task);
+
+  /// For the others: the next task of process 0; none where it has ended the group.
+  static std::optional<std::vector<std::byte>> task(ProcessGroup& group);
+
+ private:
+  std::vector<std::vector<std::byte>> collect(std::vector<std::byte> mine);
+
+  ProcessGroup* group_;
+};
+
+}  // namespace polyfly

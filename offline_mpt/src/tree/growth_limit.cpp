@@ -1,0 +1,125 @@
+#include "tree/growth_limit.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace polyfly {
+namespace {
+
+// Default limits of nodes, per region and at least.
+constexpr std::uint64_t kSmallNodes = 64;
+constexpr std::uint64_t kOtherNodes = 2;
+constexpr std::uint64_t kLeastNodes = 4096;
+// Pivots per pivot of the exploration, and at least, which take some 20 ms and 1 s. The leaves take about half as many
+// again once the tree has grown.
+constexpr double kFastPivots = 1.0;
+constexpr std::uint64_t kLeastFastPivots = 40000;
+constexpr double kAutoPivots = 25.0;
+constexpr std::uint64_t kLeastAutoPivots = 2100000;
+// kAuto: bytes of the tree per byte of the regions, and in any case.
+constexpr std::uint64_t kAutoBytes = 3;
+constexpr std::uint64_t kFreeBytes = 65536;
+// kAuto: the worst case after a doubling of the nodes, relative to the one before, above which more nodes gain little.
+constexpr double kLittleGain = 0.85;
+
+// More than any number of pivots, and twice as much is still a number.
+constexpr std::uint64_t kNoLimit = std::uint64_t{1} << 62;
+// Of TreeOptions::memory_limit, the share that all cells may take before the tree grows in one after the other.
+constexpr double kWholeShare = 2.0 / 3.0;
+
+std::uint64_t bytesOf(const TreeRegions& regions) {
+  std::uint64_t rows = 0;
+  for (const auto& list : regions.rows) rows += list.size();
+  return sizeof(double) * regions.planes.size() + sizeof(std::int32_t) * rows +
+         sizeof(MapContent::Region) * regions.rows.size();
+}
+
+std::uint64_t mostPivots(const TreeOptions& options) {
+  const auto explored = static_cast<double>(options.explored_pivots);
+  if (options.mode == TreeMode::kFast)
+    return std::max(kLeastFastPivots, static_cast<std::uint64_t>(kFastPivots * explored));
+  if (options.mode == TreeMode::kAuto && options.explored_pivots > 0)
+    return std::max(kLeastAutoPivots, static_cast<std::uint64_t>(kAutoPivots * explored));
+  return kNoLimit;
+}
+
+}  // namespace
+
+const char* toString(TreeEnd end) {
+  switch (end) {
+    case TreeEnd::kNoGain:
+      return "no split shortens a look-up any more";
+    case TreeEnd::kLittleGain:
+      return "further nodes gain little";
+    case TreeEnd::kNodes:
+      return "limit of nodes";
+    case TreeEnd::kBytes:
+      return "limit of memory";
+    case TreeEnd::kMemory:
+      return "limit of memory while it grows";
+    case TreeEnd::kPivots:
+      return "limit of time";
+    case TreeEnd::kStopped:
+      return "stopped";
+  }
+  return "unknown";
+}
+
+const char* toString(TreeMode mode) {
+  switch (mode) {
+    case TreeMode::kNone:
+      return "none";
+    case TreeMode::kFast:
+      return "fast";
+    case TreeMode::kAuto:
+      return "auto";
+    case TreeMode::kSmall:
+      return "small";
+  }
+  return "unknown";
+}
+
+GrowthLimit::GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
+    : mode_(options.mode),
+      memory_(static_cast<std::uint64_t>(kWholeShare * static_cast<double>(options.memory_limit))) {
+  most_.nodes = options.node_limit;
+  const std::uint64_t per_region = mode_ == TreeMode::kSmall ? kSmallNodes : kOtherNodes;
+  if (most_.nodes == 0) most_.nodes = std::max(kLeastNodes, per_region * regions.rows.size());
+  if (mode_ == TreeMode::kNone) most_.nodes = 0;
+  most_.pivots = mostPivots(options);
+  most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
+  checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
+}
+
+GrowthLimit GrowthLimit::part(const Growth& now, double share, std::uint64_t memory_limit) const {
+  const auto shared = [share](std::uint64_t most, std::uint64_t used) {
+    return used + static_cast<std::uint64_t>(share * static_cast<double>(most - std::min(most, used)));
+  };
+  GrowthLimit limit = *this;
+  limit.most_.nodes = shared(most_.nodes, now.nodes);
+  limit.most_.pivots = shared(most_.pivots, now.pivots);
+  limit.most_.bytes = shared(most_.bytes, now.bytes);
+  limit.memory_ = memory_limit;
+  limit.checked_nodes_ = std::numeric_limits<std::uint64_t>::max();
+  return limit;
+}
+
+std::optional<TreeEnd> GrowthLimit::reached(const Growth& now) {
+  if (now.nodes >= most_.nodes) return TreeEnd::kNodes;
+  if (now.memory >= memory_) return TreeEnd::kMemory;
+  if (now.pivots >= most_.pivots) return TreeEnd::kPivots;
+  if (mode_ == TreeMode::kAuto && now.bytes >= most_.bytes) return TreeEnd::kBytes;
+  if (mode_ == TreeMode::kAuto && gainsLittle(now)) return TreeEnd::kLittleGain;
+  return std::nullopt;
+}
+
+bool GrowthLimit::gainsLittle(const Growth& now) {
+  if (now.nodes < checked_nodes_) return false;
+  checked_nodes_ = 2 * now.nodes;
+  const bool gains_little = checked_worst_ > 0 && static_cast<double>(now.worst) >
+                                                      kLittleGain * static_cast<double>(checked_worst_);
+  checked_worst_ = now.worst;
+  return gains_little;
+}
+
+}  // namespace polyfly
