@@ -31,6 +31,7 @@ double checkedDelay(double delay, const MultirotorOptions& options) {
 // oscillating over 0.14 s.
 MultirotorOptions following(MultirotorOptions options) {
   constexpr double kDrift = 0.5;  // in a second [m/s^2]
+  options.adapt_model = false;
   options.disturbance_drift = std::max(options.disturbance_drift, kDrift * std::sqrt(options.control_period));
   return options;
 }
