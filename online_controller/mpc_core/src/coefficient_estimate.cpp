@@ -47,7 +47,7 @@ void CoefficientEstimate::reset() noexcept {
 
 void CoefficientEstimate::transferState(const CoefficientEstimate& other) noexcept {
   derivative_.transferState(other.derivative_);
-  variance_ = std::min(other.variance_, greatest_variance_);
+  variance_ = greatest_variance_;
   value_ = other.value_;
 }
 

@@ -31,6 +31,7 @@ class CoefficientEstimate {
   void reset() noexcept;
   /// The observer's disturbance was set.
   void disturbanceWasSet() noexcept { derivative_.setDisturbance(0.0); }
+  /// Begins with the coefficient of `other`, as uncertain as any: another model may stand behind it.
   void transferState(const CoefficientEstimate& other) noexcept;
 
  private:
