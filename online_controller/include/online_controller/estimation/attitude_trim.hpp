@@ -86,10 +86,14 @@ class AttitudeTrim {
     DisturbanceObserver observer;
     double gain, time;
     std::optional<CoefficientEstimate> by_angle, by_rate;
+    // 1 / gain + c1 and time / gain + c2.
+    double stiffness() const noexcept { return 1.0 / gain + (by_angle ? by_angle->value() : 0.0); }
+    double damping() const noexcept { return time / gain + (by_rate ? by_rate->value() : 0.0); }
   };
   static Loop makeLoop(double gain, double time, const MultirotorOptions& options);
-  void updateLoop(Loop& loop, double measured, double command, int periods) const noexcept;
+  void updateLoop(Loop& loop, double measured, double command, double turned, int periods) const noexcept;
   FollowedTilt inLoops(const FollowedTilt& followed, double yaw_rate) const noexcept;
+  TiltModel found() const noexcept;
   void learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept;
 
   TiltModel model_;
@@ -102,8 +106,6 @@ class AttitudeTrim {
   int within_ = 0;
   double given_coupling_;
   double coupling_drift_;
-  // Factor by which the angles decay in a control period.
-  TiltAngles decay_;
   double coupling_;
   // Variance of the coupling.
   double variance_;

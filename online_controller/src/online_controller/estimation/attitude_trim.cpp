@@ -52,8 +52,6 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
       period_(options.control_period),
       given_coupling_(options.attitude_coupling),
       coupling_drift_(options.coupling_drift),
-      decay_{std::exp(-options.control_period / model.roll_time),
-             std::exp(-options.control_period / model.pitch_time)},
       coupling_(given_coupling_),
       variance_(kCouplingVariance) {
   for (const double number : {model.roll_gain, model.roll_time, model.pitch_gain, model.pitch_time}) {
@@ -65,19 +63,21 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
 }
 
 // c1 s + c2 s' is the part of the disturbance with which the model's angle ends where the loop's does that was found:
-// after a period the latter is what its own lag makes of it.
-void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, int periods) const noexcept {
+// after a period the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in the model.
+void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, double turned,
+                              int periods) const noexcept {
+  const double whole = command + turned;
   double known = 0.0;
   if (loop.by_angle) {
-    const double stiffness = 1.0 / loop.gain + loop.by_angle->value();
-    const double damping = loop.time / loop.gain + loop.by_rate->value();
+    const double stiffness = loop.stiffness(), damping = loop.damping();
     const double angle = loop.observer.state()[0];
-    const double drive = command - loop.observer.disturbance();
+    const double trim = loop.observer.disturbance();
+    const double drive = command - trim + damping * loop.gain / loop.time * turned;
     const double moved = -std::expm1(-period_ * stiffness / damping) * (drive / stiffness - angle);
     const double share = -std::expm1(-period_ / loop.time);
-    known = drive - (moved / share + angle) / loop.gain;
+    known = whole - trim - (moved / share + angle) / loop.gain;
   }
-  loop.observer.update(&measured, &command, periods, known);
+  loop.observer.update(&measured, &whole, periods, known);
 }
 
 void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
@@ -87,14 +87,14 @@ void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& hel
     const TiltAngles turned = turn(last_, held.yaw_rate);
     const FollowedTilt wanted = inLoops(followed, held.yaw_rate);
     const std::array<double, 2> measured_angles{measured.roll, measured.pitch};
-    const std::array<double, 2> commands{held.roll - given_.roll + coupling_ * turned.roll,
-                                         held.pitch - given_.pitch + coupling_ * turned.pitch};
+    const std::array<double, 2> commands{held.roll - given_.roll, held.pitch - given_.pitch};
+    const std::array<double, 2> turns{coupling_ * turned.roll, coupling_ * turned.pitch};
     const std::array<double, 2> angles{wanted.angle.roll, wanted.angle.pitch};
     const std::array<double, 2> rates{wanted.rate.roll, wanted.rate.pitch};
     bool within = true;
     for (std::size_t i = 0; i < angles.size(); ++i) {
       Loop& loop = (*loops_)[i];
-      updateLoop(loop, measured_angles[i], commands[i], periods);
+      updateLoop(loop, measured_angles[i], commands[i], turns[i], periods);
       if (loop.by_angle) {
         loop.by_angle->update(loop.observer, -angles[i], periods);
         loop.by_rate->update(loop.observer, -rates[i], periods);
@@ -129,16 +129,26 @@ TiltAngles AttitudeTrim::turn(const TiltAngles& tilt, double yaw_rate) const noe
           -model_.pitch_time / model_.pitch_gain * yaw_rate * tilt.roll};
 }
 
+// The model with the gains and lags that were found.
+TiltModel AttitudeTrim::found() const noexcept {
+  if (!loops_) return model_;
+  const Loop &roll = (*loops_)[0], &pitch = (*loops_)[1];
+  return {1.0 / roll.stiffness(), roll.damping() / roll.stiffness(), 1.0 / pitch.stiffness(),
+          pitch.damping() / pitch.stiffness()};
+}
+
 // What the model without a coupling leaves of the change in a period is slope c, and noise.
 void AttitudeTrim::learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept {
   const TiltAngles trim = angles();
-  const TiltAngles turned = turn(last_, held.yaw_rate);
-  const double roll_drive = model_.roll_gain * (1.0 - decay_.roll);
-  const double pitch_drive = model_.pitch_gain * (1.0 - decay_.pitch);
-  const std::array<double, 2> slopes{roll_drive * turned.roll, pitch_drive * turned.pitch};
+  const TiltModel model = found();
+  const double roll_share = -std::expm1(-period_ / model.roll_time);
+  const double pitch_share = -std::expm1(-period_ / model.pitch_time);
+  const std::array<double, 2> slopes{roll_share * model.roll_time * held.yaw_rate * last_.pitch,
+                                     -pitch_share * model.pitch_time * held.yaw_rate * last_.roll};
   const std::array<double, 2> left{
-      measured.roll - decay_.roll * last_.roll - roll_drive * (held.roll - trim.roll),
-      measured.pitch - decay_.pitch * last_.pitch - pitch_drive * (held.pitch - trim.pitch)};
+      measured.roll - last_.roll - roll_share * (model.roll_gain * (held.roll - trim.roll) - last_.roll),
+      measured.pitch - last_.pitch -
+          pitch_share * (model.pitch_gain * (held.pitch - trim.pitch) - last_.pitch)};
   variance_ = std::min(variance_ + coupling_drift_ * coupling_drift_, kCouplingVariance);
   for (std::size_t i = 0; i < slopes.size(); ++i) {
     const double gain =
