@@ -25,7 +25,6 @@ CoefficientEstimate::CoefficientEstimate(const MpcProblem& problem, const Observ
 
 void CoefficientEstimate::update(DisturbanceObserver& observer, double signal, int periods) noexcept {
   constexpr std::array<double, DisturbanceObserver::kMaxStates> kNothing{};
-  constexpr double kMostDeviations = 3.0;
   derivative_.update(kNothing.data(), &signal, periods);
   variance_ = std::min(variance_ + forgotten_ * periods, greatest_variance_);
   // What a change of c adds to the innovation.
@@ -33,10 +32,15 @@ void CoefficientEstimate::update(DisturbanceObserver& observer, double signal, i
   const double gain =
       variance_ * slope / (slope * slope * variance_ + derivative_.innovationVariance(state_));
   variance_ -= gain * slope * variance_;
-  const double most = kMostDeviations * std::sqrt(greatest_variance_);
   const double before = value_;
-  value_ = std::clamp(value_ - gain * observer.innovation(state_), -most, most);
+  value_ = within(value_ - gain * observer.innovation(state_));
   observer.move(value_ - before, derivative_);
+}
+
+double CoefficientEstimate::within(double value) const noexcept {
+  constexpr double kMostDeviations = 3.0;
+  const double most = kMostDeviations * std::sqrt(greatest_variance_);
+  return std::clamp(value, -most, most);
 }
 
 void CoefficientEstimate::reset() noexcept {
@@ -45,10 +49,10 @@ void CoefficientEstimate::reset() noexcept {
   value_ = 0.0;
 }
 
-void CoefficientEstimate::transferState(const CoefficientEstimate& other) noexcept {
+void CoefficientEstimate::transferState(const CoefficientEstimate& other, double more) noexcept {
   derivative_.transferState(other.derivative_);
   variance_ = greatest_variance_;
-  value_ = other.value_;
+  value_ = within(other.value_ + more);
 }
 
 }  // namespace polyfly

@@ -59,6 +59,8 @@ class AttitudeTrim {
               const FollowedTilt& followed = {}) noexcept;
 
   void reset() noexcept;
+  /// Gain and lag are those of the model again.
+  void forgetLoops() noexcept;
   void transferState(const AttitudeTrim& other) noexcept;
 
   /// The trim, to be added to a command [rad].

@@ -31,11 +31,14 @@ class CoefficientEstimate {
   void reset() noexcept;
   /// The observer's disturbance was set.
   void disturbanceWasSet() noexcept { derivative_.setDisturbance(0.0); }
-  /// Begins with the coefficient of `other`, as uncertain as any: another model may stand behind it.
-  void transferState(const CoefficientEstimate& other) noexcept;
+  /// Begins with the coefficient of `other` and what its model has `more`. It is as uncertain as any: another model stands
+  /// behind it.
+  void transferState(const CoefficientEstimate& other, double more) noexcept;
 
  private:
   DisturbanceObserver derivative_;
+  double within(double value) const noexcept;
+
   int state_;
   double greatest_variance_;
   // Growth of the variance in a period.

@@ -171,8 +171,13 @@ void AttitudeTrim::reset() noexcept {
   measured_ = false;
   within_ = 0;
   if (!loops_) return;
+  for (Loop& loop : *loops_) loop.observer.reset();
+  forgetLoops();
+}
+
+void AttitudeTrim::forgetLoops() noexcept {
+  if (!loops_) return;
   for (Loop& loop : *loops_) {
-    loop.observer.reset();
     if (!loop.by_angle) continue;
     loop.by_angle->reset();
     loop.by_rate->reset();
@@ -193,8 +198,8 @@ void AttitudeTrim::transferState(const AttitudeTrim& other) noexcept {
     const Loop& from = (*other.loops_)[i];
     loop.observer.transferState(from.observer);
     if (!loop.by_angle || !from.by_angle) continue;
-    loop.by_angle->transferState(*from.by_angle);
-    loop.by_rate->transferState(*from.by_rate);
+    loop.by_angle->transferState(*from.by_angle, 1.0 / from.gain - 1.0 / loop.gain);
+    loop.by_rate->transferState(*from.by_rate, from.time / from.gain - loop.time / loop.gain);
   }
 }
 

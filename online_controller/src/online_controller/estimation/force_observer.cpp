@@ -75,7 +75,10 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
 void ForceObserver::transferState(const ForceObserver& other) noexcept {
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].transferState(other.axes_[i]);
   if (drag_ && other.drag_)
-    for (std::size_t i = 0; i < drag_->size(); ++i) (*drag_)[i].transferState((*other.drag_)[i]);
+    for (std::size_t i = 0; i < drag_->size(); ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      (*drag_)[i].transferState((*other.drag_)[i], other.model_.drag(axis) - model_.drag(axis));
+    }
   last_attitude_ = other.last_attitude_;
   last_velocity_ = other.last_velocity_;
   started_ = other.started_;

@@ -177,7 +177,7 @@ void Axis::transferState(const Axis& other) noexcept {
       angle_state_ != other.angle_state_ || has_rate_ != other.has_rate_ || rate_state_ != other.rate_state_)
     return;
   observer_.transferState(other.observer_);
-  if (drag_ && other.drag_) drag_->transferState(*other.drag_);
+  if (drag_ && other.drag_) drag_->transferState(*other.drag_, (other.drag() - drag()) / disturbance_gain_);
   if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
 }
 

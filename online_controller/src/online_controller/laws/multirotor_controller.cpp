@@ -435,6 +435,9 @@ void MultirotorController::forget(LawMemory what) noexcept {
     case LawMemory::kObserver:
       observing_ = false;
       break;
+    case LawMemory::kLoops:
+      trim_.forgetLoops();
+      break;
     case LawMemory::kIntegral:
       integrator_.reset();
       break;

@@ -352,6 +352,9 @@ void NonlinearController::forget(LawMemory what) noexcept {
     case LawMemory::kObserver:
       observing_ = false;
       break;
+    case LawMemory::kLoops:
+      trim_.forgetLoops();
+      break;
     case LawMemory::kIntegral:
       integrator_.reset();
       break;
