@@ -25,6 +25,11 @@ struct FollowedTilt {
   TiltAngles rate;   ///< [rad/s]
 };
 
+/// Whether the vehicle flies what it follows: the tilt within 0.1 rad and the velocity within 0.5 m/s. Else the reference
+/// tells nothing of what the loops and the drag do.
+bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity_error) noexcept;
+
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about
 /// roll and pitch, as a Kalman filter finds it from the measured attitude.
 ///

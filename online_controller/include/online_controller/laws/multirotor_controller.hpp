@@ -66,6 +66,7 @@ class MultirotorController : public ControlLaw {
   MultirotorController(std::array<Axis, 3> axes, const MultirotorOptions& options);
   Measured measure(const VehicleState& state) const noexcept;
   void observe(const VehicleState& state, const Measured& measured) noexcept;
+  void followNothing() noexcept;
   void follow(const Reference& reference, double thrust, double yaw) noexcept;
   const ControlReport& answer(const VehicleState& state, const Reference& reference) noexcept;
   bool readStages() noexcept;

@@ -46,6 +46,14 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
+bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity_error) noexcept {
+  constexpr double kTilt = 0.1;      // [rad]
+  constexpr double kVelocity = 0.5;  // [m/s]
+  return std::hypot(tilt.roll - followed.angle.roll, tilt.pitch - followed.angle.pitch) < kTilt &&
+         velocity_error.norm() < kVelocity;
+}
+
 AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& options)
     : model_(model),
       given_{options.roll_trim, options.pitch_trim},

@@ -333,13 +333,13 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
+  if (!isFollowed(followed_, measured.tilt, state.velocity - followed_velocity_)) followNothing();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].observe(measured.axes[i], applied_[i], periods,
                      followed_velocity_(static_cast<Eigen::Index>(i)));
   }
   trim_.update(measured.tilt, report_.command, periods, followed_);
-  followed_ = {};
-  followed_velocity_.setZero();
+  followNothing();
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
@@ -370,6 +370,12 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
     applied_[0] = world.pitch;
     applied_[1] = world.roll;
   }
+}
+
+// Until something is sent.
+void MultirotorController::followNothing() noexcept {
+  followed_ = {};
+  followed_velocity_.setZero();
 }
 
 // The axes' angles are T / g times the tilt. Euler angles turn with the body besides.

@@ -144,6 +144,8 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
+  if (!isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity - followed_velocity_))
+    followNothing();
   observer_.update(state, report_.command.thrust / options_.mass, periods, followed_velocity_);
   trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_);
   followNothing();
