@@ -118,6 +118,49 @@ TEST(AttitudeTrim, findsTheCommandsThatTheModelDoesNotExplain) {
   EXPECT_THROW(polyfly::AttitudeTrim({0.0, 0.25, 0.9, 0.25}, {}), polyfly::Error);
 }
 
+// Along s the loops need s / K + tau s' / K + trim; the model knows other numbers.
+TEST(AttitudeTrim, FindsGainAndLagWhileTheReferenceTurns) {
+  constexpr double kGain = 1.0, kLag = 0.19, kTrim = 0.02, kRate = 1.2, kAngle = 0.15;
+  const double decay = std::exp(-kPeriod / kLag);
+  polyfly::AttitudeTrim trim({0.9, 0.25, 0.9, 0.25}, {}), untaught({0.9, 0.25, 0.9, 0.25}, {});
+  polyfly::TiltAngles tilt;
+  for (int k = 0; k < 9000; ++k) {
+    const double phase = kRate * kPeriod * k;
+    const polyfly::FollowedTilt followed{
+        {kAngle * std::sin(phase), kAngle * std::cos(phase)},
+        {kRate * kAngle * std::cos(phase), -kRate * kAngle * std::sin(phase)}};
+    // What the vehicle needs, by its own numbers.
+    AttitudeCommand command;
+    command.roll = (followed.angle.roll + kLag * followed.rate.roll) / kGain + kTrim;
+    command.pitch = (followed.angle.pitch + kLag * followed.rate.pitch) / kGain - kTrim;
+    tilt.roll = decay * tilt.roll + (1.0 - decay) * kGain * (command.roll - kTrim);
+    tilt.pitch = decay * tilt.pitch + (1.0 - decay) * kGain * (command.pitch + kTrim);
+    trim.update(tilt, command, 1, followed);
+    untaught.update(tilt, command, 1);
+  }
+  EXPECT_NEAR(trim.angles().roll, kTrim, 1e-3);
+  EXPECT_NEAR(trim.angles().pitch, -kTrim, 1e-3);
+  const double by_angle = 1.0 / kGain - 1.0 / 0.9, by_rate = kLag / kGain - 0.25 / 0.9;
+  const polyfly::TiltAngles angle = trim.feedForward({{0.1, -0.2}, {}}, 0.0);
+  EXPECT_NEAR(angle.roll, 0.1 * by_angle, 0.05 * 0.1 * std::abs(by_angle));
+  EXPECT_NEAR(angle.pitch, -0.2 * by_angle, 0.05 * 0.2 * std::abs(by_angle));
+  const polyfly::TiltAngles rate = trim.feedForward({{}, {0.3, 0.4}}, 0.0);
+  EXPECT_NEAR(rate.roll, 0.3 * by_rate, 0.1 * 0.3 * std::abs(by_rate));
+  EXPECT_NEAR(rate.pitch, 0.4 * by_rate, 0.1 * 0.4 * std::abs(by_rate));
+
+  // Without a reference nothing is learnt, and the error turns with the trim.
+  EXPECT_EQ(untaught.feedForward({{0.1, 0.1}, {0.3, 0.3}}, 0.0).roll, 0.0);
+  polyfly::AttitudeTrim next({0.9, 0.25, 0.9, 0.25}, {});
+  next.transferState(trim);
+  EXPECT_EQ(next.feedForward({{0.1, -0.2}, {}}, 0.0).roll, angle.roll);
+  // The numbers of the loops are kept, not their difference to a model.
+  polyfly::AttitudeTrim known({kGain, kLag, kGain, kLag}, {});
+  known.transferState(trim);
+  EXPECT_NEAR(known.feedForward({{0.1, -0.2}, {0.3, 0.4}}, 0.0).roll, 0.0, 1e-3);
+  trim.reset();
+  EXPECT_EQ(trim.feedForward({{0.1, -0.2}, {}}, 0.0).roll, 0.0);
+}
+
 /// A vehicle with the attitude loops of MomentModel about small angles, under a force and a moment,
 /// integrated in steps of a tenth of a period.
 struct Vehicle {

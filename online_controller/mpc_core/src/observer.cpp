@@ -44,10 +44,14 @@ Eigen::MatrixXd transitionOf(const DiscreteModel& model, const ObserverOptions& 
   return transition;
 }
 
-/// L of the filter form: minus the steady-state Kalman gain for the output [I 0] of nx states, by the dual Riccati
-/// equation.
-Eigen::MatrixXd kalmanGain(const Eigen::MatrixXd& transition, Eigen::Index nx,
-                           const ObserverOptions& options) {
+/// L of the filter form, and the covariance of its innovations.
+struct SteadyFilter {
+  Eigen::MatrixXd gain, innovation;
+};
+
+/// L is minus the steady-state Kalman gain for the output [I 0] of nx states, by the dual Riccati equation.
+SteadyFilter steadyFilter(const Eigen::MatrixXd& transition, Eigen::Index nx,
+                          const ObserverOptions& options) {
   const Eigen::Index size = transition.rows();
   const Eigen::MatrixXd C = Eigen::MatrixXd::Identity(nx, size);
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(size, size);
@@ -61,7 +65,7 @@ Eigen::MatrixXd kalmanGain(const Eigen::MatrixXd& transition, Eigen::Index nx,
   if (size > nx + 1) W(nx + 1, nx + 1) = options.rate * options.rate;
   const Eigen::MatrixXd P = solveRiccati(transition.transpose(), C.transpose(), W, V);
   const Eigen::MatrixXd S = C * P * C.transpose() + V;
-  return -S.ldlt().solve(C * P).transpose();
+  return {-S.ldlt().solve(C * P).transpose(), S};
 }
 
 }  // namespace
@@ -77,9 +81,9 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
   const Eigen::MatrixXd transition = transitionOf(model, options);
   const Eigen::Index size = transition.rows();
   size_ = static_cast<int>(size);
-  Eigen::MatrixXd gain;
+  SteadyFilter filter;
   try {
-    gain = kalmanGain(transition, nx, options);
+    filter = steadyFilter(transition, nx, options);
   } catch (const Error& error) {
     throw Error("observer: " + problem.name + ": no stable observer: " + error.what());
   }
@@ -88,19 +92,23 @@ DisturbanceObserver::DisturbanceObserver(const MpcProblem& problem, const Observ
     input_[r] = row < nx ? model.B(row, 0) : 0.0;
     for (Eigen::Index col = 0; col < size; ++col)
       transition_[r][static_cast<std::size_t>(col)] = transition(row, col);
-    for (Eigen::Index col = 0; col < nx; ++col) gain_[r][static_cast<std::size_t>(col)] = gain(row, col);
+    for (Eigen::Index col = 0; col < nx; ++col)
+      gain_[r][static_cast<std::size_t>(col)] = filter.gain(row, col);
+    if (row < nx) innovation_variance_[r] = filter.innovation(row, row);
   }
 }
 
 void DisturbanceObserver::transferState(const DisturbanceObserver& other) noexcept {
   if (state_count_ != other.state_count_) return;
   estimate_ = other.estimate_;
+  innovation_ = other.innovation_;
   if (size_ == state_count_ + 1) setDisturbance(disturbance());
   started_ = other.started_;
 }
 
 void DisturbanceObserver::reset() noexcept {
   estimate_.fill(0.0);
+  innovation_.fill(0.0);
   started_ = false;
 }
 
@@ -110,36 +118,44 @@ void DisturbanceObserver::setDisturbance(double disturbance) noexcept {
   estimate_[static_cast<std::size_t>(state_count_) + 1] = 0.0;
 }
 
-void DisturbanceObserver::update(const double* y, const double* u_previous, int periods) noexcept {
-  bool finite = std::isfinite(*u_previous);
+void DisturbanceObserver::move(double share, const DisturbanceObserver& along) noexcept {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i)
+    estimate_[i] += share * along.estimate_[i];
+}
+
+void DisturbanceObserver::update(const double* y, const double* u_previous, int periods,
+                                 double known) noexcept {
+  bool finite = std::isfinite(*u_previous) && std::isfinite(known);
   for (int i = 0; i < state_count_; ++i) finite = finite && std::isfinite(y[i]);
   if (!finite) return;
   if (!started_ || periods > kMaxPeriods) {
     std::copy(y, y + state_count_, estimate_.begin());
     setDisturbance(disturbance());
+    innovation_.fill(0.0);
     started_ = true;
     return;
   }
-  for (int period = 0; period < std::max(periods, 1); ++period) predict(*u_previous);
+  for (int period = 0; period < std::max(periods, 1); ++period) predict(*u_previous, known);
   correct(y);
 }
 
-void DisturbanceObserver::predict(double u) noexcept {
+void DisturbanceObserver::predict(double u, double known) noexcept {
   const auto size = static_cast<std::size_t>(size_);
+  const auto disturbance = static_cast<std::size_t>(state_count_);
   Vector next{};
   for (std::size_t row = 0; row < size; ++row) {
     next[row] = input_[row] * u;
     for (std::size_t col = 0; col < size; ++col) next[row] += transition_[row][col] * estimate_[col];
+    if (row < disturbance) next[row] += transition_[row][disturbance] * known;
   }
   estimate_ = next;
 }
 
 void DisturbanceObserver::correct(const double* y) noexcept {
   const auto nx = static_cast<std::size_t>(state_count_);
-  Vector innovation{};  // predicted minus measured, as in Eq. 5
-  for (std::size_t i = 0; i < nx; ++i) innovation[i] = estimate_[i] - y[i];
+  for (std::size_t i = 0; i < nx; ++i) innovation_[i] = estimate_[i] - y[i];  // as in Eq. 5
   for (std::size_t row = 0; row < static_cast<std::size_t>(size_); ++row) {
-    for (std::size_t col = 0; col < nx; ++col) estimate_[row] += gain_[row][col] * innovation[col];
+    for (std::size_t col = 0; col < nx; ++col) estimate_[row] += gain_[row][col] * innovation_[col];
   }
 }
 

@@ -223,6 +223,7 @@ void expectGainOfTheRecursion(const ObserverOptions& options) {
     P = (F * (P - K * C * P) * F.transpose() + W).eval();
   }
   EXPECT_LT(maxAbs(observer.gain() + K), 1e-9);  // sign of Eq. 5: predicted minus measured
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(observer.innovationVariance(i), P(i, i) + V(i, i), 1e-9);
 }
 
 TEST(Observer, GainIsThatOfTheCovarianceRecursion) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "mpc_core/coefficient_estimate.hpp"
 #include "mpc_core/observer.hpp"
 #include "online_controller/types/attitude.hpp"
 #include "online_controller/types/options.hpp"
@@ -17,6 +18,17 @@ struct TiltModel {
   double pitch_gain = 0.9;   ///< [1]
   double pitch_time = 0.25;  ///< [s]
 };
+
+/// Roll and pitch of the reference, and their derivatives.
+struct FollowedTilt {
+  TiltAngles angle;  ///< [rad]
+  TiltAngles rate;   ///< [rad/s]
+};
+
+/// Whether the vehicle flies what it follows: the tilt within 0.1 rad and the velocity within 0.5 m/s. Else the reference
+/// tells nothing of what the loops and the drag do.
+bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity_error) noexcept;
 
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about
 /// roll and pitch, as a Kalman filter finds it from the measured attitude.
@@ -33,20 +45,27 @@ struct TiltModel {
 /// With 0 the loops hold the Euler angles, and the tilt turns with the body (Eq. 37; PX4). With 1 they are
 /// loops of rates about the body's axes, and the tilt stays in W while the body yaws (RotorS). It is found
 /// while the vehicle yaws with a tilt.
+///
+/// Gain and lag: along a reference s the loops need the command (1 / gain + c1) s + (time / gain + c2) s' + trim. c1 and
+/// c2 are found while the reference's tilt changes (CoefficientEstimate), so that an error that turns with the path is
+/// none of the trim.
 class AttitudeTrim {
  public:
   /// Greatest angle that counts as a trim [rad].
   static constexpr double kMost = 0.1;
 
-  /// Finds no trim with options.trim_drift 0 or options.offset_free unset, no coupling with
-  /// options.coupling_drift 0. Throws Error when the model's times or gains are not above 0.
+  /// Finds no trim with options.trim_drift 0 or options.offset_free unset, then no gain and lag either, nor with
+  /// options.adapt_model unset; no coupling with options.coupling_drift 0. Throws Error when the model's times or gains are not above 0.
   AttitudeTrim(const TiltModel& model, const MultirotorOptions& options);
 
   /// Roll and pitch were measured `periods` control periods after the last time; meanwhile `held` was the
-  /// command.
-  void update(const TiltAngles& measured, const AttitudeCommand& held, int periods) noexcept;
+  /// command. Gain and lag are learnt from what was `followed` then; 0: nothing is.
+  void update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
+              const FollowedTilt& followed = {}) noexcept;
 
   void reset() noexcept;
+  /// Gain and lag are those of the model again.
+  void forgetLoops() noexcept;
   void transferState(const AttitudeTrim& other) noexcept;
 
   /// The trim, to be added to a command [rad].
@@ -62,24 +81,38 @@ class AttitudeTrim {
   /// what undoes the coupling that was found. To be added to a command with that yaw rate [rad].
   TiltAngles added(const TiltAngles& tilt, double yaw_rate, double wanted) const noexcept;
 
+  /// What gain and lag that differ from the model's need beside, c1 s + c2 s' [rad].
+  TiltAngles feedForward(const FollowedTilt& followed, double yaw_rate) const noexcept;
+
   /// The command that turns the tilt as a coupling of 1 does [rad].
   TiltAngles turn(const TiltAngles& tilt, double yaw_rate) const noexcept;
 
  private:
+  // A loop's observer, and c1 and c2 where they are found.
+  struct Loop {
+    DisturbanceObserver observer;
+    double gain, time;
+    std::optional<CoefficientEstimate> by_angle, by_rate;
+    // 1 / gain + c1 and time / gain + c2.
+    double stiffness() const noexcept { return 1.0 / gain + (by_angle ? by_angle->value() : 0.0); }
+    double damping() const noexcept { return time / gain + (by_rate ? by_rate->value() : 0.0); }
+  };
+  static Loop makeLoop(double gain, double time, const MultirotorOptions& options);
+  void updateLoop(Loop& loop, double measured, double command, double turned, int periods) const noexcept;
+  FollowedTilt inLoops(const FollowedTilt& followed, double yaw_rate) const noexcept;
+  TiltModel found() const noexcept;
   void learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept;
 
   TiltModel model_;
   TiltAngles given_;
-  // Observers for roll and pitch.
-  std::optional<std::array<DisturbanceObserver, 2>> loops_;
+  // Of roll and pitch.
+  std::optional<std::array<Loop, 2>> loops_;
 
   double period_;  // [s]
   // Number of periods in which the trim has been within its bound.
   int within_ = 0;
   double given_coupling_;
   double coupling_drift_;
-  // Factor by which the angles decay in a control period.
-  TiltAngles decay_;
   double coupling_;
   // Variance of the coupling.
   double variance_;

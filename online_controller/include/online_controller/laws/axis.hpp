@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mpc_core/coefficient_estimate.hpp"
 #include "mpc_core/mpc_problem.hpp"
 #include "mpc_core/observer.hpp"
 #include "online_controller/laws/axis_law.hpp"
@@ -119,8 +120,9 @@ class Axis {
                     double disturbance_rate) const noexcept;
 
   /// Lets the observer take the sample, `periods` control periods after the last one, during which
-  /// `applied_input` was held.
-  void observe(const AxisSample& sample, double applied_input, int periods) noexcept;
+  /// `applied_input` was held. The drag is learnt from the `followed` velocity, that of the reference then; 0: nothing is
+  /// [m/s].
+  void observe(const AxisSample& sample, double applied_input, int periods, double followed = 0.0) noexcept;
 
   void reset() noexcept;
   void setDisturbance(double disturbance) noexcept;
@@ -198,6 +200,12 @@ class Axis {
     if (law_->problem().minimum_peak) return constant_part_;
     return offset_free_ ? observer_.disturbance() : 0.0;
   }
+  /// The same with the drag that was found, at the reference's velocity [m/s^2].
+  double disturbanceAt(const AxisReference& reference) const noexcept {
+    return disturbance() - foundDrag() * reference.velocity;
+  }
+  /// What the reference needs, of the last evaluate().
+  const AxisTarget& goal() const noexcept { return goal_; }
   const MpcProblem& problem() const noexcept { return law_->problem(); }
 
   /// Of the lag: its steady gain -b / a [1], and its time -1 / a or c / a [s]; not for the vertical axis.
@@ -214,6 +222,8 @@ class Axis {
  private:
   using Parameters = std::array<double, kMaxParameters>;
 
+  // The drag that the model leaves out, over disturbance_gain_.
+  double foundDrag() const noexcept { return drag_ ? drag_->value() : 0.0; }
   AxisTarget goalOf(const AxisReference& reference) const noexcept;
   void bindSignals(const AxisNames& names);
   void prepareLookAhead(const AxisNames& names);
@@ -263,6 +273,8 @@ class Axis {
   std::array<double, 4> stage_disturbance_{};     // B_d over Ts
   bool offset_free_ = true;
   DisturbanceObserver observer_;
+  std::optional<CoefficientEstimate> drag_;
+  AxisTarget goal_;
   // Of a minimum-peak robust MPC: share of the estimate that a control period adds to the constant part; 0: none.
   double constant_share_ = 0.0;
   double constant_part_ = 0.0;

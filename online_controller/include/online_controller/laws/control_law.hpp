@@ -22,6 +22,8 @@ enum class LawMemory {
   kPlan,
   /// Where the vehicle was: the next sample goes on from where it is. What is known of the disturbance is kept.
   kObserver,
+  /// Gain and lag of the attitude loops that were found: with another dead time they are others.
+  kLoops,
   /// The integral of the position error, see PositionIntegrator.
   kIntegral,
 };

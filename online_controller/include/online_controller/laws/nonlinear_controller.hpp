@@ -38,7 +38,9 @@ class NonlinearController : public ControlLaw {
 
  private:
   int observe(const VehicleState& state, const EulerAngles& angles) noexcept;
+  void followNothing() noexcept;
   void predictYaw(double yaw, const Reference* preview) noexcept;
+  Eigen::Vector3d disturbanceAt(const Reference& reference) const noexcept;
   StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
   void lead(StageReference& from, const StageReference& to, const TiltAngles& decay) const noexcept;
   void makeReferences(const Reference* preview) noexcept;
@@ -63,6 +65,11 @@ class NonlinearController : public ControlLaw {
   Eigen::Vector3d disturbance_ = Eigen::Vector3d::Zero();
   // Its rate then [m/s^3].
   Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
+  // Drag along the axes of W that the model leaves out [1/s].
+  Eigen::Vector3d drag_ = Eigen::Vector3d::Zero();
+  // Tilt of the reference, and what of the reference the last command followed; 0 where another law sent it.
+  FollowedTilt path_tilt_, followed_;
+  Eigen::Vector3d followed_velocity_ = Eigen::Vector3d::Zero();  // [m/s]
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;
   std::vector<StageReference> references_;  // N + 1

@@ -80,6 +80,9 @@ struct MultirotorOptions {
   /// the path the better the greater it is; 0: no rate. A push then moves the commands' references more, and a delay that
   /// is not known matters more. The robust law has none [m/s^3].
   double disturbance_rate_drift = 0.0;
+  /// Whether the laws find in flight by how much drag, gain and lag of the vehicle differ from their model, and correct
+  /// their references by that. Needs offset_free. The robust law does not.
+  bool adapt_model = true;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].
   double trim_drift = 5e-4;
@@ -137,6 +140,7 @@ void visitOptions(Options& options, Visit&& visit) {
   visit("controller/attitude_coupling", options.attitude_coupling, "1", anyChange(0.0, 1.0));
   visit("controller/coupling_drift", options.coupling_drift, "1", Range{0.0, 0.1, 10.0, 0.005});
   visit("controller/offset_free", options.offset_free);
+  visit("controller/adapt_model", options.adapt_model);
   visit("controller/robust_estimate_time", options.robust_estimate_time, "s", Range{0.0, 100.0, 10.0, 2.0});
   visit("controller/solve_outside", options.solve_outside);
   visit("controller/look_ahead", options.look_ahead);

@@ -53,8 +53,8 @@ class DisturbanceObserver {
   /// The sample `y` (all states, absolute) is `periods` nominal periods after the last one, during which
   /// `u_previous` was held. The first sample after reset, or one more than kMaxPeriods late, sets the state
   /// and keeps the disturbance. Values that are not finite are ignored; count their periods into the next
-  /// call. A restart on the sample sets the rate to 0.
-  void update(const double* y, const double* u_previous, int periods) noexcept;
+  /// call. A restart on the sample sets the rate to 0. `known` is a part of the disturbance that is known meanwhile.
+  void update(const double* y, const double* u_previous, int periods, double known = 0.0) noexcept;
 
   /// Forgets the state and sets the disturbance to 0.
   void reset() noexcept;
@@ -70,6 +70,15 @@ class DisturbanceObserver {
   /// Rate r of the disturbance, 0 without options.rate [unit of the disturbance per s]
   double rate() const noexcept { return estimate_[static_cast<std::size_t>(state_count_) + 1]; }
   int stateCount() const noexcept { return state_count_; }
+  /// Predicted minus measured state of the last update; 0 after a restart on the sample.
+  double innovation(int state) const noexcept { return innovation_[static_cast<std::size_t>(state)]; }
+  /// Its variance where the noise is that of the options.
+  double innovationVariance(int state) const noexcept {
+    return innovation_variance_[static_cast<std::size_t>(state)];
+  }
+
+  /// Adds `share` times the estimates of `along`, an observer of the same problem.
+  void move(double share, const DisturbanceObserver& along) noexcept;
 
   /// L = [L_x; L_d], (nx + 1) x nx; with options.rate a row L_r more.
   Eigen::MatrixXd gain() const;
@@ -78,7 +87,7 @@ class DisturbanceObserver {
   static constexpr int kMaxSize = kMaxStates + 2;
   using Vector = std::array<double, kMaxSize>;
 
-  void predict(double u) noexcept;
+  void predict(double u, double known) noexcept;
   void correct(const double* y) noexcept;
 
   int state_count_ = 0;
@@ -87,6 +96,8 @@ class DisturbanceObserver {
   Vector input_{};                             ///< [B; 0]
   std::array<Vector, kMaxSize> gain_{};        ///< rows of L
   Vector estimate_{};                          ///< [x; d; r]
+  Vector innovation_{};
+  Vector innovation_variance_{};
   bool started_ = false;
 };
 

@@ -19,8 +19,14 @@ constexpr double kCouplingVariance = 1.0;
 // Standard deviation of the noise of an angle's change in a period [rad].
 constexpr double kCouplingNoise = 0.003;
 
-/// angle' = (gain (u - trim) - angle) / time, with the trim as the disturbance.
-DisturbanceObserver makeLoop(double gain, double time, const MultirotorOptions& options) {
+// Standard deviations of c1 and c2, as shares of 1 / gain and time / gain.
+constexpr double kGainDeviation = 0.15;
+constexpr double kLagDeviation = 0.3;
+
+}  // namespace
+
+// angle' = (gain (u - trim) - angle) / time, with the trim as the disturbance.
+AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const MultirotorOptions& options) {
   MpcProblem problem;
   problem.name = "attitude trim";
   problem.A_c = Eigen::MatrixXd::Constant(1, 1, -1.0 / time);
@@ -32,10 +38,21 @@ DisturbanceObserver makeLoop(double gain, double time, const MultirotorOptions& 
   observer.process[0] = kModelError;
   observer.measurement[0] = kNoise;
   observer.disturbance = options.trim_drift;
-  return {problem, observer};
+  Loop loop{{problem, observer}, gain, time, {}, {}};
+  if (options.adapt_model) {
+    loop.by_angle.emplace(problem, observer, 0, kGainDeviation / gain);
+    loop.by_rate.emplace(problem, observer, 0, kLagDeviation * time / gain);
+  }
+  return loop;
 }
 
-}  // namespace
+bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+                const Eigen::Vector3d& velocity_error) noexcept {
+  constexpr double kTilt = 0.1;      // [rad]
+  constexpr double kVelocity = 0.5;  // [m/s]
+  return std::hypot(tilt.roll - followed.angle.roll, tilt.pitch - followed.angle.pitch) < kTilt &&
+         velocity_error.norm() < kVelocity;
+}
 
 AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& options)
     : model_(model),
@@ -43,8 +60,6 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
       period_(options.control_period),
       given_coupling_(options.attitude_coupling),
       coupling_drift_(options.coupling_drift),
-      decay_{std::exp(-options.control_period / model.roll_time),
-             std::exp(-options.control_period / model.pitch_time)},
       coupling_(given_coupling_),
       variance_(kCouplingVariance) {
   for (const double number : {model.roll_gain, model.roll_time, model.pitch_gain, model.pitch_time}) {
@@ -55,19 +70,45 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
             makeLoop(model.pitch_gain, model.pitch_time, options)};
 }
 
-void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& held, int periods) noexcept {
+// c1 s + c2 s' is the part of the disturbance with which the model's angle ends where the loop's does that was found:
+// after a period the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in the model.
+void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, double turned,
+                              int periods) const noexcept {
+  const double whole = command + turned;
+  double known = 0.0;
+  if (loop.by_angle) {
+    const double stiffness = loop.stiffness(), damping = loop.damping();
+    const double angle = loop.observer.state()[0];
+    const double trim = loop.observer.disturbance();
+    const double drive = command - trim + damping * loop.gain / loop.time * turned;
+    const double moved = -std::expm1(-period_ * stiffness / damping) * (drive / stiffness - angle);
+    const double share = -std::expm1(-period_ / loop.time);
+    known = whole - trim - (moved / share + angle) / loop.gain;
+  }
+  loop.observer.update(&measured, &whole, periods, known);
+}
+
+void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& held, int periods,
+                          const FollowedTilt& followed) noexcept {
   if (coupling_drift_ > 0.0 && measured_ && periods == 1) learnCoupling(measured, held);
   if (loops_) {
     const TiltAngles turned = turn(last_, held.yaw_rate);
-    const std::array<double, 2> angles{measured.roll, measured.pitch};
-    const std::array<double, 2> commands{held.roll - given_.roll + coupling_ * turned.roll,
-                                         held.pitch - given_.pitch + coupling_ * turned.pitch};
+    const FollowedTilt wanted = inLoops(followed, held.yaw_rate);
+    const std::array<double, 2> measured_angles{measured.roll, measured.pitch};
+    const std::array<double, 2> commands{held.roll - given_.roll, held.pitch - given_.pitch};
+    const std::array<double, 2> turns{coupling_ * turned.roll, coupling_ * turned.pitch};
+    const std::array<double, 2> angles{wanted.angle.roll, wanted.angle.pitch};
+    const std::array<double, 2> rates{wanted.rate.roll, wanted.rate.pitch};
     bool within = true;
     for (std::size_t i = 0; i < angles.size(); ++i) {
-      DisturbanceObserver& loop = (*loops_)[i];
-      loop.update(&angles[i], &commands[i], periods);
-      within = within && std::abs(loop.disturbance()) < kMost;
-      loop.setDisturbance(std::clamp(loop.disturbance(), -kMost, kMost));
+      Loop& loop = (*loops_)[i];
+      updateLoop(loop, measured_angles[i], commands[i], turns[i], periods);
+      if (loop.by_angle) {
+        loop.by_angle->update(loop.observer, -angles[i], periods);
+        loop.by_rate->update(loop.observer, -rates[i], periods);
+      }
+      within = within && std::abs(loop.observer.disturbance()) < kMost;
+      loop.observer.setDisturbance(std::clamp(loop.observer.disturbance(), -kMost, kMost));
     }
     within_ = within ? std::min(within_ + 1, kMostPeriods) : 0;
   }
@@ -75,21 +116,47 @@ void AttitudeTrim::update(const TiltAngles& measured, const AttitudeCommand& hel
   measured_ = true;
 }
 
+// The rates that the loops themselves have to give: those of a coupling come by themselves.
+FollowedTilt AttitudeTrim::inLoops(const FollowedTilt& followed, double yaw_rate) const noexcept {
+  const double turned = coupling_ * yaw_rate;
+  return {followed.angle,
+          {followed.rate.roll - turned * followed.angle.pitch,
+           followed.rate.pitch + turned * followed.angle.roll}};
+}
+
+TiltAngles AttitudeTrim::feedForward(const FollowedTilt& followed, double yaw_rate) const noexcept {
+  if (!loops_ || !(*loops_)[0].by_angle) return {};
+  const FollowedTilt wanted = inLoops(followed, yaw_rate);
+  const Loop &roll = (*loops_)[0], &pitch = (*loops_)[1];
+  return {roll.by_angle->value() * wanted.angle.roll + roll.by_rate->value() * wanted.rate.roll,
+          pitch.by_angle->value() * wanted.angle.pitch + pitch.by_rate->value() * wanted.rate.pitch};
+}
+
 TiltAngles AttitudeTrim::turn(const TiltAngles& tilt, double yaw_rate) const noexcept {
   return {model_.roll_time / model_.roll_gain * yaw_rate * tilt.pitch,
           -model_.pitch_time / model_.pitch_gain * yaw_rate * tilt.roll};
 }
 
+// The model with the gains and lags that were found.
+TiltModel AttitudeTrim::found() const noexcept {
+  if (!loops_) return model_;
+  const Loop &roll = (*loops_)[0], &pitch = (*loops_)[1];
+  return {1.0 / roll.stiffness(), roll.damping() / roll.stiffness(), 1.0 / pitch.stiffness(),
+          pitch.damping() / pitch.stiffness()};
+}
+
 // What the model without a coupling leaves of the change in a period is slope c, and noise.
 void AttitudeTrim::learnCoupling(const TiltAngles& measured, const AttitudeCommand& held) noexcept {
   const TiltAngles trim = angles();
-  const TiltAngles turned = turn(last_, held.yaw_rate);
-  const double roll_drive = model_.roll_gain * (1.0 - decay_.roll);
-  const double pitch_drive = model_.pitch_gain * (1.0 - decay_.pitch);
-  const std::array<double, 2> slopes{roll_drive * turned.roll, pitch_drive * turned.pitch};
+  const TiltModel model = found();
+  const double roll_share = -std::expm1(-period_ / model.roll_time);
+  const double pitch_share = -std::expm1(-period_ / model.pitch_time);
+  const std::array<double, 2> slopes{roll_share * model.roll_time * held.yaw_rate * last_.pitch,
+                                     -pitch_share * model.pitch_time * held.yaw_rate * last_.roll};
   const std::array<double, 2> left{
-      measured.roll - decay_.roll * last_.roll - roll_drive * (held.roll - trim.roll),
-      measured.pitch - decay_.pitch * last_.pitch - pitch_drive * (held.pitch - trim.pitch)};
+      measured.roll - last_.roll - roll_share * (model.roll_gain * (held.roll - trim.roll) - last_.roll),
+      measured.pitch - last_.pitch -
+          pitch_share * (model.pitch_gain * (held.pitch - trim.pitch) - last_.pitch)};
   variance_ = std::min(variance_ + coupling_drift_ * coupling_drift_, kCouplingVariance);
   for (std::size_t i = 0; i < slopes.size(); ++i) {
     const double gain =
@@ -112,7 +179,17 @@ void AttitudeTrim::reset() noexcept {
   measured_ = false;
   within_ = 0;
   if (!loops_) return;
-  for (DisturbanceObserver& loop : *loops_) loop.reset();
+  for (Loop& loop : *loops_) loop.observer.reset();
+  forgetLoops();
+}
+
+void AttitudeTrim::forgetLoops() noexcept {
+  if (!loops_) return;
+  for (Loop& loop : *loops_) {
+    if (!loop.by_angle) continue;
+    loop.by_angle->reset();
+    loop.by_rate->reset();
+  }
 }
 
 void AttitudeTrim::transferState(const AttitudeTrim& other) noexcept {
@@ -124,14 +201,22 @@ void AttitudeTrim::transferState(const AttitudeTrim& other) noexcept {
   }
   if (!loops_ || !other.loops_) return;
   within_ = other.within_;
-  for (std::size_t i = 0; i < loops_->size(); ++i) (*loops_)[i].transferState((*other.loops_)[i]);
+  for (std::size_t i = 0; i < loops_->size(); ++i) {
+    Loop& loop = (*loops_)[i];
+    const Loop& from = (*other.loops_)[i];
+    loop.observer.transferState(from.observer);
+    if (!loop.by_angle || !from.by_angle) continue;
+    loop.by_angle->transferState(*from.by_angle, 1.0 / from.gain - 1.0 / loop.gain);
+    loop.by_rate->transferState(*from.by_rate, from.time / from.gain - loop.time / loop.gain);
+  }
 }
 
 TiltAngles AttitudeTrim::level() const noexcept { return within_ * period_ >= kSettled ? angles() : given_; }
 
 TiltAngles AttitudeTrim::angles() const noexcept {
   if (!loops_) return given_;
-  return {given_.roll + (*loops_)[0].disturbance(), given_.pitch + (*loops_)[1].disturbance()};
+  return {given_.roll + (*loops_)[0].observer.disturbance(),
+          given_.pitch + (*loops_)[1].observer.disturbance()};
 }
 
 }  // namespace polyfly

@@ -16,22 +16,30 @@ MpcProblem doubleIntegrator() {
   return problem;
 }
 
-DisturbanceObserver makeAxis(const MultirotorOptions& options, double rate_drift) {
+ObserverOptions observerOptions(const MultirotorOptions& options, double rate_drift) {
   ObserverOptions observer;
   observer.period = options.control_period;
   observer.process = {std::sqrt(options.noise.q_position), std::sqrt(options.noise.q_velocity), 0.0, 0.0};
   observer.measurement = {std::sqrt(options.noise.r_position), std::sqrt(options.noise.r_velocity), 1.0, 1.0};
   observer.disturbance = options.disturbance_drift;
   observer.rate = rate_drift;
-  return {doubleIntegrator(), observer};
+  return observer;
+}
+
+DisturbanceObserver makeAxis(const MultirotorOptions& options, double rate_drift) {
+  return {doubleIntegrator(), observerOptions(options, rate_drift)};
 }
 
 }  // namespace
 
 ForceObserver::ForceObserver(const MultirotorModel& model, const MultirotorOptions& options,
-                             double rate_drift)
+                             double rate_drift, bool finds_drag)
     : model_(model),
-      axes_{makeAxis(options, rate_drift), makeAxis(options, rate_drift), makeAxis(options, rate_drift)} {}
+      axes_{makeAxis(options, rate_drift), makeAxis(options, rate_drift), makeAxis(options, rate_drift)} {
+  if (!finds_drag) return;
+  const CoefficientEstimate drag(doubleIntegrator(), observerOptions(options, rate_drift), 1, kDragDeviation);
+  drag_ = {drag, drag};
+}
 
 Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eigen::Vector3d& velocity,
                                             double thrust) const noexcept {
@@ -41,7 +49,8 @@ Eigen::Vector3d ForceObserver::acceleration(const Eigen::Matrix3d& R, const Eige
   return result;
 }
 
-void ForceObserver::update(const VehicleState& state, double thrust, int periods) noexcept {
+void ForceObserver::update(const VehicleState& state, double thrust, int periods,
+                           const Eigen::Vector3d& followed) noexcept {
   const Eigen::Matrix3d attitude = state.attitude.normalized().toRotationMatrix();
   // The mean of the values at both ends of the period.
   const Eigen::Vector3d now = acceleration(attitude, state.velocity, thrust);
@@ -50,7 +59,13 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     const std::array<double, 2> measured{state.position(axis), state.velocity(axis)};
-    axes_[i].update(measured.data(), mean.data() + axis, periods);
+    if (!drag_ || i >= drag_->size()) {
+      axes_[i].update(measured.data(), mean.data() + axis, periods);
+      continue;
+    }
+    CoefficientEstimate& drag = (*drag_)[i];
+    axes_[i].update(measured.data(), mean.data() + axis, periods, -drag.value() * axes_[i].state()[1]);
+    drag.update(axes_[i], followed(axis), periods);
   }
   last_attitude_ = attitude;
   last_velocity_ = state.velocity;
@@ -59,6 +74,11 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
 
 void ForceObserver::transferState(const ForceObserver& other) noexcept {
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].transferState(other.axes_[i]);
+  if (drag_ && other.drag_)
+    for (std::size_t i = 0; i < drag_->size(); ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      (*drag_)[i].transferState((*other.drag_)[i], other.model_.drag(axis) - model_.drag(axis));
+    }
   last_attitude_ = other.last_attitude_;
   last_velocity_ = other.last_velocity_;
   started_ = other.started_;
@@ -68,10 +88,14 @@ void ForceObserver::setDisturbance(const Eigen::Vector3d& disturbance) noexcept 
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }
+  if (!drag_) return;
+  for (CoefficientEstimate& drag : *drag_) drag.disturbanceWasSet();
 }
 
 void ForceObserver::reset() noexcept {
   for (DisturbanceObserver& axis : axes_) axis.reset();
+  if (drag_)
+    for (CoefficientEstimate& drag : *drag_) drag.reset();
   started_ = false;
 }
 
@@ -89,6 +113,10 @@ Eigen::Vector3d ForceObserver::disturbance() const noexcept {
 
 Eigen::Vector3d ForceObserver::disturbanceRate() const noexcept {
   return {axes_[0].rate(), axes_[1].rate(), axes_[2].rate()};
+}
+
+Eigen::Vector3d ForceObserver::drag() const noexcept {
+  return drag_ ? Eigen::Vector3d((*drag_)[0].value(), (*drag_)[1].value(), 0.0) : Eigen::Vector3d::Zero();
 }
 
 }  // namespace polyfly

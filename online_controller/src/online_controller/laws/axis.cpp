@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mpc_core/parametric_program.hpp"
+#include "online_controller/estimation/force_observer.hpp"
 #include "online_controller/types/valid.hpp"
 #include "polyfly_base/error.hpp"
 
@@ -100,6 +101,10 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
     constant_share_ = 1.0 - std::exp(-options.control_period / options.robust_estimate_time);
   }
   readModel(law_->problem(), names);
+  // The rotors' drag acts in their plane.
+  if (has_lag_ && offset_free_ && options.adapt_model)
+    drag_.emplace(law_->problem(), observerOptions(law_->problem(), names, options), velocity_state_,
+                  kDragDeviation);
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
   std::vector<bool> errors;
   for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
@@ -160,6 +165,7 @@ double Axis::shift(int stage) const noexcept {
 
 void Axis::reset() noexcept {
   observer_.reset();
+  if (drag_) drag_->reset();
   constant_part_ = 0.0;
   law_->reset();
   if (beyond_ != nullptr) beyond_->reset();
@@ -171,11 +177,13 @@ void Axis::transferState(const Axis& other) noexcept {
       angle_state_ != other.angle_state_ || has_rate_ != other.has_rate_ || rate_state_ != other.rate_state_)
     return;
   observer_.transferState(other.observer_);
+  if (drag_ && other.drag_) drag_->transferState(*other.drag_, (other.drag() - drag()) / disturbance_gain_);
   if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
 }
 
 void Axis::setDisturbance(double disturbance) noexcept {
   observer_.setDisturbance(disturbance / disturbance_gain_);
+  if (drag_) drag_->disturbanceWasSet();
   if (constant_share_ > 0.0) constant_part_ = observer_.disturbance();
 }
 
@@ -335,13 +343,15 @@ AxisTarget Axis::target(const AxisReference& reference, double disturbance,
   return {drive, (drive_rate - lag_pole_ * drive) / lag_gain_, drive_rate};
 }
 
-void Axis::observe(const AxisSample& sample, double applied_input, int periods) noexcept {
+void Axis::observe(const AxisSample& sample, double applied_input, int periods, double followed) noexcept {
   std::array<double, DisturbanceObserver::kMaxStates> measured{};
   measured[static_cast<std::size_t>(position_state_)] = sample.position;
   measured[static_cast<std::size_t>(velocity_state_)] = sample.velocity;
   if (has_lag_) measured[static_cast<std::size_t>(angle_state_)] = sample.angle;
   if (has_rate_) measured[static_cast<std::size_t>(rate_state_)] = sample.rate;
-  observer_.update(measured.data(), &applied_input, periods);
+  const double velocity = observer_.state()[velocity_state_];
+  observer_.update(measured.data(), &applied_input, periods, -foundDrag() * velocity);
+  if (drag_) drag_->update(observer_, followed, periods);
   if (constant_share_ == 0.0 || periods > DisturbanceObserver::kMaxPeriods) return;
   constant_part_ +=
       (1.0 - std::pow(1.0 - constant_share_, periods)) * (observer_.disturbance() - constant_part_);
@@ -370,13 +380,13 @@ int Axis::firstOutside(const Parameters& theta) const noexcept {
 
 AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
-  return target(reference, disturbance() + reference.disturbance / disturbance_gain_,
-                offset_free_ ? observer_.rate() : 0.0);
+  return target(reference, disturbanceAt(reference) + reference.disturbance / disturbance_gain_,
+                (offset_free_ ? observer_.rate() : 0.0) - foundDrag() * reference.acceleration);
 }
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                              double input_offset, AxisReport& report) noexcept {
-  const AxisTarget goal = goalOf(reference);
+  const AxisTarget goal = goal_ = goalOf(reference);
   AxisValues values;
   values[AxisEntry::kPositionError] = sample.position - reference.position;
   values[AxisEntry::kVelocityError] = sample.velocity - reference.velocity;
@@ -390,7 +400,7 @@ ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& refe
   values[AxisEntry::kDisturbanceAhead] = disturbance_ahead_;
   report.theta = parametersAt(values);
   report.size = size_;
-  report.disturbance = disturbance();
+  report.disturbance = disturbanceAt(reference);
   report.outside_parameter = -1;
   report.region = -1;
 

@@ -307,6 +307,7 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
   const Measured measured = measure(state);
   observe(state, measured);
   clock_.reset();
+  feed_forward_ = {};
   // Eq. 41 and 40 backwards.
   const double thrust = sent.thrust / options_.mass;
   const TiltAngles world = bodyToWorldTilt(forceAngles(sent, measured.tilt), measured.yaw);
@@ -332,8 +333,13 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(measured.axes[i], applied_[i], periods);
-  trim_.update(measured.tilt, report_.command, periods);
+  if (!isFollowed(followed_, measured.tilt, state.velocity - followed_velocity_)) followNothing();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].observe(measured.axes[i], applied_[i], periods,
+                     followed_velocity_(static_cast<Eigen::Index>(i)));
+  }
+  trim_.update(measured.tilt, report_.command, periods, followed_);
+  followNothing();
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
@@ -349,6 +355,7 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   const TiltAngles tilt = compensatedTilt(desired, thrust, options_.gravity, 0.0, 0.0);
   AttitudeCommand& command = report_.command;
   command.yaw_rate = yawRate(options_, reference, yaw);
+  follow(reference, thrust, yaw);
   const TiltAngles by = added(measured_tilt, command.yaw_rate);
   const TiltAngles trimmed{tilt.roll + by.roll, tilt.pitch + by.pitch};
   command.roll = std::clamp(trimmed.roll, -options_.angle_max, options_.angle_max);
@@ -365,9 +372,29 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
   }
 }
 
+// Until something is sent.
+void MultirotorController::followNothing() noexcept {
+  followed_ = {};
+  followed_velocity_.setZero();
+}
+
+// The axes' angles are T / g times the tilt. Euler angles turn with the body besides.
+void MultirotorController::follow(const Reference& reference, double thrust, double yaw) noexcept {
+  const AxisTarget &along = axes_[0].goal(), &across = axes_[1].goal();
+  const double share = options_.gravity / thrust;
+  const double turn = report_.command.yaw_rate;
+  followed_.angle = worldToBodyTilt({share * across.angle, share * along.angle}, yaw);
+  followed_.rate = worldToBodyTilt({share * across.rate, share * along.rate}, yaw);
+  followed_.rate.roll += turn * followed_.angle.pitch;
+  followed_.rate.pitch -= turn * followed_.angle.roll;
+  followed_velocity_ = reference.velocity;
+  feed_forward_ = trim_.feedForward(followed_, turn);
+}
+
 // The tilt stays in the world-aligned frame, in which the axes are modelled, while the body yaws.
 TiltAngles MultirotorController::added(const TiltAngles& tilt, double yaw_rate) const noexcept {
-  return trim_.added(tilt, yaw_rate, 1.0);
+  const TiltAngles by = trim_.added(tilt, yaw_rate, 1.0);
+  return {by.roll + feed_forward_.roll, by.pitch + feed_forward_.pitch};
 }
 
 // Eq. 41 backwards: the tilt that a command asks for, times T / g.
@@ -413,6 +440,9 @@ void MultirotorController::forget(LawMemory what) noexcept {
       break;
     case LawMemory::kObserver:
       observing_ = false;
+      break;
+    case LawMemory::kLoops:
+      trim_.forgetLoops();
       break;
     case LawMemory::kIntegral:
       integrator_.reset();

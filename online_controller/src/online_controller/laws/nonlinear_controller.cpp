@@ -77,7 +77,8 @@ NonlinearController::NonlinearController(const MultirotorOptions& options, const
     : ControlLaw({mpc.horizon + 1, mpc.period, mpc.period}, vehicleOf(mpc)),
       options_(checked(limited(options, mpc))),
       mpc_(completed(mpc, options_)),
-      observer_(mpc_.options().model, options, options.disturbance_rate_drift),
+      observer_(mpc_.options().model, options, options.disturbance_rate_drift,
+                options.adapt_model && options.offset_free),
       trim_({mpc_.options().model.roll_gain, mpc_.options().model.roll_time, mpc_.options().model.pitch_gain,
              mpc_.options().model.pitch_time},
             options),
@@ -143,23 +144,38 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  observer_.update(state, report_.command.thrust / options_.mass, periods);
-  trim_.update({angles.roll, angles.pitch}, report_.command, periods);
+  if (!isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity - followed_velocity_))
+    followNothing();
+  observer_.update(state, report_.command.thrust / options_.mass, periods, followed_velocity_);
+  trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_);
+  followNothing();
   report_.trim = trim_.angles();
   report_.level_trim = trim_.level();
   report_.coupling = trim_.coupling();
   return periods;
 }
 
+// Until something is sent.
+void NonlinearController::followNothing() noexcept {
+  followed_ = {};
+  followed_velocity_.setZero();
+}
+
 void NonlinearController::predictYaw(double yaw, const Reference* preview) noexcept {
   const Eigen::Vector3d estimated = options_.offset_free ? observer_.disturbance() : Eigen::Vector3d::Zero();
   disturbance_ = estimated + integrator_.disturbance();
   disturbance_rate_ = options_.offset_free ? observer_.disturbanceRate() : Eigen::Vector3d::Zero();
+  drag_ = options_.offset_free ? observer_.drag() : Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     const double rate = yawRate(options_, preview[k], yaw);
-    stages_[k] = {yaw, rate, disturbance_};
+    stages_[k] = {yaw, rate, disturbanceAt(preview[k])};
     yaw += mpc_.options().period * rate;
   }
+}
+
+// With the drag that was found, at the reference's velocity.
+Eigen::Vector3d NonlinearController::disturbanceAt(const Reference& reference) const noexcept {
+  return disturbance_ - drag_.cwiseProduct(reference.velocity);
 }
 
 // Attitude and lift from the specific force that the path needs (the model is flat).
@@ -193,7 +209,7 @@ void NonlinearController::lead(StageReference& from, const StageReference& to,
 
 void NonlinearController::makeReferences(const Reference* preview) noexcept {
   for (std::size_t k = 0; k < references_.size(); ++k)
-    references_[k] = onPath(preview[k], stages_[k].yaw, disturbance_);
+    references_[k] = onPath(preview[k], stages_[k].yaw, disturbanceAt(preview[k]));
   // All stages have the disturbance of now: over the horizon the noise of its rate would grow. The command that is sent
   // leads by it. A stage's command is right for all of its time; what is sent is held for one control period only. At the
   // middle of a stage a command that changes would lead by the difference.
@@ -202,8 +218,10 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   soon.velocity += period * soon.acceleration;
   soon.acceleration += period * soon.jerk;
   StageReference now = references_.front();
-  lead(now, onPath(soon, yaw_ + period * stages_.front().yaw_rate, disturbance_ + period * disturbance_rate_),
-       period_decay_);
+  const StageReference next = onPath(soon, yaw_ + period * stages_.front().yaw_rate,
+                                     disturbanceAt(soon) + period * disturbance_rate_);
+  lead(now, next, period_decay_);
+  path_tilt_ = {{now.roll, now.pitch}, {(next.roll - now.roll) / period, (next.pitch - now.pitch) / period}};
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
@@ -299,15 +317,21 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
   AttitudeCommand& command = report_.command;
   command.yaw_rate = yawRate(options_, reference, angles.yaw);
   const TiltAngles by = added({angles.roll, angles.pitch}, command.yaw_rate);
+  const TiltAngles ahead = trim_.feedForward(path_tilt_, command.yaw_rate);
+  followed_ = path_tilt_;
+  followed_velocity_ = reference.velocity;
   // The QP meets the bounds up to rounding; what is sent meets them exactly.
-  command.roll = std::clamp(u(0) + sooner_.roll + by.roll, -options_.angle_max, options_.angle_max);
-  command.pitch = std::clamp(u(1) + sooner_.pitch + by.pitch, -options_.angle_max, options_.angle_max);
+  command.roll =
+      std::clamp(u(0) + sooner_.roll + by.roll + ahead.roll, -options_.angle_max, options_.angle_max);
+  command.pitch =
+      std::clamp(u(1) + sooner_.pitch + by.pitch + ahead.pitch, -options_.angle_max, options_.angle_max);
   command.thrust = options_.mass * std::clamp(u(2), options_.thrust_min, options_.thrust_max);
+  const Eigen::Vector3d disturbance = disturbanceAt(reference);
   for (std::size_t i = 0; i < report_.axis.size(); ++i) {
-    report_.axis[i].disturbance = disturbance_(static_cast<Eigen::Index>(i));
+    report_.axis[i].disturbance = disturbance(static_cast<Eigen::Index>(i));
   }
-  report_.axis[0].input = command.pitch - by.pitch;
-  report_.axis[1].input = command.roll - by.roll;
+  report_.axis[0].input = command.pitch - by.pitch - ahead.pitch;
+  report_.axis[1].input = command.roll - by.roll - ahead.roll;
   report_.axis[2].input = command.thrust / options_.mass - options_.gravity;
   report_.reason = ControlReason::kNone;
   has_command_ = true;
@@ -329,6 +353,9 @@ void NonlinearController::forget(LawMemory what) noexcept {
       break;
     case LawMemory::kObserver:
       observing_ = false;
+      break;
+    case LawMemory::kLoops:
+      trim_.forgetLoops();
       break;
     case LawMemory::kIntegral:
       integrator_.reset();

@@ -77,7 +77,9 @@ void LawSwitch::transferState(const LawSwitch& from) noexcept {
   // The next states are those of another time: the observers go on from there.
   syncInactive();
   for (const auto& law : laws_) {
-    if (law != nullptr) law->forget(LawMemory::kObserver);
+    if (law == nullptr) continue;
+    law->forget(LawMemory::kObserver);
+    law->forget(LawMemory::kLoops);
   }
   if (from.lead() > 0.0) return;
   const ControlReport& known = report();

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "mpc_core/mpc_problem.hpp"
+#include "mpc_core/observer.hpp"
+
+namespace polyfly {
+
+/// What a model leaves out in proportion to a signal r that is known: the disturbance is w - c r. An observer estimates w,
+/// this class c.
+///
+/// The observer is linear, so the derivatives of its estimates by c are those of an observer of the same gain that is
+/// driven by -r and measures 0. With the innovation's derivative c follows by recursive least squares, and each change of
+/// c moves the observer's estimates along their derivatives (Friedland's separation of a bias). c begins at 0 with a given
+/// standard deviation, stays within three of them, and is forgotten in kForgetTime.
+///
+/// The signal should be a reference: one that is measured has noise in common with the innovation, which would count for
+/// c. Where the reference rests nothing is learnt, whatever pushes the vehicle.
+class CoefficientEstimate {
+ public:
+  static constexpr double kForgetTime = 100.0;  ///< [s]
+
+  /// For an observer of this problem and options. `state` is the one whose innovation counts, `deviation` the standard
+  /// deviation of c, above 0. Throws Error as the observer does.
+  CoefficientEstimate(const MpcProblem& problem, const ObserverOptions& options, int state, double deviation);
+
+  double value() const noexcept { return value_; }  ///< c
+
+  /// After the update of `observer` over as many periods, in which `signal` was r. The observer has to know -c r too.
+  void update(DisturbanceObserver& observer, double signal, int periods) noexcept;
+
+  void reset() noexcept;
+  /// The observer's disturbance was set.
+  void disturbanceWasSet() noexcept { derivative_.setDisturbance(0.0); }
+  /// Begins with the coefficient of `other` and what its model has `more`. It is as uncertain as any: another model stands
+  /// behind it.
+  void transferState(const CoefficientEstimate& other, double more) noexcept;
+
+ private:
+  DisturbanceObserver derivative_;
+  double within(double value) const noexcept;
+
+  int state_;
+  double greatest_variance_;
+  // Growth of the variance in a period.
+  double forgotten_;
+  double variance_;
+  double value_ = 0.0;
+};
+
+}  // namespace polyfly
