@@ -72,6 +72,79 @@ TEST(RepeatedRows, MapsAreProvenWhateverTheNoise) {
   EXPECT_GT(kept, 20u);
 }
 
+/// `count` random rows, each repeated three times; each number changes by so much of itself.
+ParametricProgram repeatedThrice(std::uint64_t seed, int count, double noise) {
+  const ProgramSize size{4, 10, 3};
+  ParametricProgram program = madeProgram(seed, size);
+  Random random(seed + 1000);
+  const auto changed = [&](double number) {
+    return number + noise * random.uniform(-1.0, 1.0) * std::abs(number);
+  };
+  for (int k = 0; k < count; ++k) {
+    const int row = random.below(size.rows);
+    for (int copy = 0; copy < 3; ++copy) {
+      const Eigen::VectorXd a = program.A.row(row).transpose().unaryExpr(changed);
+      const Eigen::VectorXd s = program.S.row(row).transpose().unaryExpr(changed);
+      appendRow(program, a, changed(program.b(row)), s);
+    }
+  }
+  return program;
+}
+
+struct Repeated {
+  std::uint64_t seed;
+  int rows;
+  double noise;
+};
+
+void expectProven(const ParametricProgram& program) {
+  const Partition partition = explore(program);
+  ASSERT_EQ(partition.status, ExploreStatus::kComplete);
+  const MapContent content = encode(program, partition);
+  const CertifyReport report = certify(MapInMemory(content).map(), program);
+  ASSERT_TRUE(report.passed()) << certifyText(report);
+  EXPECT_EQ(refusal(report.certificate, bytesOf(content)), "");
+}
+
+// Planes of regions that are all but parallel cross within the box.
+TEST(RepeatedRows, NoLookUpIsLostBetweenPlanesThatAreAllButParallel) {
+  for (const Repeated& made : {Repeated{18, 1, 1e-6}, Repeated{22, 1, 1e-6}, Repeated{36, 1, 1e-7}}) {
+    SCOPED_TRACE(testing::Message() << made.seed);
+    expectProven(repeatedThrice(made.seed, made.rows, made.noise));
+  }
+}
+
+// Of four such half-spaces a dictionary drops one that is needed.
+TEST(RepeatedRows, HalfSpacesThatAreAllButParallelAreToldApart) {
+  for (const Repeated& made : {Repeated{13, 2, 1e-8}, Repeated{24, 2, 1e-8}, Repeated{43, 2, 1e-8}}) {
+    SCOPED_TRACE(testing::Message() << made.seed);
+    expectProven(repeatedThrice(made.seed, made.rows, made.noise));
+  }
+}
+
+// A slack that is all but constant is negative in a corner of the region.
+TEST(RepeatedRows, SlacksThatAreAllButConstantAreHalfSpaces) {
+  for (const Repeated& made : {Repeated{41, 2, 1e-10}, Repeated{65, 1, 1e-10}, Repeated{96, 1, 1e-10}}) {
+    SCOPED_TRACE(testing::Message() << made.seed);
+    expectProven(repeatedThrice(made.seed, made.rows, made.noise));
+  }
+}
+
+// Beside a great output, laws of the others that differ by more than a proof allows are not written as one.
+TEST(RepeatedRows, LawsThatDifferAreNotSharedBesideAGreatOutput) {
+  ParametricProgram program = repeatedThrice(13, 2, 1e-8);
+  constexpr double kGreat = 100.0;
+  const int n = program.variableCount(), p = program.parameterCount();
+  program.E.conservativeResize(n + 1, n);
+  program.C.conservativeResize(n + 1, p);
+  program.c.conservativeResize(n + 1);
+  program.E.row(n).setZero();
+  program.C.row(n).setZero();
+  program.c(n) = kGreat;
+  program.inputs.push_back({"great", "1", -1e3, 1e3});
+  expectProven(program);
+}
+
 TEST(RepeatedRows, WrongMapsAreRefuted) {
   for (const double noise : {1e-12, 1e-10, 1e-9}) {
     const ParametricProgram program = repeatedInequalities(2, kSizes[1], noise);

@@ -1,6 +1,7 @@
 #include "tree/cell_splitter.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "support/in_parallel.hpp"
@@ -111,6 +112,7 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
   std::optional<Estimate> best;
   for (std::size_t i = 0; i < estimates.size() && i < kMostTried; ++i) {
     if (best && (i >= tried || estimates[i].fuller() > best->fuller())) break;
+    if (makesSharpEdge(cell, estimates[i].plane)) continue;
     Estimate exact{estimates[i].plane};
     for_each(cell.members.size(), [&](MemberSolver& solver, std::size_t k) {
       sides[k] = static_cast<unsigned char>(solver.sides(cell.members[k], exact.plane));
@@ -125,6 +127,20 @@ std::optional<CellSplit> CellSplitter::splitWith(Cell& cell, MemberSolver& own, 
   }
   if (!best) return std::nullopt;
   return divide(cell, best->plane, best_sides, for_each);
+}
+
+bool CellSplitter::makesSharpEdge(const Cell& cell, std::size_t plane) const {
+  const auto p = static_cast<std::size_t>(regions_.p);
+  const double* const a = regions_.planes.data() + plane * (p + 1);
+  return std::any_of(cell.path.begin(), cell.path.end(), [&](std::int32_t row) {
+    const double* const b = regions_.planes.data() + planeOf(row) * (p + 1);
+    for (const double sign : {1.0, -1.0}) {
+      double turn = 0.0;
+      for (std::size_t j = 0; j < p; ++j) turn += std::abs(a[j] - sign * b[j]);
+      if (turn < tolerance::kSharpAngle && std::abs(a[p] - sign * b[p]) <= turn) return true;
+    }
+    return false;
+  });
 }
 
 bool CellSplitter::hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,

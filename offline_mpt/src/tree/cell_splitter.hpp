@@ -61,6 +61,8 @@ class CellSplitter {
   std::size_t testsBesides(const CellMember& member, std::size_t plane) const;
   template <class ForEach>
   std::optional<CellSplit> splitWith(Cell& cell, MemberSolver& own, const ForEach& for_each);
+  /// Whether the plane crosses one on the cell's path within the box at an angle below kSharpAngle.
+  bool makesSharpEdge(const Cell& cell, std::size_t plane) const;
   bool hasFlatSide(const Cell& cell, std::size_t plane, const std::vector<unsigned char>& sides,
                    MemberSolver& solver) const;
   std::vector<Estimate> estimate(const Cell& cell) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <sstream>
 
@@ -17,7 +18,11 @@ namespace {
 /// Groups equal vectors of `width` numbers. Sorted by a fixed projection, equal vectors stand close together.
 class Deduplicator {
  public:
-  Deduplicator(const std::vector<double>& vectors, std::size_t width, double tolerance)
+  using Agree = std::function<bool(const double* one, const double* other)>;
+
+  /// Vectors that `agree` refuses are not equal either.
+  Deduplicator(const std::vector<double>& vectors, std::size_t width, double tolerance,
+               const Agree& agree = {})
       : index_(vectors.size() / width) {
     const std::size_t count = index_.size();
     std::vector<double> key(count, 0.0);
@@ -38,7 +43,8 @@ class Deduplicator {
       heads[i] = i;
       for (std::size_t back = k; back-- > 0 && key[i] - key[order[back]] <= window;) {
         const std::size_t other = heads[order[back]];
-        if (close(vectors, width, i, other, tolerance)) {
+        if (close(vectors, width, i, other, tolerance) &&
+            (!agree || agree(&vectors[i * width], &vectors[other * width]))) {
           heads[i] = other;
           break;
         }
@@ -180,11 +186,28 @@ Laws collectLaws(const Partition& partition, const Scaling& scaling, Eigen::Inde
   return laws;
 }
 
+/// Whether each output of two laws is the same in the whole box within tolerance::kSharedLaw, relative to max(1, |u|).
+bool agreeInBox(const double* law, const double* other, std::size_t width, std::size_t outputs) {
+  for (std::size_t i = 0; i < outputs; ++i, law += width, other += width) {
+    double difference = 0.0, size = 0.0;
+    for (std::size_t j = 0; j < width; ++j) {
+      difference += std::abs(law[j] - other[j]);
+      size += std::abs(law[j]);
+    }
+    if (difference > tolerance::kSharedLaw * std::max(1.0, size)) return false;
+  }
+  return true;
+}
+
 void addLaws(const Partition& partition, const Scaling& scaling, MapContent& content) {
   const std::size_t width = content.inputs.size() * (scaling.half.size() + 1);
   const Laws laws = collectLaws(partition, scaling, static_cast<Eigen::Index>(content.inputs.size()));
+  const std::size_t outputs = content.inputs.size();
   // not relative to the laws: beside the steepest of them, a saturated one would pass for constant
-  const Deduplicator sharing(laws.scaled, width, kSameLaw * laws.output);
+  const Deduplicator sharing(laws.scaled, width, kSameLaw * laws.output,
+                             [&](const double* law, const double* other) {
+                               return agreeInBox(law, other, width / outputs, outputs);
+                             });
   for (const std::size_t i : sharing.representatives()) {
     const auto first = laws.written.begin() + static_cast<std::ptrdiff_t>(i * width);
     content.laws.insert(content.laws.end(), first, first + static_cast<std::ptrdiff_t>(width));

@@ -9,6 +9,10 @@ namespace polyfly::tolerance {
 /// Planes that differ by less are written once [scaled].
 constexpr double kSamePlane = kDefaultRadiusTolerance / 10.0;
 
+/// A law that is written for several regions differs from the law of each in the box by less, relative to max(1, |u|).
+/// Proofs allow twice as much.
+constexpr double kSharedLaw = 5e-9;
+
 /// Smaller entries do not decide the sign of a plane.
 constexpr double kLeadingEntry = 1e-6;
 
@@ -31,5 +35,9 @@ constexpr double kSameAsBox = 1e-12;
 
 /// Where no member reaches further across a plane, the cell would have a flat side [scaled].
 constexpr double kFlatCell = 1e-7;
+
+/// Planes at a smaller angle that cross in the box leave an edge of a cell that is thin over a greater length than
+/// kMembership. What arrives there by rounding, no candidate need hold.
+constexpr double kSharpAngle = 1e-5;
 
 }  // namespace polyfly::tolerance

@@ -21,6 +21,22 @@ BuildStatus statusOf(KktSolver::Outcome outcome) {
   return BuildStatus::kFailed;
 }
 
+// For each row of the program whether it nearly repeats another; empty where none does.
+std::vector<char> nearRows(const NormalisedProgram& program) {
+  std::vector<char> result(static_cast<std::size_t>(program.m), 0);
+  bool any = false;
+  for (int i = 0; i < program.m; ++i) {
+    for (int k = 0; k < i; ++k) {
+      if ((program.M.row(i) - program.M.row(k)).cwiseAbs().maxCoeff() >= tolerance::kNearRow ||
+          (program.D.row(i) - program.D.row(k)).cwiseAbs().maxCoeff() >= tolerance::kNearRow)
+        continue;
+      result[static_cast<std::size_t>(i)] = result[static_cast<std::size_t>(k)] = 1;
+      any = true;
+    }
+  }
+  return any ? result : std::vector<char>();
+}
+
 }  // namespace
 
 RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tolerance,
@@ -33,11 +49,13 @@ RegionBuilder::RegionBuilder(const NormalisedProgram& program, double facet_tole
       factor_(program, tables_),
       rounded_(makeKktSolver(program, tables_, factor_)),
       accurate_(program),
+      near_rows_(nearRows(program)),
       kkt_(rounded_.get()),
       reach_((1.0 + tolerance::kBoxMargin) * std::sqrt(static_cast<double>(program.p))),
       is_active_(program.m, 0),
       scratch_(program.p + 1),
-      solver_(program.p) {}
+      solver_(program.p),
+      near_solver_(program.p) {}
 
 // In doubles.
 BuildStatus RegionBuilder::solve(const ActiveSet& active) {
@@ -71,7 +89,8 @@ bool RegionBuilder::addRow(const double* affine, RowOrigin origin, double scale,
   if (meets_box && noise > flat && length <= blurred) doubtful_ = true;
   if (length <= flat) {
     // Of a row that nearly repeats an active one, only accurate numbers tell where it is violated.
-    if (is_slack && std::max(length, -constant) > tolerance::kConstantSlack * scale && constant <= flat)
+    if (is_slack && std::max(length, -constant) > tolerance::kConstantSlack * scale &&
+        constant <= flat + reach_ * length)
       doubtful_ = true;
     if (constant < -flat) {
       status = BuildStatus::kEmptyInterior;
@@ -238,10 +257,64 @@ BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) 
   return status == BuildStatus::kRegion ? BuildStatus::kLowerDimensional : status;
 }
 
+// Of slacks that nearly repeat each other, a dictionary may lose all digits by which they differ, since it pivots on
+// such differences. FloatLp factorises the rows themselves at each step. Each row is left out in turn if the others
+// imply it.
+void RegionBuilder::decideNearRows(double tolerance) {
+  const auto is_near = [&](int row) {
+    const RowOrigin& origin = origins_[static_cast<std::size_t>(row)];
+    return origin.kind == RowOrigin::Kind::kSlack && near_rows_[static_cast<std::size_t>(origin.index)] != 0;
+  };
+  const auto p = static_cast<std::size_t>(program_.p);
+  std::vector<std::pair<int, std::vector<double>>> left;  // rows with their points beyond
+  for (std::size_t f = 0; f < minimal_.facets.size(); ++f) {
+    const auto beyond = minimal_.beyond.begin() + static_cast<std::ptrdiff_t>(f * p);
+    if (!is_near(minimal_.facets[f]))
+      left.emplace_back(minimal_.facets[f], std::vector<double>(beyond, beyond + program_.p));
+  }
+  for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
+    if (is_near(i)) left.emplace_back(i, std::vector<double>());
+  }
+  for (std::size_t k = 0; k < left.size();) {
+    if (!is_near(left[k].first) || isNeeded(left, k, tolerance)) {
+      ++k;
+    } else {
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+  }
+  std::sort(left.begin(), left.end());
+  minimal_.facets.clear();
+  minimal_.beyond.clear();
+  for (const auto& [row, beyond] : left) {
+    minimal_.facets.push_back(row);
+    minimal_.beyond.insert(minimal_.beyond.end(), beyond.begin(), beyond.end());
+  }
+}
+
+// Whether a row can be violated by more than the tolerance where all others hold. Its point beyond is then filled in.
+bool RegionBuilder::isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place,
+                             double tolerance) {
+  const auto row = [&](int i) { return rows_.begin() + static_cast<std::ptrdiff_t>(i) * width_; };
+  near_solver_.clear();
+  for (const auto& [i, beyond] : left) {
+    std::vector<double> half_space(row(i), row(i) + width_);
+    if (i == left[place].first) half_space.back() += tolerance::kNearRowReach;
+    near_solver_.add(half_space);
+  }
+  const auto own = row(left[place].first);
+  // Undecided rows stay.
+  if (near_solver_.maximise(std::vector<double>(own, own + program_.p)) == FloatLp::Status::kOptimal &&
+      near_solver_.objective() - own[program_.p] <= tolerance)
+    return false;
+  left[place].second = near_solver_.x();
+  return true;
+}
+
 BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance, Region& region) {
   const int count = static_cast<int>(origins_.size());
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
     return BuildStatus::kFailed;
+  if (!near_rows_.empty()) decideNearRows(tolerance);
   region.tight = active;
   region.tight.insert(region.tight.end(), idle_.begin(), idle_.end());
   std::sort(region.tight.begin(), region.tight.end());

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "explore/region/high_precision_region.hpp"
@@ -10,6 +11,7 @@
 #include "explore/region/row_factor.hpp"
 #include "explore/region/tolerances.hpp"
 #include "explore/sets/active_set_list.hpp"
+#include "lp/float_lp.hpp"
 #include "lp/polytope.hpp"
 #include "program/normalised_program.hpp"
 
@@ -100,6 +102,8 @@ class RegionBuilder {
   bool isIllConditioned() const { return doubtful_ || factor_.pivot() < tolerance::kDistant; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
+  void decideNearRows(double tolerance);
+  bool isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place, double tolerance);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);
   bool needsAccuracy(BuildStatus status, const Region& region) const;
   bool holdsAsSolved(const ActiveSet& active, const double* t, double tolerance);
@@ -132,6 +136,8 @@ class RegionBuilder {
   // Solves in doubles. factor_ is brought to the set before.
   std::unique_ptr<ProgramKktSolver> rounded_;
   HighPrecisionRegionSolver accurate_;
+  // Whether each row of the program nearly repeats another; empty where none does.
+  std::vector<char> near_rows_;
   // Which of the two solved the set.
   const KktSolver* kkt_;
   std::vector<double> multipliers_;  // k x (p + 1)
@@ -166,6 +172,7 @@ class RegionBuilder {
   std::vector<double> scratch_, at_point_;
   PolytopeSolver solver_;
   MinimalRows minimal_;
+  FloatLp near_solver_;
 };
 
 }  // namespace polyfly

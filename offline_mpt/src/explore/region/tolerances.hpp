@@ -52,6 +52,12 @@ constexpr double kOppositeProduct = 1e-6 - 1.0;
 /// A greater slack leaves no doubt, whatever the slope.
 constexpr double kClearSlack = 1e-4;
 
+/// Rows that differ by less nearly repeat each other.
+constexpr double kNearRow = 1e-6;
+
+/// How far beyond the half-space of such a row a point is looked for [scaled].
+constexpr double kNearRowReach = 1.0;
+
 /// Half-spaces that differ by less are the same plane.
 constexpr double kSameFacet = 1e-9;
 
