@@ -5,7 +5,7 @@
 
 #include "certify/multipliers.hpp"
 #include "certify/tolerances.hpp"
-#include "lp/exact_simplex.hpp"
+#include "lp/box_maximum.hpp"
 
 namespace polyfly {
 namespace {
@@ -79,28 +79,25 @@ bool emptyByBasis(const FloatLp& solver, const Rows& rows, const ExactRow* on, i
   return provesEmpty(proof, rows, on);
 }
 
-/// Least value of the target where the rows are >= 0, without rounding, from where the guess stopped.
-Implication impliesExactly(const Rows& rows, const ExactRow& target, const std::vector<int>& start) {
+/// Least value of the target where the rows are >= 0, without rounding, first at the basis of the guess.
+Implication impliesExactly(const Rows& rows, const ExactRow& target, const std::vector<int>& basis) {
   const auto opposite = [](std::vector<Integer> value) {
     for (std::size_t j = 0; j + 1 < value.size(); ++j) value[j] = -value[j];
     return value;
   };
-  ExactSimplex solver(static_cast<int>(target.value.size()) - 1);
-  for (const ExactRow* row : rows) solver.add(opposite(row->value));
+  std::vector<std::vector<Integer>> half_spaces;
+  for (const ExactRow* row : rows) half_spaces.push_back(opposite(row->value));
   std::vector<Integer> direction = opposite(target.value);
   direction.pop_back();
+  BoxMaximum maximum = maximiseInBox(half_spaces, direction, basis);
   Implication result;
-  if (solver.maximise(direction, start) != ExactSimplex::Status::kOptimal) return result;
-  result.holds = target.value.back() >= solver.objective();
-  if (!result.holds) {
-    result.witness = solver.x();
-    return result;
+  if (!maximum.exists) return result;
+  result.holds = target.value.back() >= maximum.objective;
+  if (result.holds) {
+    result.proof = clearFractions(std::move(maximum.weights), rows, mostBits(rows, &target), target.bits);
+  } else {
+    result.witness = std::move(maximum.x);
   }
-  std::vector<std::pair<int, Rational>> weights;
-  for (const auto& weight : solver.weights()) {
-    if (weight.first < solver.count()) weights.push_back(weight);
-  }
-  result.proof = clearFractions(std::move(weights), rows, mostBits(rows, &target), target.bits);
   return result;
 }
 
@@ -167,13 +164,14 @@ FarkasProof emptyByRounding(const FloatLp& solver, const Rows& rows, const Exact
 }
 
 /// The rows of findInteriorFast in whole numbers.
-void addLifted(const Rows& rows, const ExactRow* on, int p, ExactSimplex& solver) {
+std::vector<std::vector<Integer>> liftedRows(const Rows& rows, const ExactRow* on, int p) {
+  std::vector<std::vector<Integer>> result;
   const auto lift = [&](const ExactRow& row, int sign, const Integer& radius) {
     std::vector<Integer> lifted;
     for (int j = 0; j < p; ++j) lifted.emplace_back(-sign * row.value[static_cast<std::size_t>(j)]);
     lifted.push_back(radius);
     lifted.emplace_back(sign * row.value.back());
-    solver.add(std::move(lifted));
+    result.push_back(std::move(lifted));
   };
   for (const ExactRow* row : rows) {
     lift(*row, 1, toInteger(row->length, static_cast<long>(row->bits)) + 1);
@@ -186,31 +184,28 @@ void addLifted(const Rows& rows, const ExactRow* on, int p, ExactSimplex& solver
     std::vector<Integer> side(static_cast<std::size_t>(p) + 2);
     side[static_cast<std::size_t>(j / 2)] = j % 2 == 0 ? 1 : -1;
     side[static_cast<std::size_t>(p)] = side.back() = 1;
-    solver.add(std::move(side));
+    result.push_back(std::move(side));
   }
+  return result;
 }
 
-/// As findInteriorFast, without rounding, from where it stopped.
-Interior findExactly(const Rows& rows, const ExactRow* on, int p, const std::vector<int>& start) {
-  ExactSimplex solver(p + 1);
-  addLifted(rows, on, p, solver);
+/// As findInteriorFast, without rounding, first at the basis of the guess.
+Interior findExactly(const Rows& rows, const ExactRow* on, int p, const std::vector<int>& basis) {
   std::vector<Integer> direction(static_cast<std::size_t>(p) + 1);
   direction.back() = 1;
+  BoxMaximum ball = maximiseInBox(liftedRows(rows, on, p), direction, basis);
   Interior result;
-  if (solver.maximise(direction, start) == ExactSimplex::Status::kOptimal) {
-    const Rational radius = solver.objective();
-    result.radius = radius.get_d();
-    result.exists = radius > 0;
-    result.point = solver.x();
+  result.radius = ball.exists ? ball.objective.get_d() : -1.0;
+  result.exists = ball.exists && ball.objective > 0;
+  if (ball.exists) {
+    result.point = std::move(ball.x);
     result.point.pop_back();
-    if (result.exists) return result;
-  } else {
-    result.radius = -1.0;
   }
+  if (result.exists) return result;
   const int count = static_cast<int>(rows.size());
   std::vector<std::pair<int, Rational>> weights;
   Rational plane;
-  for (const auto& [row, weight] : solver.weights()) {
+  for (const auto& [row, weight] : ball.weights) {
     if (row < count) weights.emplace_back(row, weight);
     if (on != nullptr && row == count) plane += weight;
     if (on != nullptr && row == count + 1) plane -= weight;
@@ -245,13 +240,13 @@ Implication implies(const Rows& rows, const ExactRow& target, FloatLp& solver) {
   result.holds = true;
   if (least(target.value) >= 0) return result;
   if (proveByMultiple(rows, target, result.proof)) return result;
-  std::vector<int> start;
+  std::vector<int> basis;
   if (target.length > 0.0) {
     solver.clear();
     for (const ExactRow* row : rows) solver.add(row->unit);
     const std::vector<double> direction(target.unit.begin(), target.unit.end() - 1);
     const FloatLp::Status status = solver.maximise(direction);
-    start = solver.basis();
+    basis = solver.basis();
     if (status == FloatLp::Status::kOptimal) {
       for (const int bits : {kShortBits, kLongBits}) {
         result.proof = roundWeights(solver.weights(), rows, target.length, bits);
@@ -260,7 +255,7 @@ Implication implies(const Rows& rows, const ExactRow& target, FloatLp& solver) {
       if (proveByBasis(solver, rows, target, result.proof)) return result;
     }
   }
-  return impliesExactly(rows, target, start);
+  return impliesExactly(rows, target, basis);
 }
 
 bool provesEmpty(const FarkasProof& proof, const Rows& rows, const ExactRow* on) {

@@ -3,12 +3,11 @@
 #include <cmath>
 
 #include "diff/tolerances.hpp"
-#include "lp/exact_simplex.hpp"
+#include "lp/box_maximum.hpp"
 #include "lp/float_lp.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
-// The basis at which floating point stops is mostly the optimal one.
 LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vector<Rational>& function) {
   const std::size_t p = function.size() - 1;
   Integer denominator(1);
@@ -21,18 +20,16 @@ LinearMaximum maximise(const std::vector<const ExactRow*>& rows, const std::vect
     rounded.push_back(function[j].get_d());
   }
   FloatLp guess(static_cast<int>(p));
-  ExactSimplex solver(static_cast<int>(p));
+  std::vector<std::vector<Integer>> half_spaces;
   for (const ExactRow* row : rows) {
+    half_spaces.push_back(row->value);
+    for (std::size_t j = 0; j < p; ++j) half_spaces.back()[j] *= -1;
     guess.add(row->unit);
-    std::vector<Integer> a_b = row->value;
-    for (std::size_t j = 0; j < p; ++j) a_b[j] = -a_b[j];
-    solver.add(std::move(a_b));
   }
-  const bool guessed = guess.maximise(rounded) == FloatLp::Status::kOptimal;
-  if (solver.maximise(direction, guessed ? guess.basis() : std::vector<int>()) !=
-      ExactSimplex::Status::kOptimal)
-    throw Error("a linear program over two regions that meet has no solution");
-  return {solver.objective() / Rational(denominator) + function[p], solver.x()};
+  guess.maximise(rounded);
+  BoxMaximum maximum = maximiseInBox(half_spaces, direction, guess.basis());
+  if (!maximum.exists) throw Error("a linear program over two regions that meet has no solution");
+  return {maximum.objective / Rational(denominator) + function[p], std::move(maximum.x)};
 }
 
 // Any weights >= 0 give a bound: direction . t <= sum of weight * b + |direction - sum of weight * a| for |t_j| <= 1.
