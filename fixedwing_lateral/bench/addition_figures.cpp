@@ -58,7 +58,9 @@ std::vector<Row> configurations(double airspeed, const LateralModel& model) {
   options.model = model;
   add("+ this aircraft's roll loop and rate, turns by them");
   options.weights.track = defaultWeights().track;
-  add("+ `weights/track` 0.03, as shipped");
+  add("+ `weights/track` 0.03");
+  options.criterion = shipped.criterion;
+  add("+ corners at their bisector, as shipped");
   return rows;
 }
 

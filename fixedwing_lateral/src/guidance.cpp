@@ -85,6 +85,13 @@ void LateralGuidance::trustOptimisation() noexcept {
   probation_ = 1.0;
 }
 
+void LateralGuidance::shapeCorner() noexcept {
+  if (track_.empty() || !track_.gate().isBisected()) return;
+  const CornerConditions conditions{air_.airspeed(), air_.wind(), options_.limits.roll_reference,
+                                    nmpc_.horizon() * nmpc_.stepDuration()};
+  track_.shapeCorner(cornerShapeOf(track_.gate(), conditions, options_.weights.airspeed, options_.model));
+}
+
 // The horizon begins anew where its step changes.
 void LateralGuidance::rescale() noexcept {
   scaling_ = scalingAt(scaled_airspeed_.value(), options_.weights, options_.horizon, options_.model);
@@ -115,9 +122,11 @@ const GuidanceOutput& LateralGuidance::update(const GuidanceInput& input) noexce
   last_time_ = input.time;
   if (!air_.airspeedAssumed() && scaled_airspeed_.update(air_.airspeed(), elapsed)) rescale();
   learn(input);
-  if (track_.advance(state.position, state.ground_velocity)) {
+  shapeCorner();
+  if (track_.advance(state.position, state.ground_velocity, falls_back_)) {
     nmpc_.clearSwitch();
     beginSegment(junction_.reversal);
+    shapeCorner();
     prepared_ = false;
   }
   output_.segment = track_.index();

@@ -46,7 +46,7 @@ L1Guidance::L1Guidance(Mission mission, const SwitchCriterion& criterion, const 
 GuidanceOutput L1Guidance::update(const GuidanceInput& input) noexcept {
   const Eigen::Vector2d& position = input.state.position;
   const Eigen::Vector2d& velocity = input.state.ground_velocity;
-  track_.advance(position, velocity);
+  track_.advance(position, velocity, true);
   GuidanceOutput output;
   output.mode = GuidanceMode::kTracking;
   output.reason = GuidanceReason::kNone;

@@ -28,13 +28,22 @@ constexpr double kLeftShare = 1.25;
 // Number of times that an end is missed before the mission goes on.
 constexpr int kMissesMost = 2;
 
-/// The next segment goes on where this one ends, in the same direction.
-bool isSmooth(const PathSegment& segment, const PathSegment& next) {
+/// How the next segment goes on where this one ends.
+struct Onward {
+  bool joins = false;  ///< it begins there
+  bool is_smooth = false;
+  Eigen::Vector2d direction;
+};
+
+Onward onwardOf(const PathSegment& segment, const PathSegment& next) {
   const PathPoint end = pointAt(segment, length(segment));
-  const ClosestPoint onward = closestPoint(next, end.position);
-  return (onward.point.position - end.position).norm() < kSmoothGap &&
-         onward.point.tangent.dot(end.tangent) > kSmoothCosine &&
-         !(length(next) - onward.remaining > kSmoothGap);  // it begins there
+  const ClosestPoint start = closestPoint(next, end.position);
+  Onward onward;
+  onward.direction = start.point.tangent;
+  onward.joins = (start.point.position - end.position).norm() < kSmoothGap &&
+                 !(length(next) - start.remaining > kSmoothGap);
+  onward.is_smooth = onward.joins && onward.direction.dot(end.tangent) > kSmoothCosine;
+  return onward;
 }
 
 }  // namespace
@@ -72,19 +81,24 @@ MissionTrack::MissionTrack(Mission mission, const SwitchCriterion& criterion, co
   gates_.reserve(mission_.segments.size());
   for (std::size_t i = 0; i < mission_.segments.size(); ++i) {
     SwitchCriterion here = criterion;
-    const bool last = i + 1 == mission_.segments.size();
-    if (!last && isSmooth(mission_.segments[i], mission_.segments[i + 1]))
+    Onward onward;
+    if (i + 1 < mission_.segments.size()) onward = onwardOf(mission_.segments[i], mission_.segments[i + 1]);
+    if (onward.is_smooth)
       here.acceptance_radius = std::min(criterion.acceptance_radius, criterion.smooth_radius);
     gates_.emplace_back(mission_.segments[i], here, where);
+    if (criterion.at_bisector && onward.joins && !onward.is_smooth) gates_.back().bisect(onward.direction);
   }
 }
 
-bool MissionTrack::advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) noexcept {
+bool MissionTrack::advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity,
+                           bool as_published) noexcept {
   if (empty() || isLoitering()) return false;
   // Each is asked: they remember.
   const bool passed = hasPassedEnd(position);
   const bool missed = hasMissedEnd(position);
-  if (!gate().isMet(position, ground_velocity) && !passed && !missed) return false;
+  const bool met = as_published ? gate().isMetAsPublished(position, ground_velocity)
+                                : gate().isMet(position, ground_velocity);
+  if (!met && !passed && !missed) return false;
   ++index_;
   near_end_ = close_to_end_ = false;
   misses_ = 0;

@@ -12,6 +12,8 @@ constexpr double kStepFrequency = 1.5;
 constexpr double kKnownRate = 2.0;
 // Least ratio of the weights of e_t and phi_r [rad^2/m^2].
 constexpr double kLeastStiffness = 1e-9;
+// Share of the unseen part of a turn by which a corner is switched before its bisector.
+constexpr double kLeadShare = 0.5;
 // Exponent of the full weight's fall with the error.
 constexpr double kFall = 4.0 / 3.0;
 // Time constant of the mean airspeed [s].
@@ -46,6 +48,20 @@ LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& 
   scaled.track *= std::max(allowed, 1.0 / (squared * squared));
   scaled.roll_rate *= squared;
   return scaled;
+}
+
+CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
+                          const LateralModel& model) noexcept {
+  CornerShape shape;
+  if (scaled_airspeed > 0.0) {
+    const double scale = std::max(1.0, (conditions.airspeed + conditions.wind.norm()) / scaled_airspeed);
+    shape.radius_scale = scale * scale;
+  }
+  const double speed = std::max(0.0, conditions.airspeed + gate.cornerDirection().dot(conditions.wind));
+  const double radius = speed * speed / (model.gravity * std::tan(conditions.roll));
+  const double unseen = radius * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
+  shape.lead = kLeadShare * std::max(0.0, unseen);
+  return shape;
 }
 
 bool ScaledAirspeed::update(double airspeed, double elapsed) noexcept {

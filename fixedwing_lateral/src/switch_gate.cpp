@@ -1,5 +1,6 @@
 #include "fixedwing_lateral/switch_gate.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "polyfly_base/error.hpp"
@@ -9,6 +10,8 @@ namespace {
 
 // Greatest rest of the segment at a switch, in acceptance radii.
 constexpr double kLongestRest = kPi / 2.0;
+// Least length of the sum of both directions at a corner: twice the cosine of half the angle between them. 1 at 120 degrees.
+constexpr double kLeastSum = 1.0;
 
 }  // namespace
 
@@ -26,20 +29,41 @@ SwitchGate::SwitchGate(const PathSegment& segment, const SwitchCriterion& criter
   if (can_open_) end_ = pointAt(segment, length(segment));
 }
 
+void SwitchGate::bisect(const Eigen::Vector2d& onward) noexcept {
+  const Eigen::Vector2d sum = end_.tangent + onward;
+  if (!can_open_ || !(sum.norm() > kLeastSum)) return;
+  at_bisector_ = true;
+  between_ = sum.normalized();
+  const double half = std::acos(std::min(1.0, between_.dot(onward)));
+  corner_angle_ = 2.0 * half;
+  least_corner_cosine_ = std::cos(std::min(kPi, std::acos(least_course_cosine_) + half));
+}
+
 bool SwitchGate::isMet(const Eigen::Vector2d& position,
                        const Eigen::Vector2d& ground_velocity) const noexcept {
+  if (!at_bisector_) return isMetAsPublished(position, ground_velocity);
+  const Eigen::Vector2d beyond = position - end_.position;
+  // Written so that a NaN fails each of them.
+  if (!(beyond.norm() < radius()) || !(between_.dot(beyond) >= -shape_.lead)) return false;
+  const double speed = ground_velocity.norm();
+  return speed >= kLeastGroundSpeed && between_.dot(ground_velocity) > least_corner_cosine_ * speed &&
+         closestPoint(segment_, position).remaining <= kLongestRest * radius();
+}
+
+bool SwitchGate::isMetAsPublished(const Eigen::Vector2d& position,
+                                  const Eigen::Vector2d& ground_velocity) const noexcept {
   if (!can_open_) return false;
   // Written so that a NaN fails each of them.
-  if (!((position - end_.position).norm() < acceptance_radius_)) return false;
+  if (!((position - end_.position).norm() < radius())) return false;
   const double speed = ground_velocity.norm();
   if (!(speed >= kLeastGroundSpeed)) return false;
   if (!(end_.tangent.dot(ground_velocity) > least_course_cosine_ * speed)) return false;
-  return closestPoint(segment_, position).remaining <= kLongestRest * acceptance_radius_;
+  return closestPoint(segment_, position).remaining <= kLongestRest * radius();
 }
 
 bool SwitchGate::isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept {
   if (!can_open_) return true;
-  const double reach = acceptance_radius_ + distance;
+  const double reach = radius() + distance;
   return (position - end_.position).squaredNorm() >= reach * reach;
 }
 

@@ -198,6 +198,13 @@ double timeAway(const Mission& mission, const Flight& flight) {
   return time;
 }
 
+// The switch condition of L1: it turns onto the next segment as far from a corner as the radius of its turn.
+SwitchCriterion turnRadius() {
+  SwitchCriterion criterion;
+  criterion.acceptance_radius = kScale * kScale * 28.5;
+  return criterion;
+}
+
 // Below this distance both laws count as on the path [m].
 constexpr double kOnPath = 0.1;
 
@@ -205,10 +212,9 @@ constexpr double kOnPath = 0.1;
 // (leastL1Period; a shorter one cannot turn onto a path that it crosses) and by a longer one. Not farther from the path on
 // lines and loiter in the second half of their time, and not away from it for longer. The turns of a Dubins sequence can
 // be followed, so there every distance counts once the path is joined.
-void expectNeverWorse(const Mission& mission, const Flight& flight, double share,
-                      const SwitchCriterion& criterion, bool can_be_followed) {
+void expectNeverWorse(const Mission& mission, const Flight& flight, double share, bool can_be_followed) {
   for (const double period : {leastL1Period(kFast, L1Options{}), 40.0}) {
-    const Flight usual = flyL1(mission, windOf(share), criterion, period);
+    const Flight usual = flyL1(mission, windOf(share), turnRadius(), period);
     EXPECT_LE(flight.metrics.converged, std::max(kOnPath, usual.metrics.converged)) << share << ' ' << period;
     EXPECT_LE(flight.metrics.loiter, std::max(kOnPath, usual.metrics.loiter)) << share << ' ' << period;
     EXPECT_LE(timeAway(mission, flight), timeAway(mission, usual)) << share << ' ' << period;
@@ -227,10 +233,10 @@ TEST(FastFlight, DubinsByDefaultsAndCalibratedIsHeldAndNeverWorseThanByL1) {
       EXPECT_LT(flight.metrics.after_joining, kBar * kFast) << share;
       EXPECT_LT(flight.metrics.loiter, 1.0) << share;
       EXPECT_EQ(flight.fallbacks, 0);
-      expectNeverWorse(mission, flight, share, parameters.guidance.criterion, true);
+      expectNeverWorse(mission, flight, share, true);
       // Shorter periods too, where L1 joins by them.
       for (const double period : {16.0, 25.0}) {
-        const Flight usual = flyL1(mission, windOf(share), parameters.guidance.criterion, period);
+        const Flight usual = flyL1(mission, windOf(share), turnRadius(), period);
         if (!usual.metrics.has_joined) continue;
         EXPECT_LE(flight.metrics.after_joining, usual.metrics.after_joining) << share << ' ' << period;
       }
@@ -253,24 +259,32 @@ TEST(FastFlight, DubinsThatIsPlannedForAnotherRollLoopIsLeft) {
   EXPECT_NE(steep.find("(5 deg/s presumed, as model/roll_rate_max is not set)"), std::string::npos) << steep;
 }
 
-// The same options as at 14 m/s, airspeed and roll loop included: the scale comes from the measured airspeed.
-TEST(FastFlight, TheBoxConvergesWithAllOptionsAsShipped) {
+// The same options as at 14 m/s, airspeed, roll loop and acceptance radius included: the scale comes from the measured
+// airspeed. Over the whole flight, corners included, L1 is compared with each period, and with a greater radius too.
+TEST(FastFlight, TheBoxConvergesWithAllOptionsAsShippedAndCostsLessThanByL1) {
+  const Mission mission = boxFigure(kScale * kScale);
   for (const double share : {0.0, 0.3, 0.5}) {
-    GuidanceOptions options;
-    options.criterion.acceptance_radius = kScale * kScale * 28.5;
-    const Mission mission = boxFigure(kScale * kScale);
-    const Flight flight = flyFast(mission, windOf(share), options);
+    const Flight flight = flyFast(mission, windOf(share), GuidanceOptions{});
     EXPECT_LT(flight.metrics.converged, kBar * kFast) << share;
     EXPECT_LT(flight.metrics.loiter, 1.0) << share;
     EXPECT_EQ(flight.fallbacks, 0);
-    expectNeverWorse(mission, flight, share, options.criterion, false);
-    const Flight usual = flyL1(mission, windOf(share), options.criterion, L1Options{}.period);
-    EXPECT_LE(flight.metrics.rms, usual.metrics.rms) << share;
+    expectNeverWorse(mission, flight, share, false);
+    for (const double period : {16.0, 25.0, leastL1Period(kFast, L1Options{}), 40.0}) {
+      const Flight usual = flyL1(mission, windOf(share), turnRadius(), period);
+      EXPECT_LE(flight.metrics.rms, usual.metrics.rms) << share << ' ' << period;
+    }
+    SwitchCriterion wider = turnRadius();
+    wider.acceptance_radius *= 1.4;
+    const Flight wide = flyL1(mission, windOf(share), wider, 40.0);
+    EXPECT_LE(flight.metrics.rms, wide.metrics.rms) << share;
   }
-  GuidanceOptions published_track;
-  published_track.weights.track = LateralWeights{}.track;
-  published_track.criterion.acceptance_radius = kScale * kScale * 28.5;
-  const Flight flight = flyFast(boxFigure(kScale * kScale), windOf(0.3), published_track);
+}
+
+TEST(FastFlight, TheBoxConvergesAsPublishedButForTheAirspeed) {
+  GuidanceOptions options;
+  options.weights.track = LateralWeights{}.track;
+  options.criterion = turnRadius();
+  const Flight flight = flyFast(boxFigure(kScale * kScale), windOf(0.3), options);
   EXPECT_LT(flight.metrics.converged, kBar * kFast);
   EXPECT_EQ(flight.fallbacks, 0);
 }

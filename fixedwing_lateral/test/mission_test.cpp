@@ -57,6 +57,24 @@ TEST(MissionTrack, CutsCornersAndDoesNotCutSmoothJunctions) {
   EXPECT_TRUE(straight.advance({191.0, 0.0}, kNorthward));
 }
 
+TEST(MissionTrack, SwitchesCornersAtTheirBisectorWhereThatIsAskedFor) {
+  SwitchCriterion criterion;
+  criterion.at_bisector = true;
+  MissionTrack track(
+      missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}, {0.0, 210.0}, {0.0, 410.0}}, {}, "test"),
+      criterion, "test");
+  EXPECT_FALSE(track.advance({166.0, 0.0}, kNorthward));
+  EXPECT_FALSE(track.advance({190.0, 9.0}, kNorthward));
+  EXPECT_TRUE(track.advance({190.0, 11.0}, kNorthward));
+  EXPECT_FALSE(track.advance({190.0, 150.0}, {0.0, 14.0}));
+  track.shapeCorner({4.0, 0.0});  // up to 140 m from the corner
+  EXPECT_TRUE(track.advance({80.0, 180.0}, {-10.0, 10.0}));
+  EXPECT_EQ(track.index(), 2);
+  // By the published condition, for a law that does not look ahead.
+  EXPECT_FALSE(track.advance({30.0, 208.0}, {-14.0, 0.0}));
+  EXPECT_TRUE(track.advance({30.0, 208.0}, {-14.0, 0.0}, true));
+}
+
 TEST(MissionTrack, GoesOnWhereALineLiesBehind) {
   MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}, {200.0, 200.0}}, {}, "test"), kCriterion,
                      "test");

@@ -72,6 +72,60 @@ TEST(SwitchGate, DoesNotSkipAnArcThatBeginsNearItsEnd) {
   }
 }
 
+// A corner to the east, at the end of the way north.
+TEST(SwitchGate, AtItsBisectorIsMetWhereTheNextSegmentIsNearer) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect({0.0, 1.0});
+  for (double north = 170.0; north <= 230.0; north += 2.0) {
+    for (double east = -29.0; east <= 31.0; east += 2.0) {
+      const Vector2d position(north, east);
+      const Vector2d from_corner(north - 200.0, east);
+      if (from_corner.norm() > 34.9) continue;
+      const double from_next = east < 0.0 ? from_corner.norm() : std::abs(north - 200.0);
+      const double from_this = north > 200.0 ? from_corner.norm() : std::abs(east);
+      if (std::abs(from_next - from_this) < 1e-9) continue;  // beyond both ends, and on the bisector itself
+      EXPECT_EQ(gate.isMet(position, course(45.0)), from_next < from_this) << north << ' ' << east;
+    }
+  }
+  EXPECT_FALSE(gate.isMet({200.0, 35.1}, course(45.0)));
+  gate.shapeCorner({2.0, 0.0});
+  EXPECT_TRUE(gate.isMet({200.0, 69.9}, course(45.0)));
+  EXPECT_FALSE(gate.isMet({200.0, 70.1}, course(45.0)));
+  EXPECT_FALSE(gate.isOutOfReach({120.0, 0.0}, 10.1));
+  EXPECT_TRUE(gate.isOutOfReach({120.0, 0.0}, 9.9));
+}
+
+TEST(SwitchGate, AtItsBisectorTakesCoursesBetweenBothDirections) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect({0.0, 1.0});
+  for (double degrees = -179.5; degrees < 180.0; degrees += 3.0) {
+    const bool is_between = degrees > -45.0 && degrees < 135.0;
+    EXPECT_EQ(gate.isMet({199.0, 4.0}, course(degrees)), is_between) << degrees;
+  }
+  EXPECT_FALSE(gate.isMet({199.0, 4.0}, Vector2d::Zero()));
+  EXPECT_FALSE(gate.isMet({std::nan(""), 4.0}, course(45.0)));
+}
+
+TEST(SwitchGate, AtItsBisectorKeepsThePublishedConditionForLawsThatAskForIt) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect({0.0, 1.0});
+  EXPECT_FALSE(gate.isMet({170.0, 0.0}, course(0.0)));
+  EXPECT_TRUE(gate.isMetAsPublished({170.0, 0.0}, course(0.0)));
+  EXPECT_FALSE(gate.isMetAsPublished({170.0, 0.0}, course(50.0)));
+}
+
+// Where a path leads back, nothing is cut, and there is no side on which the next segment is nearer.
+TEST(SwitchGate, HasNoBisectorFrom120DegreesOn) {
+  for (const double degrees : {60.0, 119.0, 121.0, 180.0}) {
+    SwitchGate gate = gateOf(kNorthward);
+    gate.bisect(course(degrees).normalized());
+    EXPECT_EQ(gate.isMet({170.0, 0.0}, course(0.0)), degrees > 120.0) << degrees;
+  }
+  SwitchGate never;
+  never.bisect({0.0, 1.0});
+  EXPECT_FALSE(never.isMet({1.0, 1.0}, course(45.0)));
+}
+
 TEST(SwitchGate, RefusesACriterionOutOfRange) {
   const auto refused = [](const SwitchCriterion& criterion, const std::string& field) {
     try {

@@ -45,35 +45,7 @@ parameters:
 )";
 }
 
-std::string cart(const std::string& slack) {
-  return R"(polyfly_problem: 1
-name: cart
-type: tracking_mpc
-model:
-  time: discrete
-  states:
-    - {name: p, unit: m}
-    - {name: v, unit: m/s}
-  inputs:
-    - {name: a, unit: m/s^2, range: [-1, 1.5]}
-  disturbances: [{name: w, unit: m/s^2, range: [-0.2, 0.3]}]
-  A: [[1, 0.5], [0, 1]]
-  B: [[0.125], [0.5]]
-  B_d: [[0.125], [0.5]]
-  C: [[1, 0]]
-sampling_time: 0.5
-horizon: 5
-weights:
-  Q: [4, 1]
-  R: [[0.5]]
-constraints:
-  - {of: v, range: [-2, 2.5], soft: {linear: 30, quadratic: 1, slack: )" +
-         slack + R"(}}
-parameters:
-  - {name: e_p, role: error, of: p, unit: m, range: [-10, 10]}
-  - {name: e_v, role: error, of: v, unit: m/s, range: [-4, 4]}
-)";
-}
+std::string cart(const std::string& slack) { return cartProblem(softSpeed(30.0, slack), {5, true}); }
 
 /// A made problem with a disturbance of its second state.
 std::string madeLoop(unsigned seed) {

@@ -23,6 +23,7 @@
 #include "polyfly_base/error.hpp"
 #include "random.hpp"
 #include "reduce/minimum_cover.hpp"
+#include "reduce/separate.hpp"
 #include "reduction_mutation.hpp"
 #include "reference_problems.hpp"
 
@@ -137,6 +138,31 @@ TEST(ReduceOptimally, AgreesWithBruteForceOnRandomGrids) {
     EXPECT_GE(greedy, fewest);
     EXPECT_LT(greedy, original.map().regionCount());
   }
+}
+
+// Strips across the box: upper, lower, upper. Two planes are needed.
+TEST(Separate, StopsAtItsLimitAndSaysSo) {
+  ScaledPlanes planes{2, {1.0, 0.0, -0.5, 1.0, 0.0, -0.4, 1.0, 0.0, 0.2, 1.0, 0.0, 0.3}};
+  const RowList box = planes.addBox();
+  CellGeometry geometry(planes);
+  const auto strip = [&](const RowList& rows) {
+    ConvexCell cell;
+    cell.rows = box;
+    cell.rows.insert(cell.rows.end(), rows.begin(), rows.end());
+    geometry.describe(cell);
+    return cell;
+  };
+  const std::vector<ConvexCell> upper = {strip({1}), strip({-4})};
+  const std::vector<ConvexCell> lower = {strip({-2, 3})};
+  const ConvexCell domain = strip({});
+  const Separation stopped = separate(geometry, planes, domain, upper, lower, 8, 5);
+  EXPECT_TRUE(stopped.limited);
+  EXPECT_FALSE(stopped.done);
+  const Separation whole = separate(geometry, planes, domain, upper, lower, 8);
+  EXPECT_TRUE(whole.done);
+  EXPECT_FALSE(whole.limited);
+  EXPECT_EQ(whole.planes, 2u);
+  EXPECT_EQ(whole.fallbacks.size(), 3u);
 }
 
 TEST(MinimumCover, AgreesWithBruteForce) {

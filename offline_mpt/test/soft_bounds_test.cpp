@@ -9,39 +9,13 @@
 
 #include "mpc_core/mpc_problem.hpp"
 #include "offline_mpt/explore.hpp"
+#include "soft_problems.hpp"
 #include "verify/program_oracle.hpp"
 
 namespace polyfly {
 namespace {
 
 constexpr double kTolerance = 1e-6;
-
-/// A mass on a line, and what is said of its speed.
-std::string problemText(const std::string& constraints, const std::string& box = "4") {
-  return R"(polyfly_problem: 1
-name: cart
-type: tracking_mpc
-model:
-  time: discrete
-  states:
-    - {name: p, unit: m}
-    - {name: v, unit: m/s}
-  inputs:
-    - {name: a, unit: m/s^2, range: [-1, 1.5]}
-  A: [[1, 0.5], [0, 1]]
-  B: [[0.125], [0.5]]
-  C: [[1, 0]]
-sampling_time: 0.5
-horizon: 5
-weights:
-  Q: [4, 1]
-  R: [[0.5]]
-constraints:
-)" + constraints +
-         "parameters:\n  - {name: e_p, role: error, of: p, unit: m, range: [-10, 10]}\n"
-         "  - {name: e_v, role: error, of: v, unit: m/s, range: [-" +
-         box + ", " + box + "]}\n";
-}
 
 struct Solved {
   explicit Solved(const std::string& text)
@@ -82,8 +56,7 @@ double excessAt(ProgramOracle* oracle, const Eigen::VectorXd& theta) {
 
 TEST(SoftBounds, TheGreatestExcessIsReachedAndNeverPassed) {
   for (const char* slack : {"stage", "horizon"}) {
-    const Solved solved(problemText("  - {of: v, range: [-2, 2.5], soft: {linear: 30, quadratic: 1, slack: " +
-                                    std::string(slack) + "}}\n"));
+    const Solved solved(cartProblem(softSpeed(30.0, slack)));
     ASSERT_EQ(solved.partition.status, ExploreStatus::kComplete);
     ASSERT_EQ(solved.bounds.size(), 1u);
     const SoftBound& bound = solved.bounds[0];
@@ -105,8 +78,7 @@ TEST(SoftBounds, TheGreatestExcessIsReachedAndNeverPassed) {
 
 TEST(SoftBounds, AnExactWeightExceedsTheBoundOnlyWhereItCannotHold) {
   for (const double weight : {1000.0, 5.0}) {
-    const Solved solved(problemText("  - {of: v, range: [-2, 2.5], soft: {linear: " + std::to_string(weight) +
-                                    ", quadratic: 1}}\n"));
+    const Solved solved(cartProblem(softSpeed(weight, "stage")));
     const SoftBound& bound = solved.bounds.at(0);
     const ParametricProgram hard = withHardBounds(solved.program);
     EXPECT_EQ(hard.variableCount(), 5);
@@ -134,15 +106,11 @@ TEST(SoftBounds, AnExactWeightExceedsTheBoundOnlyWhereItCannotHold) {
 }
 
 TEST(SoftBounds, AWeightJustAboveTheGreatestMultiplierIsExactAndOneJustBelowIsNot) {
-  const auto constraint = [](double weight) {
-    return "  - {of: v, range: [-2, 2.5], soft: {linear: " + std::to_string(weight) +
-           ", quadratic: 1, slack: horizon}}\n";
-  };
-  const double greatest = Solved(problemText(constraint(100.0))).bounds.at(0).multiplier.value;
+  const double greatest = Solved(cartProblem(softSpeed(100.0, "horizon"))).bounds.at(0).multiplier.value;
   EXPECT_GT(greatest, 1.0);
-  const Solved above(problemText(constraint(greatest * 1.001)));
+  const Solved above(cartProblem(softSpeed(greatest * 1.001, "horizon")));
   EXPECT_EQ(above.bounds.at(0).exactness, SoftBound::Exactness::kExact);
-  const Solved below(problemText(constraint(greatest * 0.99)));
+  const Solved below(cartProblem(softSpeed(greatest * 0.99, "horizon")));
   ASSERT_EQ(below.bounds.at(0).exactness, SoftBound::Exactness::kNotExact);
   // Near the witness there are parameters where hard bounds hold and the soft one is exceeded all the same.
   ProgramOracle soft_oracle(below.slacks);
@@ -162,7 +130,7 @@ TEST(SoftBounds, AWeightJustAboveTheGreatestMultiplierIsExactAndOneJustBelowIsNo
 }
 
 TEST(SoftBounds, ABoundThatIsNeverReachedHasNoExcess) {
-  const Solved solved(problemText("  - {of: v, range: [-50, 50], soft: {linear: 1, quadratic: 1}}\n"));
+  const Solved solved(cartProblem("  - {of: v, range: [-50, 50], soft: {linear: 1, quadratic: 1}}\n"));
   EXPECT_EQ(solved.bounds.at(0).excess.value, 0.0);
   EXPECT_EQ(solved.bounds[0].exactness, SoftBound::Exactness::kExact);
   EXPECT_NE(softBoundText(solved.bounds[0]).find("never exceeded"), std::string::npos);
@@ -170,7 +138,7 @@ TEST(SoftBounds, ABoundThatIsNeverReachedHasNoExcess) {
 
 TEST(SoftBounds, ABoundThatCanNeverHoldIsSaid) {
   const Solved solved(
-      problemText("  - {name: impossible, of: {v: 1, p: 0.0001}, unit: m/s, lower: 40, "
+      cartProblem("  - {name: impossible, of: {v: 1, p: 0.0001}, unit: m/s, lower: 40, "
                   "soft: {linear: 10, quadratic: 1}}\n"));
   const SoftBound& bound = solved.bounds.at(0);
   EXPECT_EQ(bound.exactness, SoftBound::Exactness::kNeverFeasible);
@@ -178,14 +146,34 @@ TEST(SoftBounds, ABoundThatCanNeverHoldIsSaid) {
   EXPECT_NE(softBoundText(bound).find("no parameter of the box"), std::string::npos);
 }
 
+// Boxes whose edges are not sums of their middle and half of their width in doubles.
+TEST(SoftBounds, TheWorstParametersLieInTheBox) {
+  for (const char* box : {"[-0.7, 3.1]", "[-3.3, 0.1]", "[-2.3, 2.9]"}) {
+    std::string text = cartProblem(softSpeed(2.0, "horizon"), {2, true});
+    const std::string range = "unit: m/s, range: [-4, 4]";
+    text.replace(text.find(range), range.size(), "unit: m/s, range: " + std::string(box));
+    const Solved solved(text);
+    const SoftBound& bound = solved.bounds.at(0);
+    ASSERT_EQ(bound.excess.theta.size(), 2) << box;
+    ASSERT_EQ(bound.multiplier.theta.size(), 2) << box;
+    for (const Eigen::VectorXd& theta : {bound.excess.theta, bound.multiplier.theta}) {
+      for (Eigen::Index i = 0; i < theta.size(); ++i) {
+        const Signal& signal = solved.program.parameters[static_cast<std::size_t>(i)];
+        EXPECT_GE(theta(i), signal.lower) << box;
+        EXPECT_LE(theta(i), signal.upper) << box;
+      }
+    }
+  }
+}
+
 TEST(SoftBounds, AQuadraticWeightAloneIsNotExactWhereTheBoundIsActive) {
-  const Solved solved(problemText("  - {of: v, upper: 2, soft: {quadratic: 1000}}\n"));
+  const Solved solved(cartProblem("  - {of: v, upper: 2, soft: {quadratic: 1000}}\n"));
   EXPECT_EQ(solved.bounds.at(0).exactness, SoftBound::Exactness::kNotExact);
   EXPECT_EQ(solved.bounds[0].linear_weight, 0.0);
 }
 
 TEST(SoftBounds, ThereAreNoneWithoutSlacks) {
-  const Solved solved(problemText("  - {of: v, range: [-6, 6]}\n"));
+  const Solved solved(cartProblem("  - {of: v, range: [-6, 6]}\n"));
   EXPECT_TRUE(solved.bounds.empty());
 }
 

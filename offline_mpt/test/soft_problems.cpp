@@ -89,4 +89,44 @@ std::string madeProblem(const ProblemTraits& traits, unsigned seed) {
   return ProblemText(traits, seed).write();
 }
 
+std::string cartProblem(const std::string& constraints, const CartTraits& traits) {
+  std::ostringstream text;
+  text << R"(polyfly_problem: 1
+name: cart
+type: tracking_mpc
+model:
+  time: discrete
+  states:
+    - {name: p, unit: m}
+    - {name: v, unit: m/s}
+  inputs:
+    - {name: a, unit: m/s^2, range: [-1, 1.5]}
+)";
+  if (traits.is_disturbed) {
+    text << R"(  disturbances: [{name: w, unit: m/s^2, range: [-0.2, 0.3]}]
+  B_d: [[0.125], [0.5]]
+)";
+  }
+  text << R"(  A: [[1, 0.5], [0, 1]]
+  B: [[0.125], [0.5]]
+  C: [[1, 0]]
+sampling_time: 0.5
+weights:
+  Q: [4, 1]
+  R: [[0.5]]
+constraints:
+)" << constraints
+       << "horizon: " << traits.horizon << R"(
+parameters:
+  - {name: e_p, role: error, of: p, unit: m, range: [-10, 10]}
+  - {name: e_v, role: error, of: v, unit: m/s, range: [-4, 4]}
+)";
+  return text.str();
+}
+
+std::string softSpeed(double linear, const std::string& slack) {
+  return "  - {of: v, range: [-2, 2.5], soft: {linear: " + std::to_string(linear) +
+         ", quadratic: 1, slack: " + slack + "}}\n";
+}
+
 }  // namespace polyfly

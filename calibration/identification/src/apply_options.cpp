@@ -162,6 +162,10 @@ void putRollLoop(const CalibrationDocument& calibration, YamlEdits* edits) {
   for (const char* key : {"a0", "a1", "b0"})
     edits->putNumber("model", key, calibration.supportedAbove0(place, key, ""));
   if (delayed) edits->putNumber("guidance", "delay", calibration.supported(place, "delay"));
+  // A flight that does not show the greatest rate says nothing against the one that is stated.
+  const std::vector<std::string> rate = {"axes", "roll", "greatest_rate"};
+  if (calibration.has(rate) && calibration.at(rate).at("supported").text() == "true")
+    edits->putNumber("model", "roll_rate_max", calibration.supportedAbove0(rate, "value", ""));
 }
 
 void putProvenance(const std::string& text, YamlEdits* edits) {

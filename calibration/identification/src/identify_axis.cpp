@@ -145,6 +145,17 @@ double blockLength(const std::vector<LoopSegment>& segments) {
   return std::clamp(0.4 * longest, kShortestBlock, kLongestBlock);
 }
 
+// A linear model has no greatest rate: where the loop moves at it, nothing is fitted.
+void leaveOutGreatestRate(const std::vector<LoopSegment>& segments, std::vector<TimeWindow>* windows,
+                          AxisModel* model) {
+  if (!model->greatest_rate->supported()) return;
+  std::vector<RejectedWindow> left_out;
+  for (const TimeWindow& stretch : stretchesAt(model->greatest_rate->value, segments))
+    left_out.push_back({stretch, "the rate is at its limit"});
+  *windows = windowsWithout(*windows, left_out);
+  for (RejectedWindow& one : left_out) model->choice.rejected.push_back(std::move(one));
+}
+
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
                               const IdentifyOptions& options, ExcitationChoice* choice) {
   *choice = chooseExcitation(record, options.excitation);
@@ -185,7 +196,14 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  const std::vector<TimeWindow> windows = given(options.windows, model.record, options, &model.choice);
+  std::vector<TimeWindow> windows = given(options.windows, model.record, options, &model.choice);
+  if (options.second_order) {
+    const std::vector<LoopSegment> all = cutSegments(model.record, windows, options.fit.delay_greatest);
+    model.rates = loopRates(all);
+    model.greatest_rate = greatestRate({model.rates});
+    leaveOutGreatestRate(all, &windows, &model);
+    model.choice.windows = windows;
+  }
   model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +

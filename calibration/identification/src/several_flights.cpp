@@ -237,6 +237,12 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   AxisRecords records = joined(flights);
   records.validation = validation;
   AxisModel model = identifyAxis(records, jointOptions(flights, options));
+  if (model.greatest_rate) {
+    // The flights' own windows no longer hold the moves at the greatest rate.
+    std::vector<LoopRates> rates;
+    for (const IdentifiedFlight& flight : flights) rates.push_back(flight.model.rates);
+    model.greatest_rate = greatestRate(rates);
+  }
   addFlights(flights, validateByFlights(flights, &model), &model);
   FitOptions bounds = options.fit;
   bounds.order = LoopOrder::kFirst;

@@ -204,6 +204,18 @@ TEST(ApplyToOptions, AFixedWingTakesEq45AsItsGuidancePredicts) {
   EXPECT_EQ(yaml["guidance"]["airspeed_nominal"].as<double>(), 14.0);
 }
 
+TEST(ApplyToOptions, AFixedWingTakesAGreatestRollRateThatIsSupported) {
+  const std::string model =
+      "    model_second_order_without_delay: {a0: 11, a1: 5, b0: 10, supported: true}\n";
+  const std::string rate =
+      "    greatest_rate: {value: 0.15, interval_95: [0.14, 0.16], moves: 5, supported: ";
+  const std::string file = attitude("fixed_wing");
+  AppliedOptions applied = appliedTo(config("techpod"), {replaced(file, model, model + rate + "true}\n")});
+  EXPECT_EQ(YAML::Load(applied.text)["model"]["roll_rate_max"].as<double>(), 0.15);
+  applied = appliedTo(config("techpod"), {replaced(file, model, model + rate + "false}\n")});
+  EXPECT_FALSE(YAML::Load(applied.text)["model"]["roll_rate_max"]);
+}
+
 // A delay that is stated is compensated; one that is not goes into the lag.
 TEST(ApplyToOptions, TheDelayGoesWhereItIsStated) {
   const std::string before = config("firefly");

@@ -1,5 +1,6 @@
 #include "made_flight.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -13,8 +14,6 @@ constexpr double kStep = 1e-3;
 constexpr double kRounding = 1e-9;
 // Correlation time of the coloured noise [s].
 constexpr double kMemory = 0.3;
-// Shortest pulse of a manoeuvre [s].
-constexpr double kPulse = 0.6;
 // Pause after a manoeuvre, in pulses.
 constexpr double kPauses = 2.0;
 constexpr double kManoeuvre = 4.0 + kPauses;
@@ -22,8 +21,8 @@ constexpr double kManoeuvre = 4.0 + kPauses;
 // 2-1-1: a pulse of double length, its opposite, and the first again.
 using Amplitudes = std::array<double, 4>;
 
-double commandAt(const Amplitudes& amplitudes, double time) {
-  const double pulses = time / kPulse;
+double commandAt(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
+  const double pulses = time / loop.pulse;
   const auto manoeuvre = static_cast<std::size_t>(pulses / kManoeuvre);
   const double at = pulses - static_cast<double>(manoeuvre) * kManoeuvre;
   const double amplitude = amplitudes[manoeuvre % amplitudes.size()];
@@ -36,7 +35,7 @@ double commandAt(const Amplitudes& amplitudes, double time) {
 double heldCommand(const MadeLoop& loop, const Amplitudes& amplitudes, double time) {
   const double seen = time - loop.delay;
   if (seen < 0.0) return 0.0;
-  return commandAt(amplitudes,
+  return commandAt(loop, amplitudes,
                    std::floor(seen * loop.command_rate + kRounding) / loop.command_rate + kRounding);
 }
 
@@ -60,8 +59,10 @@ State advance(const MadeLoop& loop, const Amplitudes& amplitudes, const State& s
   const State k3 = derivative(loop, moved(k2, 0.5 * kStep), middle);
   const State k4 = derivative(loop, moved(k3, kStep), middle);
   const auto mean = [](double a, double b, double c, double d) { return (a + 2.0 * b + 2.0 * c + d) / 6.0; };
-  return moved({mean(k1.value, k2.value, k3.value, k4.value), mean(k1.rate, k2.rate, k3.rate, k4.rate)},
-               kStep);
+  State next =
+      moved({mean(k1.value, k2.value, k3.value, k4.value), mean(k1.rate, k2.rate, k3.rate, k4.rate)}, kStep);
+  if (loop.rate_greatest > 0.0) next.rate = std::clamp(next.rate, -loop.rate_greatest, loop.rate_greatest);
+  return next;
 }
 
 // Gain, lag and delay as they drift: each an Ornstein-Uhlenbeck process about its value.
@@ -104,13 +105,13 @@ LoopRecord makeFlight(const MadeLoop& loop, std::uint32_t seed) {
   std::uniform_real_distribution<double> uniform(-0.2, 0.2);
   std::uniform_real_distribution<double> stretch(0.8, 1.2);
   Amplitudes amplitudes = {0.15, -0.25, 0.35, -0.1};
-  for (double& amplitude : amplitudes) amplitude *= stretch(random);
+  for (double& amplitude : amplitudes) amplitude *= loop.size * stretch(random);
   LoopRecord record;
   record.command = {{-1.0}, {0.0}};
   record.source = "made flight";
   for (int i = 0; i < static_cast<int>(loop.duration * loop.command_rate); ++i) {
     const double time = i / loop.command_rate;
-    const double command = commandAt(amplitudes, time + kRounding);
+    const double command = commandAt(loop, amplitudes, time + kRounding);
     record.command.time.push_back(time);
     record.command.value.push_back(loop.quantum > 0.0 ? loop.quantum * std::round(command / loop.quantum)
                                                       : command);

@@ -18,6 +18,8 @@ struct MadeLoop {
   double a0 = 14.0;
   /// Coefficient a1 of Eq. 45, second order [1/s].
   double a1 = 6.5;
+  /// Greatest rate, second order; 0: none.
+  double rate_greatest = 0.0;
   double delay = 0.1;  ///< [s]
   double offset = 0.01;
   /// Standard deviation of the white noise.
@@ -31,6 +33,10 @@ struct MadeLoop {
   /// Correlation time of this drift [s].
   double drift_memory = 20.0;
   double duration = 30.0;  ///< [s]
+  /// Shortest pulse of a manoeuvre [s].
+  double pulse = 0.6;
+  /// Factor of the command's amplitudes.
+  double size = 1.0;
   /// Rate of the response, with jittered times [Hz].
   double response_rate = 50.0;
   double command_rate = 50.0;  ///< [Hz]

@@ -48,12 +48,20 @@ inline LateralWeights defaultWeights() {
   return weights;
 }
 
+/// When a segment counts as flown by default: a corner at its bisector. So the horizon sees of each place the error from the
+/// nearer segment, and a corner is cut on the inside no more than it is passed on the outside.
+inline SwitchCriterion defaultCriterion() {
+  SwitchCriterion criterion;
+  criterion.at_bisector = true;
+  return criterion;
+}
+
 struct GuidanceOptions {
   HorizonOptions horizon;
   LateralWeights weights = defaultWeights();
   LateralLimits limits;
   LateralModel model;
-  SwitchCriterion criterion;
+  SwitchCriterion criterion = defaultCriterion();
   LoiterOptions loiter;
   SafetyOptions safety;
   /// Time between two calls [s].
@@ -88,6 +96,7 @@ inline GuidanceOptions publishedGuidance() {
   // Only the roll reference has bounds.
   options.limits.roll = 1.4;
   options.criterion.smooth_radius = options.criterion.acceptance_radius;
+  options.criterion.at_bisector = false;
   options.wind_correction_time = 0.0;
   options.learn_disturbance = false;
   options.choose_side = false;
@@ -130,6 +139,7 @@ void visitGuidance(Options& options, Visit&& visit) {
   visit("path/acceptance_radius", options.criterion.acceptance_radius, "m", Range{0.1, 1e4});
   visit("path/smooth_radius", options.criterion.smooth_radius, "m", Range{0.1, 1e4});
   visit("path/course_tolerance", options.criterion.course_tolerance, "rad", Range{0.01, 3.14});
+  visit("path/switch_at_bisector", options.criterion.at_bisector);
   visit("path/choose_side", options.choose_side);
   visit("path/loiter_radius", options.loiter.radius, "m", Range{1.0, 1e5});
   visit("guidance/period", options.period, "s", Range{0.005, 1.0});

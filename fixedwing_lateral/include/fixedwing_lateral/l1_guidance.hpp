@@ -23,8 +23,8 @@ double leastL1Period(double ground_speed, const L1Options& options) noexcept;
 
 /// The guidance of many autopilots, to compare with: towards a point of the path at the distance L1 ahead, by
 /// the lateral acceleration 2 v^2 / L1 sin(eta) of the ground velocity (Park, Deyst and How, 2004), L1 in
-/// proportion to the ground speed. It sees one segment and no roll dynamics. Missions as in LateralGuidance;
-/// no failsafe policy.
+/// proportion to the ground speed. It sees one segment and no roll dynamics. Missions as in LateralGuidance, with the
+/// published switch condition at each corner; no failsafe policy.
 class L1Guidance {
  public:
   /// Throws polyfly::Error like MissionTrack.

@@ -55,8 +55,13 @@ class MissionTrack {
   const SwitchGate& gate() const noexcept { return gates_[index_]; }
   const std::vector<PathSegment>& segments() const noexcept { return mission_.segments; }
 
-  /// Goes on by at most one segment; true where it did. Allocates nothing.
-  bool advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) noexcept;
+  /// Of the corner at the end of the segment that is flown. Of a track that is not empty. Allocates nothing.
+  void shapeCorner(const CornerShape& shape) noexcept { gates_[index_].shapeCorner(shape); }
+
+  /// Goes on by at most one segment; true where it did. Corners count by the rule of the criterion, or as published.
+  /// Allocates nothing.
+  bool advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity,
+               bool as_published = false) noexcept;
 
  private:
   bool hasPassedEnd(const Eigen::Vector2d& position) noexcept;

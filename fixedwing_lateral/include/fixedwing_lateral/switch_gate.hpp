@@ -15,6 +15,14 @@ struct SwitchCriterion {
   double course_tolerance = kPi / 4.0;
   /// The acceptance radius where the next segment continues in the same direction, without a corner [m], > 0.
   double smooth_radius = 10.0;
+  /// Whether a corner is switched at its bisector, see SwitchGate::bisect. False as published.
+  bool at_bisector = false;
+};
+
+/// What the speed makes of a corner that is bisected.
+struct CornerShape {
+  double radius_scale = 1.0;  ///< factor of the acceptance radius, > 0
+  double lead = 0.0;          ///< how far before the bisector it is switched [m], >= 0
 };
 
 /// The switch condition of one segment, made ready for the horizon.
@@ -32,19 +40,45 @@ class SwitchGate {
   /// the criterion is out of its range.
   SwitchGate(const PathSegment& segment, const SwitchCriterion& criterion, const std::string& where);
 
+  /// The next segment begins at this one's end, in the direction `onward` (a unit vector). Then the condition is also that
+  /// the position lies beyond the line that halves the angle between both segments, where the next one is the nearer. The
+  /// course may be any between both directions, with the tolerance. Corners of 120 degrees and more stay as they are.
+  void bisect(const Eigen::Vector2d& onward) noexcept;
+
+  bool isBisected() const noexcept { return at_bisector_; }
+  /// Of a corner that is bisected: the mean direction of both segments, and the angle from one to the other [rad].
+  const Eigen::Vector2d& cornerDirection() const noexcept { return between_; }
+  double cornerAngle() const noexcept { return corner_angle_; }
+
+  void shapeCorner(const CornerShape& shape) noexcept { shape_ = shape; }
+
   /// False for a NaN, and below kLeastGroundSpeed.
   bool isMet(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity) const noexcept;
+
+  /// The condition as published, also at a corner that is bisected: for a law that does not see corners ahead.
+  bool isMetAsPublished(const Eigen::Vector2d& position,
+                        const Eigen::Vector2d& ground_velocity) const noexcept;
 
   /// The condition cannot be met within `distance` [m] of the position, whatever the velocity.
   bool isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept;
 
  private:
+  double radius() const noexcept {
+    return at_bisector_ ? shape_.radius_scale * acceptance_radius_ : acceptance_radius_;
+  }
+
   bool can_open_ = false;
   PathSegment segment_;
   PathPoint end_;
   double acceptance_radius_ = 0.0;  // [m]
   // Cosine of the course tolerance.
   double least_course_cosine_ = 0.0;
+  bool at_bisector_ = false;
+  // Mean direction of both segments at a corner, and the least cosine of the course's angle from it.
+  Eigen::Vector2d between_ = Eigen::Vector2d::Zero();
+  double least_corner_cosine_ = 0.0;
+  double corner_angle_ = 0.0;  // [rad]
+  CornerShape shape_;
 };
 
 }  // namespace polyfly

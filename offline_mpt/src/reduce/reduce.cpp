@@ -187,6 +187,10 @@ class Reducer {
         : joined <= kinds_ ? std::to_string(joined) + " saturated regions stay: as few as can be"
         : separation_.done
             ? std::to_string(joined) + " saturated regions stay: as many would take their place"
+        : separation_.limited
+            ? std::to_string(joined) +
+                  " saturated regions stay: the search for planes stopped at its limit of " +
+                  std::to_string(kMostSeparationSteps) + " linear programs"
             : std::to_string(joined) + " saturated regions stay: " +
                   "planes that were looked for one after the other do not separate them";
     stats_.saturated_regions = 0;

@@ -17,10 +17,14 @@ using Pieces = std::vector<ConvexCell>;
 /// max m  s.t.  a . v - c >= m on the first, <= -m on the second, |a_j| <= 1.
 class Separator {
  public:
-  explicit Separator(CellGeometry& geometry)
-      : geometry_(geometry),
+  Separator(CellGeometry& geometry, std::uint64_t most_steps)
+      : steps_left_(most_steps),
+        geometry_(geometry),
         p_(static_cast<std::size_t>(geometry.planes().p)),
         solver_(geometry.planes().p + 2) {}
+
+  /// Whether no step is left: then `find` finds nothing.
+  bool isExhausted() const { return steps_left_ == 0; }
 
   /// plane: a . t <= c holds on `below` and nowhere on `above`. False if there is none.
   bool find(Pieces& above, Pieces& below, std::vector<double>& plane) {
@@ -39,6 +43,12 @@ class Separator {
   }
 
  private:
+  bool takeStep() {
+    if (steps_left_ == 0) return false;
+    --steps_left_;
+    return true;
+  }
+
   void addRow(const std::vector<double>& coefficients, double bound) {
     double squared = 0.0;
     for (const double value : coefficients) squared += value * value;
@@ -71,7 +81,8 @@ class Separator {
     start[p_ + 1] = -1.0;
     direction[p_ + 1] = 1.0;
     const int count = static_cast<int>(rows_.size() / (p_ + 3));
-    if (!solver_.support(rows_.data(), count, start.data(), direction.data(), best.data())) return false;
+    if (!takeStep() || !solver_.support(rows_.data(), count, start.data(), direction.data(), best.data()))
+      return false;
     double squared = 0.0;
     for (std::size_t j = 0; j < p_; ++j) squared += best[j] * best[j];
     if (squared == 0.0) return false;
@@ -88,7 +99,7 @@ class Separator {
     std::vector<double> direction(plane.begin(), plane.end() - 1), point(p_);
     for (double& value : direction) value *= side;
     for (ConvexCell& piece : pieces) {
-      if (!geometry_.support(piece, direction.data(), point.data())) return false;
+      if (!takeStep() || !geometry_.support(piece, direction.data(), point.data())) return false;
       double distance = -plane[p_];
       for (std::size_t j = 0; j < p_; ++j) distance += plane[j] * point[j];
       if (side * distance <= -tolerance::kKeptMargin * margin) continue;
@@ -98,6 +109,7 @@ class Separator {
     return kept;
   }
 
+  std::uint64_t steps_left_;
   CellGeometry& geometry_;
   std::size_t p_;
   PolytopeSolver solver_;
@@ -106,8 +118,13 @@ class Separator {
 
 class PieceSplitter {
  public:
-  PieceSplitter(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain, std::size_t limit)
-      : geometry_(geometry), planes_(planes), domain_(domain), limit_(limit), separator_(geometry) {}
+  PieceSplitter(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain, std::size_t limit,
+                std::uint64_t most_steps)
+      : geometry_(geometry),
+        planes_(planes),
+        domain_(domain),
+        limit_(limit),
+        separator_(geometry, most_steps) {}
 
   Separation run(Pieces upper, Pieces lower) {
     RowList path;
@@ -121,7 +138,9 @@ class PieceSplitter {
         result_.done = true;
         return result_;
       }
-      if (!cutOff(upper, lower, path)) return result_;
+      const bool is_cut = cutOff(upper, lower, path);
+      result_.limited = separator_.isExhausted();
+      if (!is_cut || result_.limited) return result_;
     }
     if (!upper.empty() || !lower.empty()) addPart(path, 0, !upper.empty());
     result_.done = true;
@@ -226,8 +245,8 @@ ConvexCell domainOf(CellGeometry& geometry, std::vector<ConvexCell>& pieces, con
 
 Separation separate(CellGeometry& geometry, ScaledPlanes& planes, const ConvexCell& domain,
                     const std::vector<ConvexCell>& upper, const std::vector<ConvexCell>& lower,
-                    std::size_t limit) {
-  return PieceSplitter(geometry, planes, domain, limit).run(upper, lower);
+                    std::size_t limit, std::uint64_t most_steps) {
+  return PieceSplitter(geometry, planes, domain, limit, most_steps).run(upper, lower);
 }
 
 }  // namespace polyfly

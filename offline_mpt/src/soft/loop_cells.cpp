@@ -1,5 +1,6 @@
 #include "soft/loop_cells.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "soft/tolerances.hpp"
@@ -16,23 +17,26 @@ LoopScale::LoopScale(const MpcProblem& problem)
     channels_.push_back(static_cast<Eigen::Index>(i));
   }
   middle_.resize(static_cast<Eigen::Index>(entries.size()));
-  half_.resize(middle_.size());
+  lower_ = upper_ = half_ = middle_;
   for (Eigen::Index j = 0; j < middle_.size(); ++j) {
     const Signal& signal = *entries[static_cast<std::size_t>(j)];
+    lower_(j) = signal.lower;
+    upper_(j) = signal.upper;
     middle_(j) = 0.5 * (signal.lower + signal.upper);
     half_(j) = 0.5 * (signal.upper - signal.lower);
   }
 }
 
 Eigen::VectorXd LoopScale::theta(const Eigen::VectorXd& s) const {
-  return middle_.head(p_) + half_.head(p_).cwiseProduct(s.head(p_));
+  const Eigen::VectorXd theta = middle_.head(p_) + half_.head(p_).cwiseProduct(s.head(p_));
+  return theta.cwiseMax(lower_.head(p_)).cwiseMin(upper_.head(p_));
 }
 
 Eigen::VectorXd LoopScale::disturbance(const Eigen::VectorXd& s) const {
   Eigen::VectorXd d = Eigen::VectorXd::Zero(channel_count_);
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const Eigen::Index entry = p_ + static_cast<Eigen::Index>(i);
-    d(channels_[i]) = middle_(entry) + half_(entry) * s(entry);
+    d(channels_[i]) = std::clamp(middle_(entry) + half_(entry) * s(entry), lower_(entry), upper_(entry));
   }
   return d;
 }
@@ -101,7 +105,8 @@ void LoopCell::addRow(const Eigen::RowVectorXd& function) {
 bool LoopCell::enter() {
   if (empty_) return false;
   double radius = 0.0;
-  return solver_.chebyshevInBox(rows_.data(), count_, interior_.data(), radius) && radius > tolerance::kFaceOfOthers;
+  return solver_.chebyshevInBox(rows_.data(), count_, interior_.data(), radius) &&
+         radius > tolerance::kFaceOfOthers;
 }
 
 Eigen::VectorXd LoopCell::greatest(const Eigen::RowVectorXd& function) {

@@ -17,7 +17,7 @@ class LoopScale {
 
   Eigen::Index parameters() const { return p_; }
   Eigen::Index size() const { return middle_.size(); }
-  /// theta and d at s.
+  /// theta and d at s, within their ranges also where s is rounded.
   Eigen::VectorXd theta(const Eigen::VectorXd& s) const;
   Eigen::VectorXd disturbance(const Eigen::VectorXd& s) const;
   /// w = (theta, u, d, 1) under the law u = K theta + k, over (s, 1).
@@ -31,7 +31,7 @@ class LoopScale {
   Eigen::Index p_;
   std::vector<Eigen::Index> channels_;  // disturbances with a range
   Eigen::Index channel_count_;
-  Eigen::VectorXd middle_, half_;
+  Eigen::VectorXd lower_, upper_, middle_, half_;
 };
 
 /// A polytope in the box of s, half-space by half-space, and linear programs over it.

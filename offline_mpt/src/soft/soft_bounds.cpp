@@ -20,9 +20,13 @@ class RegionMaximum {
   explicit RegionMaximum(const std::vector<Signal>& parameters)
       : solver_(static_cast<int>(parameters.size())),
         middle_(static_cast<Eigen::Index>(parameters.size())),
-        half_(middle_.size()) {
+        half_(middle_.size()),
+        lower_(middle_.size()),
+        upper_(middle_.size()) {
     for (Eigen::Index j = 0; j < middle_.size(); ++j) {
       const Signal& signal = parameters[static_cast<std::size_t>(j)];
+      lower_(j) = signal.lower;
+      upper_(j) = signal.upper;
       middle_(j) = 0.5 * (signal.lower + signal.upper);
       half_(j) = 0.5 * (signal.upper - signal.lower);
     }
@@ -51,13 +55,14 @@ class RegionMaximum {
       if (solver_.support(rows_.data(), count_, interior_.data(), direction.data(), point.data()))
         theta = middle_ + half_.cwiseProduct(point);
     }
+    theta = theta.cwiseMax(lower_).cwiseMin(upper_);  // also where the box's edge is rounded
     const double value = on_theta.dot(theta) + constant;
     if (value > greatest->value) *greatest = {value, theta};
   }
 
  private:
   PolytopeSolver solver_;
-  Eigen::VectorXd middle_, half_, interior_;
+  Eigen::VectorXd middle_, half_, lower_, upper_, interior_;
   std::vector<double> rows_;
   int count_ = 0;
 };

@@ -53,7 +53,7 @@ void checkAxisFlight(const YamlField& flight) {
 void checkAttitudeAxis(const YamlField& axis) {
   axis.checkKeys(
       {}, {"unit", "supported", "model", "model_without_delay", "model_second_order",
-           "model_second_order_without_delay", "hover_command", "interval_holds_for", "flights", "windows",
+           "model_second_order_without_delay", "greatest_rate", "hover_command", "interval_holds_for", "flights", "windows",
            "left_out", "samples", "validation", "with_delay", "without_delay", "second_order", "warnings"});
   for (const char* model :
        {"model", "model_without_delay", "model_second_order", "model_second_order_without_delay"}) {
@@ -61,6 +61,8 @@ void checkAttitudeAxis(const YamlField& axis) {
     axis.at(model).checkKeys({}, {"gain", "tau", "delay", "offset", "a0", "a1", "b0", "intervals_95",
                                   "fit_percent", "validation_percent", "supported", "reasons"});
   }
+  if (axis.has("greatest_rate"))
+    axis.at("greatest_rate").checkKeys({"value", "supported"}, {"interval_95", "moves", "reasons"});
   if (axis.has("validation")) {
     axis.at("validation")
         .checkKeys({}, {"training_percent", "validation_percent", "by_halves", "by_flights"});

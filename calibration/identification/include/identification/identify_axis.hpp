@@ -7,6 +7,7 @@
 #include "identification/excitation.hpp"
 #include "identification/fit_loop.hpp"
 #include "identification/frequency_response.hpp"
+#include "identification/greatest_rate.hpp"
 #include "identification/loop_record.hpp"
 #include "identification/model_support.hpp"
 
@@ -76,6 +77,10 @@ struct AxisModel {
   LoopFit without_delay;
   /// Second-order model of Eq. 45 with a delay.
   std::optional<LoopFit> second_order;
+  /// What the flight shows of the loop's rates, where a second-order model was asked for.
+  LoopRates rates;
+  /// With a second-order model: the greatest rate, of all flights.
+  std::optional<GreatestRate> greatest_rate;
   /// Validation of with_delay.
   std::optional<AxisValidationFit> validation;
   /// What controllers can be given, each with its own evaluation: of thrust only `model`.

@@ -1,0 +1,155 @@
+// The greatest rate of made loops: where it is flown, where it is not, and what else looks like it.
+#include "identification/greatest_rate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "identification/attitude_output.hpp"
+#include "identification/fit_loop.hpp"
+#include "identification/identify_axis.hpp"
+#include "made_flight.hpp"
+
+namespace polyfly {
+namespace {
+
+/// A fixed wing that rolls by at most 0.15 rad/s, and steps of up to 40 degrees that are held for 6 s.
+test::MadeLoop slowRoller() {
+  test::MadeLoop made;
+  made.order = LoopOrder::kSecond;
+  made.a0 = 4.0;
+  made.a1 = 3.2;
+  made.rate_greatest = 0.15;
+  made.noise = 0.002;
+  made.pulse = 6.0;
+  made.size = 2.0;
+  made.duration = 150.0;
+  made.response_rate = made.command_rate = 20.0;
+  return made;
+}
+
+GreatestRate rateOf(const LoopRecord& record, double duration) {
+  return greatestRate({loopRates(cutSegments(record, {{0.0, duration}}, FitOptions().delay_greatest))});
+}
+
+AxisModel identified(const test::MadeLoop& made, std::uint32_t seed) {
+  AxisRecords records;
+  records.axis = "roll";
+  records.unit = records.command_unit = "rad";
+  records.training = test::makeFlight(made, seed);
+  IdentifyOptions options;
+  options.windows = {{0.0, made.duration}};
+  options.second_order = true;
+  return identifyAxis(records, options);
+}
+
+TEST(GreatestRate, IsFoundWithAnIntervalWhereLargeStepsAreHeld) {
+  for (const double limit : {0.12, 0.15, 0.2}) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+      test::MadeLoop made = slowRoller();
+      made.rate_greatest = limit;
+      const GreatestRate rate = rateOf(test::makeFlight(made, seed), made.duration);
+      ASSERT_TRUE(rate.supported()) << rate.reasons.front();
+      EXPECT_NEAR(rate.value, limit, 0.05 * limit) << seed;
+      EXPECT_LT(rate.half_width, 0.1 * limit);
+    }
+  }
+}
+
+TEST(GreatestRate, OfAFastLoopToo) {
+  test::MadeLoop made = slowRoller();
+  made.a0 = 14.0;
+  made.a1 = 6.5;
+  made.rate_greatest = 0.6;
+  made.response_rate = 50.0;
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const GreatestRate rate = rateOf(test::makeFlight(made, seed), made.duration);
+    ASSERT_TRUE(rate.supported()) << rate.reasons.front();
+    EXPECT_NEAR(rate.value, 0.6, 0.03) << seed;
+  }
+}
+
+TEST(GreatestRate, IsNotSupportedByALinearLoop) {
+  for (const double noise : {0.0, 0.002, 0.01}) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+      test::MadeLoop made = slowRoller();
+      made.rate_greatest = 0.0;
+      made.noise = noise;
+      EXPECT_FALSE(rateOf(test::makeFlight(made, seed), made.duration).supported()) << noise << ' ' << seed;
+      made.order = LoopOrder::kFirst;
+      EXPECT_FALSE(rateOf(test::makeFlight(made, seed), made.duration).supported()) << noise << ' ' << seed;
+    }
+  }
+}
+
+TEST(GreatestRate, IsNotSupportedBySmallStepsOfALoopThatHasOne) {
+  test::MadeLoop made = slowRoller();
+  made.size = 0.25;
+  made.rate_greatest = 0.3;
+  const GreatestRate rate = rateOf(test::makeFlight(made, 1), made.duration);
+  EXPECT_FALSE(rate.supported());
+  EXPECT_NE(rate.reasons.at(0).find("fly large steps"), std::string::npos);
+}
+
+// A linear loop that follows a command which moves at one rate moves at that rate too.
+TEST(GreatestRate, IsNotThatOfTheCommand) {
+  LoopRecord record;
+  double angle = 0.0, rate = 0.0;
+  for (int i = 0; i < 12000; ++i) {
+    const double time = 0.01 * i;
+    const double wave = std::abs(std::fmod(time, 12.0) - 6.0) / 6.0;  // a triangle
+    const double command = 1.2 * wave - 0.6;
+    record.command.time.push_back(time);
+    record.command.value.push_back(command);
+    record.response.time.push_back(time);
+    record.response.value.push_back(angle);
+    rate += 0.01 * (14.0 * (command - angle) - 6.5 * rate);
+    angle += 0.01 * rate;
+  }
+  const LoopRates rates = loopRates(cutSegments(record, {{0.0, 120.0}}, 0.6));
+  EXPECT_TRUE(rates.moves.empty());
+  EXPECT_NEAR(rates.fastest, 0.2, 0.05);
+}
+
+TEST(GreatestRate, AMoveThatIsFasterElsewhereSpeaksAgainstIt) {
+  LoopRates flight;
+  for (const double rate : {0.15, 0.151, 0.149}) flight.moves.push_back({{0.0, 1.0}, rate});
+  flight.fastest = 0.16;
+  EXPECT_TRUE(greatestRate({flight}).supported());
+  LoopRates other;
+  other.fastest = 0.3;
+  EXPECT_FALSE(greatestRate({flight, other}).supported());
+  LoopRates apart = flight;
+  apart.moves.push_back({{0.0, 1.0}, 0.185});
+  EXPECT_FALSE(greatestRate({apart}).supported());
+  // Far below the fastest: not at the limit.
+  flight.moves.push_back({{0.0, 1.0}, 0.05});
+  EXPECT_NEAR(greatestRate({flight}).value, 0.15, 1e-12);
+}
+
+// What moves at the limit is left out of the linear fit, which then is that of the loop.
+TEST(GreatestRate, LeavesTheLoopToTheRest) {
+  const test::MadeLoop made = slowRoller();
+  const AxisModel model = identified(made, 1);
+  ASSERT_TRUE(model.greatest_rate && model.greatest_rate->supported());
+  const LoopFit& fit = model.findModel("model_second_order")->fit;
+  EXPECT_NEAR(fit.find("a0")->value, made.a0, 0.15 * made.a0);
+  EXPECT_NEAR(fit.find("a1")->value, made.a1, 0.15 * made.a1);
+  EXPECT_NEAR(fit.find("delay")->value, made.delay, 0.05);
+  AttitudeCalibration calibration;
+  calibration.axes.push_back(model);
+  EXPECT_NE(toYaml(calibration).find("greatest_rate:"), std::string::npos);
+  EXPECT_NE(toText(calibration).find("greatest rate 0.1"), std::string::npos) << toText(calibration);
+}
+
+TEST(GreatestRate, IsSaidNotToBeSupported) {
+  test::MadeLoop made = slowRoller();
+  made.rate_greatest = 0.0;
+  AttitudeCalibration calibration;
+  calibration.axes.push_back(identified(made, 1));
+  EXPECT_NE(toText(calibration).find("not supported by this flight"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polyfly
