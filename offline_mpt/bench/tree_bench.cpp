@@ -79,7 +79,7 @@ Json compareTrees(const TreeArguments& arguments) {
   result["nodes"] = map.nodeCount();
   result["depth"] = map.cost().depth;
   result["multiply_adds"] = map.cost().multiply_adds;
-  result["table_bytes"] = exportTableBytes(map, code);
+  result["table_bytes"] = exportFlashBytes(map, code).tables;
   const LawTree tree = buildLawTree(map, arguments.time_limit);
   result["law_tree_late"] = tree.is_late;
   if (tree.is_late) return result;
