@@ -51,7 +51,7 @@ void CoefficientEstimate::reset() noexcept {
 
 void CoefficientEstimate::transferState(const CoefficientEstimate& other, double more) noexcept {
   derivative_.transferState(other.derivative_);
-  variance_ = greatest_variance_;
+  variance_ = more == 0.0 ? std::min(other.variance_, greatest_variance_) : greatest_variance_;
   value_ = within(other.value_ + more);
 }
 
