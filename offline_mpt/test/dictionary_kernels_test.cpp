@@ -117,5 +117,31 @@ TEST(DictionaryKernels, PivotingAddsMultiplesOfTheColumnAndScalesIt) {
   }
 }
 
+// What planes leave on their sides, beside a loop over planes and points; with points on a plane and no other points.
+TEST(DictionaryKernels, WeighSidesCountsEachSideOnce) {
+  constexpr std::size_t kStride = 2 * kLanes, kP = 3;
+  constexpr double kTolerance = 1e-3;
+  Random random(5);
+  for (int sample = 0; sample < 200; ++sample) {
+    const std::size_t others = static_cast<std::size_t>(sample) % 6;
+    const std::vector<double> planes = numbers((kP + 1) * kStride, random);
+    const std::vector<double> points = numbers((others + 1) * kP, random);
+    std::vector<double> below(kStride, 1.0), above(kStride, 2.0);
+    weighSides(planes.data(), kStride, kP, points.data(), {points.data() + kP, others}, kTolerance, 7.0,
+               below.data(), above.data());
+    for (std::size_t i = 0; i < kStride; ++i) {
+      bool is_below = false, is_above = false;
+      for (std::size_t k = 0; k <= others; ++k) {
+        double distance = -planes[kP * kStride + i];
+        for (std::size_t j = 0; j < kP; ++j) distance += planes[j * kStride + i] * points[k * kP + j];
+        is_below = is_below || distance < -kTolerance;
+        is_above = is_above || distance > kTolerance;
+      }
+      EXPECT_EQ(below[i], is_below ? 8.0 : 1.0);
+      EXPECT_EQ(above[i], is_above ? 9.0 : 2.0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace polyfly

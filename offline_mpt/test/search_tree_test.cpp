@@ -300,10 +300,11 @@ TEST(SearchTree, AFastTreeTakesFewPivots) {
   }
 }
 
-// A default tree ends at 25 times the pivots of the exploration, where those are known, but not below 2.1 million.
-TEST(SearchTree, TheLimitOnPivotsFollowsTheExploration) {
-  const TreeRegions regions = intervals();
-  const auto end = [&](TreeMode mode, std::uint64_t explored, std::uint64_t pivots) {
+// A default tree ends at 150 pivots per half-space of the regions, but not below 2.1 million.
+TEST(SearchTree, TheLimitOnPivotsFollowsTheHalfSpaces) {
+  const auto end = [](TreeMode mode, std::size_t half_spaces, std::uint64_t explored, std::uint64_t pivots) {
+    TreeRegions regions = intervals();
+    regions.rows.assign(half_spaces / 2, {1, 2});
     TreeOptions options;
     options.mode = mode;
     options.explored_pivots = explored;
@@ -311,13 +312,13 @@ TEST(SearchTree, TheLimitOnPivotsFollowsTheExploration) {
     now.pivots = pivots;
     return GrowthLimit(regions, options).reached(now);
   };
-  EXPECT_EQ(end(TreeMode::kAuto, 10, 2099999), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kAuto, 10, 2100000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kAuto, 1000000, 24999999), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kAuto, 1000000, 25000000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kAuto, 0, 1000000000), std::nullopt);
-  EXPECT_EQ(end(TreeMode::kFast, 0, 40000), TreeEnd::kPivots);
-  EXPECT_EQ(end(TreeMode::kSmall, 10, 1000000000), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 2099999), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 200, 10, 2100000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 10, 2999999), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kAuto, 20000, 0, 3000000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kFast, 20000, 0, 40000), TreeEnd::kPivots);
+  EXPECT_EQ(end(TreeMode::kFast, 20000, 50000, 49999), std::nullopt);
+  EXPECT_EQ(end(TreeMode::kSmall, 200, 10, 1000000000), std::nullopt);
 }
 
 // Regions that overlap cannot be separated: they share a leaf, and the first one answers.

@@ -49,8 +49,8 @@ struct SearchTree {
 enum class TreeMode : std::uint8_t {
   kNone,  ///< No nodes: a look-up tests all regions.
   kFast,  ///< About as long as the exploration took, by its simplex pivots.
-  /// Until further nodes gain little, or the tree takes much more memory than the regions, or 25 times as long as the
-  /// exploration (and more than about a second).
+  /// Until further nodes gain little, or the tree takes much more memory than the regions, or 150 simplex pivots per
+  /// half-space of the regions (and more than about a second).
   kAuto,
   kSmall,  ///< Until no split shortens a look-up any more.
 };
@@ -60,7 +60,7 @@ struct TreeOptions {
   TreeMode mode = TreeMode::kAuto;
   /// Greatest number of interior nodes. 0: 64 per region in kSmall, 2 per region in the other modes.
   std::uint64_t node_limit = 0;
-  /// Simplex pivots of the exploration: the measure of kFast, and of kAuto unless they are 0 (not known).
+  /// Simplex pivots of the exploration: the measure of kFast.
   std::uint64_t explored_pivots = 0;
   /// What its cells may take while it grows [bytes]. Above two thirds of it, the tree grows in one cell after the other.
   std::uint64_t memory_limit = std::uint64_t{3} << 29;

@@ -135,19 +135,21 @@ std::size_t placesAbove(const double* columns, std::size_t stride, std::size_t c
 }
 
 POLYFLY_FOR_EACH_PROCESSOR
-void rangesOfDistances(const double* planes, std::size_t stride, std::size_t p, const double* points,
-                       std::size_t count, double* least, double* greatest) {
+void weighSides(const double* planes, std::size_t stride, std::size_t p, const double* point,
+                PointList others, double tolerance, double weight, double* below, double* above) {
   for (std::size_t i = 0; i < stride; i += kLanes) {
-    Lanes low = lanes(least + i), high = lanes(greatest + i);
-    for (std::size_t k = 0; k < count; ++k) {
-      const double* const point = points + k * p;
+    Lanes low = -lanes(planes + p * stride + i);
+    for (std::size_t j = 0; j < p; ++j) low += lanes(planes + j * stride + i) * point[j];
+    Lanes high = low;
+    for (std::size_t k = 0; k < others.count; ++k) {
+      const double* const other = others.numbers + k * p;
       Lanes distance = -lanes(planes + p * stride + i);
-      for (std::size_t j = 0; j < p; ++j) distance += lanes(planes + j * stride + i) * point[j];
+      for (std::size_t j = 0; j < p; ++j) distance += lanes(planes + j * stride + i) * other[j];
       low = distance < low ? distance : low;
       high = distance > high ? distance : high;
     }
-    lanes(least + i) = low;
-    lanes(greatest + i) = high;
+    lanes(below + i) += low < -tolerance ? Lanes{} + weight : Lanes{};
+    lanes(above + i) += high > tolerance ? Lanes{} + weight : Lanes{};
   }
 }
 

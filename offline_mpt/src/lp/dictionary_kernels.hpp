@@ -34,9 +34,16 @@ Blocking leastRatio(const double* value, const double* coefficient, double sign,
 std::size_t placesAbove(const double* columns, std::size_t stride, std::size_t count, std::size_t width,
                         double threshold, int* places);
 
-/// Widens the range least[i] .. greatest[i] of distances a_i . t - c_i of plane i from `count` points of p numbers each.
-/// `planes` are p columns of coefficients and one of c, each of `stride` numbers, a multiple of kLanes.
-void rangesOfDistances(const double* planes, std::size_t stride, std::size_t p, const double* points,
-                       std::size_t count, double* least, double* greatest);
+/// Some points of p numbers each.
+struct PointList {
+  const double* numbers;
+  std::size_t count;
+};
+
+/// Adds `weight` to below[i] where the distance a_i . t - c_i of plane i to one of the points is less than
+/// -tolerance, and to above[i] where one is more than tolerance. `planes` are p columns of coefficients and one of c,
+/// each of `stride` numbers, a multiple of kLanes.
+void weighSides(const double* planes, std::size_t stride, std::size_t p, const double* point,
+                PointList others, double tolerance, double weight, double* below, double* above);
 
 }  // namespace polyfly

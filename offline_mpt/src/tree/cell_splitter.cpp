@@ -163,16 +163,15 @@ std::vector<CellSplitter::Estimate> CellSplitter::estimate(const Cell& cell) con
   const auto p = static_cast<std::size_t>(regions_.p);
   const std::vector<std::size_t> planes = planesOf(cell, step);
   PlaneBlock block(regions_.planes, planes, p);
-  std::vector<Estimate> estimates;
-  for (const std::size_t plane : planes) estimates.push_back({plane});
   for (std::size_t m = 0; m < cell.members.size(); m += step) {
     const CellMember& member = cell.members[m];
-    block.clear();
-    block.add(member.inner.data(), 1);
-    block.add(member.points.data(), member.points.size() / p);
-    for (std::size_t i = 0; i < planes.size(); ++i)
-      estimates[i].add(block.sides(i, side_tolerance_), tests(member));
+    block.weigh(member.inner.data(), {member.points.data(), member.points.size() / p}, side_tolerance_,
+                static_cast<double>(tests(member)));
   }
+  std::vector<Estimate> estimates;
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    estimates.push_back(
+        {planes[i], static_cast<std::size_t>(block.below(i)), static_cast<std::size_t>(block.above(i))});
   return estimates;
 }
 

@@ -10,11 +10,11 @@ namespace {
 constexpr std::uint64_t kSmallNodes = 64;
 constexpr std::uint64_t kOtherNodes = 2;
 constexpr std::uint64_t kLeastNodes = 4096;
-// Pivots per pivot of the exploration, and at least, which take some 20 ms and 1 s. The leaves take about half as many
-// again once the tree has grown.
+// Pivots, and at least so many, which take some 20 ms and 1 s. The leaves take about half as many again once the tree
+// has grown. kFast: per pivot of the exploration. kAuto: per half-space of the regions.
 constexpr double kFastPivots = 1.0;
 constexpr std::uint64_t kLeastFastPivots = 40000;
-constexpr double kAutoPivots = 25.0;
+constexpr std::uint64_t kAutoPivots = 150;
 constexpr std::uint64_t kLeastAutoPivots = 2100000;
 // kAuto: bytes of the tree per byte of the regions, and in any case.
 constexpr std::uint64_t kAutoBytes = 3;
@@ -27,19 +27,23 @@ constexpr std::uint64_t kNoLimit = std::uint64_t{1} << 62;
 // Of TreeOptions::memory_limit, the share that all cells may take before the tree grows in one after the other.
 constexpr double kWholeShare = 2.0 / 3.0;
 
-std::uint64_t bytesOf(const TreeRegions& regions) {
+std::uint64_t rowsOf(const TreeRegions& regions) {
   std::uint64_t rows = 0;
   for (const auto& list : regions.rows) rows += list.size();
-  return sizeof(double) * regions.planes.size() + sizeof(std::int32_t) * rows +
+  return rows;
+}
+
+std::uint64_t bytesOf(const TreeRegions& regions) {
+  return sizeof(double) * regions.planes.size() + sizeof(std::int32_t) * rowsOf(regions) +
          sizeof(MapContent::Region) * regions.rows.size();
 }
 
-std::uint64_t mostPivots(const TreeOptions& options) {
-  const auto explored = static_cast<double>(options.explored_pivots);
-  if (options.mode == TreeMode::kFast)
-    return std::max(kLeastFastPivots, static_cast<std::uint64_t>(kFastPivots * explored));
-  if (options.mode == TreeMode::kAuto && options.explored_pivots > 0)
-    return std::max(kLeastAutoPivots, static_cast<std::uint64_t>(kAutoPivots * explored));
+std::uint64_t mostPivots(const TreeRegions& regions, const TreeOptions& options) {
+  if (options.mode == TreeMode::kFast) {
+    const double explored = kFastPivots * static_cast<double>(options.explored_pivots);
+    return std::max(kLeastFastPivots, static_cast<std::uint64_t>(explored));
+  }
+  if (options.mode == TreeMode::kAuto) return std::max(kLeastAutoPivots, kAutoPivots * rowsOf(regions));
   return kNoLimit;
 }
 
@@ -86,7 +90,7 @@ GrowthLimit::GrowthLimit(const TreeRegions& regions, const TreeOptions& options)
   const std::uint64_t per_region = mode_ == TreeMode::kSmall ? kSmallNodes : kOtherNodes;
   if (most_.nodes == 0) most_.nodes = std::max(kLeastNodes, per_region * regions.rows.size());
   if (mode_ == TreeMode::kNone) most_.nodes = 0;
-  most_.pivots = mostPivots(options);
+  most_.pivots = mostPivots(regions, options);
   most_.bytes = kFreeBytes + kAutoBytes * bytesOf(regions);
   checked_nodes_ = std::max<std::uint64_t>(kLeastNodes, regions.rows.size() / 4);
 }

@@ -1,10 +1,5 @@
 #include "tree/plane_sides.hpp"
 
-#include <algorithm>
-#include <limits>
-
-#include "lp/dictionary_kernels.hpp"
-
 namespace polyfly {
 namespace {
 
@@ -80,24 +75,16 @@ PlaneBlock::PlaneBlock(const std::vector<double>& planes, const std::vector<std:
     : p_(p),
       padded_(padded(chosen.size())),
       coefficients_((p + 1) * padded_, 0.0),
-      least_(padded_),
-      greatest_(padded_) {
+      below_(padded_),
+      above_(padded_) {
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     for (std::size_t j = 0; j <= p; ++j) coefficients_[j * padded_ + i] = planes[chosen[i] * (p + 1) + j];
   }
 }
 
-void PlaneBlock::clear() {
-  std::fill(least_.begin(), least_.end(), std::numeric_limits<double>::infinity());
-  std::fill(greatest_.begin(), greatest_.end(), -std::numeric_limits<double>::infinity());
-}
-
-void PlaneBlock::add(const double* points, std::size_t count) {
-  rangesOfDistances(coefficients_.data(), padded_, p_, points, count, least_.data(), greatest_.data());
-}
-
-unsigned PlaneBlock::sides(std::size_t i, double tolerance) const {
-  return (least_[i] < -tolerance ? kBelow : 0u) | (greatest_[i] > tolerance ? kAbove : 0u);
+void PlaneBlock::weigh(const double* point, PointList others, double tolerance, double weight) {
+  weighSides(coefficients_.data(), padded_, p_, point, others, tolerance, weight, below_.data(),
+             above_.data());
 }
 
 }  // namespace polyfly

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "lp/dictionary_kernels.hpp"
+
 namespace polyfly {
 
 /// Sides of a plane, to be added.
@@ -30,18 +32,17 @@ class PlaneBlock {
   /// `planes` as in TreeRegions, `chosen` indices of them.
   PlaneBlock(const std::vector<double>& planes, const std::vector<std::size_t>& chosen, std::size_t p);
 
-  /// Begins with no point.
-  void clear();
-  /// Compares `count` points of p numbers each.
-  void add(const double* points, std::size_t count);
-  /// Sides of chosen plane i, further than `tolerance`, on which one of the points lies.
-  unsigned sides(std::size_t i, double tolerance) const;
+  /// Adds `weight` to the sides of each plane, further than `tolerance`, on which `point` or one of the others lies.
+  void weigh(const double* point, PointList others, double tolerance, double weight);
+  /// What was added below and above chosen plane i.
+  double below(std::size_t i) const { return below_[i]; }
+  double above(std::size_t i) const { return above_[i]; }
 
  private:
   std::size_t p_;
   std::size_t padded_;  // number of planes, rounded up
   std::vector<double> coefficients_;
-  std::vector<double> least_, greatest_;
+  std::vector<double> below_, above_;
 };
 
 }  // namespace polyfly
