@@ -129,8 +129,9 @@ struct CertifyReport {
 
 /// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
 /// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
-/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. With a group
-/// it throws LostProcess in process 0, and Error where another process fails or has another map or other tolerances.
+/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. Also when the
+/// certificate would need a cell of more rows than the checker reads. With a group it throws LostProcess in process 0,
+/// and Error where another process fails or has another map or other tolerances.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
 
