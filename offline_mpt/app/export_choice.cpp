@@ -44,7 +44,9 @@ double errorOf(const RegionMap& map, const ExportBound& bound) {
     const Signal& input = map.inputs()[j];
     const double taken =
         bound.allowed.empty() ? kPartOfRange * (input.upper - input.lower) : bound.allowed[j];
-    if (taken > 0.0) greatest = std::max(greatest, bound.error[j] / taken);
+    // A filter's input without an allowance takes no error. Another one without a range has no part of it.
+    if (bound.error[j] > 0.0 && (taken > 0.0 || !bound.allowed.empty()))
+      greatest = std::max(greatest, bound.error[j] / taken);
   }
   return greatest;
 }

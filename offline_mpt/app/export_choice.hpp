@@ -29,8 +29,8 @@ struct ChosenExport {
   std::string summary;
 };
 
-/// The first proven code that fits the limit with a small error, as the help of `offline_mpt export` lists it. `reduced_name` is that of
-/// reduced maps in errors. Throws Error where none fits.
+/// The first proven code that fits the limit with a small error, as the help of `offline_mpt export` lists it.
+/// `reduced_name` is that of reduced maps in errors. Throws Error where none fits.
 ChosenExport chooseExport(const RegionMap& map, const std::string& reduced_name,
                           const ExportRequest& request);
 

@@ -9,10 +9,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <list>
 #include <thread>
+#include <utility>
 #endif
 
 namespace polyfly {
@@ -39,6 +41,10 @@ int launchedSize() {
 #ifdef POLYFLY_MPI
 
 constexpr int kTag = 1;
+
+/// MPI counts bytes as int. A longer message goes in parts, all of this size but the last, which is shorter or empty.
+constexpr std::size_t kPartBytes = std::size_t{1} << 30;
+
 constexpr auto kPause = std::chrono::microseconds(100);  // between two looks for messages, when leaving
 
 class Mpi : public MpiGroup {
@@ -51,6 +57,7 @@ class Mpi : public MpiGroup {
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
+    parts_.resize(static_cast<std::size_t>(size_));
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);  // a dead process must not end this one
     if (provided < MPI_THREAD_SERIALIZED) throw Error("MPI: this installation does not support threads");
     findNeighbours();
@@ -63,18 +70,25 @@ class Mpi : public MpiGroup {
     tidy();
     Sending& sending = sending_.emplace_back();
     sending.message = std::move(message);
-    MPI_Isend(sending.message.data(), static_cast<int>(sending.message.size()), MPI_BYTE, to, kTag,
-              MPI_COMM_WORLD, &sending.request);
+    const std::size_t size = sending.message.size();
+    sending.requests.assign(size / kPartBytes + 1, MPI_REQUEST_NULL);
+    for (std::size_t k = 0; k < sending.requests.size(); ++k) {
+      const std::size_t first = k * kPartBytes, bytes = std::min(kPartBytes, size - first);
+      MPI_Isend(sending.message.data() + first, static_cast<int>(bytes), MPI_BYTE, to, kTag, MPI_COMM_WORLD,
+                &sending.requests[k]);
+    }
   }
 
   // Never waits: the rest of a long message does not come from a process that died.
   bool receive(int& from, std::vector<std::byte>& message) override {
     tidy();
-    if (receiving_.request == MPI_REQUEST_NULL && !beginReceiving()) return false;
-    int done = 0;
-    if (MPI_Test(&receiving_.request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS || done == 0) return false;
+    do {
+      if (receiving_.request == MPI_REQUEST_NULL && !beginReceiving()) return false;
+      int done = 0;
+      if (MPI_Test(&receiving_.request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS || done == 0) return false;
+    } while (receiving_.bytes == kPartBytes);
     from = receiving_.from;
-    message = std::move(receiving_.message);
+    message = std::exchange(partOf(from), {});
     return true;
   }
 
@@ -101,14 +115,17 @@ class Mpi : public MpiGroup {
  private:
   struct Sending {
     std::vector<std::byte> message;
-    MPI_Request request = MPI_REQUEST_NULL;
+    std::vector<MPI_Request> requests;
   };
 
   struct Receiving {
     int from = 0;
-    std::vector<std::byte> message;
+    std::size_t bytes = 0;
     MPI_Request request = MPI_REQUEST_NULL;
   };
+
+  /// What has come of a message of this process.
+  std::vector<std::byte>& partOf(int rank) { return parts_[static_cast<std::size_t>(rank)]; }
 
   bool beginReceiving() {
     int there = 0;
@@ -118,8 +135,11 @@ class Mpi : public MpiGroup {
     int bytes = 0;
     MPI_Get_count(&status, MPI_BYTE, &bytes);
     receiving_.from = status.MPI_SOURCE;
-    receiving_.message.resize(static_cast<std::size_t>(bytes));
-    MPI_Irecv(receiving_.message.data(), bytes, MPI_BYTE, receiving_.from, kTag, MPI_COMM_WORLD,
+    receiving_.bytes = static_cast<std::size_t>(bytes);
+    std::vector<std::byte>& part = partOf(receiving_.from);
+    const std::size_t first = part.size();
+    part.resize(first + receiving_.bytes);
+    MPI_Irecv(part.data() + first, bytes, MPI_BYTE, receiving_.from, kTag, MPI_COMM_WORLD,
               &receiving_.request);
     return true;
   }
@@ -130,7 +150,8 @@ class Mpi : public MpiGroup {
   void tidy() {
     for (auto sending = sending_.begin(); sending != sending_.end();) {
       int done = 0;
-      MPI_Test(&sending->request, &done, MPI_STATUS_IGNORE);
+      MPI_Testall(static_cast<int>(sending->requests.size()), sending->requests.data(), &done,
+                  MPI_STATUSES_IGNORE);
       sending = done != 0 ? sending_.erase(sending) : std::next(sending);
     }
   }
@@ -166,6 +187,7 @@ class Mpi : public MpiGroup {
   std::vector<pid_t> neighbours_;
   std::list<Sending> sending_;
   Receiving receiving_;
+  std::vector<std::vector<std::byte>> parts_;
 };
 
 #endif

@@ -245,6 +245,14 @@ void reportStop(const SolveArguments& options, const Partition& partition) {
                static_cast<unsigned long long>(partition.stats.open_sets));
 }
 
+// Of regions whose search tree is not built.
+std::string whatRemains(const SolveArguments& options, const Partition& partition) {
+  const std::string regions = std::to_string(partition.regions.size()) + " regions";
+  return partition.stats.unsaved
+             ? regions + " are lost"
+             : checkpointOf(options) + " holds all " + regions + "; continue with --resume";
+}
+
 // From here on a signal or the end of the time limit ends the program. Nothing of an unfinished search tree
 // can be kept, and the checkpoint holds the regions. An exploration that was stopped gets a tree if that is
 // quick.
@@ -259,10 +267,7 @@ void limitTree(const SolveArguments& options, const Partition& partition) {
     std::fprintf(stderr, "offline_mpt: %s: could not be written; only the map will hold %s\n",
                  checkpointOf(options).c_str(), regions.c_str());
   }
-  const std::string message =
-      unwritten + (partition.stats.unsaved
-                       ? "; " + regions + " are lost"
-                       : "; " + checkpointOf(options) + " holds all " + regions + "; continue with --resume");
+  const std::string message = unwritten + "; " + whatRemains(options, partition);
   if (stopRequested()) endNow(message);
   endOnSignal(message);
 }
@@ -374,8 +379,8 @@ ExitCode lead(const SolveArguments& options, MpiSession& session) {
                      [&] { return encodeWithProgress(program, partition, options, group); });
   } catch (const LostProcess& lost) {
     ignoreSignals();  // the end of the job is one
-    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost; %s; continue with --resume\n",
-                 options.map.c_str(), lost.rank(), (checkpointOf(options) + " holds all regions").c_str());
+    std::fprintf(stderr, "offline_mpt: %s: process %d of the MPI job was lost; %s\n", options.map.c_str(),
+                 lost.rank(), whatRemains(options, partition).c_str());
     session.abort();
     return ExitCode::kStopped;
   }

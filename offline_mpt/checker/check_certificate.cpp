@@ -31,10 +31,8 @@ same name, from 'offline_mpt export'. MAP has a certificate of its own.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
-// Place of the kind of problem among the strings of a map.
-constexpr std::size_t kKind = 2;
 constexpr char kCompared[] = "the program's numbers are those of the problem that the map carries\n";
-constexpr char kNotCompared[] = "that this program is the problem that the map carries: see check_problem\n";
+constexpr char kNotCompared[] = "not confirmed here: that this program is the problem that the map carries\n";
 
 /// Tells on a terminal, once a second, how far the check is.
 void showProgress(const char* kind, std::size_t done, std::size_t total) {
@@ -88,9 +86,9 @@ void confirm(const checker::Arguments& arguments) {
   std::string conditions;
   if (original_file.empty()) {
     const auto proof = checker::readMapCertificate(readFile(certificate), map);
-    if (!problem.empty()) proof->compareProblem(readFile(problem));
-    const bool is_compared = !map.problem.empty() && map.words[kKind] == "json";
-    if (is_compared) proof->compareProblem(map.problem);
+    const bool is_compared = !map.problem.empty() && map.kind() == "json";
+    if (!problem.empty() || is_compared)
+      proof->compareProblem(problem.empty() ? map.problem : readFile(problem));
     proof->progress = showProgress;
     proof->check();
     conditions = proof->conditions() + (is_compared ? kCompared : kNotCompared);

@@ -1,6 +1,7 @@
 // Exact verification: right maps are proven, wrong ones refuted for the right reason.
 #include <gtest/gtest.h>
 
+#include "certify/facet_cover.hpp"
 #include "exact_programs.hpp"
 #include "map_in_memory.hpp"
 #include "mpc_core/dense_qp.hpp"
@@ -227,26 +228,64 @@ TEST(Certify, AnyProcessOfAGroupEndsTheProof) {
   EXPECT_TRUE(certifiedWith(content, program, others).interrupted);
 }
 
+/// What process 0 throws whose one assistant proves something else.
+std::string refusalOf(const MapContent& content, const ParametricProgram& program,
+                      const MapContent& other_content, const ParametricProgram& other,
+                      CertifyOptions options) {
+  const MapInMemory memory(content), other_memory(other_content);
+  const Part stranger = [&](Member& member) {
+    options.group = &member;
+    runCertifyProcess(other_memory.map(), other, options);
+  };
+  try {
+    leadWith({stranger}, [&](Member& leader) {
+      CertifyOptions own;
+      own.group = &leader;
+      return certify(memory.map(), program, own);
+    });
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Certify, AProcessWithAnotherProblemIsNamed) {
   const ParametricProgram program = doubleIntegrator(4);
   ParametricProgram other = program;
   other.text += " ";
-  const MapInMemory memory(solved(program));
-  const Part stranger = [&](Member& member) {
-    CertifyOptions options;
-    options.group = &member;
-    runCertifyProcess(memory.map(), other, options);
+  const MapContent content = solved(program);
+  EXPECT_NE(refusalOf(content, program, content, other, {}).find("process 1: "), std::string::npos);
+}
+
+// Of the same program, with as many regions.
+TEST(Certify, AProcessWithAnotherMapOrToleranceIsNamed) {
+  const ParametricProgram program = doubleIntegrator(4);
+  const MapContent content = solved(program);
+  EXPECT_EQ(refusalOf(content, program, content, program, {}), "");
+  const std::string expected = "process 1: has another map or other tolerances";
+  MapContent stale = content;
+  stale.laws.front() += 1e-9;
+  EXPECT_EQ(refusalOf(content, program, stale, program, {}), expected);
+  CertifyOptions options;
+  options.law_tolerance *= 2.0;
+  EXPECT_EQ(refusalOf(content, program, content, program, options), expected);
+}
+
+/// Many half-spaces of a line hold in all of the box, and so does that of the candidate.
+TEST(Certify, NoCoverHasCellsThatTheCheckerRefuses) {
+  const auto row = [](int slope, int constant) {
+    ExactRow result;
+    result.value = {slope, constant};
+    finishRow(result);
+    return result;
   };
-  try {
-    leadWith({stranger}, [&](Member& leader) {
-      CertifyOptions options;
-      options.group = &leader;
-      return certify(memory.map(), program, options);
-    });
-    FAIL() << "the problems differ";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("process 1: "), std::string::npos) << error.what();
-  }
+  const std::vector<ExactRow> all = {row(1, 1)};
+  const std::vector<CoverCandidate> candidates = {{7, &all}};
+  std::string text;
+  const std::vector<ExactRow> most(kMostCellRows - 1, row(1, 2)), more(kMostCellRows, row(1, 2));
+  EXPECT_TRUE(FacetCover(nullptr, 1, candidates, nullptr).cover(most, text));
+  EXPECT_EQ(text.rfind(" N 7 e", 0), 0u) << text;
+  EXPECT_THROW(FacetCover(nullptr, 1, candidates, nullptr).cover(more, text), Error);
 }
 
 /// A map of one program, to be spoilt.

@@ -1,13 +1,17 @@
-// Exact linear programs against GLPK, and every answer against the proof that comes with it.
+// Exact linear programs against GLPK, and every answer against the proof that comes with it. Those in the box are proven
+// by substitution alone.
 #include "offline_mpt/exact_lp.hpp"
 
 #include <glpk.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
 
+#include "lp/box_maximum.hpp"
+#include "lp/float_lp.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace polyfly {
@@ -299,6 +303,80 @@ TEST(ExactLp, NothingToDo) {
   lp.setRowBounds(0, Bound::kLower, 1, 0);
   EXPECT_EQ(lp.solve(), Status::kInfeasible);
   EXPECT_GT(lp.rowRay(0), 0);
+}
+
+using IntegerRows = std::vector<std::vector<Integer>>;
+
+/// The point fits and has the objective. The weights prove that none is greater, or that no point fits.
+void checkMaximum(const IntegerRows& rows, const std::vector<Integer>& c, const BoxMaximum& maximum) {
+  const std::size_t dimension = c.size();
+  const auto product = [&](const std::vector<Integer>& row) {
+    Rational sum;
+    for (std::size_t j = 0; j < dimension; ++j) sum += row[j] * maximum.x[j];
+    return sum;
+  };
+  Rational bound;
+  std::vector<Rational> rest(dimension);
+  for (std::size_t j = 0; j < dimension && maximum.exists; ++j) rest[j] = c[j];
+  for (const auto& [row, weight] : maximum.weights) {
+    EXPECT_GT(weight, 0);
+    const std::vector<Integer>& combined = rows.at(static_cast<std::size_t>(row));
+    bound += weight * combined.back();
+    for (std::size_t j = 0; j < dimension; ++j) rest[j] -= weight * combined[j];
+  }
+  for (const Rational& entry : rest) bound += abs(entry);  // by a side of the box
+  if (!maximum.exists) {
+    EXPECT_LT(bound, 0);
+    return;
+  }
+  ASSERT_EQ(maximum.x.size(), dimension);
+  EXPECT_EQ(bound, maximum.objective);
+  EXPECT_EQ(product(c), maximum.objective);
+  for (const std::vector<Integer>& row : rows) EXPECT_LE(product(row), row.back());
+  for (const Rational& value : maximum.x) EXPECT_LE(abs(value), 1);
+}
+
+std::vector<int> proposedBasis(const IntegerRows& rows, const std::vector<Integer>& c) {
+  const auto rounded = [](const std::vector<Integer>& row) {
+    std::vector<double> result;
+    for (const Integer& value : row) result.push_back(value.get_d());
+    return result;
+  };
+  FloatLp solver(static_cast<int>(c.size()));
+  for (const std::vector<Integer>& row : rows) solver.add(rounded(row));
+  solver.maximise(rounded(c));
+  return solver.basis();
+}
+
+/// Ties as above. The basis of FloatLp mostly proves the maximum; others leave it to the exact simplex.
+TEST(ExactLp, MaximaInTheBoxProveThemselvesFromAnyBasis) {
+  std::mt19937_64 random(11);
+  int seen[2] = {};
+  for (int k = 0; k < 400 && !::testing::Test::HasFailure(); ++k) {
+    SCOPED_TRACE(k);
+    const int most = k % 2 == 0 ? 2 : 1000;
+    const auto whole = [&] {
+      return Integer(static_cast<int>(random() % static_cast<unsigned>(2 * most + 1)) - most);
+    };
+    const std::size_t dimension = 1 + random() % 4, count = random() % 8;
+    std::vector<Integer> c(dimension);
+    std::generate(c.begin(), c.end(), whole);
+    IntegerRows rows(count, std::vector<Integer>(dimension + 1));
+    for (std::vector<Integer>& row : rows) std::generate(row.begin(), row.end(), whole);
+    std::vector<int> any(dimension);
+    for (int& index : any) index = static_cast<int>(random() % (count + 2 * dimension));
+    const BoxMaximum maximum = maximiseInBox(rows, c, proposedBasis(rows, c));
+    checkMaximum(rows, c, maximum);
+    ++seen[maximum.exists ? 1 : 0];
+    for (const std::vector<int>& basis : {std::vector<int>(), any}) {
+      const BoxMaximum other = maximiseInBox(rows, c, basis);
+      checkMaximum(rows, c, other);
+      EXPECT_EQ(other.exists, maximum.exists);
+      EXPECT_EQ(other.objective, maximum.objective);
+    }
+  }
+  EXPECT_GT(seen[0], 50);
+  EXPECT_GT(seen[1], 50);
 }
 
 TEST(ExactLp, RefusesCrossedBounds) {

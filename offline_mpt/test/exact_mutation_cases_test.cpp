@@ -203,6 +203,11 @@ TEST(CheckerInput, JsonNumbersOfAKey) {
   EXPECT_EQ(checker::jsonNumbers(text, "none"), (std::vector<double>{}));
 }
 
+TEST(CheckerInput, JsonThatHoldsNoNumberIsRefused) {
+  for (const char* const text : {R"({"a": [-]})", R"({"a": [1, 1e999]})", R"({"a": [-1e999]})", R"({"a": -)"})
+    EXPECT_THROW(checker::jsonNumbers(text, "a"), checker::Refused) << text;
+}
+
 TEST(CheckerInput, ARowOfZerosIsNoHalfSpace) {
   const checker::Row row = {1, 2, 3}, zeros = {0, 0, 0};
   EXPECT_FALSE(checker::sameHalfSpace(zeros, row));
@@ -280,6 +285,16 @@ constexpr char kJsonProblem[] = R"({
   "B": [[0, 0], [0, 0], [0, 0], [0, 0]], "eq_ids": [], "lb": [-1.5, -1.5], "ub": [1.5, 1.5], "out": [0]
 })";
 
+/// Why the checker refuses a map and a certificate that carry another text than the program's.
+std::string refusalOfText(const ParametricProgram& program, MapContent content, const std::string& text) {
+  content.problem_text = text;
+  ParametricProgram liar = program;
+  liar.text = text;
+  const CertifyReport forged = certify(MapInMemory(content).map(), liar);
+  EXPECT_TRUE(forged.passed());
+  return refusal(forged.certificate, bytesOf(content), text);
+}
+
 TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
   const MapContent content = encode(program, explore(program));
@@ -293,11 +308,17 @@ TEST(CheckerInput, AJsonProblemIsComparedNumberByNumber) {
   MapContent relabelled = content;
   relabelled.problem_text = other;
   EXPECT_THROW(certify(MapInMemory(relabelled).map(), program), Error);
-  ParametricProgram liar = program;
-  liar.text = other;
-  const CertifyReport forged = certify(MapInMemory(relabelled).map(), liar);
-  ASSERT_TRUE(forged.passed());
-  EXPECT_NE(refusal(forged.certificate, bytesOf(relabelled), other).find("H is not"), std::string::npos);
+  EXPECT_NE(refusalOfText(program, content, other).find("H is not"), std::string::npos);
+}
+
+TEST(CheckerInput, EqualitiesOfAJsonProblemAreRows) {
+  const ParametricProgram program = parseProgramJson(kJsonProblem, "test.json");
+  const MapContent content = encode(program, explore(program));
+  for (const char* const ids : {"-1", "4", "0.5", "1e30"}) {
+    std::string other = kJsonProblem;
+    other.replace(other.find("\"eq_ids\": []"), 12, std::string("\"eq_ids\": [") + ids + "]");
+    EXPECT_NE(refusalOfText(program, content, other).find("eq_ids names no rows"), std::string::npos) << ids;
+  }
 }
 
 TEST(CheckerInput, SignalsOfAMapAreThoseOfItsProblem) {

@@ -157,8 +157,7 @@ const Matrix& Certificate::data(const std::string& name) const {
 /// Compares the numbers with those of a JSON problem. Of other kinds only the text is compared.
 void Certificate::compareProblem(const std::string& problem) const {
   require(problem == map_.problem, "the problem file is not the one that the map was made from");
-  constexpr std::size_t kKind = 2;  // place among the strings of a map
-  if (map_.words[kKind] == "json") compareNumbers(problem, originalData(), equalities_);
+  if (map_.kind() == "json") compareNumbers(problem, originalData(), equalities_);
 }
 
 void Certificate::check() const {

@@ -30,7 +30,11 @@ struct Map {
   double tolerance = 0.0, period = 0.0;
   std::string problem;             ///< text
   std::vector<std::string> words;  ///< all strings of the text section, in order
-  std::vector<double> bounds;      ///< lower and upper of each parameter
+
+  /// Kind of the problem text: "yaml" or "json".
+  const std::string& kind() const { return words[2]; }
+
+  std::vector<double> bounds;  ///< lower and upper of each parameter
   std::vector<double> planes, laws;
   std::vector<Region> regions;
   std::vector<std::int32_t> rows, active;

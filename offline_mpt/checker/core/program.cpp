@@ -1,6 +1,7 @@
 #include "core/program.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace checker {
@@ -47,7 +48,9 @@ std::vector<double> jsonNumbers(const std::string& text, const std::string& key)
       --depth;
     } else if (wanted && (c == '-' || (c >= '0' && c <= '9'))) {
       char* end = nullptr;
-      numbers.push_back(std::strtod(text.c_str() + at, &end));
+      const double number = std::strtod(text.c_str() + at, &end);
+      require(end != text.c_str() + at && std::isfinite(number), key + ": not a finite number");
+      numbers.push_back(number);
       at = static_cast<std::size_t>(end - text.c_str()) - 1;
     }
   }
@@ -74,6 +77,10 @@ void compareNumbers(const std::string& problem, const Matrices& program,
   compare("lb", lower);
   compare("ub", upper);
   const std::vector<double> ids = jsonNumbers(problem, "eq_ids");
+  const auto is_row = [&](double id) {
+    return id >= 0.0 && id < static_cast<double>(given("A").rows) && id == std::floor(id);
+  };
+  require(std::all_of(ids.begin(), ids.end(), is_row), "eq_ids names no rows");
   require(std::set<std::size_t>(ids.begin(), ids.end()) == equalities,
           "eq_ids is not that of the problem file");
   const Matrix& E = given("E");

@@ -24,9 +24,6 @@ With --problem, MAP must carry the text of that file.
 Exit codes: 0 confirmed; 1 refused; 2 the command line or a file is invalid, or memory ran out.
 )";
 
-// Place of the kind of problem among the strings of a map.
-constexpr std::size_t kKind = 2;
-
 const mpq_class kTolerance(mpz_class(1), mpz_class(1000000000000));
 
 void confirmTracking(const checker::Certificate& certificate, const std::string& text) {
@@ -62,7 +59,7 @@ void confirm(const checker::Arguments& arguments) {
   const auto* const robust = dynamic_cast<const checker::RobustCertificate*>(certificate.get());
   if (robust != nullptr) {
     confirmRobust(*robust, map.problem);
-  } else if (map.words[kKind] == "json") {
+  } else if (map.kind() == "json") {
     certificate->compareProblem(map.problem);
     std::printf("confirmed: each number of the program is that of the problem\n");
   } else {

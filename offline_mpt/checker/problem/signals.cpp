@@ -76,9 +76,9 @@ bool isSame(double in_map, double in_problem) {
 
 void match(const Map& map, const YAML::Node& root) {
   // Name, problem, kind, status and notes come before the names and units of signals.
-  constexpr std::size_t kKind = 2, kFirst = 5;
+  constexpr std::size_t kFirst = 5;
   const bool is_program = static_cast<bool>(root["H"]);
-  require(map.words[kKind] == (is_program ? "json" : "yaml"), "the map's kind of problem is another one");
+  require(map.kind() == (is_program ? "json" : "yaml"), "the map's kind of problem is another one");
   const std::vector<Signal> signals =
       is_program ? signalsOfProgram(root, map.p, map.q) : signalsOfModel(root);
   require(signals.size() == std::size_t{map.p} + map.q, "the map has another number of signals");

@@ -22,8 +22,8 @@ struct CertifyOptions {
   double law_tolerance = 1e-8;
   double plane_tolerance = 5e-9;            ///< greatest difference of a plane's distance in the box [scaled]
   const std::atomic<bool>* stop = nullptr;  ///< set from outside to end early
-  /// Processes that prove together; not owned. Each calls certify with the same map, program and options, and has the
-  /// same report. Only `certify` uses it.
+  /// Processes that prove together; not owned. Process 0 calls certify. The others call runCertifyProcess with the same
+  /// map, program and options. Only these two use it.
   ProcessGroup* group = nullptr;
   /// Called now and then from the calling thread. `total` is three times the number of regions: their conditions, their
   /// facets, and look-ups.
@@ -129,8 +129,9 @@ struct CertifyReport {
 
 /// Proves in rational arithmetic, or refutes, that the map is the solution of the program: see CERTIFICATE.md
 /// for the statement. Doubles count at their exact values. Throws Error when map and program do not have the
-/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. With a group
-/// it throws LostProcess in process 0, and Error where another process fails.
+/// same signals and problem text, or the program as a whole is infeasible, indefinite or has no interior. Also when the
+/// certificate would need a cell of more rows than the checker reads. With a group it throws LostProcess in process 0,
+/// and Error where another process fails or has another map or other tolerances.
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program,
                       const CertifyOptions& options = {});
 

@@ -50,8 +50,6 @@ struct ExploreStats {
   bool unsaved = false;
   /// Number of a lost process of the group. 0: none.
   int lost_process = 0;
-  /// CPU time. Maps do not contain it.
-  double cpu_seconds = 0.0;  ///< [s]
 };
 
 /// The solution of a parametric program. Regions are sorted by active set.

@@ -53,7 +53,7 @@ class LostProcess : public std::runtime_error {
 bool runWorkerProcess(const ParametricProgram& program, const ExploreOptions& options, ProcessGroup& group);
 
 /// For a process that cannot take part: the exploration of process 0 throws Error with this text and this
-/// process's rank. Returns when process 0 ends the group.
+/// process's rank. Returns when process 0 ends the exploration or the group.
 void reportFailure(const std::string& reason, ProcessGroup& group);
 
 }  // namespace polyfly

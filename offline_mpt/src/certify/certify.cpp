@@ -9,9 +9,11 @@
 #include "certify/certify_exactly.hpp"
 #include "certify/facet_cover_proof.hpp"
 #include "certify/lookup/lookup_proof.hpp"
+#include "certify/result_bytes.hpp"
 #include "certify/shared_loop.hpp"
 #include "certify/slivers.hpp"
 #include "certify/unbounded.hpp"
+#include "explore/parallel/group_exchange.hpp"
 #include "polyfly_base/error.hpp"
 #include "region_maps/region_map.hpp"
 #include "verify/same_signals.hpp"
@@ -37,6 +39,18 @@ void requireSameProblem(const RegionMap& map, const ParametricProgram& program) 
   requireSameSignals(map, program);
   if (map.problemText() != program.text)
     throw Error(map.path() + ": the problem text that it carries is not that of the problem " + program.name);
+}
+
+/// Results of one map say nothing of another: all processes of a group must prove the same.
+void requireSameTask(const RegionMap& map, const CertifyOptions& options) {
+  std::vector<std::byte> mine;
+  ResultWriter out(mine);
+  out(map.checksum(), options.law_tolerance, options.plane_tolerance);
+  const std::vector<std::vector<std::byte>> all = GroupExchange(options.group).round(std::move(mine));
+  for (std::size_t rank = 1; rank < all.size(); ++rank) {
+    if (all[rank] != all.front())
+      throw Error("process " + std::to_string(rank) + ": has another map or other tolerances");
+  }
 }
 
 /// Rows that no region of the map counts as active.
@@ -291,6 +305,7 @@ CertifyReport certifyExactly(const CheckContext& context, const std::string& hea
 CertifyReport certify(const RegionMap& map, const ParametricProgram& program, const CertifyOptions& options) {
   checkProgram(program);
   requireSameProblem(map, program);
+  requireSameTask(map, options);
   const std::vector<char> may_drop = rowsNeverActive(map, program.rowCount());
   const ProgramPerturbation adjustment = adjust(program, may_drop);
   const ExactProgram exact(program, adjustment);

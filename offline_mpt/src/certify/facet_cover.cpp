@@ -1,5 +1,7 @@
 #include "certify/facet_cover.hpp"
 
+#include "polyfly_base/error.hpp"
+
 namespace polyfly {
 namespace {
 
@@ -67,6 +69,10 @@ bool FacetCover::coverCell(Cell cell, std::size_t first, std::string& text) {
     if (vanishes(row)) {
       text += " z";
       continue;
+    }
+    if (cell.size() >= kMostCellRows) {
+      throw Error("region " + std::to_string(candidate.region) + ": to cover a facet needs cells of " +
+                  std::to_string(kMostCellRows) + " rows or more, which no certificate may have");
     }
     negated_.push_back(negate(row));
     Cell outside = cell;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -9,6 +10,9 @@
 #include "certify/farkas_proof.hpp"
 
 namespace polyfly {
+
+/// A cell of a cover that is cut has fewer rows. The checker refuses others.
+constexpr std::size_t kMostCellRows = 5000;
 
 /// A region that may lie behind a facet.
 struct CoverCandidate {
@@ -30,7 +34,8 @@ class FacetCover {
              const std::atomic<bool>* stop);
 
   /// `rows` of the region that the facet belongs to. The proof's text is appended to `text`. False:
-  /// uncovered() lies in the facet, and in no candidate; or it is empty, and the work was stopped.
+  /// uncovered() lies in the facet, and in no candidate; or it is empty, and the work was stopped. Throws Error
+  /// where a cell has too many rows.
   bool cover(const std::vector<ExactRow>& rows, std::string& text);
 
   const std::vector<Rational>& uncovered() const { return uncovered_; }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ctime>
 #include <functional>
 
 #include "explore/parallel/compute_regions.hpp"
@@ -158,7 +157,6 @@ void noteUnbounded(const NormalisedProgram& program, const ExploreOptions& optio
 
 Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& feasible,
                       UnboundedCost& unbounded, std::uint64_t key, const ExploreOptions& options) {
-  const std::clock_t cpu_start = std::clock();
   Partition partition;
   ExplorationState state(program);
   RegionWorkspace worker(program, options);
@@ -192,7 +190,6 @@ Partition exploreFrom(const NormalisedProgram& program, const Eigen::VectorXd& f
   partition.stats.degenerate_facets = state.degenerate_facets;
   partition.stats.lp_pivots = state.pivots;
   partition.stats.memory_bytes = state.memory.peak();
-  partition.stats.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   return partition;
 }
 

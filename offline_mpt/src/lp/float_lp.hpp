@@ -5,8 +5,8 @@
 
 namespace polyfly {
 
-/// Small linear programs in floating point, max c . x over a . x <= b and |x_j| <= 1. What they answer is a
-/// proposal that is proven or refused in whole numbers.
+/// Small linear programs in floating point, max c . x over a . x <= b and |x_j| <= 1. In proofs, what they
+/// answer is proven or refused in whole numbers. The exploration uses it as it is.
 class FloatLp {
  public:
   explicit FloatLp(int dimension) : dimension_(dimension) {}

@@ -79,8 +79,8 @@ inline std::size_t sectionBytes(const std::string& sizes, const std::string& pre
   return bytes;
 }
 
-/// Bytes of the instructions of the folder's code.c, without its tables, with the compiler's routines that they call. `entries` are
-/// options of the linker.
+/// Bytes of the instructions of the folder's code.c, without its tables, with the compiler's routines that they call.
+/// `entries` are options of the linker.
 inline std::size_t codeBytes(const ScratchFolder& folder, const std::string& compiler,
                              const std::string& level, const std::string& entries) {
   const std::string compile =

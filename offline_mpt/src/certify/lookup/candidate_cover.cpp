@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "certify/facet_cover.hpp"
 #include "certify/tolerances.hpp"
 
 namespace polyfly {
@@ -76,7 +77,7 @@ bool CandidateCover::cover(Cell cell, std::string& text) {
 }
 
 bool CandidateCover::coverBy(Cell cell, std::vector<std::uint32_t> left, std::string& text) {
-  if (context_.check.stopped() || ++cells_ > most_cells_) return false;
+  if (context_.check.stopped() || ++cells_ > most_cells_ || cell.size() >= kMostCellRows) return false;
   const Interior interior = findInterior(cell, nullptr, context_.check.program.p);
   if (!interior.exists) {
     text += " e";

@@ -114,8 +114,7 @@ void checkHeader(const CheckContext& context, const WholePlanes& planes, std::ve
           "the map's tolerance is less than twice that of its planes");
   require(4 * planes.rounding() <= planes.tolerance(),
           "distances from planes are not computed precisely enough: the rounding of a look-up may exceed a "
-          "quarter "
-          "of the map's tolerance");
+          "quarter of the map's tolerance");
   const Rational wide = Rational(1) / (Integer(1) << WholePlanes::kWideBits) - Rational(map.tolerance());
   for (std::size_t j = 0; j < context.program.half.size(); ++j) {
     const Rational size = abs(context.program.centre[j]) + context.program.half[j];

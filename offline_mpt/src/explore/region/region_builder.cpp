@@ -260,7 +260,7 @@ BuildStatus RegionBuilder::inflateFlat(const ActiveSet& active, Region& region) 
 // Of slacks that nearly repeat each other, a dictionary may lose all digits by which they differ, since it pivots on
 // such differences. FloatLp factorises the rows themselves at each step. Each row is left out in turn if the others
 // imply it.
-void RegionBuilder::decideNearRows(double tolerance) {
+BuildStatus RegionBuilder::decideNearRows(double tolerance) {
   const auto is_near = [&](int row) {
     const RowOrigin& origin = origins_[static_cast<std::size_t>(row)];
     return origin.kind == RowOrigin::Kind::kSlack && near_rows_[static_cast<std::size_t>(origin.index)] != 0;
@@ -275,13 +275,15 @@ void RegionBuilder::decideNearRows(double tolerance) {
   for (int i = 0; i < static_cast<int>(origins_.size()); ++i) {
     if (is_near(i)) left.emplace_back(i, std::vector<double>());
   }
+  bool failed = false;
   for (std::size_t k = 0; k < left.size();) {
-    if (!is_near(left[k].first) || isNeeded(left, k, tolerance)) {
+    if (!is_near(left[k].first) || isNeeded(left, k, tolerance, failed)) {
       ++k;
     } else {
       left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
     }
   }
+  if (failed) return BuildStatus::kFailed;
   std::sort(left.begin(), left.end());
   minimal_.facets.clear();
   minimal_.beyond.clear();
@@ -289,11 +291,13 @@ void RegionBuilder::decideNearRows(double tolerance) {
     minimal_.facets.push_back(row);
     minimal_.beyond.insert(minimal_.beyond.end(), beyond.begin(), beyond.end());
   }
+  return BuildStatus::kRegion;
 }
 
 // Whether a row can be violated by more than the tolerance where all others hold. Its point beyond is then filled in.
+// `failed` is set where that remains undecided: there is no point then.
 bool RegionBuilder::isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place,
-                             double tolerance) {
+                             double tolerance, bool& failed) {
   const auto row = [&](int i) { return rows_.begin() + static_cast<std::ptrdiff_t>(i) * width_; };
   near_solver_.clear();
   for (const auto& [i, beyond] : left) {
@@ -302,10 +306,11 @@ bool RegionBuilder::isNeeded(std::vector<std::pair<int, std::vector<double>>>& l
     near_solver_.add(half_space);
   }
   const auto own = row(left[place].first);
-  // Undecided rows stay.
-  if (near_solver_.maximise(std::vector<double>(own, own + program_.p)) == FloatLp::Status::kOptimal &&
-      near_solver_.objective() - own[program_.p] <= tolerance)
-    return false;
+  if (near_solver_.maximise(std::vector<double>(own, own + program_.p)) != FloatLp::Status::kOptimal) {
+    failed = true;
+    return true;
+  }
+  if (near_solver_.objective() - own[program_.p] <= tolerance) return false;
   left[place].second = near_solver_.x();
   return true;
 }
@@ -314,7 +319,7 @@ BuildStatus RegionBuilder::findFacets(const ActiveSet& active, double tolerance,
   const int count = static_cast<int>(origins_.size());
   if (!solver_.minimal(rows_.data(), count, region.centre.data(), tolerance, minimal_))
     return BuildStatus::kFailed;
-  if (!near_rows_.empty()) decideNearRows(tolerance);
+  if (!near_rows_.empty() && decideNearRows(tolerance) != BuildStatus::kRegion) return BuildStatus::kFailed;
   region.tight = active;
   region.tight.insert(region.tight.end(), idle_.begin(), idle_.end());
   std::sort(region.tight.begin(), region.tight.end());

@@ -102,8 +102,9 @@ class RegionBuilder {
   bool isIllConditioned() const { return doubtful_ || factor_.pivot() < tolerance::kDistant; }
   bool isFlat(const Region& region) const;
   BuildStatus findFacets(const ActiveSet& active, double tolerance, Region& region);
-  void decideNearRows(double tolerance);
-  bool isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place, double tolerance);
+  BuildStatus decideNearRows(double tolerance);
+  bool isNeeded(std::vector<std::pair<int, std::vector<double>>>& left, std::size_t place, double tolerance,
+                bool& failed);
   BuildStatus inflateFlat(const ActiveSet& active, Region& region);
   bool needsAccuracy(BuildStatus status, const Region& region) const;
   bool holdsAsSolved(const ActiveSet& active, const double* t, double tolerance);
