@@ -206,6 +206,8 @@ class Axis {
   }
   /// What the reference needs, of the last evaluate().
   const AxisTarget& goal() const noexcept { return goal_; }
+  /// The part of it that no disturbance asks for: acceleration and drag, also the drag that was found.
+  AxisTarget undisturbedGoal(const AxisReference& reference) const noexcept;
   const MpcProblem& problem() const noexcept { return law_->problem(); }
 
   /// Of the lag: its steady gain -b / a [1], and its time -1 / a or c / a [s]; not for the vertical axis.

@@ -46,11 +46,11 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
-bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+bool isFollowed(const TiltAngles& wanted, const TiltAngles& tilt,
                 const Eigen::Vector3d& velocity_error) noexcept {
   constexpr double kTilt = 0.1;      // [rad]
   constexpr double kVelocity = 0.5;  // [m/s]
-  return std::hypot(tilt.roll - followed.angle.roll, tilt.pitch - followed.angle.pitch) < kTilt &&
+  return std::hypot(tilt.roll - wanted.roll, tilt.pitch - wanted.pitch) < kTilt &&
          velocity_error.norm() < kVelocity;
 }
 

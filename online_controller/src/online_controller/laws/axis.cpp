@@ -384,6 +384,11 @@ AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
                 (offset_free_ ? observer_.rate() : 0.0) - foundDrag() * reference.acceleration);
 }
 
+AxisTarget Axis::undisturbedGoal(const AxisReference& reference) const noexcept {
+  if (!has_input_reference_) return {};
+  return target(reference, -foundDrag() * reference.velocity, -foundDrag() * reference.acceleration);
+}
+
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,
                              double input_offset, AxisReport& report) noexcept {
   const AxisTarget goal = goal_ = goalOf(reference);
