@@ -125,6 +125,7 @@ class Axis {
   void observe(const AxisSample& sample, double applied_input, int periods, double followed = 0.0) noexcept;
 
   void reset() noexcept;
+  /// Sets the observer's estimate [m/s^2] and forgets the drag that was found.
   void setDisturbance(double disturbance) noexcept;
 
   /// Goes on with the observer of another axis of the same model; one whose states stand in another order

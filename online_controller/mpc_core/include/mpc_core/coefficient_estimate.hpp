@@ -29,8 +29,6 @@ class CoefficientEstimate {
   void update(DisturbanceObserver& observer, double signal, int periods) noexcept;
 
   void reset() noexcept;
-  /// The observer's disturbance was set.
-  void disturbanceWasSet() noexcept { derivative_.setDisturbance(0.0); }
   /// Begins with the coefficient of `other` and what its model has `more`. It is as uncertain as any: another model stands
   /// behind it.
   void transferState(const CoefficientEstimate& other, double more) noexcept;

@@ -415,7 +415,6 @@ const ControlReport& MultirotorController::cannotAnswer(ControlReason reason) no
     AxisReport& axis = report_.axis[i];
     // What is applied is the last command, not what this sample could not answer.
     axis.input = inputs_[i];
-    axis.disturbance = axes_[i].disturbance();
     axis.region = -1;
     if (reason != ControlReason::kOutsidePartition) {  // no parameters were assembled
       axis.size = 0;
