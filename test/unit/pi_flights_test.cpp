@@ -420,6 +420,35 @@ TEST(PiFlights, AHoverInWindTeachesNothingAndFindsTheTrim) {
   }
 }
 
+// As after a command of another law, which is tracked. Else the next sample would teach what the reference before was.
+TEST(PiFlights, ACommandSentInsteadTeachesNothing) {
+  const Path path = helix(8.0, 5.0, 0.0);
+  NonlinearController replaced({}, {}), tracking({}, {});
+  RigidBodyPlant plant({}, path(0.0).position);
+  const auto fly = [&path](NonlinearController& law, const VehicleState& state) {
+    std::vector<Reference> preview;
+    for (int k = 0; k < law.previewLength(); ++k)
+      preview.push_back(path(state.stamp + k * law.previewPeriod()));
+    return law.step(state, preview.data()).command;
+  };
+  AttitudeCommand level;
+  level.thrust = RigidBodyOptions{}.mass * MultirotorOptions{}.gravity;
+  while (plant.time() < 8.0) {
+    const AttitudeCommand command = fly(replaced, plant.measure());
+    fly(tracking, plant.measure());
+    plant.advance(command, kPeriod);
+  }
+  fly(replaced, plant.measure());
+  replaced.sendInstead({plant.time(), ControlStatus::kLevel, ControlReason::kStale, level});
+  tracking.track(plant.measure(), level);
+  ASSERT_EQ(replaced.observer().drag(), tracking.observer().drag());
+  EXPECT_GT(replaced.observer().drag().norm(), 0.1);
+  plant.advance(level, kPeriod);
+  fly(replaced, plant.measure());
+  fly(tracking, plant.measure());
+  EXPECT_EQ(replaced.observer().drag(), tracking.observer().drag());
+}
+
 // Where the reference rests nothing is learnt: the push of the demonstration, after its figure, leaves all parameters
 // within the ranges that the maps hold.
 TEST(PiFlights, APushInHoverLeavesTheParametersInTheirRanges) {
