@@ -449,6 +449,24 @@ TEST(PiFlights, ACommandSentInsteadTeachesNothing) {
   EXPECT_EQ(replaced.observer().drag(), tracking.observer().drag());
 }
 
+// Else the published force would jump by the drag that was found.
+TEST(PiFlights, WithoutAnAnswerThePublishedForceStays) {
+  const Path path = helix(8.0, 5.0, 0.0);
+  MultirotorController law(
+      std::array<MpcProblem, 3>{problemWith("longitudinal", nullptr), problemWith("lateral", nullptr),
+                                problemWith("vertical", nullptr)},
+      {});
+  RigidBodyPlant plant({}, path(0.0).position);
+  while (plant.time() < 8.0) plant.advance(law.step(plant.measure(), path(plant.time())).command, kPeriod);
+  const std::array<AxisReport, 3> before = law.report().axis;
+  EXPECT_GT(std::hypot(before[0].disturbance, before[1].disturbance), 0.4);
+  Reference none = path(plant.time());
+  none.velocity.x() = std::nan("");
+  EXPECT_EQ(law.step(plant.measure(), none).status, ControlStatus::kHoldLast);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(law.report().axis[i].disturbance, before[i].disturbance);
+}
+
 // Where the reference rests nothing is learnt: the push of the demonstration, after its figure, leaves all parameters
 // within the ranges that the maps hold.
 TEST(PiFlights, APushInHoverLeavesTheParametersInTheirRanges) {
