@@ -149,6 +149,64 @@ MapContent robustContent(const std::string& problem_text, const std::vector<doub
   return content;
 }
 
+/// Lateral axis whose model has this drag [1/s] and B_d, and finds the rest of the drag.
+Axis lateralAxis(double drag, double disturbance_gain, bool adapt_model = true) {
+  polyfly::MpcProblem problem = polyfly::parseProblem(polyfly_test::axisProblem(1), "problem");
+  problem.A_c(1, 1) = -drag;
+  problem.Bd_c(1, 0) = disturbance_gain;
+  polyfly::MultirotorOptions options;
+  options.adapt_model = adapt_model;
+  return {polyfly::onlineAxisLaw(problem), kAxisNames[1], options};
+}
+
+/// The drag of model and estimate together [1/s].
+double wholeDrag(const Axis& axis, double disturbance_gain) {
+  AxisReference moving;
+  moving.velocity = 1.0;
+  return axis.drag() - disturbance_gain * (axis.disturbanceAt(moving) - axis.disturbanceAt({}));
+}
+
+/// Flies to and fro for 30 s with a drag of 0.17 1/s in wind; the velocity at the end [m/s].
+double teach(Axis& axis) {
+  constexpr double kPeriod = 0.01, kDrag = 0.17, kWind = 0.3, kGravity = 9.8066;
+  constexpr int kParts = 10;
+  AxisSample sample;
+  for (int k = 0; k < 3000; ++k) {
+    const double input = 0.2 * std::cos(0.01 * k), velocity = sample.velocity;
+    for (int part = 0; part < kParts; ++part) {
+      const double step = kPeriod / kParts;
+      sample.position += step * sample.velocity;
+      sample.velocity += step * (-kGravity * sample.angle - kDrag * sample.velocity + kWind);
+      sample.angle += step * axis.lagGain() / axis.lagTime() * (input - sample.angle / axis.lagGain());
+    }
+    axis.observe(sample, input, 1, velocity);
+  }
+  return sample.velocity;
+}
+
+TEST(Axis, KeepsTheDragOfTheVehicleInAnotherModel) {
+  Axis axis = lateralAxis(0.01, 1.0), twice = lateralAxis(0.01, 2.0), next = lateralAxis(0.05, 2.0);
+  const double velocity = teach(axis);
+  teach(twice);
+  EXPECT_NEAR(wholeDrag(axis, 1.0), 0.17, 0.01);
+  EXPECT_NEAR(wholeDrag(twice, 2.0), 0.17, 0.01);
+  next.transferState(axis);
+  EXPECT_NEAR(wholeDrag(next, 2.0), wholeDrag(axis, 1.0), 1e-12);
+
+  // One that finds no drag holds against the same force at this velocity.
+  Axis fixed = lateralAxis(0.01, 1.0, false);
+  fixed.transferState(axis);
+  AxisReference now;
+  now.velocity = velocity;
+  EXPECT_GT(std::abs(velocity), 0.5);
+  EXPECT_EQ(wholeDrag(fixed, 1.0), fixed.drag());
+  EXPECT_NEAR(fixed.disturbance(), axis.disturbanceAt(now), 0.01);
+
+  axis.setDisturbance(0.2);
+  EXPECT_EQ(axis.disturbance(), 0.2);
+  EXPECT_EQ(wholeDrag(axis, 1.0), axis.drag());
+}
+
 TEST(Axis, TakesTheMapOfARobustProblem) {
   const std::string text = polyfly_test::robustAxisProblem("lateral");
   const MapInMemory map(robustContent(text, {1.0, 10.0, 100.0, 1000.0, 10000.0}));

@@ -148,6 +148,21 @@ TEST(AttitudeTrim, FindsGainAndLagWhileTheReferenceTurns) {
   EXPECT_NEAR(rate.roll, 0.3 * by_rate, 0.1 * 0.3 * std::abs(by_rate));
   EXPECT_NEAR(rate.pitch, 0.4 * by_rate, 0.1 * 0.4 * std::abs(by_rate));
 
+  // Over a gap of 20 periods the loops that were found are predicted as long.
+  {
+    constexpr int kPeriods = 20;
+    constexpr double kGap = 0.3;
+    polyfly::AttitudeTrim late({0.9, 0.25, 0.9, 0.25}, {});
+    late.transferState(trim);
+    AttitudeCommand command;
+    command.roll = tilt.roll / kGain + kTrim + kGap;
+    command.pitch = tilt.pitch / kGain - kTrim;
+    const double left = std::exp(-kPeriods * kPeriod / kLag);
+    tilt.roll = left * tilt.roll + (1.0 - left) * kGain * (command.roll - kTrim);
+    late.update(tilt, command, kPeriods);
+    EXPECT_NEAR(late.angles().roll, trim.angles().roll, 1e-4);
+  }
+
   // Without a reference nothing is learnt, and the error turns with the trim.
   EXPECT_EQ(untaught.feedForward({{0.1, 0.1}, {0.3, 0.3}}, 0.0).roll, 0.0);
   polyfly::AttitudeTrim next({0.9, 0.25, 0.9, 0.25}, {});
@@ -159,6 +174,44 @@ TEST(AttitudeTrim, FindsGainAndLagWhileTheReferenceTurns) {
   EXPECT_NEAR(known.feedForward({{0.1, -0.2}, {0.3, 0.4}}, 0.0).roll, 0.0, 1e-3);
   trim.reset();
   EXPECT_EQ(trim.feedForward({{0.1, -0.2}, {}}, 0.0).roll, 0.0);
+}
+
+/// Flies round a circle of 8 m at 5 m/s for a minute with level thrust against its drag of 0.17 1/s; d = (0.3, 0, 0).
+VehicleState teachDrag(polyfly::ForceObserver& observer) {
+  constexpr double kRadius = 8.0, kRate = 5.0 / 8.0, kTrueDrag = 0.17;
+  VehicleState state;
+  for (int k = 0; k <= 6000; ++k) {
+    const double phase = kRate * kPeriod * k;
+    const Eigen::Vector3d out(std::cos(phase), std::sin(phase), 0.0), along(-out.y(), out.x(), 0.0);
+    state.stamp = kPeriod * k;
+    state.position = kRadius * out;
+    state.velocity = kRadius * kRate * along;
+    Eigen::Vector3d thrust = -kRadius * kRate * kRate * out + kTrueDrag * state.velocity;
+    thrust += Eigen::Vector3d(-0.3, 0.0, kGravity);
+    state.attitude = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), thrust);
+    observer.update(state, thrust.norm(), 1, state.velocity);
+  }
+  return state;
+}
+
+TEST(ForceObserver, FindsADragAndLeavesItsForceToOneThatFindsNone) {
+  const polyfly::MultirotorModel model;
+  polyfly::ForceObserver observer(model, {}, 0.0, true), next(model, {}, 0.0, true), fixed(model, {});
+  const VehicleState last = teachDrag(observer);
+  EXPECT_NEAR(observer.drag().x(), 0.16, 0.01);
+  EXPECT_NEAR(observer.drag().y(), 0.16, 0.01);
+  EXPECT_NEAR(observer.disturbance().x(), 0.3, 0.05);
+  next.transferState(observer);
+  EXPECT_EQ(next.drag(), observer.drag());
+  EXPECT_EQ(next.disturbance(), observer.disturbance());
+  fixed.transferState(observer);
+  EXPECT_EQ(fixed.drag(), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d whole = observer.disturbance() - observer.drag().cwiseProduct(last.velocity);
+  EXPECT_LT((fixed.disturbance() - whole).norm(), 0.01);
+
+  observer.setDisturbance({0.1, 0.2, 0.3});
+  EXPECT_EQ(observer.drag(), Eigen::Vector3d::Zero());
+  EXPECT_EQ(observer.disturbance(), Eigen::Vector3d(0.1, 0.2, 0.3));
 }
 
 /// A vehicle with the attitude loops of MomentModel about small angles, under a force and a moment,

@@ -19,15 +19,17 @@ struct TiltModel {
   double pitch_time = 0.25;  ///< [s]
 };
 
-/// Roll and pitch of the reference, and their derivatives.
+/// Roll and pitch that the reference itself needs, and their derivatives. What holds against a disturbance is no part of
+/// them: in a constant wind a gain could not be told from a trim.
 struct FollowedTilt {
   TiltAngles angle;  ///< [rad]
   TiltAngles rate;   ///< [rad/s]
 };
 
-/// Whether the vehicle flies what it follows: the tilt within 0.1 rad and the velocity within 0.5 m/s. Else the reference
-/// tells nothing of what the loops and the drag do.
-bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+/// Whether the vehicle flies what it follows: the tilt within 0.1 rad of the one that is `wanted` in all, with what holds
+/// against the disturbance, and the velocity within 0.5 m/s. Else the reference tells nothing of what the loops and the drag
+/// do.
+bool isFollowed(const TiltAngles& wanted, const TiltAngles& tilt,
                 const Eigen::Vector3d& velocity_error) noexcept;
 
 /// How the attitude loops differ from the law's model of them, angle' = (gain command - angle) / time about
@@ -55,7 +57,8 @@ class AttitudeTrim {
   static constexpr double kMost = 0.1;
 
   /// Finds no trim with options.trim_drift 0 or options.offset_free unset, then no gain and lag either, nor with
-  /// options.adapt_model unset; no coupling with options.coupling_drift 0. Throws Error when the model's times or gains are not above 0.
+  /// options.adapt_model unset; no coupling with options.coupling_drift 0. Throws Error when the model's times or gains are
+  /// not above 0.
   AttitudeTrim(const TiltModel& model, const MultirotorOptions& options);
 
   /// Roll and pitch were measured `periods` control periods after the last time; meanwhile `held` was the

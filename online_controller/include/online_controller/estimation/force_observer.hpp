@@ -38,9 +38,9 @@ class ForceObserver {
               const Eigen::Vector3d& followed = Eigen::Vector3d::Zero()) noexcept;
 
   void reset() noexcept;
-  /// Sets the estimate of d [m/s^2], and its rate to 0.
+  /// Sets the estimate of d [m/s^2], its rate and c to 0.
   void setDisturbance(const Eigen::Vector3d& disturbance) noexcept;
-  /// Continues with the estimates of `other`.
+  /// Continues with the estimates of `other`. An observer that finds no c takes what c makes of the velocity into d.
   void transferState(const ForceObserver& other) noexcept;
 
   Eigen::Vector3d position() const noexcept;  ///< [m]

@@ -125,6 +125,7 @@ class Axis {
   void observe(const AxisSample& sample, double applied_input, int periods, double followed = 0.0) noexcept;
 
   void reset() noexcept;
+  /// Sets the observer's estimate [m/s^2] and forgets the drag that was found.
   void setDisturbance(double disturbance) noexcept;
 
   /// Goes on with the observer of another axis of the same model; one whose states stand in another order
@@ -206,6 +207,8 @@ class Axis {
   }
   /// What the reference needs, of the last evaluate().
   const AxisTarget& goal() const noexcept { return goal_; }
+  /// The part of it that no disturbance asks for: acceleration and drag, also the drag that was found.
+  AxisTarget undisturbedGoal(const AxisReference& reference) const noexcept;
   const MpcProblem& problem() const noexcept { return law_->problem(); }
 
   /// Of the lag: its steady gain -b / a [1], and its time -1 / a or c / a [s]; not for the vertical axis.

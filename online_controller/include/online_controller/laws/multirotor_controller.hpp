@@ -97,8 +97,9 @@ class MultirotorController : public ControlLaw {
   double observed_until_ = 0.0;
   bool observing_ = false;
   AttitudeTrim trim_;
-  // What of the reference the last command followed; 0 where another law sent it.
+  // What of the reference the last command followed, and its whole tilt; 0 where another law sent it.
   FollowedTilt followed_;
+  TiltAngles wanted_tilt_;                                       // [rad]
   Eigen::Vector3d followed_velocity_ = Eigen::Vector3d::Zero();  // [m/s]
   // What gain and lag that were found added to the last command [rad].
   TiltAngles feed_forward_;

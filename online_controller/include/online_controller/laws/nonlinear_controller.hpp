@@ -42,6 +42,7 @@ class NonlinearController : public ControlLaw {
   void predictYaw(double yaw, const Reference* preview) noexcept;
   Eigen::Vector3d disturbanceAt(const Reference& reference) const noexcept;
   StageReference onPath(const Reference& path, double yaw, const Eigen::Vector3d& disturbance) const noexcept;
+  FollowedTilt undisturbedTilt(const Reference& now, const Reference& next) const noexcept;
   void lead(StageReference& from, const StageReference& to, const TiltAngles& decay) const noexcept;
   void makeReferences(const Reference* preview) noexcept;
   void matchStages() noexcept;
@@ -67,8 +68,12 @@ class NonlinearController : public ControlLaw {
   Eigen::Vector3d disturbance_rate_ = Eigen::Vector3d::Zero();
   // Drag along the axes of W that the model leaves out [1/s].
   Eigen::Vector3d drag_ = Eigen::Vector3d::Zero();
-  // Tilt of the reference, and what of the reference the last command followed; 0 where another law sent it.
-  FollowedTilt path_tilt_, followed_;
+  // Tilt that the reference needs: in all, and without a disturbance.
+  TiltAngles path_tilt_;  // [rad]
+  FollowedTilt undisturbed_tilt_;
+  // What of the reference the last command followed, and its whole tilt; 0 where another law sent it.
+  FollowedTilt followed_;
+  TiltAngles wanted_tilt_;                                       // [rad]
   Eigen::Vector3d followed_velocity_ = Eigen::Vector3d::Zero();  // [m/s]
   // N + 1 stages; the last one has the yaw at the end.
   std::vector<StageConditions> stages_;

@@ -81,7 +81,7 @@ struct MultirotorOptions {
   /// is not known matters more. The robust law has none [m/s^3].
   double disturbance_rate_drift = 0.0;
   /// Whether the laws find in flight by how much drag, gain and lag of the vehicle differ from their model, and correct
-  /// their references by that. Needs offset_free. The robust law does not.
+  /// their references by that. Needs offset_free, gain and lag also trim_drift. The robust law does not.
   bool adapt_model = true;
   ObserverNoise noise;
   /// Drift of the attitude's trim per control period; 0: only the given trim [rad].

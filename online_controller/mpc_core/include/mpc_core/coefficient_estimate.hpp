@@ -29,8 +29,6 @@ class CoefficientEstimate {
   void update(DisturbanceObserver& observer, double signal, int periods) noexcept;
 
   void reset() noexcept;
-  /// The observer's disturbance was set.
-  void disturbanceWasSet() noexcept { derivative_.setDisturbance(0.0); }
   /// Begins with the coefficient of `other` and what its model has `more`. Another model makes it as uncertain as at the
   /// beginning.
   void transferState(const CoefficientEstimate& other, double more) noexcept;

@@ -46,11 +46,11 @@ AttitudeTrim::Loop AttitudeTrim::makeLoop(double gain, double time, const Multir
   return loop;
 }
 
-bool isFollowed(const FollowedTilt& followed, const TiltAngles& tilt,
+bool isFollowed(const TiltAngles& wanted, const TiltAngles& tilt,
                 const Eigen::Vector3d& velocity_error) noexcept {
   constexpr double kTilt = 0.1;      // [rad]
   constexpr double kVelocity = 0.5;  // [m/s]
-  return std::hypot(tilt.roll - followed.angle.roll, tilt.pitch - followed.angle.pitch) < kTilt &&
+  return std::hypot(tilt.roll - wanted.roll, tilt.pitch - wanted.pitch) < kTilt &&
          velocity_error.norm() < kVelocity;
 }
 
@@ -71,18 +71,19 @@ AttitudeTrim::AttitudeTrim(const TiltModel& model, const MultirotorOptions& opti
 }
 
 // c1 s + c2 s' is the part of the disturbance with which the model's angle ends where the loop's does that was found:
-// after a period the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in the model.
+// after these periods the latter is what its own lag makes of it. `turned` is the command that the coupling stands for in the model.
 void AttitudeTrim::updateLoop(Loop& loop, double measured, double command, double turned,
                               int periods) const noexcept {
   const double whole = command + turned;
   double known = 0.0;
   if (loop.by_angle) {
+    const double duration = period_ * periods;
     const double stiffness = loop.stiffness(), damping = loop.damping();
     const double angle = loop.observer.state()[0];
     const double trim = loop.observer.disturbance();
     const double drive = command - trim + damping * loop.gain / loop.time * turned;
-    const double moved = -std::expm1(-period_ * stiffness / damping) * (drive / stiffness - angle);
-    const double share = -std::expm1(-period_ / loop.time);
+    const double moved = -std::expm1(-duration * stiffness / damping) * (drive / stiffness - angle);
+    const double share = -std::expm1(-duration / loop.time);
     known = whole - trim - (moved / share + angle) / loop.gain;
   }
   loop.observer.update(&measured, &whole, periods, known);

@@ -28,7 +28,7 @@ double checkedDelay(double delay, const MultirotorOptions& options) {
 
 // What the predictor does not know of the disturbance costs the delay times that in velocity, while its noise costs little
 // for the same reason. So it follows faster than the observers of the laws. With half as much drift again the nonlinear law
-// comes near to oscillating over a loop of second order that counts as a lag of 0.09 s and a delay of 0.18 s.
+// comes near to oscillating. That was over a loop that counts as a lag of 0.09 s and a delay of 0.18 s.
 MultirotorOptions following(MultirotorOptions options) {
   constexpr double kDrift = 0.2;  // in a second [m/s^2]
   options.adapt_model = false;
@@ -75,7 +75,7 @@ DelayPredictor::DelayPredictor(const VehicleModel& model, const MultirotorOption
       period_(options.control_period),
       hover_{options.roll_trim, options.pitch_trim, 0.0, options.mass * options.gravity},
       force_(model.motion, following(options)),
-      trim_(loopsOf(model.motion), options) {
+      trim_(loopsOf(model.motion), following(options)) {
   model_.motion.gravity = options.gravity;
   reset();
 }

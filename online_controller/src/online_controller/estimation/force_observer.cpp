@@ -74,11 +74,14 @@ void ForceObserver::update(const VehicleState& state, double thrust, int periods
 
 void ForceObserver::transferState(const ForceObserver& other) noexcept {
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].transferState(other.axes_[i]);
-  if (drag_ && other.drag_)
-    for (std::size_t i = 0; i < drag_->size(); ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
+  for (std::size_t i = 0; other.drag_ && i < other.drag_->size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    if (drag_) {
       (*drag_)[i].transferState((*other.drag_)[i], other.model_.drag(axis) - model_.drag(axis));
+    } else {
+      axes_[i].setDisturbance(other.axes_[i].disturbance() - other.drag()(axis) * other.axes_[i].state()[1]);
     }
+  }
   last_attitude_ = other.last_attitude_;
   last_velocity_ = other.last_velocity_;
   started_ = other.started_;
@@ -89,7 +92,7 @@ void ForceObserver::setDisturbance(const Eigen::Vector3d& disturbance) noexcept 
     axes_[i].setDisturbance(disturbance(static_cast<Eigen::Index>(i)));
   }
   if (!drag_) return;
-  for (CoefficientEstimate& drag : *drag_) drag.disturbanceWasSet();
+  for (CoefficientEstimate& drag : *drag_) drag.reset();
 }
 
 void ForceObserver::reset() noexcept {

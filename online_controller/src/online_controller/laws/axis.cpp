@@ -101,10 +101,10 @@ Axis::Axis(std::unique_ptr<AxisLaw> law, const AxisNames& names, const Multiroto
     constant_share_ = 1.0 - std::exp(-options.control_period / options.robust_estimate_time);
   }
   readModel(law_->problem(), names);
-  // The rotors' drag acts in their plane.
+  // The rotors' drag acts in their plane. Over B_d it is a disturbance.
   if (has_lag_ && offset_free_ && options.adapt_model)
     drag_.emplace(law_->problem(), observerOptions(law_->problem(), names, options), velocity_state_,
-                  kDragDeviation);
+                  kDragDeviation / std::abs(disturbance_gain_));
   if (options.solve_outside) beyond_ = law_->onlineEquivalent();
   std::vector<bool> errors;
   for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) errors.push_back(isError(entries_[i]));
@@ -177,13 +177,21 @@ void Axis::transferState(const Axis& other) noexcept {
       angle_state_ != other.angle_state_ || has_rate_ != other.has_rate_ || rate_state_ != other.rate_state_)
     return;
   observer_.transferState(other.observer_);
-  if (drag_ && other.drag_) drag_->transferState(*other.drag_, (other.drag() - drag()) / disturbance_gain_);
+  // The vehicle's drag stays, whatever of it the models have.
+  if (drag_ && other.drag_) {
+    const double more =
+        (other.disturbance_gain_ - disturbance_gain_) * other.foundDrag() + (other.drag() - drag());
+    drag_->transferState(*other.drag_, more / disturbance_gain_);
+  } else if (other.drag_) {
+    const double velocity = other.observer_.state()[velocity_state_];
+    observer_.setDisturbance(observer_.disturbance() - other.foundDrag() * velocity);
+  }
   if (constant_share_ > 0.0) constant_part_ = other.constant_part_;
 }
 
 void Axis::setDisturbance(double disturbance) noexcept {
   observer_.setDisturbance(disturbance / disturbance_gain_);
-  if (drag_) drag_->disturbanceWasSet();
+  if (drag_) drag_->reset();
   if (constant_share_ > 0.0) constant_part_ = observer_.disturbance();
 }
 
@@ -382,6 +390,11 @@ AxisTarget Axis::goalOf(const AxisReference& reference) const noexcept {
   if (!has_input_reference_) return {};
   return target(reference, disturbanceAt(reference) + reference.disturbance / disturbance_gain_,
                 (offset_free_ ? observer_.rate() : 0.0) - foundDrag() * reference.acceleration);
+}
+
+AxisTarget Axis::undisturbedGoal(const AxisReference& reference) const noexcept {
+  if (!has_input_reference_) return {};
+  return target(reference, -foundDrag() * reference.velocity, -foundDrag() * reference.acceleration);
 }
 
 ControlStatus Axis::evaluate(const AxisSample& sample, const AxisReference& reference, double previous_input,

@@ -316,6 +316,7 @@ void MultirotorController::track(const VehicleState& state, const AttitudeComman
     inputs_[i] = std::clamp(applied_[i], axes_[i].inputLower(), axes_[i].inputUpper());
   }
   report_.command = sent;
+  followNothing();
 }
 
 void MultirotorController::observe(const VehicleState& state, const Measured& measured) noexcept {
@@ -333,7 +334,7 @@ void MultirotorController::observe(const VehicleState& state, const Measured& me
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  if (!isFollowed(followed_, measured.tilt, state.velocity - followed_velocity_)) followNothing();
+  if (!isFollowed(wanted_tilt_, measured.tilt, state.velocity - followed_velocity_)) followNothing();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].observe(measured.axes[i], applied_[i], periods,
                      followed_velocity_(static_cast<Eigen::Index>(i)));
@@ -375,16 +376,20 @@ void MultirotorController::send(const TiltAngles& measured_tilt, double yaw,
 // Until something is sent.
 void MultirotorController::followNothing() noexcept {
   followed_ = {};
+  wanted_tilt_ = {};
   followed_velocity_.setZero();
 }
 
 // The axes' angles are T / g times the tilt. Euler angles turn with the body besides.
 void MultirotorController::follow(const Reference& reference, double thrust, double yaw) noexcept {
-  const AxisTarget &along = axes_[0].goal(), &across = axes_[1].goal();
   const double share = options_.gravity / thrust;
   const double turn = report_.command.yaw_rate;
-  followed_.angle = worldToBodyTilt({share * across.angle, share * along.angle}, yaw);
-  followed_.rate = worldToBodyTilt({share * across.rate, share * along.rate}, yaw);
+  wanted_tilt_ = worldToBodyTilt({share * axes_[1].goal().angle, share * axes_[0].goal().angle}, yaw);
+  const Eigen::Vector3d nothing = Eigen::Vector3d::Zero();
+  const AxisTarget forward = axes_[0].undisturbedGoal(along(reference, nothing, 0));
+  const AxisTarget across = axes_[1].undisturbedGoal(along(reference, nothing, 1));
+  followed_.angle = worldToBodyTilt({share * across.angle, share * forward.angle}, yaw);
+  followed_.rate = worldToBodyTilt({share * across.rate, share * forward.rate}, yaw);
   followed_.rate.roll += turn * followed_.angle.pitch;
   followed_.rate.pitch -= turn * followed_.angle.roll;
   followed_velocity_ = reference.velocity;
@@ -410,7 +415,6 @@ const ControlReport& MultirotorController::cannotAnswer(ControlReason reason) no
     AxisReport& axis = report_.axis[i];
     // What is applied is the last command, not what this sample could not answer.
     axis.input = inputs_[i];
-    axis.disturbance = axes_[i].disturbance();
     axis.region = -1;
     if (reason != ControlReason::kOutsidePartition) {  // no parameters were assembled
       axis.size = 0;
@@ -451,6 +455,7 @@ void MultirotorController::forget(LawMemory what) noexcept {
 }
 
 void MultirotorController::forgetPlan() noexcept {
+  followNothing();
   for (AxisReport& axis : report_.axis) axis.input = 0.0;
   inputs_.fill(0.0);
   applied_.fill(0.0);

@@ -144,7 +144,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
                         ? state.stamp
                         : observed_until_ + periods * options_.control_period;
   observing_ = true;
-  if (!isFollowed(followed_, {angles.roll, angles.pitch}, state.velocity - followed_velocity_))
+  if (!isFollowed(wanted_tilt_, {angles.roll, angles.pitch}, state.velocity - followed_velocity_))
     followNothing();
   observer_.update(state, report_.command.thrust / options_.mass, periods, followed_velocity_);
   trim_.update({angles.roll, angles.pitch}, report_.command, periods, followed_);
@@ -158,6 +158,7 @@ int NonlinearController::observe(const VehicleState& state, const EulerAngles& a
 // Until something is sent.
 void NonlinearController::followNothing() noexcept {
   followed_ = {};
+  wanted_tilt_ = {};
   followed_velocity_.setZero();
 }
 
@@ -199,6 +200,16 @@ StageReference NonlinearController::onPath(const Reference& path, double yaw,
   return reference;
 }
 
+// At the path's points of now and of a control period later. The drag that was found is none of the disturbance.
+FollowedTilt NonlinearController::undisturbedTilt(const Reference& now,
+                                                  const Reference& next) const noexcept {
+  const double period = options_.control_period;
+  const StageReference from = onPath(now, yaw_, -drag_.cwiseProduct(now.velocity));
+  const StageReference to =
+      onPath(next, yaw_ + period * stages_.front().yaw_rate, -drag_.cwiseProduct(next.velocity));
+  return {{from.roll, from.pitch}, {(to.roll - from.roll) / period, (to.pitch - from.pitch) / period}};
+}
+
 // The commands that lead the attitude from one reference through the next one.
 void NonlinearController::lead(StageReference& from, const StageReference& to,
                                const TiltAngles& decay) const noexcept {
@@ -221,7 +232,8 @@ void NonlinearController::makeReferences(const Reference* preview) noexcept {
   const StageReference next = onPath(soon, yaw_ + period * stages_.front().yaw_rate,
                                      disturbanceAt(soon) + period * disturbance_rate_);
   lead(now, next, period_decay_);
-  path_tilt_ = {{now.roll, now.pitch}, {(next.roll - now.roll) / period, (next.pitch - now.pitch) / period}};
+  path_tilt_ = {now.roll, now.pitch};
+  undisturbed_tilt_ = undisturbedTilt(*preview, soon);
   for (std::size_t k = 0; k + 1 < references_.size(); ++k)
     lead(references_[k], references_[k + 1], stage_decay_);
   sooner_ = {now.roll_command - references_.front().roll_command,
@@ -317,8 +329,9 @@ void NonlinearController::send(const EulerAngles& angles, const Reference& refer
   AttitudeCommand& command = report_.command;
   command.yaw_rate = yawRate(options_, reference, angles.yaw);
   const TiltAngles by = added({angles.roll, angles.pitch}, command.yaw_rate);
-  const TiltAngles ahead = trim_.feedForward(path_tilt_, command.yaw_rate);
-  followed_ = path_tilt_;
+  const TiltAngles ahead = trim_.feedForward(undisturbed_tilt_, command.yaw_rate);
+  followed_ = undisturbed_tilt_;
+  wanted_tilt_ = path_tilt_;
   followed_velocity_ = reference.velocity;
   // The QP meets the bounds up to rounding; what is sent meets them exactly.
   command.roll =
@@ -364,6 +377,7 @@ void NonlinearController::forget(LawMemory what) noexcept {
 }
 
 void NonlinearController::forgetPlan() noexcept {
+  followNothing();
   has_command_ = false;
   report_.axis.fill(AxisReport{});
   iterating_ = false;
@@ -377,6 +391,7 @@ void NonlinearController::track(const VehicleState& state, const AttitudeCommand
   has_command_ = true;
   iterating_ = false;
   prepared_ = false;
+  followNothing();
 }
 
 }  // namespace polyfly
