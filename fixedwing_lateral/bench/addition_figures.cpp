@@ -98,7 +98,8 @@ FlightMetrics fly(const Plant& plant, const Row& row, bool box, bool windy) {
   plan.conditions.airspeed = plant.airspeed;
   const Mission mission = box ? boxFigure(size) : dubinsFigure(plan, size);
   GuidanceOptions options = parameters.guidance;
-  if (box) options.criterion.acceptance_radius *= size;
+  // At a bisector it grows with the speed by itself.
+  if (box && !options.criterion.at_bisector) options.criterion.acceptance_radius *= size;
   const std::unique_ptr<Aircraft> aircraft = aircraftOf(plant, wind * Vector2d(0.6, -0.8));
   LateralGuidance guidance(options, "additions");
   guidance.setMission(mission);

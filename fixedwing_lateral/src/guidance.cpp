@@ -86,6 +86,7 @@ void LateralGuidance::trustOptimisation() noexcept {
 }
 
 void LateralGuidance::shapeCorner() noexcept {
+  track_.setNearScale(scaling_.scale * scaling_.scale);
   if (track_.empty() || !track_.gate().isBisected()) return;
   const CornerConditions conditions{air_.airspeed(), air_.wind(), options_.limits.roll_reference,
                                     nmpc_.horizon() * nmpc_.stepDuration()};
@@ -196,8 +197,8 @@ void LateralGuidance::prepare() noexcept {
 GuidanceReason LateralGuidance::fault(const GuidanceInput& input) noexcept {
   const AircraftState& state = input.state;
   if (!isFinite(state) || !std::isfinite(input.time)) return GuidanceReason::kNotFinite;
-  if (std::abs(input.time - state.stamp) > options_.safety.state_timeout) return GuidanceReason::kStale;
-  if (repeats(state)) return GuidanceReason::kStale;
+  if (std::abs(input.time - state.stamp) > options_.safety.state_timeout || repeats(state))
+    return GuidanceReason::kStale;
   return hasJumped(state) ? GuidanceReason::kJump : GuidanceReason::kNone;
 }
 
@@ -332,8 +333,7 @@ void LateralGuidance::fillData() noexcept {
 void LateralGuidance::restart(const LateralState& state) noexcept {
   fillData();
   nmpc_.reset(data_, state, state[Index::kRoll]);
-  needs_restart_ = false;
-  prepared_ = false;
+  needs_restart_ = prepared_ = false;
   output_.restarted = true;
 }
 

@@ -119,11 +119,12 @@ bool MissionTrack::hasPassedEnd(const Eigen::Vector2d& position) noexcept {
 bool MissionTrack::hasMissedEnd(const Eigen::Vector2d& position) noexcept {
   const double distance = (position - pointAt(current(), length(current())).position).norm();
   if (!std::isfinite(distance)) return false;
-  if (distance > kLeftShare * near_radius_) {
+  const double near_radius = near_scale_ * near_radius_;
+  if (distance > kLeftShare * near_radius) {
     misses_ += close_to_end_ ? 1 : 0;
     close_to_end_ = false;
-  } else if (distance < near_radius_ &&
-             closestPoint(current(), position).remaining < kPi / 2.0 * near_radius_) {
+  } else if (distance < near_radius &&
+             closestPoint(current(), position).remaining < kPi / 2.0 * near_radius) {
     close_to_end_ = true;
   }
   return misses_ >= kMissesMost;

@@ -53,11 +53,13 @@ LateralWeights scaledWeights(const LateralWeights& weights, const SpeedScaling& 
 CornerShape cornerShapeOf(const SwitchGate& gate, const CornerConditions& conditions, double scaled_airspeed,
                           const LateralModel& model) noexcept {
   CornerShape shape;
-  if (scaled_airspeed > 0.0) {
-    const double scale = std::max(1.0, (conditions.airspeed + conditions.wind.norm()) / scaled_airspeed);
-    shape.radius_scale = scale * scale;
-  }
   const double speed = std::max(0.0, conditions.airspeed + gate.cornerDirection().dot(conditions.wind));
+  if (scaled_airspeed > 0.0) {
+    const double most = std::max(1.0, (conditions.airspeed + conditions.wind.norm()) / scaled_airspeed);
+    shape.radius_scale = most * most;
+    const double here = std::max(1.0, speed / scaled_airspeed);
+    shape.published_scale = here * here;
+  }
   const double radius = speed * speed / (model.gravity * std::tan(conditions.roll));
   const double unseen = radius * gate.cornerAngle() + speed * (model.a1 / model.a0 - conditions.horizon);
   shape.lead = kLeadShare * std::max(0.0, unseen);

@@ -54,11 +54,11 @@ bool SwitchGate::isMetAsPublished(const Eigen::Vector2d& position,
                                   const Eigen::Vector2d& ground_velocity) const noexcept {
   if (!can_open_) return false;
   // Written so that a NaN fails each of them.
-  if (!((position - end_.position).norm() < radius())) return false;
+  if (!((position - end_.position).norm() < publishedRadius())) return false;
   const double speed = ground_velocity.norm();
   if (!(speed >= kLeastGroundSpeed)) return false;
   if (!(end_.tangent.dot(ground_velocity) > least_course_cosine_ * speed)) return false;
-  return closestPoint(segment_, position).remaining <= kLongestRest * radius();
+  return closestPoint(segment_, position).remaining <= kLongestRest * publishedRadius();
 }
 
 bool SwitchGate::isOutOfReach(const Eigen::Vector2d& position, double distance) const noexcept {

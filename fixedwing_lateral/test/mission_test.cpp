@@ -127,6 +127,22 @@ TEST(MissionTrack, GoesOnWhereAnEndWasMissedTwice) {
   EXPECT_TRUE(track.isLoitering());
 }
 
+// The passes of a faster aircraft are wider by the square of its speed.
+TEST(MissionTrack, GoesOnWhereAFasterAircraftMissedAnEndTwice) {
+  const double scale = 52.0 / 14.0 * 52.0 / 14.0;
+  const ArcSegment arc{{0.0, 0.0}, scale * 30.0, TurnDirection::kRight, 0.0, 1.0};
+  const Vector2d westward(0.0, -52.0);
+  for (const bool is_scaled : {false, true}) {
+    MissionTrack track(makeMission({arc}, {}, "test"), kCriterion, "test");
+    if (is_scaled) track.setNearScale(scale);
+    for (int pass = 0; pass < 2; ++pass) {
+      EXPECT_FALSE(track.advance(scale * Vector2d(16.0, 150.0), westward));
+      EXPECT_FALSE(track.advance(scale * Vector2d(60.0, 20.0), westward));
+      EXPECT_EQ(track.advance(scale * Vector2d(60.0, -100.0), westward), is_scaled && pass == 1);
+    }
+  }
+}
+
 TEST(MissionTrack, WaitsForANumber) {
   MissionTrack track(missionThrough({{0.0, 0.0}, {200.0, 0.0}}, {}, "test"), kCriterion, "test");
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

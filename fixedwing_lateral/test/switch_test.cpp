@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "fixedwing_lateral/model.hpp"
+#include "fixedwing_lateral/speed_scaling.hpp"
 #include "polyfly_base/error.hpp"
 
 namespace {
@@ -112,6 +114,30 @@ TEST(SwitchGate, AtItsBisectorKeepsThePublishedConditionForLawsThatAskForIt) {
   EXPECT_FALSE(gate.isMet({170.0, 0.0}, course(0.0)));
   EXPECT_TRUE(gate.isMetAsPublished({170.0, 0.0}, course(0.0)));
   EXPECT_FALSE(gate.isMetAsPublished({170.0, 0.0}, course(50.0)));
+}
+
+// A law that does not look ahead switches a corner on the radius: that of the ground speed in the corner's own direction.
+TEST(SwitchGate, AsPublishedGrowsWithTheSpeedInTheDirectionOfItsCorner) {
+  SwitchGate gate = gateOf(kNorthward);
+  gate.bisect({0.0, 1.0});
+  const Vector2d between = Vector2d(1.0, 1.0).normalized();
+  CornerConditions conditions;
+  conditions.airspeed = 52.0;
+  // (wind along the corner, speed over ground) [m/s]; the wind across does not count.
+  for (const auto& [along, speed] : {std::pair(0.0, 52.0), std::pair(26.0, 78.0), std::pair(-26.0, 26.0)}) {
+    conditions.wind = along * between + 20.0 * Vector2d(-between.y(), between.x());
+    gate.shapeCorner(cornerShapeOf(gate, conditions, 14.0, LateralModel{}));
+    const double radius = 35.0 * speed / 14.0 * speed / 14.0;
+    EXPECT_TRUE(gate.isMetAsPublished({200.0, 0.999 * radius}, course(0.0))) << along;
+    EXPECT_FALSE(gate.isMetAsPublished({200.0, 1.001 * radius}, course(0.0))) << along;
+  }
+  // Below the airspeed of the options, and where nothing is scaled, it stays.
+  conditions.wind = -45.0 * between;
+  for (const double scaled_airspeed : {14.0, 0.0}) {
+    gate.shapeCorner(cornerShapeOf(gate, conditions, scaled_airspeed, LateralModel{}));
+    EXPECT_TRUE(gate.isMetAsPublished({200.0, 34.9}, course(0.0)));
+    EXPECT_FALSE(gate.isMetAsPublished({200.0, 35.1}, course(0.0)));
+  }
 }
 
 // Where a path leads back, nothing is cut, and there is no side on which the next segment is nearer.

@@ -14,14 +14,14 @@ namespace {
 
 // Half widths of the stretch over which a rate is measured, in the order in which they are tried: the narrow one is for fast
 // loops, and noisier [s].
-constexpr double kRateHalfWidths[] = {0.3, 0.12};
+constexpr double kHalfStretches[] = {0.3, 0.12};
 // Share of a move's greatest rate from which on it counts as moving.
 constexpr double kMoving = 0.5;
 // Greatest deviation from a rate that counts as the same, as a share.
 constexpr double kSameRate = 0.1;
 // Least share of the time of moving at one rate.
 constexpr double kSteadyShare = 0.5;
-// Least time at one rate [s].
+// Least time at one rate [s]. Not less than the stretch, over which a step that is shorter has one mean rate.
 constexpr double kLeastSteady = 0.3;
 // Greatest change of the command while the response moves at one rate, as a share of the response's.
 constexpr double kResting = 0.5;
@@ -71,12 +71,12 @@ double commandRange(const LoopSegment& segment, const TimeWindow& window) {
 
 /// The steady part of one move in one direction, if it has one.
 void addSteady(const LoopSegment& segment, const std::vector<double>& rates, const SampleRun& move,
-               std::vector<SteadyMove>* moves) {
+               double least_steady, std::vector<SteadyMove>* moves) {
   double greatest = 0.0;
   for (std::size_t i = move.first; i < move.last; ++i) greatest = std::max(greatest, std::abs(rates[i]));
   const SampleRun moving =
       longestRun(segment, move, [&](std::size_t i) { return std::abs(rates[i]) >= kMoving * greatest; });
-  if (durationOf(segment, moving) < kLeastSteady) return;
+  if (durationOf(segment, moving) < least_steady) return;
   std::vector<double> sorted;
   for (std::size_t i = moving.first; i < moving.last; ++i) sorted.push_back(std::abs(rates[i]));
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -86,7 +86,7 @@ void addSteady(const LoopSegment& segment, const std::vector<double>& rates, con
     return std::abs(std::abs(rates[i]) - level) <= kSameRate * level;
   });
   const double duration = durationOf(segment, steady);
-  if (duration < kLeastSteady || duration < kSteadyShare * durationOf(segment, moving)) return;
+  if (duration < least_steady || duration < kSteadyShare * durationOf(segment, moving)) return;
   const TimeWindow window{segment.time[steady.first], segment.time[steady.last - 1]};
   const double change = std::abs(segment.response[steady.last - 1] - segment.response[steady.first]);
   if (commandRange(segment, window) > kResting * change) return;
@@ -95,11 +95,13 @@ void addSteady(const LoopSegment& segment, const std::vector<double>& rates, con
   moves->push_back({window, sum / static_cast<double>(steady.last - steady.first)});
 }
 
-void addMoves(const LoopSegment& segment, const std::vector<double>& rates, std::vector<SteadyMove>* moves) {
+void addMoves(const LoopSegment& segment, const std::vector<double>& rates, double half_stretch,
+              std::vector<SteadyMove>* moves) {
+  const double least_steady = std::max(kLeastSteady, 2.0 * half_stretch);
   for (std::size_t i = 0; i < rates.size();) {
     std::size_t end = i + 1;
     while (end < rates.size() && (rates[end] > 0.0) == (rates[i] > 0.0)) ++end;
-    addSteady(segment, rates, {i, end}, moves);
+    addSteady(segment, rates, {i, end}, least_steady, moves);
     i = end;
   }
 }
@@ -116,15 +118,16 @@ std::string rateReason(const char* format, double one, double other) {
   return buffer;
 }
 
-LoopRates ratesOver(const std::vector<LoopSegment>& segments, double half_width) {
+LoopRates ratesOver(const std::vector<LoopSegment>& segments, double half_stretch) {
   LoopRates result;
+  result.half_stretch = half_stretch;
   std::vector<double> sizes;
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
   for (const LoopSegment& segment : segments) {
     if (segment.time.size() < 3) continue;
-    const std::vector<double> rates =
-        smoothedMean(segment.time, segment.response, std::max(half_width, segment.smoothing));
-    addMoves(segment, rates, &result.moves);
+    const double half_width = std::max(half_stretch, segment.smoothing);
+    const std::vector<double> rates = smoothedMean(segment.time, segment.response, half_width);
+    addMoves(segment, rates, half_width, &result.moves);
     for (const double rate : rates) sizes.push_back(std::abs(rate));
     const auto ends = std::minmax_element(segment.response.begin(), segment.response.end());
     least = std::min(least, *ends.first);
@@ -140,23 +143,26 @@ LoopRates ratesOver(const std::vector<LoopSegment>& segments, double half_width)
 
 }  // namespace
 
-LoopRates loopRates(const std::vector<LoopSegment>& segments) {
-  LoopRates result;
-  for (const double half_width : kRateHalfWidths) {
-    result = ratesOver(segments, half_width);
-    if (greatestRate({result}).supported()) break;
+std::vector<LoopRates> loopRates(const std::vector<std::vector<LoopSegment>>& flights) {
+  std::vector<LoopRates> widest;
+  for (const double half_stretch : kHalfStretches) {
+    std::vector<LoopRates> rates;
+    for (const std::vector<LoopSegment>& segments : flights)
+      rates.push_back(ratesOver(segments, half_stretch));
+    if (greatestRate(rates).supported()) return rates;
+    if (widest.empty()) widest = std::move(rates);
   }
-  return result;
+  return widest;
 }
 
-std::vector<TimeWindow> stretchesAt(double rate, const std::vector<LoopSegment>& segments) {
+std::vector<TimeWindow> stretchesAt(const GreatestRate& rate, const std::vector<LoopSegment>& segments) {
   std::vector<TimeWindow> result;
   for (const LoopSegment& segment : segments) {
     if (segment.time.size() < 3) continue;
-    const double half_width = std::max(kRateHalfWidths[0], segment.smoothing);
+    const double half_width = std::max(rate.half_stretch, segment.smoothing);
     const std::vector<double> rates = smoothedMean(segment.time, segment.response, half_width);
     for (std::size_t i = 0; i < rates.size(); ++i) {
-      if (std::abs(rates[i]) < (1.0 - kSameRate) * rate) continue;
+      if (std::abs(rates[i]) < (1.0 - kSameRate) * rate.value) continue;
       const TimeWindow around{segment.time[i] - half_width, segment.time[i] + half_width};
       if (result.empty() || around.from > result.back().to)
         result.push_back(around);
@@ -170,6 +176,7 @@ std::vector<TimeWindow> stretchesAt(double rate, const std::vector<LoopSegment>&
 GreatestRate greatestRate(const std::vector<LoopRates>& flights) {
   GreatestRate result;
   double limit = 0.0, fastest = 0.0;
+  if (!flights.empty()) result.half_stretch = flights.front().half_stretch;
   for (const LoopRates& flight : flights) {
     fastest = std::max(fastest, flight.fastest);
     for (const SteadyMove& move : flight.moves) limit = std::max(limit, move.rate);

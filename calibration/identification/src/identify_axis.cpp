@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "axis_stages.hpp"
 #include "diagnose.hpp"
 #include "follow.hpp"
 #include "identification/flight_phases.hpp"
@@ -145,15 +146,13 @@ double blockLength(const std::vector<LoopSegment>& segments) {
   return std::clamp(0.4 * longest, kShortestBlock, kLongestBlock);
 }
 
-// A linear model has no greatest rate: where the loop moves at it, nothing is fitted.
-void leaveOutGreatestRate(const std::vector<LoopSegment>& segments, std::vector<TimeWindow>* windows,
-                          AxisModel* model) {
-  if (!model->greatest_rate->supported()) return;
-  std::vector<RejectedWindow> left_out;
-  for (const TimeWindow& stretch : stretchesAt(model->greatest_rate->value, segments))
-    left_out.push_back({stretch, "the rate is at its limit"});
-  *windows = windowsWithout(*windows, left_out);
-  for (RejectedWindow& one : left_out) model->choice.rejected.push_back(std::move(one));
+// What is flown at the greatest rate, if there is one.
+std::vector<RejectedWindow> atGreatestRate(const AxisModel& model, const std::vector<LoopSegment>& segments) {
+  std::vector<RejectedWindow> found;
+  if (!model.greatest_rate || !model.greatest_rate->supported()) return found;
+  for (const TimeWindow& stretch : stretchesAt(*model.greatest_rate, segments))
+    found.push_back({stretch, "the rate is at its limit"});
+  return found;
 }
 
 std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const LoopRecord& record,
@@ -166,6 +165,20 @@ std::vector<TimeWindow> given(const std::vector<TimeWindow>& windows, const Loop
   choice->windows = windows;
   choice->rejected.clear();
   return windows;
+}
+
+// Where the models are validated on another flight.
+std::vector<LoopSegment> validationSegments(const AxisRecords& records, const LoopRecord& clean,
+                                            const IdentifyOptions& options, const AxisModel& model) {
+  ExcitationChoice choice;
+  const auto chosen = given(options.validation_windows, clean, options, &choice);
+  const std::vector<LoopSegment> all = cutSegments(clean, chosen, options.fit.delay_greatest);
+  const std::string where = clean.source + ": " + model.axis + ": ";
+  if (all.empty()) throw Error(where + "nothing to validate on" + whyUnusable(records.validation->response));
+  std::vector<LoopSegment> rest =
+      cutSegments(clean, windowsWithout(chosen, atGreatestRate(model, all)), options.fit.delay_greatest);
+  if (rest.empty()) throw Error(where + "nothing to validate on: the response moves at its greatest rate");
+  return rest;
 }
 
 }  // namespace
@@ -184,7 +197,7 @@ void judgeModels(const FitOptions& bounds, AxisModel* model) {
   model->supported = (handed_out != nullptr ? *handed_out : model->controller_models.front()).supported();
 }
 
-AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
+AxisModel chooseWindows(const AxisRecords& records, const IdentifyOptions& options) {
   AxisModel model;
   model.axis = records.axis;
   model.unit = records.unit;
@@ -196,15 +209,8 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
   const std::string where = model.source + ": " + model.axis + ": ";
   if (model.record.command.time.empty()) throw Error(where + "no command");
   if (model.record.response.time.empty()) throw Error(where + "no response");
-  std::vector<TimeWindow> windows = given(options.windows, model.record, options, &model.choice);
-  if (options.second_order) {
-    const std::vector<LoopSegment> all = cutSegments(model.record, windows, options.fit.delay_greatest);
-    model.rates = loopRates(all);
-    model.greatest_rate = greatestRate({model.rates});
-    leaveOutGreatestRate(all, &windows, &model);
-    model.choice.windows = windows;
-  }
-  model.segments = cutSegments(model.record, windows, options.fit.delay_greatest);
+  model.choice.windows = given(options.windows, model.record, options, &model.choice);
+  model.segments = cutSegments(model.record, model.choice.windows, options.fit.delay_greatest);
   if (model.segments.empty()) {
     throw Error(where +
                 (options.windows.empty() ? "no stretch in which the command moves and the response follows"
@@ -212,33 +218,55 @@ AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& option
                 whyNotFlight(records.training.not_flight, options.windows) +
                 whyUnusable(records.training.response));
   }
+  return model;
+}
+
+void leaveOutGreatestRate(const FitOptions& fit, const std::vector<AxisModel*>& flights) {
+  std::vector<std::vector<LoopSegment>> segments;
+  for (const AxisModel* flight : flights) segments.push_back(flight->segments);
+  const GreatestRate rate = greatestRate(loopRates(segments));
+  for (AxisModel* flight : flights) {
+    flight->greatest_rate = rate;
+    std::vector<RejectedWindow> left_out = atGreatestRate(*flight, flight->segments);
+    if (left_out.empty()) continue;
+    flight->choice.windows = windowsWithout(flight->choice.windows, left_out);
+    flight->segments = cutSegments(flight->record, flight->choice.windows, fit.delay_greatest);
+    for (RejectedWindow& one : left_out) flight->choice.rejected.push_back(std::move(one));
+  }
+}
+
+void fitAxis(const AxisRecords& records, const IdentifyOptions& options, AxisModel* model) {
+  const std::string where = model->source + ": " + model->axis + ": ";
+  if (model->segments.empty())
+    throw Error(where +
+                "the response moves at its greatest rate in all that was chosen: fly smaller steps too");
   FitOptions fit = options.fit;
   fit.order = LoopOrder::kFirst;
   fit.with_delay = true;
   try {
-    fitAll(fit, options.second_order, &model);
+    fitAll(fit, options.second_order, model);
   } catch (const Error& error) {
     throw Error(where + error.what());
   }
   if (records.validation) {
     CleaningCounts ignored;
     const LoopRecord other = cleanRecord(*records.validation, &ignored);
-    ExcitationChoice choice;
-    const auto chosen = given(options.validation_windows, other, options, &choice);
-    std::vector<LoopSegment> segments = cutSegments(other, chosen, options.fit.delay_greatest);
-    if (segments.empty()) {
-      throw Error(other.source + ": " + model.axis + ": nothing to validate on" +
-                  whyUnusable(records.validation->response));
-    }
-    takeValidation(validateOnFlight(model, other.source, segments), &model);
+    takeValidation(
+        validateOnFlight(*model, other.source, validationSegments(records, other, options, *model)), model);
   } else {
-    takeValidation(validateByHalves(model.record, model.segments, fit, model.controller_models.size()),
-                   &model);
+    takeValidation(validateByHalves(model->record, model->segments, fit, model->controller_models.size()),
+                   model);
   }
-  model.frequency_response = measureFrequencyResponse(model.segments, blockLength(model.segments),
-                                                      kGreatestFrequency, kFrequencyPoints);
-  model.warnings = diagnose(model, records, fit);
-  judgeModels(fit, &model);
+  model->frequency_response = measureFrequencyResponse(model->segments, blockLength(model->segments),
+                                                       kGreatestFrequency, kFrequencyPoints);
+  model->warnings = diagnose(*model, records, fit);
+  judgeModels(fit, model);
+}
+
+AxisModel identifyAxis(const AxisRecords& records, const IdentifyOptions& options) {
+  AxisModel model = chooseWindows(records, options);
+  if (options.second_order) leaveOutGreatestRate(options.fit, {&model});
+  fitAxis(records, options, &model);
   return model;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "axis_stages.hpp"
 #include "diagnose.hpp"
 #include "identification/random_effects.hpp"
 #include "polyfly_base/error.hpp"
@@ -25,6 +26,7 @@ constexpr double kDropBetween = 8.0;
 struct IdentifiedFlight {
   AxisModel model;
   AxisRecords records;
+  IdentifyOptions options;
   // From the flight's own time to that of all flights [s].
   double shift = 0.0;
   // Where the record begins on the clock of all flights [s].
@@ -236,13 +238,11 @@ AxisModel pooledModel(std::vector<IdentifiedFlight> flights, const IdentifyOptio
   layOut(&flights);
   AxisRecords records = joined(flights);
   records.validation = validation;
-  AxisModel model = identifyAxis(records, jointOptions(flights, options));
-  if (model.greatest_rate) {
-    // The flights' own windows no longer hold the moves at the greatest rate.
-    std::vector<LoopRates> rates;
-    for (const IdentifiedFlight& flight : flights) rates.push_back(flight.model.rates);
-    model.greatest_rate = greatestRate(rates);
-  }
+  const IdentifyOptions joint = jointOptions(flights, options);
+  AxisModel model = chooseWindows(records, joint);
+  // The flights' own windows hold no moves at the greatest rate.
+  model.greatest_rate = flights.front().model.greatest_rate;
+  fitAxis(records, joint, &model);
   addFlights(flights, validateByFlights(flights, &model), &model);
   FitOptions bounds = options.fit;
   bounds.order = LoopOrder::kFirst;
@@ -291,24 +291,40 @@ LoopFit poolFits(LoopFit fit, const std::vector<LoopFit>& flights) {
 }
 
 AxisModel identifyFlights(const std::vector<AxisFlightRecords>& flights, const IdentifyOptions& options) {
-  std::vector<IdentifiedFlight> identified;
   std::vector<std::string> left_out;
   std::optional<LoopRecord> validation;
+  std::vector<IdentifiedFlight> chosen;
   for (const AxisFlightRecords& flight : flights) {
-    AxisRecords records = flight.records;
-    if (records.validation) validation = records.validation;
+    if (flight.records.validation) validation = flight.records.validation;
     IdentifyOptions own = options;
     own.windows = flight.windows;
     try {
-      AxisModel model = identifyAxis(records, own);
-      identified.push_back({std::move(model), std::move(records)});
+      chosen.push_back({chooseWindows(flight.records, own), flight.records, own});
+    } catch (const Error& error) {
+      left_out.emplace_back(error.what());
+    }
+  }
+  if (options.second_order) {
+    std::vector<AxisModel*> models;
+    for (IdentifiedFlight& flight : chosen) models.push_back(&flight.model);
+    leaveOutGreatestRate(options.fit, models);
+  }
+  std::vector<IdentifiedFlight> identified;
+  for (IdentifiedFlight& flight : chosen) {
+    try {
+      fitAxis(flight.records, flight.options, &flight.model);
+      identified.push_back(std::move(flight));
     } catch (const Error& error) {
       left_out.emplace_back(error.what());
     }
   }
   if (identified.empty()) throw Error(left_out.front());
-  AxisModel model = identified.size() > 1 ? pooledModel(std::move(identified), options, validation)
-                                          : std::move(identified.front().model);
+  AxisModel model;
+  if (identified.size() > 1)
+    model = pooledModel(std::move(identified), options, validation);
+  else  // Without what the flights that are left out say of the greatest rate.
+    model = chosen.size() > 1 ? identifyAxis(identified.front().records, identified.front().options)
+                              : std::move(identified.front().model);
   for (const std::string& sentence : left_out) model.warnings.push_back("Left out: " + sentence);
   return model;
 }

@@ -49,7 +49,7 @@ inline LateralWeights defaultWeights() {
 }
 
 /// When a segment counts as flown by default: a corner at its bisector. So the horizon sees of each place the error from the
-/// nearer segment, and a corner is cut on the inside no more than it is passed on the outside.
+/// nearer segment. A corner is then cut no farther on the inside than it is passed on the outside.
 inline SwitchCriterion defaultCriterion() {
   SwitchCriterion criterion;
   criterion.at_bisector = true;

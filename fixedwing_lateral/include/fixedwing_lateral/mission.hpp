@@ -58,6 +58,9 @@ class MissionTrack {
   /// Of the corner at the end of the segment that is flown. Of a track that is not empty. Allocates nothing.
   void shapeCorner(const CornerShape& shape) noexcept { gates_[index_].shapeCorner(shape); }
 
+  /// Factor of the radius within which an aircraft is close to an end, > 0: turns of a faster aircraft are wider.
+  void setNearScale(double scale) noexcept { near_scale_ = scale; }
+
   /// Goes on by at most one segment; true where it did. Corners count by the rule of the criterion, or as published.
   /// Allocates nothing.
   bool advance(const Eigen::Vector2d& position, const Eigen::Vector2d& ground_velocity,
@@ -73,7 +76,8 @@ class MissionTrack {
   // True when the last call had a position on the second half of the segment.
   bool near_end_ = false;
   double near_radius_ = 0.0;
-  // True while the aircraft is within near_radius_ of the segment's end.
+  double near_scale_ = 1.0;
+  // True while the aircraft is within the scaled near_radius_ of the segment's end.
   bool close_to_end_ = false;
   // Number of times that the segment's end was missed.
   int misses_ = 0;

@@ -40,6 +40,9 @@ namespace polyfly {
 // long, with the mean delay of the roll loop. In wind that can be more than v T, which the horizon of length T sees; then
 // it would begin the turn late. The corner is switched earlier by half of what it does not see. Downwind that halves
 // the error over a corner (rms 3.0 m to 1.8 at 14 m/s in a wind of 7 m/s); in calm a right angle needs none.
+//
+// At a bisector the radius only bounds where the corner is sought, so it is that of the fastest direction. A law that does
+// not look ahead switches on the radius itself: it grows with the ground speed v in the direction of this corner.
 
 /// What an airspeed makes of the options.
 struct SpeedScaling {

@@ -23,6 +23,8 @@ struct SwitchCriterion {
 struct CornerShape {
   double radius_scale = 1.0;  ///< factor of the acceptance radius, > 0
   double lead = 0.0;          ///< how far before the bisector it is switched [m], >= 0
+  /// The same factor for the condition as published, where the radius decides how early a corner is switched.
+  double published_scale = 1.0;
 };
 
 /// The switch condition of one segment, made ready for the horizon.
@@ -65,6 +67,9 @@ class SwitchGate {
  private:
   double radius() const noexcept {
     return at_bisector_ ? shape_.radius_scale * acceptance_radius_ : acceptance_radius_;
+  }
+  double publishedRadius() const noexcept {
+    return at_bisector_ ? shape_.published_scale * acceptance_radius_ : acceptance_radius_;
   }
 
   bool can_open_ = false;

@@ -77,8 +77,6 @@ struct AxisModel {
   LoopFit without_delay;
   /// Second-order model of Eq. 45 with a delay.
   std::optional<LoopFit> second_order;
-  /// What the flight shows of the loop's rates, where a second-order model was asked for.
-  LoopRates rates;
   /// With a second-order model: the greatest rate, of all flights.
   std::optional<GreatestRate> greatest_rate;
   /// Validation of with_delay.
