@@ -35,6 +35,7 @@ void MultirotorController::transferState(const ControlLaw& from) noexcept {
   limit(options_, report_.command);
   applied_ = other->applied_;
   followed_ = other->followed_;
+  wanted_tilt_ = other->wanted_tilt_;
   followed_velocity_ = other->followed_velocity_;
   feed_forward_ = other->feed_forward_;
   if (clock_.period() == other->clock_.period()) clock_ = other->clock_;
@@ -53,7 +54,9 @@ void NonlinearController::transferState(const ControlLaw& from) noexcept {
   limit(options_, report_.command);
   yaw_ = other->yaw_;
   path_tilt_ = other->path_tilt_;
+  undisturbed_tilt_ = other->undisturbed_tilt_;
   followed_ = other->followed_;
+  wanted_tilt_ = other->wanted_tilt_;
   followed_velocity_ = other->followed_velocity_;
   observed_until_ = other->observed_until_;
   observing_ = other->observing_;
