@@ -110,12 +110,15 @@ class FlightTest(unittest.TestCase):
         for status in flown.statuses:
             self.assertEqual(status.status, OPTIMAL, status.text)
         numbers = os.path.join(self.folder, name + ".json")
-        command = [find_node("calibration", "validate_bag")[0], "--strict", "--bag", launch.bag, "--json", numbers, "--map"]
+        command = [find_node("calibration", "validate_bag")[0], "--bag", launch.bag, "--json", numbers, "--map"]
         command += [os.path.join(maps, "multirotor_%s.map" % axis) for axis in flight.AXES]
         replay = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         self.assertEqual(replay.returncode, 0, replay.stdout)
         with open(numbers) as file:
             report = json.load(file)
+        # Simulated time runs as fast as the machine does, so the recorder may be late.
+        self.assertEqual([text for text in report["warnings"] if "the recorder's clock" not in text], [])
+        self.assertEqual(report["broken"], [])
         self.assertEqual(report["status"]["differing"], 0)
         self.assertEqual(report["coverage"], 1.0)
         return flown, report
